@@ -1,0 +1,166 @@
+"""Emission of `generated/`: one code path that writes it, or compares it with what is there.
+
+The bytes depend on the sources alone: no dates, no paths, no hash order; the formatter runs as
+part of emission.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import jinja2
+import sympy
+
+from derivation.lowering import Argument, Function, lower
+from derivation.models import Module, catalogue
+from derivation.printing import code
+from derivation.symbols import Quantity
+
+SOURCES = Path(__file__).parent
+#: the committed output
+GENERATED = SOURCES.parent / "generated"
+_WIDTH = 100
+
+_PACKAGE = '''"""Numba modules made by `python -m derivation`; do not edit.
+
+One module a model and variant. They import math and numba only.
+"""
+'''
+
+
+def source_digest() -> str:
+    """SHA-256 over the sources and templates of the derivation, in the order of their names."""
+    digest = hashlib.sha256()
+    files = [*SOURCES.glob("*.py"), *SOURCES.glob("templates/*.jinja")]
+    for path in sorted(files, key=lambda path: path.name):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def emit() -> dict[str, str]:
+    """Text of every file of `generated/`, by name."""
+    digest = source_digest()
+    template = _environment().get_template("module.py.jinja")
+    files = {"__init__.py": _PACKAGE}
+    for module in catalogue():
+        functions = [(function, lower(function)) for function in module.functions]
+        text = template.render(
+            module=module,
+            functions=functions,
+            inputs=list(_input_names(module)),
+            digest=digest,
+            sources="derivation/",
+            sympy_version=sympy.__version__,
+            operations=sum(block.operations for _, block in functions),
+            temporaries=sum(len(block.temporaries) for _, block in functions),
+        )
+        if "math." not in text:
+            text = text.replace("import math\n\n", "")
+        files[f"{module.name}.py"] = _formatted(text)
+    return files
+
+
+def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:
+    """A unified diff for every file that is missing, differs, or stands in `folder` unasked."""
+    present = {path.name for path in folder.glob("*.py")}
+    for name in sorted(present | set(files)):
+        old = (folder / name).read_text() if name in present else ""
+        new = files.get(name, "")
+        if old != new:
+            yield "".join(
+                difflib.unified_diff(
+                    old.splitlines(keepends=True),
+                    new.splitlines(keepends=True),
+                    f"{folder.name}/{name}" if name in present else "/dev/null",
+                    f"emitted/{name}" if name in files else "/dev/null",
+                )
+            )
+
+
+def write(files: Mapping[str, str], folder: Path) -> None:
+    """Write every file into `folder`, and remove modules that are no longer emitted."""
+    folder.mkdir(exist_ok=True)
+    for orphan in {path.name for path in folder.glob("*.py")} - set(files):
+        (folder / orphan).unlink()
+    for name, text in files.items():
+        (folder / name).write_text(text)
+
+
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(SOURCES / "templates"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    environment.globals.update(
+        code=code,
+        names=_names,
+        equation=_equation,
+        signature=_signature,
+        describe=_describe,
+        result=_result,
+        elements=_out_elements,
+        zip=zip,
+    )
+    return environment
+
+
+def _formatted(text: str) -> str:
+    command = [sys.executable, "-m", "ruff", "format", "--isolated", f"--line-length={_WIDTH}", "-"]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+
+
+def _names(quantities: tuple[Quantity, ...]) -> str:
+    return repr(tuple(quantity.name for quantity in quantities))
+
+
+def _equation(quantity: Quantity) -> str:
+    return f", ({quantity.equation})" if quantity.equation not in ("", "-") else ""
+
+
+def _input_names(module: Module) -> Iterator[tuple[str, str]]:
+    """RHS_INPUTS and JACOBIAN_INPUTS: what stands between `state` and `params`."""
+    if module.state:
+        for function in module.functions[:2]:
+            names = tuple(argument.name for argument in function.arguments[1:-1])
+            yield f"{function.name.upper()}_INPUTS", repr(names)
+
+
+def _signature(function: Function) -> str:
+    names = [argument.name for argument in function.arguments]
+    return ", ".join(names if function.output_names else [*names, "out"])
+
+
+def _describe(argument: Argument) -> str:
+    first = argument.quantities[0]
+    if not argument.shape:
+        return f"{first.meaning} [{first.unit}]"
+    names = ", ".join(quantity.name for quantity in argument.quantities)
+    shape = ", ".join(str(length) for length in argument.shape)
+    if len(argument.quantities) > 9:
+        names = "as listed above"
+    return f"({shape}) {names}"
+
+
+def _result(function: Function) -> str:
+    if function.output_names:
+        return f"Returns {', '.join(function.output_names)}."
+    shape = ", ".join(str(length) for length in _out_shape(function))
+    return f"out: ({shape}) filled with the result."
+
+
+def _out_shape(function: Function) -> tuple[int, ...]:
+    rows, columns = function.outputs.shape
+    return (rows,) if columns == 1 else (rows, columns)
+
+
+def _out_elements(function: Function) -> tuple[str, ...]:
+    return Argument("out", (), _out_shape(function)).elements

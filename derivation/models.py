@@ -1,0 +1,460 @@
+"""The catalogue of emitted modules: which equations, for which scene, with which arguments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from derivation import euler_parameters as ep
+from derivation import multiscale as ms
+from derivation import ray
+from derivation import rigid_body as rb
+from derivation import symbols as sy
+from derivation.lowering import Argument, Function
+from derivation.symbols import Quantity, vector
+
+
+@dataclass(frozen=True)
+class Module:
+    """One file of `generated/`."""
+
+    name: str
+    title: str
+    notes: str
+    state: tuple[Quantity, ...]
+    params: tuple[Quantity, ...]
+    functions: tuple[Function, ...]
+    #: numba options of its functions, written out literally in the module
+    jit_options: str = "cache=True"
+
+
+FORCE = Argument("force", sy.FORCE, (3,))
+MOMENT = Argument("moment", sy.MOMENT, (3,))
+FORCE_GRADIENT = Argument("force_gradient", sy.FORCE_GRADIENT, (3, 3))
+MOMENT_GRADIENT = Argument("moment_gradient", sy.MOMENT_GRADIENT, (3, 3))
+FORCE_CURVATURE = Argument("force_curvature", sy.FORCE_CURVATURE, (3, 3))
+MOMENT_CURVATURE = Argument("moment_curvature", sy.MOMENT_CURVATURE, (3, 3))
+
+_DF = sp.Matrix(3, 3, vector(sy.FORCE_GRADIENT))
+_DM = sp.Matrix(3, 3, vector(sy.MOMENT_GRADIENT))
+_HF = sp.Matrix(3, 3, vector(sy.FORCE_CURVATURE))
+_HM = sp.Matrix(3, 3, vector(sy.MOMENT_CURVATURE))
+
+#: how each input changes with the position: dF/dq, dM/dq, and for the rates along u = (F + W)/beta_v
+#: d(DF u)/dq = HF + DF DF/beta_v
+_OVER_POSITION = (
+    (vector(sy.FORCE), _DF),
+    (vector(sy.MOMENT), _DM),
+    (ms.Fdot, _HF + _DF * _DF / rb.beta_v),
+    (ms.Mdot, _HM + _DM * _DF / rb.beta_v),
+)
+
+
+def jacobian(rates: sp.MatrixBase, state: tuple[Quantity, ...]) -> sp.MatrixBase:
+    """d(rates)/d(state), through the light's force and moment where they depend on position."""
+    result = rates.jacobian(vector(state))
+    for inputs, gradient in _OVER_POSITION:
+        result[:, :3] += rates.jacobian(inputs) * gradient
+    return result
+
+
+def _named(quantities: tuple[Quantity, ...], values: sp.MatrixBase):
+    return tuple(zip(quantities, values, strict=True))
+
+
+def _scalars(quantities: tuple[Quantity, ...]) -> tuple[Argument, ...]:
+    return tuple(Argument(quantity.name, (quantity,)) for quantity in quantities)
+
+
+def _dynamics(
+    name: str,
+    title: str,
+    notes: str,
+    state: tuple[Quantity, ...],
+    params: tuple[Quantity, ...],
+    rates: sp.MatrixBase,
+    inputs: tuple[Argument, ...],
+    jacobian_inputs: tuple[Argument, ...],
+    intermediates: tuple[tuple[Quantity, sp.Expr], ...] = (),
+    extra: tuple[Function, ...] = (),
+    keep: tuple[Quantity, ...] = (),
+) -> Module:
+    """A model: its right-hand side and its Jacobian.
+
+    Intermediates in `keep` stay named in the Jacobian too: they depend on the inputs alone, and
+    `_OVER_POSITION` has their derivatives; the others are differentiated through.
+    """
+    arguments = (Argument("state", state, (len(state),)), *inputs)
+    parameters = Argument("params", params, (len(params),))
+    rhs = Function(
+        "rhs", "Rate of change of the state.", (*arguments, parameters), rates, intermediates
+    )
+    differentiated = Function(
+        "", "", (), rates, tuple(pair for pair in intermediates if pair[0] not in keep)
+    ).expanded()
+    derivative = Function(
+        "jacobian",
+        "Derivative of the right-hand side: out[i, j] = d(rate i)/d(state j).",
+        (*arguments, *jacobian_inputs, parameters),
+        jacobian(differentiated, state),
+        tuple(pair for pair in intermediates if pair[0] in keep),
+    )
+    return Module(name, title, notes, state, params, (rhs, derivative, *extra))
+
+
+_SPHERE = (sy.SPHERE_INERTIA,)
+_TRANSLATION_NOTES = "No rotation: for a bead on which the light exerts no moment."
+_SPHERE_NOTES = "A sphere: K (A.17) vanishes. State (e, omega), which no constraint can leave."
+_BODY_NOTES = "Any principal moments of inertia. State (e, omega), which no constraint can leave."
+_RATES_NOTES = (
+    "The thesis's own state (e, e'), with (A.24) solved in closed form. The constraints (A.21)\n"
+    "and (A.22) hold along exact solutions only: project the state (`kinematics.project`)."
+)
+
+
+def _inertia(kind: str) -> tuple[tuple[Quantity, ...], sp.MatrixBase]:
+    return (_SPHERE, rb.I_sphere) if kind == "sphere" else (sy.INERTIA, rb.I_AA)
+
+
+def _inertial_models(scaling: bool) -> list[Module]:
+    """`full` (A.25), or `scaled` (4.17): translation, and the rotation of sphere and rigid body."""
+    prefix = "scaled" if scaling else "full"
+    title = "Scaled model (4.17)" if scaling else "Full model (A.25)"
+    a2 = ms.a2 if scaling else sp.Integer(1)
+    leading = (sy.SCALING,) if scaling else ()
+    acceleration = ms.scaled_acceleration if scaling else rb.acceleration
+    translation_params = (sy.MASS, sy.DRAG, *leading, *sy.WEIGHT)
+    modules = [
+        _dynamics(
+            f"{prefix}_translation",
+            f"{title}: translation.",
+            _TRANSLATION_NOTES,
+            (*sy.POSITION, *sy.VELOCITY),
+            translation_params,
+            rb.v.col_join(acceleration),
+            (FORCE,),
+            (FORCE_GRADIENT,),
+        )
+    ]
+    for kind, notes in (("sphere", _SPHERE_NOTES), ("rigid_body", _BODY_NOTES)):
+        quantities, inertia = _inertia(kind)
+        params = (sy.MASS, *quantities, sy.DRAG, sy.ROTATIONAL_DRAG, *leading, *sy.WEIGHT)
+        label = kind.replace("_", " ")
+        modules.append(
+            _dynamics(
+                f"{prefix}_{kind}",
+                f"{title}: translation and rotation of a {label}.",
+                notes,
+                (*sy.POSITION, *sy.EULER_PARAMETERS, *sy.VELOCITY, *sy.ANGULAR_VELOCITY),
+                params,
+                sp.Matrix.vstack(
+                    rb.v,
+                    ep.euler_rates_from_omega,
+                    acceleration,
+                    ms.scaled_angular_acceleration(inertia)
+                    if scaling
+                    else rb.angular_acceleration(inertia, rb.M_others + rb.drag_moment),
+                ),
+                (FORCE, MOMENT),
+                (FORCE_GRADIENT, MOMENT_GRADIENT),
+            )
+        )
+        omega_of_rates = _named(sy.ANGULAR_VELOCITY, ep.L * ep.edot)
+        # with L' e' = 0, K (A.17) is w x (I w), and zero for the sphere
+        gyroscopic = rb.reduced_K(inertia)
+        modules.append(
+            _dynamics(
+                f"{prefix}_{kind}_euler_rates",
+                f"{title}: translation and rotation of a {label}, Euler-parameter rates.",
+                _RATES_NOTES,
+                (*sy.POSITION, *sy.EULER_PARAMETERS, *sy.VELOCITY, *sy.EULER_RATES),
+                params,
+                sp.Matrix.vstack(
+                    rb.v,
+                    ep.edot,
+                    acceleration,
+                    rb.euler_acceleration(
+                        inertia, a2 * (rb.M_others + rb.drag_moment), gyroscopic
+                    ),
+                ),
+                (FORCE, MOMENT),
+                (FORCE_GRADIENT, MOMENT_GRADIENT),
+                omega_of_rates,
+            )
+        )
+    return modules
+
+
+def _turning(omega: sp.MatrixBase) -> sp.MatrixBase:
+    return ep.euler_rates_from_omega.subs(
+        dict(zip(ep.omega, omega, strict=True)), simultaneous=True
+    )
+
+
+def _overdamped_models() -> list[Module]:
+    return [
+        _dynamics(
+            "overdamped_translation",
+            "Overdamped model (5.2): translation.",
+            _TRANSLATION_NOTES,
+            sy.POSITION,
+            (sy.DRAG, *sy.WEIGHT),
+            ms.overdamped_velocity,
+            (FORCE,),
+            (FORCE_GRADIENT,),
+        ),
+        _dynamics(
+            "overdamped_rotation",
+            "Overdamped model (5.2): translation and rotation.",
+            "Without inertia: the same for a sphere and for any other body of this drag.",
+            (*sy.POSITION, *sy.EULER_PARAMETERS),
+            (sy.DRAG, sy.ROTATIONAL_DRAG, *sy.WEIGHT),
+            ms.overdamped_velocity.col_join(_turning(ms.overdamped_angular_velocity)),
+            (FORCE, MOMENT),
+            (FORCE_GRADIENT, MOMENT_GRADIENT),
+        ),
+    ]
+
+
+def _first_order_models() -> list[Module]:
+    """The expansion (4.11) solved to order epsilon, with its matched start and initial layer."""
+    rates = (
+        *_named(sy.FORCE_RATE, ms.force_rate),
+        *_named(sy.MOMENT_RATE, ms.moment_rate),
+    )
+    modules = []
+    for kind in ("translation", "sphere", "rigid_body"):
+        rotating = kind != "translation"
+        quantities, inertia = _inertia(kind) if rotating else ((), None)
+        state = (*sy.POSITION, *(sy.EULER_PARAMETERS if rotating else ()))
+        released = (*state, *sy.VELOCITY, *(sy.ANGULAR_VELOCITY if rotating else ()))
+        params = (
+            (sy.MASS, *quantities, sy.DRAG, sy.ROTATIONAL_DRAG, *sy.WEIGHT)
+            if rotating
+            else (sy.MASS, sy.DRAG, *sy.WEIGHT)
+        )
+        kept = (*sy.FORCE_RATE, *sy.MOMENT_RATE) if rotating else sy.FORCE_RATE
+        fields = (FORCE, MOMENT) if rotating else (FORCE,)
+        gradients = (FORCE_GRADIENT, MOMENT_GRADIENT) if rotating else (FORCE_GRADIENT,)
+        curvatures = (FORCE_CURVATURE, MOMENT_CURVATURE) if rotating else (FORCE_CURVATURE,)
+        velocity = ms.first_order_velocity
+        start = ms.matched_position
+        if rotating:
+            velocity = velocity.col_join(_turning(ms.first_order_angular_velocity(inertia)))
+            start = start.col_join(ms.matched_euler_parameters(inertia))
+        parameters = Argument("params", params, (len(params),))
+        released_and_fields = (
+            Argument("released", released, (len(released),)), *fields, parameters
+        )
+        matched = Function(
+            "matched_start",
+            "Start of the slow motion for a bead released with (position, ..., velocities).",
+            released_and_fields,
+            start,
+        )
+        remains = ms.layer(inertia)
+        layer = Function(
+            "initial_layer",
+            "What the release still adds to the slow motion at time t: " + (
+                "displacement, velocity,\nangle turned and angular velocity (body frame)."
+                if rotating
+                else "displacement and velocity."
+            ),
+            (Argument("t", (sy.TIME,)), *released_and_fields),
+            remains,
+        )
+        modules.append(
+            _dynamics(
+                f"first_order_{kind}",
+                f"First-order slow model: {kind.replace('_', ' ')}.",
+                "The expansion (4.11) solved to order epsilon: q' = u - tau (Du) u with\n"
+                "u = (F + W)/beta_v and tau = m/beta_v. Free of stiffness.",
+                state,
+                params,
+                velocity,
+                (*fields, *gradients),
+                curvatures,
+                tuple(pair for pair in rates if pair[0] in kept),
+                (matched, layer),
+                keep=kept,
+            )
+        )
+    return modules
+
+
+def _kinematics() -> Module:
+    e = Argument("e", sy.EULER_PARAMETERS, (4,))
+    edot = Argument("edot", sy.EULER_RATES, (4,))
+    omega = Argument("omega", sy.ANGULAR_VELOCITY, (3,))
+    return Module(
+        "kinematics",
+        "Rotation by Euler parameters (A.2)-(A.9).",
+        "For e of any length but 0, where nothing else is said.",
+        (),
+        (),
+        (
+            Function("rotation_matrix", "R (A.2): body to inertial components.", (e,), ep.R),
+            Function(
+                "angular_velocity",
+                "omega = L e'/|e|^2 (A.7), body frame.",
+                (e, edot),
+                ep.L * ep.edot / ep.norm_squared,
+            ),
+            Function(
+                "euler_rates",
+                "e' = L^T omega/4: the rates with e.e' = 0 (A.22).",
+                (e, omega),
+                ep.euler_rates_from_omega,
+            ),
+            Function(
+                "project",
+                "The nearest (e, e') on the constraints (A.21) and (A.22), in place of (A.26).",
+                (e, edot),
+                ep.unit_euler_parameters.col_join(
+                    ep.tangent_euler_rates / sp.sqrt(ep.norm_squared)
+                ),
+            ),
+        ),
+    )
+
+
+def _ray() -> Module:
+    arguments = (Argument("S", (sy.SINE_SQUARED,)), Argument("n_mP", (sy.INDEX_RATIO,)))
+    in_ray = Argument("u", sy.RAY, (3,))
+    impact = Argument("n", sy.IMPACT, (3,))
+    radius = Argument("r", (sy.RADIUS,))
+    cosine = Argument("cos_alpha", (sy.COS_ALPHA,))
+    values = q_sc, _, g, _ = _scalars(
+        (sy.SCATTERING, sy.SCATTERING_RATE, sy.GRADIENT, sy.GRADIENT_RATE)
+    )
+    efficiencies = {
+        "circular": (
+            "circular or unpolarised light: Q averaged over s and p",
+            ray.circular(ray.scattering),
+            ray.circular(ray.gradient),
+        ),
+        "averaged_reflectance": (
+            "the thesis's: R averaged over s and p (3.17)",
+            ray.scattering(ray.AVERAGED),
+            ray.gradient(ray.AVERAGED),
+        ),
+    }
+    cosines = (
+        (sy.COS_ALPHA, ray.cos_alpha),
+        (sy.COS_BETA, ray.cos_beta),
+    )
+    parts = (*cosines, *zip(sy.FRESNEL, ray.FRESNEL_PARTS.values(), strict=True))
+    rates = tuple(
+        (quantity, ray.rate_in_S(expression))
+        for quantity, expression in zip(
+            sy.FRESNEL_RATES, ray.FRESNEL_PARTS.values(), strict=True
+        )
+    )
+    functions = []
+    for name, (meaning, scattering, gradient) in efficiencies.items():
+        functions.append(
+            Function(
+                name,
+                f"Efficiencies of a ray (3.19-3.22), {meaning}.",
+                arguments,
+                sp.Matrix([scattering, gradient]),
+                parts,
+                ("Q_sc", "G"),
+            )
+        )
+        functions.append(
+            Function(
+                f"{name}_rates",
+                f"Efficiencies of a ray and their derivatives over S, {meaning}.",
+                arguments,
+                sp.Matrix(
+                    [
+                        scattering,
+                        ray.rate_in_S(scattering),
+                        gradient,
+                        ray.rate_in_S(gradient),
+                    ]
+                ),
+                (*parts, *rates),
+                ("Q_sc", "dQ_sc", "G", "dG"),
+            )
+        )
+    total = (ray.TOTAL_SCATTERING, ray.TOTAL_GRADIENT)
+    functions += [
+        Function(
+            "total_reflection",
+            "Efficiencies of a totally reflected ray: S >= 1/n_mP^2, n_mP > 1.",
+            arguments[:1],
+            sp.Matrix(total),
+            cosines[:1],
+            ("Q_sc", "G"),
+        ),
+        Function(
+            "total_reflection_rates",
+            "Efficiencies of a totally reflected ray and their derivatives over S.",
+            arguments[:1],
+            sp.Matrix([total[0], ray.rate_in_S(total[0]), total[1], ray.rate_in_S(total[1])]),
+            cosines[:1],
+            ("Q_sc", "dQ_sc", "G", "dG"),
+        ),
+    ]
+    return Module(
+        "ray",
+        "The force of one ray on the bead (3.14)-(3.26).",
+        "The ray passes through the focus, the origin, along u. Forces in units of n_m P/c; moments\n"
+        "in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).",
+        (),
+        (),
+        (
+            *functions,
+            Function(
+                "impact",
+                "n, from the bead's centre to the nearest point of the ray, and S = |n|^2/r^2.\n"
+                "The ray hits the bead where S < 1, (3.8).",
+                (*_scalars(sy.RAY), *_scalars(sy.POSITION), radius),
+                ray.n.col_join(sp.Matrix([(ray.n.T * ray.n)[0] / ray.r**2])),
+                _named(sy.IMPACT, ray.n_of_p),
+                ("n1", "n2", "n3", "S"),
+            ),
+            Function(
+                "force",
+                "Force of the ray on the bead (3.24).",
+                (*_scalars(sy.RAY), *_scalars(sy.IMPACT), radius, q_sc, g),
+                ray.force,
+                output_names=("F1", "F2", "F3"),
+            ),
+            Function(
+                "moment",
+                "Moment (3.25) of that force, applied where the ray enters the bead.",
+                (*_scalars(sy.RAY), *_scalars(sy.IMPACT), cosine, q_sc, g),
+                ray.moment_reduced,
+                output_names=("M1", "M2", "M3"),
+            ),
+            Function(
+                "gradient_of_force",
+                "dF/dp (3.24), row by row; its derivatives over S come from the `_rates` functions.",
+                (in_ray, impact, radius, *values),
+                ray.force_gradient,
+            ),
+            Function(
+                "gradient_of_moment",
+                "dM/dp of the moment (3.25), row by row.",
+                (in_ray, impact, radius, cosine, *values),
+                ray.moment_gradient,
+            ),
+        ),
+        'cache=True, error_model="numpy"',
+    )
+
+
+def catalogue() -> tuple[Module, ...]:
+    """Every module of `generated/`."""
+    return (
+        *_inertial_models(scaling=False),
+        *_inertial_models(scaling=True),
+        *_overdamped_models(),
+        *_first_order_models(),
+        _kinematics(),
+        _ray(),
+    )

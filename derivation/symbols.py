@@ -1,0 +1,145 @@
+"""Every symbol that reaches the emitted code: thesis symbol, meaning, unit, equation.
+
+The order of the tuples here is the order of states and parameters in `generated/`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A real symbol with its unit (SI), meaning and place in the thesis."""
+
+    symbol: sp.Symbol
+    unit: str
+    meaning: str
+    equation: str = ""
+
+    @property
+    def name(self) -> str:
+        return str(self.symbol.name)
+
+
+def _quantity(
+    name: str, unit: str, meaning: str, equation: str = "", *, positive: bool = False
+) -> Quantity:
+    # SymPy drops to weaker assumptions for positive=None, so it is passed only when it holds.
+    assumptions = {"positive": True} if positive else {"real": True}
+    return Quantity(sp.Symbol(name, **assumptions), unit, meaning, equation)
+
+
+def _vector(
+    names: str, unit: str, meaning: str, equation: str, labels: Sequence[str]
+) -> tuple[Quantity, ...]:
+    return tuple(
+        _quantity(name, unit, f"{meaning} {label}", equation)
+        for name, label in zip(names.split(), labels, strict=True)
+    )
+
+
+def vector(quantities: Sequence[Quantity]) -> sp.Matrix:
+    """The symbols of `quantities` as a column."""
+    return sp.Matrix([quantity.symbol for quantity in quantities])
+
+
+INERTIAL = ("along N1", "along N2", "along N3")
+BODY = ("along P1", "along P2", "along P3")
+EULER = ("e0", "e1", "e2", "e3")
+PAIRS = tuple(f"{i}{j}" for i in "123" for j in "123")
+
+# --- states ----------------------------------------------------------------------------------
+POSITION = _vector("q1 q2 q3", "m", "position of the bead's centre", "2.1", INERTIAL)
+VELOCITY = _vector("v1 v2 v3", "m/s", "velocity of the bead's centre", "2.2", INERTIAL)
+EULER_PARAMETERS = _vector("e0 e1 e2 e3", "1", "Euler parameter", "2.1", EULER)
+EULER_RATES = _vector("edot0 edot1 edot2 edot3", "1/s", "rate of Euler parameter", "2.2", EULER)
+ANGULAR_VELOCITY = _vector(
+    "omega1 omega2 omega3", "rad/s", "angular velocity, body frame,", "2.2", BODY
+)
+
+# --- what the runtime supplies at each evaluation ------------------------------------------------
+FORCE = _vector("F1 F2 F3", "N", "force of the light on the bead", "3.26", INERTIAL)
+MOMENT = _vector("M1 M2 M3", "N m", "moment of the light about the bead's centre", "3.26", INERTIAL)
+FORCE_GRADIENT = tuple(
+    _quantity(f"DF{ij}", "N/m", f"dF{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS
+)
+MOMENT_GRADIENT = tuple(
+    _quantity(f"DM{ij}", "N", f"dM{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS
+)
+FORCE_RATE = _vector(
+    "Fdot1 Fdot2 Fdot3", "N/s", "rate of the light's force along (F + W)/beta_v,", "-", INERTIAL
+)
+MOMENT_RATE = _vector(
+    "Mdot1 Mdot2 Mdot3", "N m/s", "rate of the light's moment along (F + W)/beta_v,", "-", INERTIAL
+)
+FORCE_CURVATURE = tuple(
+    _quantity(
+        f"HF{ij}", "N/(m s)", f"rate of dF{ij[0]}/dq{ij[1]} along the velocity (F + W)/beta_v", "-"
+    )
+    for ij in PAIRS
+)
+MOMENT_CURVATURE = tuple(
+    _quantity(
+        f"HM{ij}", "N/s", f"rate of dM{ij[0]}/dq{ij[1]} along the velocity (F + W)/beta_v", "-"
+    )
+    for ij in PAIRS
+)
+
+# --- parameters ------------------------------------------------------------------------------
+MASS = _quantity("m", "kg", "mass of the bead", "2.3", positive=True)
+INERTIA = tuple(
+    _quantity(f"I{i}", "kg m^2", f"principal moment of inertia about P{i}", "A.13", positive=True)
+    for i in "123"
+)
+SPHERE_INERTIA = _quantity(
+    "I", "kg m^2", "moment of inertia of the sphere, I_PP", "2.6", positive=True
+)
+DRAG = _quantity("beta_v", "kg/s", "translational drag coefficient", "2.15", positive=True)
+ROTATIONAL_DRAG = _quantity(
+    "beta_w", "N m s", "rotational drag coefficient", "2.15", positive=True
+)
+SCALING = _quantity("a2", "1", "scaling factor of the generalised active forces", "4.12",
+                    positive=True)  # fmt: skip
+WEIGHT = _vector(
+    "W1 W2 W3", "N", "gravity and buoyancy, one constant force,", "2.11-2.12", INERTIAL
+)
+TIME = _quantity("t", "s", "time since release", "4.8")
+
+# --- one ray -----------------------------------------------------------------------------------
+SINE_SQUARED = _quantity(
+    "S", "1", "sin^2 of the angle of incidence, S = sin^2(alpha)", "3.12", positive=True
+)
+INDEX_RATIO = _quantity("n_mP", "1", "n_m/n_P, medium over bead", "3.14", positive=True)
+RADIUS = _quantity("r", "m", "radius of the bead", "2.15", positive=True)
+RAY = _vector("u1 u2 u3", "1", "unit direction of the ray", "3.2", INERTIAL)
+IMPACT = _vector(
+    "n1 n2 n3", "m", "from the bead's centre to the nearest point of the ray,", "3.23", INERTIAL
+)
+COS_ALPHA = _quantity(
+    "cos_alpha", "1", "cosine of the angle of incidence", "3.11", positive=True
+)
+COS_BETA = _quantity("cos_beta", "1", "cosine of the angle of refraction", "3.15", positive=True)
+SCATTERING = _quantity("Q_sc", "1", "scattering efficiency", "3.19")
+SCATTERING_RATE = _quantity("dQ_sc", "1", "dQ_sc/dS", "3.19")
+GRADIENT = _quantity("G", "1", "gradient efficiency, -Q_gr/sqrt(S)", "3.21")
+GRADIENT_RATE = _quantity("dG", "1", "dG/dS", "3.21")
+
+# Intermediates of the efficiencies, and their derivatives over S.
+_FRESNEL = (
+    ("w_s", "n_mP cos(alpha) + cos(beta)", "3.17"),
+    ("w_p", "n_mP cos(beta) + cos(alpha)", "3.17"),
+    ("g", "sin(alpha - beta)/sqrt(S)", "3.20"),
+    ("rho_s", "reflected amplitude, s", "3.17"),
+    ("rho_p", "reflected amplitude, p", "3.17"),
+    ("T_s", "transmittance, s", "3.18"),
+    ("T_p", "transmittance, p", "3.18"),
+)
+FRESNEL = tuple(_quantity(name, "1", meaning, number) for name, meaning, number in _FRESNEL)
+FRESNEL_RATES = tuple(
+    _quantity(f"d{name}", "1", f"derivative over S of the {meaning}", number)
+    for name, meaning, number in _FRESNEL
+)

@@ -1,0 +1,60 @@
+"""Quantities that follow from a trajectory: forces, speeds, Reynolds number, energies."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from tweezer.bead import bead_properties
+from tweezer.optics import light
+from tweezer.scene import Scene
+
+
+def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
+    """Derived variables over the `time` of `run`, which holds position and velocity.
+
+    * optical_force: force of the light (3.26), N
+    * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
+    * speed; terminal_speed: |net_force|/beta_v (5.2), m/s
+    * reynolds_number: 2 rho_m v r/mu_m (5.1)
+    * distance: from the focus, m
+    * kinetic_energy: of translation and, with a rotation, of rotation, J
+    * potential_energy: of gravity and buoyancy, zero at the focus, J
+    * total_energy: their sum, J. The force of the light has no potential.
+    """
+    bead = bead_properties(scene)
+    weight = xr.DataArray(np.array(bead.weight), dims="axis")
+    position, velocity = run["position"], run["velocity"]
+    force = light(scene).field(np.ascontiguousarray(position.values)).force
+    optical_force = position.copy(data=force)
+    net_force = optical_force + weight
+    speed = _length(velocity)
+    kinetic = 0.5 * bead.mass * speed**2
+    if "angular_velocity" in run:
+        moments = xr.DataArray(np.array(bead.moments_of_inertia), dims="body_axis")
+        kinetic = kinetic + 0.5 * (moments * run["angular_velocity"] ** 2).sum("body_axis")
+    potential = -(weight * position).sum("axis")
+    medium, r = scene.medium, scene.bead.radius
+    quantities = {
+        "optical_force": (optical_force, "N", "force of the light"),
+        "net_force": (net_force, "N", "net motion force, all forces but drag"),
+        "speed": (speed, "m/s", "speed"),
+        "terminal_speed": (_length(net_force) / bead.drag, "m/s", "terminal speed"),
+        "reynolds_number": (
+            2 * medium.density * r / medium.viscosity * speed, "1", "Reynolds number",
+        ),
+        "distance": (_length(position), "m", "distance to the focus"),
+        "kinetic_energy": (kinetic, "J", "kinetic energy"),
+        "potential_energy": (potential, "J", "energy of gravity and buoyancy, zero at the focus"),
+        "total_energy": (kinetic + potential, "J", "kinetic and potential energy"),
+    }  # fmt: skip
+    return xr.Dataset(
+        {
+            name: values.drop_attrs().assign_attrs(units=units, long_name=long_name)
+            for name, (values, units, long_name) in quantities.items()
+        }
+    )
+
+
+def _length(vectors: xr.DataArray) -> xr.DataArray:
+    return (vectors**2).sum("axis") ** 0.5

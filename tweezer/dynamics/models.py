@@ -1,0 +1,274 @@
+"""Equations of motion bound to a scene: the emitted model that fits it, and the light.
+
+Everything a scene decides is decided here, once: which emitted module, whether there is a
+rotation, which derivatives of the force are needed.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from types import ModuleType
+
+import numpy as np
+from generated import kinematics
+from numpy.typing import NDArray
+
+from tweezer.bead import BeadProperties, bead_properties
+from tweezer.errors import IntegrationError
+from tweezer.optics import Light, light
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: rates carry the tolerance of their coordinate per this time (the thesis's unit of time), s
+RATE_TIME = 1e-3
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What a bead does at n times."""
+
+    position: Array
+    """(n, 3) m from the focus"""
+    velocity: Array
+    """(n, 3) m/s"""
+    orientation: Array | None
+    """(n, 4) Euler parameters of length 1, or None for a scene without rotation"""
+    angular_velocity: Array | None
+    """(n, 3) rad/s, body frame"""
+
+
+@dataclass
+class EquationsOfMotion:
+    """One emitted model with a scene's parameters and light.
+
+    `rhs(t, y)` and `jacobian(t, y)` are plain callables for any solver, `initial_state` is
+    where to start, and `motion` reads positions and rates out of states.
+    """
+
+    scene: Scene
+    module: ModuleType
+    bead: BeadProperties
+    light: Light
+    force_calls: int = field(default=0, init=False)
+    """positions at which the light was evaluated so far"""
+
+    def __post_init__(self) -> None:
+        simulation = self.scene.simulation
+        values = _parameter_values(self.bead, simulation.scaling_factor)
+        self._params = np.array([values[name] for name in self.module.PARAMS])
+        self._size = len(self.module.STATE)
+        self._rotates = "e0" in self.module.STATE
+        self._constrained = "edot0" in self.module.STATE
+        self._inertial = "v1" in self.module.STATE
+        self._rhs_inputs = self._inputs(self.module.RHS_INPUTS)
+        self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
+        self.initial_state = self._initial_state()
+        self.absolute_tolerance = self._absolute_tolerance()
+
+    @property
+    def name(self) -> str:
+        """Name of the emitted module."""
+        return self.module.__name__.rpartition(".")[2]
+
+    def rhs(self, t: float, y: Array) -> Array:  # noqa: ARG002
+        """Rate of change of the state y, as solvers call it.
+
+        Raises `IntegrationError` where it is not finite.
+        """
+        y = self._on_constraints(y)
+        rates = np.empty(self._size)
+        self.module.rhs(y, *self._rhs_inputs(y), self._params, rates)
+        if not np.isfinite(rates).all():
+            raise IntegrationError("the rate of change of the state is not finite")
+        return rates
+
+    def jacobian(self, t: float, y: Array) -> Array:  # noqa: ARG002
+        """d(rate i)/d(state j), as implicit solvers call it."""
+        y = self._on_constraints(y)
+        derivative = np.empty((self._size, self._size))
+        self.module.jacobian(y, *self._jacobian_inputs(y), self._params, derivative)
+        return derivative
+
+    def motion(self, times: Array, states: Array) -> Motion:
+        """Positions, velocities and orientations of `states` (n, state) at `times` (n,).
+
+        Where the model has no velocities of its own, they are its rates of change; the
+        first-order model adds what its initial layer still contributes.
+        """
+        states = np.array([self._on_constraints(state) for state in states])
+        states = states.reshape(len(times), self._size)
+        rates = (
+            states
+            if self._inertial
+            else np.array([self.rhs(t, y) for t, y in zip(times, states, strict=True)])
+        ).reshape(states.shape)
+        position = states[:, :3].copy()
+        velocity = self._part(states, "v1", 3) if self._inertial else rates[:, :3].copy()
+        orientation = angular_velocity = None
+        if self._rotates:
+            orientation = self._part(states, "e0", 4)
+            if "omega1" in self.module.STATE:
+                angular_velocity = self._part(states, "omega1", 3)
+            else:
+                edot = self._part(states, "edot0", 4) if self._constrained else rates[:, 3:7]
+                angular_velocity = _angular_velocities(orientation, edot)
+        if hasattr(self.module, "initial_layer"):
+            self._add_layer(times, position, velocity, orientation, angular_velocity)
+        if orientation is not None:
+            orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+        return Motion(position, velocity, orientation, angular_velocity)
+
+    def _part(self, states: Array, first: str, length: int) -> Array:
+        at = self.module.STATE.index(first)
+        return states[:, at : at + length].copy()
+
+    def _on_constraints(self, y: Array) -> Array:
+        """(e, e') moved to the nearest point of (A.21) and (A.22); other states as they are."""
+        if not self._constrained:
+            return y
+        y = np.array(y)
+        projected = np.empty(8)
+        kinematics.project(y[3:7], y[10:14], projected)
+        y[3:7], y[10:14] = projected[:4], projected[4:]
+        return y
+
+    def _inputs(self, names: tuple[str, ...]) -> Callable[[Array], list[Array]]:
+        """What the emitted function takes between state and parameters, as a function of state."""
+        gradient = any(name.endswith("gradient") for name in names)
+        curvature = any(name.endswith("curvature") for name in names)
+
+        def evaluate(y: Array) -> list[Array]:
+            self.force_calls += 1
+            at = self.light.field(y[None, :3], gradient=gradient)
+            values = {
+                "force": at.force[0],
+                "moment": at.moment[0],
+            }
+            if gradient:
+                values["force_gradient"] = at.force_gradient[0]
+                values["moment_gradient"] = at.moment_gradient[0]
+            if curvature:
+                values |= self._curvatures(y[:3], at.force[0])
+            return [values[name] for name in names]
+
+        return evaluate
+
+    def _curvatures(self, position: Array, force: Array) -> dict[str, Array]:
+        """Rates of the gradients along (F + W)/beta_v, by a central difference.
+
+        Only the Jacobian of the first-order model takes them, and an implicit solver needs that
+        no better than this.
+        """
+        velocity = (force + self.bead.weight) / self.bead.drag
+        speed = float(np.linalg.norm(velocity))
+        if speed == 0.0:
+            return dict.fromkeys(("force_curvature", "moment_curvature"), np.zeros((3, 3)))
+        step = 1e-4 * self.scene.bead.radius
+        ends = position + np.outer([-step, step], velocity / speed)
+        self.force_calls += 2
+        at = self.light.field(ends, gradient=True)
+        scale = speed / (2 * step)
+        return {
+            "force_curvature": (at.force_gradient[1] - at.force_gradient[0]) * scale,
+            "moment_curvature": (at.moment_gradient[1] - at.moment_gradient[0]) * scale,
+        }
+
+    def _released(self) -> Array:
+        """(q, v), or (q, e, v, omega), of the scene's start."""
+        start = self.scene.start
+        if not self._rotates:
+            return np.array([*self.scene.start_position, *start.velocity])
+        orientation = np.array(start.orientation)
+        orientation /= np.linalg.norm(orientation)
+        return np.array(
+            [*self.scene.start_position, *orientation, *start.velocity, *start.angular_velocity]
+        )
+
+    def _release_inputs(self) -> tuple[Array, ...]:
+        at = self.light.field(np.array([self.scene.start_position]))
+        fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
+        return (self._released(), *fields, self._params)
+
+    def _initial_state(self) -> Array:
+        released = self._released()
+        if self._constrained:
+            edot = np.empty(4)
+            kinematics.euler_rates(released[3:7], released[10:], edot)
+            return np.array([*released[:10], *edot])
+        if hasattr(self.module, "matched_start"):
+            start = np.empty(self._size)
+            self.module.matched_start(*self._release_inputs(), start)
+            return start
+        return released[: self._size]
+
+    def _add_layer(
+        self,
+        times: Array,
+        position: Array,
+        velocity: Array,
+        orientation: Array | None,
+        angular_velocity: Array | None,
+    ) -> None:
+        """Add what the initial layer still contributes to the slow motion, in place."""
+        remains = np.empty(6 if orientation is None else 12)
+        inputs = self._release_inputs()
+        for i, t in enumerate(times):
+            self.module.initial_layer(t, *inputs, remains)
+            position[i] += remains[:3]
+            velocity[i] += remains[3:6]
+            if orientation is not None and angular_velocity is not None:
+                turned = np.empty(4)
+                kinematics.euler_rates(orientation[i], remains[6:9], turned)
+                orientation[i] += turned
+                angular_velocity[i] += remains[9:]
+
+    def _absolute_tolerance(self) -> Array:
+        simulation = self.scene.simulation
+        tolerances = {
+            "q": simulation.position_tolerance,
+            "v": simulation.position_tolerance / RATE_TIME,
+            "e": simulation.orientation_tolerance,
+            "edot": simulation.orientation_tolerance / RATE_TIME,
+            "omega": simulation.orientation_tolerance / RATE_TIME,
+        }
+        return np.array([tolerances[name.rstrip("0123456789")] for name in self.module.STATE])
+
+
+def bind(scene: Scene) -> EquationsOfMotion:
+    """The equations of motion of `scene`: the smallest emitted model that holds all it needs."""
+    module = importlib.import_module(f"generated.{_module_name(scene)}")
+    return EquationsOfMotion(scene, module, bead_properties(scene), light(scene))
+
+
+def _module_name(scene: Scene) -> str:
+    prefix = scene.simulation.model.replace("-", "_")
+    if not scene.rotates:
+        return f"{prefix}_translation"
+    if prefix == "overdamped":
+        return "overdamped_rotation"
+    body = "rigid_body" if scene.bead.moments_of_inertia else "sphere"
+    rates = scene.simulation.rotation_state == "euler-rates" and prefix != "first_order"
+    return f"{prefix}_{body}{'_euler_rates' if rates else ''}"
+
+
+def _parameter_values(bead: BeadProperties, scaling_factor: float | None) -> dict[str, float]:
+    """Values by the names of the emitted parameters."""
+    return {
+        "m": bead.mass,
+        "I": bead.moments_of_inertia[0],
+        **{f"I{i + 1}": moment for i, moment in enumerate(bead.moments_of_inertia)},
+        "beta_v": bead.drag,
+        "beta_w": bead.rotational_drag,
+        "a2": scaling_factor if scaling_factor is not None else 1.0,
+        **{f"W{i + 1}": component for i, component in enumerate(bead.weight)},
+    }
+
+
+def _angular_velocities(orientation: Array, edot: Array) -> Array:
+    result = np.empty((len(orientation), 3))
+    for i in range(len(orientation)):
+        kinematics.angular_velocity(orientation[i], np.ascontiguousarray(edot[i]), result[i])
+    return result

@@ -1,0 +1,48 @@
+"""Runs as NetCDF files: written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import xarray as xr
+
+from tweezer.errors import ResultError
+from tweezer.scene import Scene
+
+_ENGINE = "h5netcdf"
+
+
+def save_run(run: xr.Dataset, path: str | Path) -> Path:
+    """Write `run` to `path` as NetCDF; the file there changes only once the new one is whole.
+
+    Raises `ResultError` if it cannot be written.
+    """
+    path = Path(path)
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as folder:
+            whole = Path(folder) / path.name
+            run.to_netcdf(whole, engine=_ENGINE)
+            os.replace(whole, path)
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
+    return path
+
+
+def load_run(path: str | Path) -> xr.Dataset:
+    """A saved run, read into memory. Raises `ResultError` for a file that is not one."""
+    try:
+        run = xr.load_dataset(path, engine=_ENGINE)
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except OSError as error:
+        raise ResultError(f"{path}: not a saved run: {error}") from None
+    if "scene" not in run.attrs:
+        raise ResultError(f"{path}: not a saved run: it names no scene")
+    return run
+
+
+def scene_of(run: xr.Dataset) -> Scene:
+    """The scene that `run` was made from."""
+    return Scene.model_validate_json(run.attrs["scene"])

@@ -1,0 +1,473 @@
+"""The description of one experiment: bead, medium, lens, beam, start, forces, simulation.
+
+Scenes are TOML files. Quantities may carry units ("500 nm"); bare numbers are SI. A scene is
+immutable, and every way to make one validates it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import tomllib
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.units import (
+    Acceleration,
+    AngularSpeed,
+    Density,
+    Length,
+    MomentOfInertia,
+    Number,
+    PositiveLength,
+    PositiveTime,
+    Power,
+    Speed,
+    Temperature,
+    Viscosity,
+    to_si,
+)
+
+SHIPPED = Path(__file__).parent / "scenes"
+
+#: Knudsen number up to which the medium is taken as a continuum (thesis, 2.2.2)
+KNUDSEN_LIMIT = 1e-3
+
+#: keys that say the same thing in two ways: exactly one of each pair is given
+ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
+    "bead": (("radius", "diameter"),),
+    "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
+}
+
+RefractiveIndex = Annotated[Number, Field(ge=1.0, le=10.0)]
+Vector = tuple[Length, Length, Length]
+
+
+class Section(BaseModel):
+    """A part of a scene: immutable, and no key it does not know."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def _in_terms_of(data: Any, key: str, other: str, factor: float) -> Any:
+    """`data` with `other` rewritten as `key` = factor * `other`; exactly one must be there."""
+    if not isinstance(data, dict):
+        return data
+    _exactly_one(data, key, other)
+    if other not in data:
+        return data
+    data = dict(data)
+    value = data.pop(other)
+    try:
+        number = to_si(value, "m")
+        if number <= 0:
+            raise ValueError("must be greater than 0")
+    except ValueError as error:
+        raise _refusal(f"{other} = {value!r}: {error}") from None
+    return {**data, key: factor * number}
+
+
+def _exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
+    given = [name for name in (key, other) if data.get(name) is not None]
+    if len(given) != 1:
+        both = "not both" if given else "one is needed"
+        raise _refusal(f"{key} or {other}: {both}")
+
+
+def _refusal(reason: str) -> PydanticCustomError:
+    return PydanticCustomError("scene", "{reason}", {"reason": reason})
+
+
+class Bead(Section):
+    """The sphere. `diameter` may be given in place of `radius`."""
+
+    radius: PositiveLength = Field(description="radius r")
+    density: Density = Field(description="density of the bead, rho_b (Table B.1)")
+    refractive_index: RefractiveIndex = Field(description="refractive index n_P")
+    moments_of_inertia: tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia] | None = Field(
+        None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size(cls, data: Any) -> Any:
+        return _in_terms_of(data, "radius", "diameter", 0.5)
+
+    @model_validator(mode="after")
+    def _possible_inertia(self) -> Self:
+        if self.moments_of_inertia:
+            largest = max(self.moments_of_inertia)
+            if largest > sum(self.moments_of_inertia) - largest:
+                raise _refusal(
+                    f"moments_of_inertia = {list(self.moments_of_inertia)}: no body has a moment "
+                    "larger than the sum of the other two"
+                )
+        return self
+
+
+class Medium(Section):
+    """The fluid around the bead."""
+
+    refractive_index: RefractiveIndex = Field(description="refractive index n_m")
+    density: Density = Field(description="density rho_m")
+    viscosity: Viscosity = Field(description="dynamic viscosity mu_m")
+    temperature: Temperature = Field(description="absolute temperature T")
+    mean_free_path: PositiveLength = Field(
+        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
+    )
+
+
+class Lens(Section):
+    """The objective. Rays leave its pupil and pass through the focus."""
+
+    map: Literal["tan", "sine"] = Field(
+        description="where a ray from pupil radius rho goes: tan(theta) = rho/f (thesis, 3.2), or "
+        "sin(theta) = (rho/R) NA/n_m, the sine condition of an aplanatic objective"
+    )
+    radius: PositiveLength = Field(description="radius of the pupil, R_obj")
+    focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
+    numerical_aperture: Annotated[Number, Field(gt=0)] | None = Field(
+        None, description="NA; needed by the sine map"
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.map == "tan" and self.focal_length is None:
+            raise _refusal("focal_length: missing; the tan map needs it")
+        if self.map == "sine" and self.numerical_aperture is None:
+            raise _refusal("numerical_aperture: missing; the sine map needs it")
+        return self
+
+
+class Beam(Section):
+    """The laser in the pupil. `waist` (1/e^2 radius) may be given in place of `sigma`."""
+
+    wavelength: PositiveLength = Field(description="vacuum wavelength")
+    power: Power | None = Field(
+        None, description="total power P_t before the pupil cuts the beam (3.4)"
+    )
+    power_through_pupil: Power | None = Field(
+        None, description="power that passes the pupil, in place of `power`"
+    )
+    sigma: PositiveLength = Field(
+        description="standard deviation of the Gaussian intensity in the pupil (3.3)"
+    )
+    polarisation: Literal["averaged-reflectance", "circular"] = Field(
+        "circular",
+        description="circular (or unpolarised): Q averaged over s and p; averaged-reflectance: "
+        "the thesis's (3.17), R averaged",
+    )
+    torque: Literal["none", "thesis"] = Field(
+        "none",
+        description="none: light turns no lossless isotropic sphere; thesis: (3.25), each force "
+        "applied where the ray enters",
+    )
+    divisions: Annotated[StrictInt, Field(ge=3, le=5000)] = Field(
+        100, description="n_div, squares across the pupil (3.1)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _width(cls, data: Any) -> Any:
+        return _in_terms_of(data, "sigma", "waist", 0.5)
+
+    @model_validator(mode="after")
+    def _one_power(self) -> Self:
+        given = {"power": self.power, "power_through_pupil": self.power_through_pupil}
+        _exactly_one(given, *given)
+        return self
+
+
+class Start(Section):
+    """Where and how the bead is released."""
+
+    frame: Literal["focus", "lens"] = Field(
+        "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
+    )
+    position: Vector = Field(description="centre of the bead, z along the light")
+    velocity: tuple[Speed, Speed, Speed] = Field((0.0, 0.0, 0.0), description="velocity")
+    orientation: tuple[Number, Number, Number, Number] = Field(
+        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
+    )
+    angular_velocity: tuple[AngularSpeed, AngularSpeed, AngularSpeed] = Field(
+        (0.0, 0.0, 0.0), description="angular velocity, body frame"
+    )
+
+    @model_validator(mode="after")
+    def _some_orientation(self) -> Self:
+        length = math.hypot(*self.orientation)
+        if not 1e-100 < length < 1e100:
+            raise _refusal(
+                f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0, "
+                "nor of a length beyond 1e100"
+            )
+        return self
+
+
+class Forces(Section):
+    """Which forces act, besides drag."""
+
+    optical: StrictBool = Field(True, description="the light (3.26)")
+    gravity: StrictBool = Field(True, description="gravity (2.11)")
+    buoyancy: StrictBool = Field(True, description="buoyancy (2.12)")
+    brownian: StrictBool = Field(False, description="thermal motion (2.16-2.20)")
+    gravitational_acceleration: Acceleration = Field(
+        9.80665, description="g, against the light; negative for light that shines downwards"
+    )
+
+    @model_validator(mode="after")
+    def _no_noise_yet(self) -> Self:
+        if self.brownian:
+            raise _refusal("brownian = True: thermal motion is not available yet; allowed: false")
+        return self
+
+
+class Simulation(Section):
+    """Model, method, tolerances and output."""
+
+    model: Literal["full", "scaled", "overdamped", "first-order"] = Field(
+        "full",
+        description="full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
+        "overdamped: (5.2); first-order: the expansion (4.11) carried to order epsilon",
+    )
+    scaling_factor: Annotated[Number, Field(gt=0, le=1)] | None = Field(
+        None, description="a2 of the scaled model (4.12)"
+    )
+    rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
+        "angular-velocity",
+        description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
+    )
+    method: Literal["RK45", "DOP853", "Radau", "BDF", "LSODA"] = Field(
+        "LSODA", description="solver of scipy.integrate; RK45 is the thesis's ode45"
+    )
+    relative_tolerance: Annotated[Number, Field(ge=1e-13, le=1e-1)] = Field(
+        1e-7, description="relative tolerance of a step"
+    )
+    position_tolerance: PositiveLength = Field(
+        1e-11, description="absolute tolerance of a step in position; in velocity, this per ms"
+    )
+    orientation_tolerance: Annotated[Number, Field(gt=0, le=1)] = Field(
+        1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
+    )
+    duration: PositiveTime = Field(description="time simulated")
+    samples: Annotated[StrictInt, Field(ge=2, le=10_000_000)] = Field(
+        2001, description="evenly spaced times in the output, both ends included"
+    )
+    loss_distance: PositiveLength = Field(
+        20e-6, description="the run ends as lost this far from the focus"
+    )
+
+    @model_validator(mode="after")
+    def _scaled_by(self) -> Self:
+        if self.model == "scaled" and self.scaling_factor is None:
+            raise _refusal("scaling_factor: missing; the scaled model needs it")
+        return self
+
+
+class Scene(Section):
+    """A validated scene. Make one with `load_scene`, change it with `replace`."""
+
+    name: str = Field("scene", min_length=1, description="name of the scene")
+    description: str = Field("", description="one line on what it shows")
+    bead: Bead
+    medium: Medium
+    lens: Lens
+    beam: Beam
+    start: Start
+    forces: Forces = Field(default_factory=Forces)
+    simulation: Simulation
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        aperture = self.lens.numerical_aperture
+        if self.lens.map == "sine" and aperture and aperture >= self.medium.refractive_index:
+            raise _refusal(
+                f"lens.numerical_aperture = {aperture}: must be less than "
+                f"medium.refractive_index = {self.medium.refractive_index} for the sine map"
+            )
+        if self.start.frame == "lens" and self.lens.focal_length is None:
+            raise _refusal("start.frame = 'lens': needs lens.focal_length")
+        x, y, z = self.start_position
+        if self.lens.focal_length is not None and z <= self.bead.radius - self.lens.focal_length:
+            raise _refusal(
+                f"start.position = {list(self.start.position)}: the bead must start beyond the "
+                "lens, by more than its radius"
+            )
+        if math.hypot(x, y, z) >= self.simulation.loss_distance:
+            raise _refusal(
+                f"start.position = {list(self.start.position)}: is {math.hypot(x, y, z):.3g} m "
+                "from the focus; must be nearer than simulation.loss_distance = "
+                f"{self.simulation.loss_distance:.3g} m"
+            )
+        return self
+
+    @property
+    def start_position(self) -> tuple[float, float, float]:
+        """Where the bead starts, m from the focus."""
+        x, y, z = self.start.position
+        if self.start.frame == "lens":
+            z -= self.lens.focal_length or 0.0
+        return x, y, z
+
+    @property
+    def rotates(self) -> bool:
+        """Whether anything turns the bead: if not, no rotation is computed."""
+        return self.beam.torque == "thesis" or any(self.start.angular_velocity)
+
+    def replace(self, **sections: Any) -> Scene:
+        """A changed copy, validated again.
+
+        `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps
+        the others; a key displaces the one that says the same in another way (diameter, radius).
+        Raises `SceneError`.
+        """
+        data = self.model_dump(exclude_none=True)
+        for section, changes in sections.items():
+            if isinstance(changes, Mapping) and isinstance(data.get(section), dict):
+                kept = {
+                    key: value
+                    for key, value in data[section].items()
+                    if not any(key in pair and set(pair) & set(changes)
+                               for pair in ALTERNATIVES.get(section, ()))
+                }  # fmt: skip
+                data[section] = {**kept, **changes}
+            else:
+                data[section] = changes
+        return _validated(data)
+
+
+def shipped_scenes() -> dict[str, Path]:
+    """Shipped scene files by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
+    """The scene of a shipped name, a TOML file, or a mapping of the same form.
+
+    Raises `SceneError` with one line per bad value: the key, the value, and what is allowed.
+    Warns (`PhysicsWarning`) where the continuum drag (2.13) does not hold.
+    """
+    if isinstance(source, Mapping):
+        return _validated(dict(source))
+    name = str(source)
+    path = shipped_scenes().get(name, Path(name))
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise SceneError(
+            f"no scene file {name!r}, and no shipped scene of that name; shipped: "
+            f"{', '.join(shipped_scenes())}"
+        ) from None
+    except UnicodeDecodeError:
+        raise SceneError(f"{name}: not a text file in UTF-8") from None
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{name}: not valid TOML: {error}") from None
+    except OSError as error:
+        raise SceneError(f"{name}: cannot be read: {error.strerror}") from None
+    return _validated({"name": path.stem, **data})
+
+
+def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
+    """`scene` with dotted keys set to text values, as given on a command line.
+
+    A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
+    ("80 mW"). Raises `SceneError`.
+    """
+    sections: dict[str, Any] = {}
+    for key, text in settings.items():
+        section, dot, name = key.partition(".")
+        if not dot:
+            raise SceneError(f"{key}: must be section.key, such as beam.power")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except tomllib.TOMLDecodeError:
+            value = text
+        sections.setdefault(section, {})[name] = value
+    return scene.replace(**sections)
+
+
+def _validated(data: dict[str, Any]) -> Scene:
+    try:
+        scene = Scene.model_validate(data)
+    except ValidationError as error:
+        raise SceneError("\n".join(_lines(error))) from None
+    knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
+    if knudsen > KNUDSEN_LIMIT:
+        warnings.warn(
+            f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "
+            "continuum for this bead, and Stokes' drag (2.13) is too strong",
+            PhysicsWarning,
+            stacklevel=3,
+        )
+    return scene
+
+
+def _lines(error: ValidationError) -> Iterator[str]:
+    """One line per bad value, in the order of the scene."""
+    for details in error.errors(include_url=False):
+        key = ".".join(str(part) for part in details["loc"])
+        if details["type"] == "scene":
+            yield f"{key}.{details['msg']}" if key else details["msg"]
+        elif details["type"] == "missing":
+            yield f"{key}: missing"
+        elif details["type"] == "extra_forbidden":
+            yield f"{key} = {_short(details['input'])}: unknown key; {_known_keys(details)}"
+        else:
+            yield f"{key} = {_short(details['input'])}: {_allowed(details)}"
+
+
+def _short(value: Any) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _known_keys(details: ErrorDetails) -> str:
+    section: Any = Scene
+    for part in details["loc"][:-1]:
+        section = section.model_fields[str(part)].annotation
+    keys = list(section.model_fields)
+    for pair in ALTERNATIVES.get(str(details["loc"][0]), ()):
+        keys += [key for key in pair if key not in keys]
+    near = difflib.get_close_matches(str(details["loc"][-1]), keys, n=1)
+    return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
+
+
+def _allowed(details: ErrorDetails) -> str:
+    kind, context = details["type"], details.get("ctx", {})
+    match kind:
+        case "literal_error":
+            return f"allowed: {context['expected']}"
+        case "greater_than":
+            return f"must be greater than {context['gt']:g}"
+        case "greater_than_equal":
+            return f"must be at least {context['ge']:g}"
+        case "less_than_equal":
+            return f"must be at most {context['le']:g}"
+        case "bool_type":
+            return "must be true or false"
+        case "int_type" | "int_from_float":
+            return "must be a whole number"
+        case "too_short" | "too_long":
+            return f"must have {context.get('min_length', context.get('max_length'))} entries"
+        case "tuple_type":
+            return "must be a list"
+        case "model_type" | "dict_type":
+            return f"must be a section [{details['loc'][-1]}]"
+        case "string_type":
+            return "must be text"
+        case _:
+            return details["msg"]
