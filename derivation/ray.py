@@ -143,11 +143,12 @@ AVERAGED = Polarisation((rho_s**2 + rho_p**2) / 2, (T_s + T_p) / 2)
 def scattering(light: Polarisation) -> sp.Expr:
     """Q_sc (3.19) without trigonometry and without cancellation.
 
-    Q_sc = [4 R cos^2(beta) (1 + R cos 2alpha) + 2 T^2 sin^2(alpha - beta)] / (T^2 + 4 R cos^2(beta)).
-    Each term vanishes with R and 1 - mu, so nothing is left of the 1 it started from.
+    Q_sc = [4 R cos^2(beta) (T + 2 R cos^2(alpha)) + 2 T^2 sin^2(alpha - beta)]
+           / (T^2 + 4 R cos^2(beta)).
+    Every term is positive, and vanishes with R and 1 - mu.
     """
     R, T = light.reflectance, light.transmittance
-    return (4 * R * ct**2 * (1 + R * (1 - 2 * S)) + 2 * T**2 * S * g**2) / (T**2 + 4 * R * ct**2)
+    return (4 * R * ct**2 * (T + 2 * R * c**2) + 2 * T**2 * S * g**2) / (T**2 + 4 * R * ct**2)
 
 
 def gradient(light: Polarisation) -> sp.Expr:

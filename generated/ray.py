@@ -1,7 +1,7 @@
 """The force of one ray on the bead (3.14)-(3.26).
 
 Made by `python -m derivation` from derivation/; do not edit.
-SymPy 1.14.0. 988 operations, 154 temporaries.
+SymPy 1.14.0. 999 operations, 154 temporaries.
 
 The ray passes through the focus, the origin, along u. Forces in units of n_m P/c; moments
 in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).
@@ -11,7 +11,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "a4a80437caf1e2608ffb231dde5020c50c10acbef26dba280f784913bbe97898"
+SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
 
 
 @njit(cache=True, error_model="numpy")
@@ -21,7 +21,7 @@ def circular(S, n_mP):
     S: sin^2 of the angle of incidence, S = sin^2(alpha) [1]
     n_mP: n_m/n_P, medium over bead [1]
     Returns Q_sc, G.
-    96 operations, 15 temporaries.
+    97 operations, 16 temporaries.
     """
     cos_alpha = math.sqrt(1.0 - S)
     cos_beta = math.sqrt((cos_alpha * cos_alpha) * (n_mP * n_mP) + (1.0 - n_mP) * (n_mP + 1.0))
@@ -33,23 +33,24 @@ def circular(S, n_mP):
     T_s = 4.0 * cos_alpha * cos_beta * n_mP / (w_s * w_s)
     T_p = 4.0 * cos_alpha * cos_beta * n_mP / (w_p * w_p)
     x0 = T_p * T_p
-    x1 = 2.0 * S
-    x2 = (g * g) * x1
+    x1 = 2.0 * x0
+    x2 = S * (g * g)
     x3 = rho_p * rho_p
-    x4 = 1.0 - x1
+    x4 = 2.0 * (cos_alpha * cos_alpha)
     x5 = cos_beta * cos_beta
     x6 = 4.0 * x5
     x7 = x3 * x6
     x8 = (1.0 / 2.0) / (x0 + x7)
     x9 = T_s * T_s
-    x10 = rho_s * rho_s
-    x11 = x10 * x6
-    x12 = (1.0 / 2.0) / (x11 + x9)
-    x13 = 8.0 * cos_alpha * x5
-    x14 = 2.0 * g * (S * n_mP + cos_alpha * cos_beta)
-    Q_sc = x12 * (x11 * (x10 * x4 + 1.0) + x2 * x9) + x8 * (x0 * x2 + x7 * (x3 * x4 + 1.0))
-    G = x12 * (-(rho_s * rho_s * rho_s * rho_s) * x13 + x14 * x9) + x8 * (
-        -(rho_p * rho_p * rho_p * rho_p) * x13 + x0 * x14
+    x10 = 2.0 * x9
+    x11 = rho_s * rho_s
+    x12 = x11 * x6
+    x13 = (1.0 / 2.0) / (x12 + x9)
+    x14 = 8.0 * cos_alpha * x5
+    x15 = g * (S * n_mP + cos_alpha * cos_beta)
+    Q_sc = x13 * (x10 * x2 + x12 * (T_s + x11 * x4)) + x8 * (x1 * x2 + x7 * (T_p + x3 * x4))
+    G = x13 * (-(rho_s * rho_s * rho_s * rho_s) * x14 + x10 * x15) + x8 * (
+        -(rho_p * rho_p * rho_p * rho_p) * x14 + x1 * x15
     )
     return Q_sc, G
 
@@ -61,7 +62,7 @@ def circular_rates(S, n_mP):
     S: sin^2 of the angle of incidence, S = sin^2(alpha) [1]
     n_mP: n_m/n_P, medium over bead [1]
     Returns Q_sc, dQ_sc, G, dG.
-    336 operations, 65 temporaries.
+    344 operations, 65 temporaries.
     """
     cos_alpha = math.sqrt(1.0 - S)
     cos_beta = math.sqrt((cos_alpha * cos_alpha) * (n_mP * n_mP) + (1.0 - n_mP) * (n_mP + 1.0))
@@ -89,99 +90,100 @@ def circular_rates(S, n_mP):
         - 2.0 * cos_alpha * (n_mP * n_mP * n_mP) / (cos_beta * (w_p * w_p))
         - 2.0 * cos_beta * n_mP / (cos_alpha * (w_p * w_p))
     )
-    x0 = T_p * T_p
-    x1 = g * g
-    x2 = 2.0 * S
-    x3 = x1 * x2
+    x0 = g * g
+    x1 = S * x0
+    x2 = T_p * T_p
+    x3 = 2.0 * x2
     x4 = rho_p * rho_p
-    x5 = 1.0 - x2
-    x6 = x4 * x5 + 1.0
-    x7 = cos_beta * cos_beta
-    x8 = 4.0 * x7
-    x9 = x4 * x8
-    x10 = x0 * x3 + x6 * x9
-    x11 = x0 + x9
-    x12 = 1.0 / x11
-    x13 = (1.0 / 2.0) * x12
-    x14 = T_s * T_s
-    x15 = rho_s * rho_s
-    x16 = x15 * x5 + 1.0
-    x17 = x15 * x8
-    x18 = x14 * x3 + x16 * x17
-    x19 = x14 + x17
-    x20 = 1.0 / x19
-    x21 = (1.0 / 2.0) * x20
-    x22 = 2.0 * x1
-    x23 = rho_p * rho_p * rho_p * rho_p
-    x24 = 8.0 * x7
-    x25 = x23 * x24
-    x26 = -x25
-    x27 = rho_s * rho_s * rho_s * rho_s
-    x28 = x24 * x27
-    x29 = -x28
-    x30 = x0 * x12
-    x31 = g * x2
-    x32 = x14 * x20
-    x33 = T_p * x12
-    x34 = 1.0 / (x11 * x11)
-    x35 = T_p * x34
-    x36 = T_s * x20
-    x37 = 1.0 / (x19 * x19)
-    x38 = T_s * x37
-    x39 = rho_p * rho_p * rho_p
-    x40 = x24 * x5
-    x41 = x10 * x34
-    x42 = rho_p * x8
-    x43 = rho_s * rho_s * rho_s
-    x44 = x18 * x37
-    x45 = rho_s * x8
-    x46 = 4.0 * cos_beta
-    x47 = x4 * x46
-    x48 = x15 * x46
-    x49 = (1.0 / 2.0) * (n_mP * n_mP) / cos_beta
-    x50 = cos_alpha * cos_beta
-    x51 = S * n_mP + x50
-    x52 = x0 * x51
-    x53 = 2.0 * g
-    x54 = -cos_alpha * x25 + x52 * x53
-    x55 = x14 * x51
-    x56 = -cos_alpha * x28 + x53 * x55
+    x5 = cos_alpha * cos_alpha
+    x6 = 2.0 * x5
+    x7 = T_p + x4 * x6
+    x8 = cos_beta * cos_beta
+    x9 = 4.0 * x8
+    x10 = x4 * x9
+    x11 = x1 * x3 + x10 * x7
+    x12 = x10 + x2
+    x13 = 1.0 / x12
+    x14 = (1.0 / 2.0) * x13
+    x15 = T_s * T_s
+    x16 = 2.0 * x15
+    x17 = rho_s * rho_s
+    x18 = T_s + x17 * x6
+    x19 = x17 * x9
+    x20 = x1 * x16 + x18 * x19
+    x21 = x15 + x19
+    x22 = 1.0 / x21
+    x23 = (1.0 / 2.0) * x22
+    x24 = x13 * x2
+    x25 = x15 * x22
+    x26 = 2.0 * S * g
+    x27 = rho_p * rho_p * rho_p * rho_p
+    x28 = 8.0 * x8
+    x29 = x27 * x28
+    x30 = cos_alpha * x29
+    x31 = rho_s * rho_s * rho_s * rho_s
+    x32 = x28 * x31
+    x33 = cos_alpha * x32
+    x34 = (1.0 / 2.0) / cos_alpha
+    x35 = 4.0 * x1
+    x36 = 1.0 / (x12 * x12)
+    x37 = T_p * x36
+    x38 = 1.0 / (x21 * x21)
+    x39 = T_s * x38
+    x40 = rho_p * rho_p * rho_p
+    x41 = 16.0 * x8
+    x42 = x41 * x5
+    x43 = x11 * x36
+    x44 = rho_p * x9
+    x45 = rho_s * rho_s * rho_s
+    x46 = x20 * x38
+    x47 = rho_s * x9
+    x48 = 4.0 * cos_beta
+    x49 = x4 * x48
+    x50 = x17 * x48
+    x51 = (1.0 / 2.0) * (n_mP * n_mP) / cos_beta
+    x52 = cos_alpha * cos_beta
+    x53 = S * n_mP + x52
+    x54 = g * x53
+    x55 = x3 * x54 - x30
+    x56 = x16 * x54 - x33
     x57 = g * n_mP
-    x58 = x51 * x53
-    x59 = 16.0 * cos_alpha * x7
-    x60 = x34 * x54
-    x61 = x37 * x56
-    x62 = cos_beta * x53
-    x63 = cos_alpha * x53
-    x64 = 16.0 * x50
-    Q_sc = x10 * x13 + x18 * x21
+    x58 = 2.0 * x54
+    x59 = cos_alpha * x41
+    x60 = x36 * x55
+    x61 = x38 * x56
+    x62 = cos_beta * g
+    x63 = cos_alpha * g
+    x64 = 16.0 * x52
+    Q_sc = x11 * x14 + x20 * x23
     dQ_sc = (
-        dT_p * (-x10 * x35 + x3 * x33)
-        + dT_s * (-x18 * x38 + x3 * x36)
-        + dg * (x30 * x31 + x31 * x32)
-        + drho_p * ((1.0 / 2.0) * x12 * (rho_p * x24 * x6 + x39 * x40) - x41 * x42)
-        + drho_s * ((1.0 / 2.0) * x20 * (rho_s * x16 * x24 + x40 * x43) - x44 * x45)
-        + x13 * (x0 * x22 + x26)
-        + x21 * (x14 * x22 + x29)
-        - x49 * (x12 * x47 * x6 + x16 * x20 * x48 - x41 * x47 - x44 * x48)
+        dT_p * (-x11 * x37 + (1.0 / 2.0) * x13 * (T_p * x35 + x10))
+        + dT_s * (-x20 * x39 + (1.0 / 2.0) * x22 * (T_s * x35 + x19))
+        + dg * (x24 * x26 + x25 * x26)
+        + drho_p * ((1.0 / 2.0) * x13 * (rho_p * x28 * x7 + x40 * x42) - x43 * x44)
+        + drho_s * ((1.0 / 2.0) * x22 * (rho_s * x18 * x28 + x42 * x45) - x46 * x47)
+        + x0 * x24
+        + x0 * x25
+        + x34 * (-x13 * x30 - x22 * x33)
+        - x51 * (x13 * x49 * x7 + x18 * x22 * x50 - x43 * x49 - x46 * x50)
     )
-    G = x13 * x54 + x21 * x56
+    G = x14 * x55 + x23 * x56
     dG = (
-        dT_p * (x33 * x58 - x35 * x54)
-        + dT_s * (x36 * x58 - x38 * x56)
-        + dg * (x12 * x52 + x20 * x55)
-        + drho_p * (-x12 * x39 * x59 - x42 * x60)
-        + drho_s * (-x20 * x43 * x59 - x45 * x61)
-        + x30 * x57
-        + x32 * x57
-        - x49
+        dT_p * (T_p * x13 * x58 - x37 * x55)
+        + dT_s * (T_s * x22 * x58 - x39 * x56)
+        + dg * (x24 * x53 + x25 * x53)
+        + drho_p * (-x13 * x40 * x59 - x44 * x60)
+        + drho_s * (-x22 * x45 * x59 - x47 * x61)
+        + x24 * x57
+        + x25 * x57
+        + x34 * (-x14 * (-x29 + x3 * x62) - x23 * (x16 * x62 - x32))
+        - x51
         * (
-            (1.0 / 2.0) * x12 * (x0 * x63 - x23 * x64)
-            + (1.0 / 2.0) * x20 * (x14 * x63 - x27 * x64)
-            - x47 * x60
-            - x48 * x61
+            (1.0 / 2.0) * x13 * (-x27 * x64 + x3 * x63)
+            + (1.0 / 2.0) * x22 * (x16 * x63 - x31 * x64)
+            - x49 * x60
+            - x50 * x61
         )
-        + (1.0 / 2.0) * (-x13 * (x0 * x62 + x26) - x21 * (x14 * x62 + x29)) / cos_alpha
     )
     return Q_sc, dQ_sc, G, dG
 
@@ -193,7 +195,7 @@ def averaged_reflectance(S, n_mP):
     S: sin^2 of the angle of incidence, S = sin^2(alpha) [1]
     n_mP: n_m/n_P, medium over bead [1]
     Returns Q_sc, G.
-    83 operations, 8 temporaries.
+    84 operations, 7 temporaries.
     """
     cos_alpha = math.sqrt(1.0 - S)
     cos_beta = math.sqrt((cos_alpha * cos_alpha) * (n_mP * n_mP) + (1.0 - n_mP) * (n_mP + 1.0))
@@ -204,16 +206,21 @@ def averaged_reflectance(S, n_mP):
     rho_p = (1.0 - n_mP) * (n_mP + 1.0) * (-S * ((n_mP * n_mP) + 1.0) + 1.0) / (w_p * w_p)
     T_s = 4.0 * cos_alpha * cos_beta * n_mP / (w_s * w_s)
     T_p = 4.0 * cos_alpha * cos_beta * n_mP / (w_p * w_p)
-    x0 = ((1.0 / 2.0) * T_p + (1.0 / 2.0) * T_s) * ((1.0 / 2.0) * T_p + (1.0 / 2.0) * T_s)
-    x1 = cos_beta * cos_beta
-    x2 = rho_p * rho_p
-    x3 = rho_s * rho_s
-    x4 = x1 * (2.0 * x2 + 2.0 * x3)
-    x5 = 1.0 / (x0 + x4)
-    x6 = 2.0 * S
-    x7 = (1.0 / 2.0) * x2 + (1.0 / 2.0) * x3
-    Q_sc = x5 * ((g * g) * x0 * x6 + x4 * (x7 * (1.0 - x6) + 1.0))
-    G = x5 * (-8.0 * cos_alpha * x1 * (x7 * x7) + 2.0 * g * x0 * (S * n_mP + cos_alpha * cos_beta))
+    x0 = (1.0 / 2.0) * T_p + (1.0 / 2.0) * T_s
+    x1 = x0 * x0
+    x2 = cos_beta * cos_beta
+    x3 = rho_p * rho_p
+    x4 = rho_s * rho_s
+    x5 = x2 * (2.0 * x3 + 2.0 * x4)
+    x6 = 1.0 / (x1 + x5)
+    Q_sc = x6 * (2.0 * S * (g * g) * x1 + x5 * ((cos_alpha * cos_alpha) * (x3 + x4) + x0))
+    G = x6 * (
+        -8.0
+        * cos_alpha
+        * x2
+        * (((1.0 / 2.0) * x3 + (1.0 / 2.0) * x4) * ((1.0 / 2.0) * x3 + (1.0 / 2.0) * x4))
+        + 2.0 * g * x1 * (S * n_mP + cos_alpha * cos_beta)
+    )
     return Q_sc, G
 
 
@@ -224,7 +231,7 @@ def averaged_reflectance_rates(S, n_mP):
     S: sin^2 of the angle of incidence, S = sin^2(alpha) [1]
     n_mP: n_m/n_P, medium over bead [1]
     Returns Q_sc, dQ_sc, G, dG.
-    283 operations, 39 temporaries.
+    284 operations, 39 temporaries.
     """
     cos_alpha = math.sqrt(1.0 - S)
     cos_beta = math.sqrt((cos_alpha * cos_alpha) * (n_mP * n_mP) + (1.0 - n_mP) * (n_mP + 1.0))
@@ -261,56 +268,57 @@ def averaged_reflectance_rates(S, n_mP):
     x6 = x2 * x5
     x7 = x1 + x6
     x8 = 1.0 / x7
-    x9 = 2.0 * S
+    x9 = 2.0 * x1
     x10 = g * g
-    x11 = x1 * x10
-    x12 = 1.0 - x9
-    x13 = (1.0 / 2.0) * x3 + (1.0 / 2.0) * x4
-    x14 = x12 * x13 + 1.0
+    x11 = S * x10
+    x12 = cos_alpha * cos_alpha
+    x13 = x3 + x4
+    x14 = x0 + x12 * x13
     x15 = x11 * x9 + x14 * x6
-    x16 = g * x1
-    x17 = dg * x8
-    x18 = x0 * x8
+    x16 = x8 * x9
+    x17 = g * x8
+    x18 = 2.0 * x0
     x19 = 1.0 / (x7 * x7)
     x20 = -x0 * x19
-    x21 = x10 * x18 * x9 + x15 * x20
-    x22 = 2.0 * cos_beta * x5
-    x23 = x15 * x19
-    x24 = (1.0 / 2.0) * (n_mP * n_mP) / cos_beta
-    x25 = x12 * x6
-    x26 = 4.0 * x2
-    x27 = x14 * x26
-    x28 = x23 * x26
-    x29 = x13 * x13
-    x30 = 8.0 * x2 * x29
-    x31 = cos_alpha * cos_beta
-    x32 = S * n_mP + x31
-    x33 = -cos_alpha * x30 + 2.0 * g * x1 * x32
-    x34 = 2.0 * x32
-    x35 = 16.0 * cos_alpha * x13 * x2 * x8
-    x36 = x19 * x33
-    x37 = x26 * x36
-    x38 = g * x18 * x34 + x20 * x33
+    x21 = x15 * x20 + x8 * (x11 * x18 + (1.0 / 2.0) * x6)
+    x22 = 2.0 * x12 * x6
+    x23 = 4.0 * x2
+    x24 = x14 * x23
+    x25 = x15 * x19
+    x26 = x23 * x25
+    x27 = 2.0 * cos_beta * x5
+    x28 = (1.0 / 2.0) * (n_mP * n_mP) / cos_beta
+    x29 = (1.0 / 2.0) * x3 + (1.0 / 2.0) * x4
+    x30 = x29 * x29
+    x31 = 8.0 * x2 * x30
+    x32 = cos_alpha * cos_beta
+    x33 = S * n_mP + x32
+    x34 = -cos_alpha * x31 + 2.0 * g * x1 * x33
+    x35 = 16.0 * cos_alpha * x2 * x29 * x8
+    x36 = x19 * x34
+    x37 = x23 * x36
+    x38 = x17 * x18 * x33 + x20 * x34
     Q_sc = x15 * x8
     dQ_sc = (
-        4.0 * S * x16 * x17
+        4.0 * S * dg * x1 * x17
         + dT_p * x21
         + dT_s * x21
-        + drho_p * (-rho_p * x28 + x8 * (rho_p * x25 + rho_p * x27))
-        + drho_s * (-rho_s * x28 + x8 * (rho_s * x25 + rho_s * x27))
-        - x24 * (x14 * x22 * x8 - x22 * x23)
-        + x8 * (2.0 * x11 + x6 * (-x3 - x4))
+        + drho_p * (-rho_p * x26 + x8 * (rho_p * x22 + rho_p * x24))
+        + drho_s * (-rho_s * x26 + x8 * (rho_s * x22 + rho_s * x24))
+        + x10 * x16
+        - x13 * x6 * x8
+        - x28 * (x14 * x27 * x8 - x25 * x27)
     )
-    G = x33 * x8
+    G = x34 * x8
     dG = (
         dT_p * x38
         + dT_s * x38
+        + dg * x16 * x33
         + drho_p * (-rho_p * x35 - rho_p * x37)
         + drho_s * (-rho_s * x35 - rho_s * x37)
-        + 2.0 * n_mP * x16 * x8
-        + x1 * x17 * x34
-        - x24 * (-x22 * x36 + x8 * (2.0 * cos_alpha * g * x1 - 16.0 * x29 * x31))
-        - (1.0 / 2.0) * x8 * (2.0 * cos_beta * g * x1 - x30) / cos_alpha
+        + g * n_mP * x16
+        - x28 * (-x27 * x36 + x8 * (2.0 * cos_alpha * g * x1 - 16.0 * x30 * x32))
+        - (1.0 / 2.0) * x8 * (2.0 * cos_beta * g * x1 - x31) / cos_alpha
     )
     return Q_sc, dQ_sc, G, dG
 

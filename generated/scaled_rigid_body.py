@@ -37,7 +37,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "a4a80437caf1e2608ffb231dde5020c50c10acbef26dba280f784913bbe97898"
+SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3", "v1", "v2", "v3", "omega1", "omega2", "omega3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "a2", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

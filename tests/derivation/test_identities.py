@@ -1,0 +1,273 @@
+"""Each step of the derivation proven: differences that expand to zero, or typed pages."""
+
+import pytest
+import sympy as sp
+from derivation import euler_parameters as ep
+from derivation import multiscale as ms
+from derivation import ray
+from derivation import rigid_body as rb
+from derivation.equations import Equation, is_zero
+
+
+def test_is_zero_can_say_no():
+    x = sp.Symbol("x", real=True)
+    assert not is_zero(sp.Matrix([0, x]))
+    assert is_zero(sp.Matrix([(x + 1) ** 2 / x - x - 2 - 1 / x]))
+
+
+def test_rotation_matrix_is_the_printed_one():
+    e0, e1, e2, e3 = ep.e
+    printed = sp.Matrix(
+        [
+            [e0**2 + e1**2 - e2**2 - e3**2, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
+            [2 * (e1 * e2 + e0 * e3), e0**2 - e1**2 + e2**2 - e3**2, 2 * (e2 * e3 - e0 * e1)],
+            [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), e0**2 - e1**2 - e2**2 + e3**2],
+        ]
+    )
+    assert is_zero(ep.R - printed / ep.norm_squared)
+
+
+def test_rotation_matrix_is_a_rotation():
+    assert is_zero(ep.R * ep.R.T - sp.eye(3))
+    assert sp.cancel(ep.R.det()) == 1
+
+
+def test_L_read_off_the_rotation_is_the_printed_one():
+    e0, e1, e2, e3 = ep.e
+    printed = 2 * sp.Matrix([[-e1, e0, e3, -e2], [-e2, -e3, e0, e1], [-e3, e2, -e1, e0]])
+    assert printed == ep.L
+    rates = dict(zip(ep.e, ep.edot, strict=True))
+    assert printed.subs(rates, simultaneous=True) == ep.Ldot
+
+
+def test_identities_of_L():
+    assert is_zero(ep.L_TIMES_E.rhs)
+    assert is_zero(ep.L_L_TRANSPOSED.rhs - 4 * ep.norm_squared * sp.eye(3))
+    assert is_zero(ep.LDOT_EDOT.rhs)
+
+
+def test_rates_from_omega_give_omega_back_and_keep_the_constraint():
+    edot = ep.euler_rates_from_omega
+    assert is_zero(ep.L * edot / ep.norm_squared - ep.omega)
+    assert is_zero(ep.e.T * edot)
+
+
+def test_projection_meets_the_constraints():
+    assert is_zero(ep.unit_euler_parameters.T * ep.unit_euler_parameters - sp.Matrix([1]))
+    assert is_zero(ep.e.T * ep.tangent_euler_rates)
+
+
+@pytest.mark.parametrize("equation", [rb.NORMALITY, rb.NORMALITY_RATE, rb.NORMALITY_ACCELERATION])
+def test_constraint_rows_are_the_printed_ones(equation):
+    printed = {
+        "A.21": (ep.e.T * ep.e)[0] - 1,
+        "A.22": (ep.e.T * ep.edot)[0],
+        "A.23": (ep.e.T * rb.eddot)[0] + (ep.edot.T * ep.edot)[0],
+    }
+    assert is_zero(equation.rhs - printed[equation.number])
+
+
+def test_K_is_the_printed_one_and_reduces():
+    omega = ep.L * ep.edot
+    printed = rb.I_AA * ep.Ldot * ep.edot + omega.cross(rb.I_AA * omega)
+    assert is_zero(rb.K(rb.I_AA) - printed)
+    reduced = rb.reduced_K(rb.I_AA).subs(dict(zip(ep.omega, omega, strict=True)))
+    assert is_zero(rb.K(rb.I_AA) - reduced)
+
+
+def test_K_vanishes_for_a_sphere_and_for_no_other_body():
+    assert is_zero(rb.GYROSCOPIC_SPHERE.rhs)
+    assert is_zero(rb.reduced_K(rb.I_sphere))
+    assert not is_zero(rb.GYROSCOPIC.rhs)
+
+
+def test_closed_form_solves_A24():
+    assert is_zero(rb.I_TILDE.rhs * rb.EULER_ACCELERATION.rhs - rb.M_TILDE.rhs)
+
+
+def test_angular_acceleration_follows_from_the_closed_form():
+    """w' = L e'' + L' e' at |e| = 1, where omega = L e'."""
+    omega = ep.L * ep.edot
+    from_rates = ep.L * rb.EULER_ACCELERATION.rhs + ep.Ldot * ep.edot
+    direct = rb.ANGULAR_ACCELERATION_EQUATION.rhs.subs(dict(zip(ep.omega, omega, strict=True)))
+    assert is_zero(from_rates - direct)
+
+
+def test_expansion_has_the_printed_orders():
+    q, u = ms.q_scales, ms.u_scales
+    assert is_zero(ms.leading_order - (q.diff(ms.T0) - u))
+    assert is_zero(ms.first_order - (q.diff(ms.T0, 2) + q.diff(ms.T1)))
+    expected = sum(
+        ms.epsilon ** (i + j) * q.diff(a, b)
+        for i, a in enumerate((ms.T0, ms.T1))
+        for j, b in enumerate((ms.T0, ms.T1))
+    )
+    assert is_zero(ms.SECOND_TIME_DERIVATIVE.rhs - expected)
+
+
+def test_dropping_a1_leaves_the_scaled_model():
+    q_dot, q_ddot, u = sp.symbols("qdot qddot u", real=True)
+    printed = ms.a2 * (q_dot - u) + ms.epsilon * q_ddot
+    assert is_zero(ms.SCALED_BALANCE.rhs - printed)
+
+
+def test_scaled_model_is_the_full_model_of_mass_over_a2():
+    """(4.16) divided by a2: the same drag and forces, an inertia of m/a2."""
+    full = rb.acceleration.subs(rb.m, rb.m / ms.a2)
+    assert is_zero(ms.scaled_acceleration - full)
+    for inertia in (rb.I_sphere, rb.I_AA):
+        # K is quadratic in the inertia's own terms and is not scaled, (4.18)
+        scaled = ms.scaled_angular_acceleration(inertia)
+        moment = ms.a2 * (rb.M_others + rb.drag_moment)
+        assert is_zero(inertia * scaled - moment + ep.omega.cross(inertia * ep.omega))
+
+
+def test_first_order_model_meets_newtons_law_to_its_order():
+    """Insert v = u - tau (Du) u into m dv/dt = F - beta v: what is left is of order m^2."""
+    k, x = sp.symbols("k x", positive=True)
+    u = sp.Function("u")(x)
+    tau = rb.m / rb.beta_v
+    v = u - tau * u.diff(x) * u
+    residue = rb.m * v.diff(x) * v - rb.beta_v * (u - v)
+    assert sp.expand(residue).coeff(rb.m, 0) == 0
+    assert sp.simplify(sp.expand(residue).coeff(rb.m, 1)) == 0
+    # and the emitted vector form is that v, for a force -k q1 along N1
+    F, DF = -k * ms.q[0], -k
+    inputs = {sp.Symbol(f"F{i}", real=True): 0 for i in (2, 3)}
+    inputs |= {sp.Symbol(f"W{i}", real=True): 0 for i in (1, 2, 3)}
+    inputs |= {sp.Symbol("F1", real=True): F, sp.Symbol("Fdot1", real=True): DF * F / rb.beta_v}
+    expected = v.subs(u, -k * x / rb.beta_v).doit().subs(x, ms.q[0])
+    assert is_zero(ms.first_order_velocity[0].subs(inputs) - expected)
+
+
+def test_turning_of_the_frame_adds_nothing_to_the_rate_of_the_moment():
+    in_body_frame = ep.R.T * ms.moment_rate
+    assert is_zero(ms.along_leading_order(rb.M_others) - in_body_frame)
+
+
+def test_layer_and_matched_start():
+    x0, v0, u = sp.symbols("x0 v0 u", real=True)
+    assert is_zero(ms.MATCHED_START.rhs - (x0 + ms.epsilon * (v0 - u)))
+    s = sp.Symbol("s", positive=True)
+    x = ms.LAYER.rhs
+    assert is_zero(x.diff(s, 2) + x.diff(s) - ms.epsilon * u)
+    assert x.subs(s, 0).expand() == x0
+    assert x.diff(s).subs(s, 0).expand() == ms.epsilon * v0
+
+
+def test_layer_remainder_is_what_dsolve_leaves_to_decay():
+    """Slow part plus remainder is the whole layer: at t = 0 the bead is where it was released."""
+    remains = ms.layer(rb.I_AA)
+    at_release = remains.subs(ms.t, 0)
+    assert is_zero(ms.matched_position + at_release[:3, :] - ms.q)
+    assert is_zero(ms.overdamped_velocity + at_release[3:6, :] - rb.v)
+    turned = ms.matched_euler_parameters(rb.I_AA) - ep.e
+    assert is_zero(turned + ep.L.T * at_release[6:9, :] / 4)
+    assert is_zero(ms.overdamped_angular_velocity + at_release[9:, :] - ep.omega)
+    assert is_zero(remains[:3, :].diff(ms.t) - remains[3:6, :])
+
+
+def test_series_of_emergent_rays_sums_to_the_printed_efficiencies():
+    difference = ray.EMERGENT_RAYS.rhs - (ray.Q_sc + sp.I * ray.Q_gr)
+    assert is_zero(sp.expand(sp.expand(difference.rewrite(sp.exp)), power_exp=True))
+
+
+def test_torque_of_a_lossless_sphere_is_zero():
+    assert ray.absorbed_angular_momentum() == 0
+
+
+def _in_angles(expression):
+    """Trigonometry-free expression back in alpha and beta, with mu from Snell's law (3.14)."""
+    mu = sp.sin(ray.beta) / sp.sin(ray.alpha)
+    values = {
+        ray.c: sp.cos(ray.alpha),
+        ray.ct: sp.cos(ray.beta),
+        ray.S: sp.sin(ray.alpha) ** 2,
+        ray.mu: mu,
+    }
+    for part, value in reversed(ray.FRESNEL_PARTS.items()):
+        expression = expression.subs(part, value)
+    return expression.subs(values)
+
+
+def _vanishes_on_angles(expression):
+    """Zero as a polynomial in the sines and cosines, modulo sin^2 + cos^2 = 1."""
+    sa, ca, sb, cb = sp.symbols("sa ca sb cb")
+    angles = {
+        sp.sin(ray.alpha): sa, sp.cos(ray.alpha): ca, sp.sin(ray.beta): sb, sp.cos(ray.beta): cb,
+    }  # fmt: skip
+    numerator = sp.numer(sp.together(sp.expand_trig(expression).subs(angles)))
+    circles = [sa**2 + ca**2 - 1, sb**2 + cb**2 - 1]
+    return sp.reduced(sp.expand(numerator), circles, ca, cb, sa, sb)[1] == 0
+
+
+def test_efficiencies_without_trigonometry_are_the_printed_ones():
+    light = ray.Polarisation(ray.R_i, 1 - ray.R_i)
+    printed_sc = ray.Q_sc.subs(ray.T_i, 1 - ray.R_i)
+    printed_gr = ray.Q_gr.subs(ray.T_i, 1 - ray.R_i)
+    assert _vanishes_on_angles(_in_angles(ray.scattering(light)) - printed_sc)
+    minus_gr = _in_angles(ray.gradient(light)) * sp.sin(ray.alpha)
+    assert _vanishes_on_angles(minus_gr + printed_gr)
+    assert not _vanishes_on_angles(minus_gr - printed_gr)
+
+
+def test_fresnel_coefficients_are_the_printed_ones():
+    n_m, n_p = sp.symbols("n_m n_P", positive=True)
+    ca, cb = sp.cos(ray.alpha), sp.cos(ray.beta)
+    s = ((n_m * ca - n_p * cb) / (n_m * ca + n_p * cb)) ** 2
+    p = ((n_m * cb - n_p * ca) / (n_m * cb + n_p * ca)) ** 2
+    snell = {n_p: n_m * sp.sin(ray.alpha) / sp.sin(ray.beta)}
+    for light, printed in ((ray.S_POLARISED, s), (ray.P_POLARISED, p), (ray.AVERAGED, (s + p) / 2)):
+        assert _vanishes_on_angles(_in_angles(light.reflectance) - printed.subs(snell))
+        assert _vanishes_on_angles(_in_angles(light.reflectance + light.transmittance) - 1)
+
+
+def test_total_reflection_is_the_limit_of_full_reflectance():
+    """R = 1, T = 0 in (3.19) and (3.21)."""
+    total = {ray.R_i: 1, ray.T_i: 0}
+    assert _vanishes_on_angles(ray.Q_sc.subs(total) - _in_angles(ray.TOTAL_SCATTERING))
+    minus_gr = _in_angles(ray.TOTAL_GRADIENT) * sp.sin(ray.alpha)
+    assert _vanishes_on_angles(ray.Q_gr.subs(total) + minus_gr)
+
+
+@pytest.mark.parametrize("efficiency", [ray.scattering, ray.gradient])
+def test_rates_over_S_are_derivatives(efficiency):
+    """The chain rule through the named parts against a derivative of the whole, numerically exact."""
+    S0, mu0 = sp.Rational(37, 100), sp.Rational(5, 6)
+    whole = ray.in_S(ray.circular(efficiency))
+    by_parts = ray.rate_in_S(ray.circular(efficiency))
+    for part, rate in ray.FRESNEL_PART_RATES.items():
+        by_parts = by_parts.subs(rate, ray.in_S(ray.FRESNEL_PARTS[part]).diff(ray.S))
+    difference = ray.in_S(by_parts) - whole.diff(ray.S)
+    assert abs(sp.N(difference.subs({ray.S: S0, ray.mu: mu0}), 60)) < sp.Float("1e-55", 60)
+
+
+def test_gradients_in_space_are_derivatives_of_force_and_moment():
+    """Chain rule over n and S against the derivative of the force written over p."""
+    u_vector = sp.Matrix([sp.Rational(2, 7), sp.Rational(3, 7), sp.Rational(6, 7)])
+    place = sp.Matrix([sp.Rational(1, 10), sp.Rational(-1, 5), sp.Rational(3, 20)])
+    S = ray.S_of_p
+    Qs, G = 2 + sp.sin(S), sp.exp(S)  # any functions of S
+    values = {ray.Qs: Qs, ray.dQs: sp.cos(S), ray.G: G, ray.dG: sp.exp(S), ray.c: sp.sqrt(1 - S)}
+    n_values = dict(zip(ray.n, ray.n_of_p, strict=True))
+    at = {**dict(zip(ray.u, u_vector, strict=True)), **dict(zip(ray.p, place, strict=True)),
+          ray.r: sp.Rational(4, 5)}  # fmt: skip
+    for quantity, gradient in (
+        (ray.force, ray.force_gradient),
+        (ray.moment_reduced, ray.moment_gradient),
+    ):
+        over_p = quantity.subs(values).subs(n_values)
+        difference = over_p.jacobian(ray.p) - gradient.subs(values).subs(n_values)
+        assert difference.subs(at).evalf(40).norm() < 1e-35
+
+
+def test_moment_reduces_for_a_ray_orthogonal_to_n():
+    """(n - r c u) x F with u.n = 0 and |u| = 1."""
+    axes = {ray.u[0]: 0, ray.u[1]: 0, ray.u[2]: 1, ray.n[2]: 0}
+    assert is_zero((ray.moment - ray.moment_reduced).subs(axes))
+
+
+def test_equations_show_their_number():
+    for equation in (rb.I_TILDE, ms.EXPANSION, ray.SCATTERING_FORCE):
+        assert isinstance(equation, Equation)
+        assert rf"\tag{{{equation.number}}}" in equation._repr_latex_()

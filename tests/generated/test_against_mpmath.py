@@ -1,0 +1,63 @@
+"""Emitted code against the expressions before common subexpressions, at 50 digits."""
+
+import importlib
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from derivation.models import catalogue
+
+MODULES = {module.name: module for module in catalogue()}
+FUNCTIONS = [
+    (module.name, function.name) for module in MODULES.values() for function in module.functions
+]
+DIGITS = 50
+
+
+def random_arguments(function, rng, i):
+    """Values for each argument; angles of incidence up to near grazing."""
+    values = []
+    for argument in function.arguments:
+        if argument.name == "S":
+            values.append(float(rng.uniform(0, 1) if i % 3 else 1 - 10 ** rng.uniform(-8, -1)))
+        elif argument.name == "n_mP":
+            values.append(float(rng.uniform(0.4, 1.0)))
+        elif argument.shape:
+            positive = argument.name == "params"
+            size = argument.shape
+            values.append(rng.uniform(0.3, 2.0, size) if positive else rng.normal(size=size))
+        else:
+            values.append(float(rng.uniform(0.2, 0.9)))
+    return values
+
+
+def exact(function):
+    """The expanded outputs as a function of all symbols, in mpmath."""
+    symbols = [q.symbol for argument in function.arguments for q in argument.quantities]
+    evaluate = sp.lambdify(symbols, list(function.expanded()), "mpmath", cse=False)
+    return lambda flat: [mpmath.mpf(value) for value in evaluate(*map(mpmath.mpf, flat))]
+
+
+@pytest.mark.parametrize(("module_name", "name"), FUNCTIONS)
+def test_against_50_digits(module_name, name):
+    function = next(f for f in MODULES[module_name].functions if f.name == name)
+    emitted = getattr(importlib.import_module(f"generated.{module_name}"), name)
+    reference, rng = exact(function), np.random.default_rng(30)
+    worst = 0.0
+    with mpmath.workdps(DIGITS):
+        for i in range(6):
+            arguments = random_arguments(function, rng, i)
+            if function.output_names:
+                result = np.atleast_1d(emitted(*arguments))
+            else:
+                rows, columns = function.outputs.shape
+                result = np.empty(rows if columns == 1 else (rows, columns))
+                emitted(*arguments, result)
+            flat = np.concatenate([np.ravel(value) for value in arguments])
+            expected = reference(flat)
+            largest = max(abs(value) for value in expected)
+            errors = [abs(mpmath.mpf(float(a)) - b) for a, b in zip(result.flat, expected, strict=True)]
+            worst = max(worst, float(max(errors) / largest))
+    print(f"{module_name}.{name}: {worst:.1e}")
+    assert worst < 1e-14
