@@ -22,7 +22,8 @@ class Equation:
 
     def _repr_latex_(self) -> str:
         tag = rf" \tag{{{self.number}}}" if self.number != "-" else ""
-        return rf"$\displaystyle {self.lhs} = {sp.latex(self.rhs)}{tag}$"
+        cosines = {sp.Symbol(f"cos_{a}", positive=True): rf"\cos\{a}" for a in ("alpha", "beta")}
+        return rf"$${self.lhs} = {sp.latex(self.rhs, symbol_names=cosines)}{tag}$$"
 
 
 def is_zero(expression: sp.Expr | sp.MatrixBase) -> bool:

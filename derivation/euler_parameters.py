@@ -68,7 +68,8 @@ Ldot = along(L, e, edot)
 #: e' from omega: the solution of omega |e|^2 = L e' with e.e' = 0 (A.22), by L L^T = 4 |e|^2 1
 euler_rates_from_omega = L.T * omega / 4
 
-#: The nearest state that meets (A.21) and (A.22): it takes the place of (A.26), which divides by e0.
+#: e/|e| and the part of e' orthogonal to e, which meet (A.21) and (A.22): they take the place of
+#: (A.26), which divides by e0.
 unit_euler_parameters = e / sp.sqrt(norm_squared)
 tangent_euler_rates = edot - e * (e.T * edot)[0] / norm_squared
 
@@ -79,9 +80,7 @@ L_TIMES_E = Equation("-", "e is in the kernel of L", r"L e", (L * e).applyfunc(s
 L_L_TRANSPOSED = Equation(
     "-", "the rows of L are orthogonal", r"L L^T", (L * L.T).applyfunc(sp.expand)
 )
-LDOT_EDOT = Equation(
-    "-", "L' e' vanishes", r"\dot{L}\dot{e}", (Ldot * edot).applyfunc(sp.expand)
-)
+LDOT_EDOT = Equation("-", "L' e' vanishes", r"\dot{L}\dot{e}", (Ldot * edot).applyfunc(sp.expand))
 EULER_RATES_EQUATION = Equation(
     "-", "rates of the Euler parameters", r"\dot{e}", euler_rates_from_omega
 )

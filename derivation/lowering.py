@@ -73,16 +73,16 @@ class Block:
 
 
 def lower(function: Function) -> Block:
-    """One common-subexpression pass over all outputs; inputs that nothing uses are left out."""
+    """One common-subexpression pass over all outputs; what nothing uses is left out."""
     temporaries, outputs = sp.cse(
         list(function.outputs), symbols=sp.numbered_symbols("x"), order="canonical"
     )
-    intermediates = tuple(
-        (quantity.symbol, expression) for quantity, expression in function.intermediates
-    )
-    used = _free_symbols(
-        [*(value for _, value in intermediates), *(value for _, value in temporaries), *outputs]
-    )
+    used = _free_symbols([*(value for _, value in temporaries), *outputs])
+    intermediates: list[tuple[sp.Symbol, sp.Expr]] = []
+    for quantity, expression in reversed(function.intermediates):
+        if quantity.symbol in used:
+            intermediates.insert(0, (quantity.symbol, expression))
+            used |= _free_symbols([expression])
     known = {symbol for argument in function.arguments for symbol in _symbols(argument)}
     unknown = used - known - {name for name, _ in (*intermediates, *temporaries)}
     if unknown:
@@ -95,7 +95,7 @@ def lower(function: Function) -> Block:
         for quantity, element in zip(argument.quantities, argument.elements, strict=True)
         if quantity.symbol in used
     )
-    return Block(inputs, intermediates, tuple(temporaries), tuple(outputs))
+    return Block(inputs, tuple(intermediates), tuple(temporaries), tuple(outputs))
 
 
 def _symbols(argument: Argument) -> tuple[sp.Symbol, ...]:

@@ -41,8 +41,8 @@ _DM = sp.Matrix(3, 3, vector(sy.MOMENT_GRADIENT))
 _HF = sp.Matrix(3, 3, vector(sy.FORCE_CURVATURE))
 _HM = sp.Matrix(3, 3, vector(sy.MOMENT_CURVATURE))
 
-#: how each input changes with the position: dF/dq, dM/dq, and for the rates along u = (F + W)/beta_v
-#: d(DF u)/dq = HF + DF DF/beta_v
+#: how each input changes with the position: dF/dq, dM/dq, and for the rates along
+#: u = (F + W)/beta_v: d(DF u)/dq = HF + DF DF/beta_v
 _OVER_POSITION = (
     (vector(sy.FORCE), _DF),
     (vector(sy.MOMENT), _DM),
@@ -59,7 +59,9 @@ def jacobian(rates: sp.MatrixBase, state: tuple[Quantity, ...]) -> sp.MatrixBase
     return result
 
 
-def _named(quantities: tuple[Quantity, ...], values: sp.MatrixBase):
+def _named(
+    quantities: tuple[Quantity, ...], values: sp.MatrixBase
+) -> tuple[tuple[Quantity, sp.Expr], ...]:
     return tuple(zip(quantities, values, strict=True))
 
 
@@ -174,9 +176,7 @@ def _inertial_models(scaling: bool) -> list[Module]:
                     rb.v,
                     ep.edot,
                     acceleration,
-                    rb.euler_acceleration(
-                        inertia, a2 * (rb.M_others + rb.drag_moment), gyroscopic
-                    ),
+                    rb.euler_acceleration(inertia, a2 * (rb.M_others + rb.drag_moment), gyroscopic),
                 ),
                 (FORCE, MOMENT),
                 (FORCE_GRADIENT, MOMENT_GRADIENT),
@@ -245,7 +245,9 @@ def _first_order_models() -> list[Module]:
             start = start.col_join(ms.matched_euler_parameters(inertia))
         parameters = Argument("params", params, (len(params),))
         released_and_fields = (
-            Argument("released", released, (len(released),)), *fields, parameters
+            Argument("released", released, (len(released),)),
+            *fields,
+            parameters,
         )
         matched = Function(
             "matched_start",
@@ -256,7 +258,8 @@ def _first_order_models() -> list[Module]:
         remains = ms.layer(inertia)
         layer = Function(
             "initial_layer",
-            "What the release still adds to the slow motion at time t: " + (
+            "What the release still adds to the slow motion at time t: "
+            + (
                 "displacement, velocity,\nangle turned and angular velocity (body frame)."
                 if rotating
                 else "displacement and velocity."
@@ -309,7 +312,7 @@ def _kinematics() -> Module:
             ),
             Function(
                 "project",
-                "The nearest (e, e') on the constraints (A.21) and (A.22), in place of (A.26).",
+                "n = e/|e| and its rate, which meet (A.21) and (A.22), in place of (A.26).",
                 (e, edot),
                 ep.unit_euler_parameters.col_join(
                     ep.tangent_euler_rates / sp.sqrt(ep.norm_squared)
@@ -347,9 +350,7 @@ def _ray() -> Module:
     parts = (*cosines, *zip(sy.FRESNEL, ray.FRESNEL_PARTS.values(), strict=True))
     rates = tuple(
         (quantity, ray.rate_in_S(expression))
-        for quantity, expression in zip(
-            sy.FRESNEL_RATES, ray.FRESNEL_PARTS.values(), strict=True
-        )
+        for quantity, expression in zip(sy.FRESNEL_RATES, ray.FRESNEL_PARTS.values(), strict=True)
     )
     functions = []
     for name, (meaning, scattering, gradient) in efficiencies.items():
@@ -402,8 +403,8 @@ def _ray() -> Module:
     return Module(
         "ray",
         "The force of one ray on the bead (3.14)-(3.26).",
-        "The ray passes through the focus, the origin, along u. Forces in units of n_m P/c; moments\n"
-        "in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).",
+        "The ray passes through the focus, the origin, along u. Forces in units of n_m P/c;\n"
+        "moments in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).",
         (),
         (),
         (
@@ -433,7 +434,7 @@ def _ray() -> Module:
             ),
             Function(
                 "gradient_of_force",
-                "dF/dp (3.24), row by row; its derivatives over S come from the `_rates` functions.",
+                "dF/dp (3.24), row by row; derivatives over S come from the `_rates` functions.",
                 (in_ray, impact, radius, *values),
                 ray.force_gradient,
             ),

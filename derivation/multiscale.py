@@ -67,9 +67,7 @@ first_order = balance.coeff(epsilon, 1)
 
 TIME_DERIVATIVE = Equation("4.9", "first derivative", r"\dot{q}", qdot_expansion)
 SECOND_TIME_DERIVATIVE = Equation("4.10", "second derivative", r"\ddot{q}", qddot_expansion)
-EXPANSION = Equation(
-    "4.11", "orders of epsilon", r"0", leading_order + epsilon * first_order
-)
+EXPANSION = Equation("4.11", "orders of epsilon", r"0", leading_order + epsilon * first_order)
 
 
 # --- the thesis's split (4.12)-(4.16) ----------------------------------------------------------
@@ -80,7 +78,7 @@ def scaled_balance() -> sp.Expr:
     cancel (4.13 to 4.14); T-derivatives are gathered back into t.
     """
     split = sp.expand((a1 + a2) * leading_order).coeff(a1, 0)
-    q, qdot, qddot, u = sp.symbols("q qdot qddot u", real=True)
+    qdot, qddot, u = sp.symbols("qdot qddot u", real=True)
     in_t = {
         q_scales.diff(T0, 2): qddot,
         q_scales.diff(T1): 0,
@@ -112,9 +110,7 @@ overdamped_angular_velocity = M_others / beta_w
 
 def _as_fields(expression: sp.MatrixBase) -> sp.MatrixBase:
     """The light's force and moment as functions of q, so that the chain rule sees them."""
-    fields = {
-        quantity.symbol: sp.Function(quantity.name)(*q) for quantity in (*FORCE, *MOMENT)
-    }
+    fields = {quantity.symbol: sp.Function(quantity.name)(*q) for quantity in (*FORCE, *MOMENT)}
     return expression.subs(fields)
 
 
@@ -231,9 +227,5 @@ def layer(inertia: sp.MatrixBase | None) -> sp.Matrix:
 
 
 OVERDAMPED = Equation("5.2", "terminal velocity", r"\dot{\mathbf{q}}", overdamped_velocity)
-FIRST_ORDER = Equation(
-    "-", "first-order slow model", r"\dot{\mathbf{q}}", first_order_velocity
-)
-SCALED_ACCELERATION = Equation(
-    "4.16", "scaled model", r"\ddot{\mathbf{q}}", scaled_acceleration
-)
+FIRST_ORDER = Equation("-", "first-order slow model", r"\dot{\mathbf{q}}", first_order_velocity)
+SCALED_ACCELERATION = Equation("4.16", "scaled model", r"\ddot{\mathbf{q}}", scaled_acceleration)

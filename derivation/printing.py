@@ -19,19 +19,19 @@ class KernelPrinter(PythonCodePrinter):
     def _print_Pow(self, expr: sp.Pow, rational: bool = False) -> str:  # noqa: ARG002
         base, exponent = expr.as_base_exp()
         if exponent.is_negative:
-            return f"1.0/{self.parenthesize(sp.Pow(base, -exponent), PRECEDENCE['Pow'])}"
+            denominator = self._print(sp.Pow(base, -exponent))
+            return f"1.0/{denominator if base.is_Atom or exponent != -1 else f'({denominator})'}"
         whole, half = divmod(exponent, 1)
         if half not in (0, sp.Rational(1, 2)) or whole > _LARGEST_PRODUCT:
             raise NotImplementedError(f"no cheap form for the power {expr}")
-        factor = self.parenthesize(base, PRECEDENCE["Mul"], strict=True)
-        factors = [factor] * int(whole)
+        factors = [self.parenthesize(base, PRECEDENCE["Mul"], strict=True)] * int(whole)
         if half:
             factors.append(f"math.sqrt({self._print(base)})")
         product = "*".join(factors)
         return f"({product})" if len(factors) > 1 else product
 
     def _print_Rational(self, expr: sp.Rational) -> str:
-        return f"({expr.p}.0/{expr.q}.0)"
+        return f"{expr.p}.0/{expr.q}.0"
 
     def _print_Integer(self, expr: sp.Integer) -> str:
         return f"{int(expr)}.0"

@@ -64,9 +64,7 @@ def emergent_series() -> sp.Expr:
     converged = series.args[0].expr
     reflected = R_i * sp.exp(sp.I * (sp.pi + 2 * alpha))
     first, step = 2 * alpha - 2 * beta, sp.pi - 2 * beta
-    refracted = (
-        T_i**2 * sp.exp(sp.I * first) * converged.subs(_ratio, R_i * sp.exp(sp.I * step))
-    )
+    refracted = T_i**2 * sp.exp(sp.I * first) * converged.subs(_ratio, R_i * sp.exp(sp.I * step))
     return 1 - reflected - refracted
 
 
@@ -176,9 +174,7 @@ def rate_in_S(expression: sp.Expr) -> sp.Expr:
 
     d cos(alpha)/dS = -1/(2 cos(alpha)) and d cos(beta)/dS = -mu^2/(2 cos(beta)).
     """
-    through_parts = sum(
-        expression.diff(part) * rate for part, rate in FRESNEL_PART_RATES.items()
-    )
+    through_parts = sum(expression.diff(part) * rate for part, rate in FRESNEL_PART_RATES.items())
     through_cosines = -expression.diff(c) / (2 * c) - expression.diff(ct) * mu**2 / (2 * ct)
     return expression.diff(S) + through_cosines + through_parts
 
@@ -206,7 +202,9 @@ Qs, dQs, G, dG = vector((SCATTERING, SCATTERING_RATE, GRADIENT, GRADIENT_RATE))
 force = Qs * u + G * n / r
 
 
-def _gradient_over_position(along_n: sp.Matrix, coefficients: dict[sp.Symbol, sp.Symbol]):
+def _gradient_over_position(
+    along_n: sp.MatrixBase, coefficients: dict[sp.Symbol, sp.Symbol]
+) -> sp.MatrixBase:
     """Chain rule over p: n' = u u^T - 1, S' = -2 n/r^2 (n is orthogonal to u)."""
     dn = u * u.T - sp.eye(3)
     dS = -2 * n.T / r**2
@@ -234,9 +232,7 @@ moment_gradient = _gradient_over_position(_Qm * n.cross(u), {_Qm: _dQm}).subs(
 EMERGENT_RAYS = Equation("-", "sum over the emergent rays", r"Q_{sc} + i Q_{gr}", emergent_series())
 SCATTERING_FORCE = Equation("3.19", "scattering efficiency", r"Q_{sc}", Q_sc)
 GRADIENT_FORCE = Equation("3.21", "gradient efficiency", r"Q_{gr}", Q_gr)
-REFLECTANCE = Equation(
-    "3.17", "averaged reflectance", r"R", in_S(AVERAGED.reflectance)
-)
+REFLECTANCE = Equation("3.17", "averaged reflectance", r"R", in_S(AVERAGED.reflectance))
 SCATTERING_REDUCED = Equation(
     "3.19", "without trigonometry", r"Q_{sc}",
     scattering(Polarisation(R_i, T_i)),

@@ -42,7 +42,9 @@ eddot = sp.Matrix(sp.symbols("eddot0:4", real=True))
 M_any = sp.Matrix(sp.symbols("M_A1:4", real=True))
 
 
-def angular_momentum_rate(inertia: sp.MatrixBase, w: sp.MatrixBase, wdot: sp.MatrixBase):
+def angular_momentum_rate(
+    inertia: sp.MatrixBase, w: sp.MatrixBase, wdot: sp.MatrixBase
+) -> sp.MatrixBase:
     """H' = I w' + w x (I w), (A.14)."""
     return inertia * wdot + w.cross(inertia * w)
 

@@ -22,6 +22,7 @@ class Quantity:
 
     @property
     def name(self) -> str:
+        """Name in the emitted code."""
         return str(self.symbol.name)
 
 
@@ -64,12 +65,8 @@ ANGULAR_VELOCITY = _vector(
 # --- what the runtime supplies at each evaluation ------------------------------------------------
 FORCE = _vector("F1 F2 F3", "N", "force of the light on the bead", "3.26", INERTIAL)
 MOMENT = _vector("M1 M2 M3", "N m", "moment of the light about the bead's centre", "3.26", INERTIAL)
-FORCE_GRADIENT = tuple(
-    _quantity(f"DF{ij}", "N/m", f"dF{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS
-)
-MOMENT_GRADIENT = tuple(
-    _quantity(f"DM{ij}", "N", f"dM{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS
-)
+FORCE_GRADIENT = tuple(_quantity(f"DF{ij}", "N/m", f"dF{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS)
+MOMENT_GRADIENT = tuple(_quantity(f"DM{ij}", "N", f"dM{ij[0]}/dq{ij[1]}", "3.26") for ij in PAIRS)
 FORCE_RATE = _vector(
     "Fdot1 Fdot2 Fdot3", "N/s", "rate of the light's force along (F + W)/beta_v,", "-", INERTIAL
 )
@@ -99,9 +96,7 @@ SPHERE_INERTIA = _quantity(
     "I", "kg m^2", "moment of inertia of the sphere, I_PP", "2.6", positive=True
 )
 DRAG = _quantity("beta_v", "kg/s", "translational drag coefficient", "2.15", positive=True)
-ROTATIONAL_DRAG = _quantity(
-    "beta_w", "N m s", "rotational drag coefficient", "2.15", positive=True
-)
+ROTATIONAL_DRAG = _quantity("beta_w", "N m s", "rotational drag coefficient", "2.15", positive=True)
 SCALING = _quantity("a2", "1", "scaling factor of the generalised active forces", "4.12",
                     positive=True)  # fmt: skip
 WEIGHT = _vector(
@@ -119,9 +114,7 @@ RAY = _vector("u1 u2 u3", "1", "unit direction of the ray", "3.2", INERTIAL)
 IMPACT = _vector(
     "n1 n2 n3", "m", "from the bead's centre to the nearest point of the ray,", "3.23", INERTIAL
 )
-COS_ALPHA = _quantity(
-    "cos_alpha", "1", "cosine of the angle of incidence", "3.11", positive=True
-)
+COS_ALPHA = _quantity("cos_alpha", "1", "cosine of the angle of incidence", "3.11", positive=True)
 COS_BETA = _quantity("cos_beta", "1", "cosine of the angle of refraction", "3.15", positive=True)
 SCATTERING = _quantity("Q_sc", "1", "scattering efficiency", "3.19")
 SCATTERING_RATE = _quantity("dQ_sc", "1", "dQ_sc/dS", "3.19")

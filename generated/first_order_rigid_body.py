@@ -1,7 +1,7 @@
 """First-order slow model: rigid body.
 
 Made by `python -m derivation` from derivation/; do not edit.
-SymPy 1.14.0. 1770 operations, 344 temporaries.
+SymPy 1.14.0. 1737 operations, 344 temporaries.
 
 The expansion (4.11) solved to order epsilon: q' = u - tau (Du) u with
 u = (F + W)/beta_v and tau = m/beta_v. Free of stiffness.
@@ -33,7 +33,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")
@@ -138,7 +138,7 @@ def rhs(state, force, moment, force_gradient, moment_gradient, params, out):
     x32 = 1.0 / (beta_w * beta_w)
     x33 = x31 * x32
     x34 = x27 * x33
-    x35 = (1.0 / 2.0) * x18 * x2 - (1.0 / 2.0) * x2 * (
+    x35 = (1.0 / 2.0) * x18 * x2 - 1.0 / 2.0 * x2 * (
         I1 * x2 * (Mdot1 * x17 + Mdot2 * x12 + Mdot3 * x14) - I2 * x34 + I3 * x34
     )
     x36 = Mdot1 * x8
@@ -184,7 +184,7 @@ def jacobian(
     moment_curvature: (3, 3) HM11, HM12, HM13, HM21, HM22, HM23, HM31, HM32, HM33
     params: (9) m, I1, I2, I3, beta_v, beta_w, W1, W2, W3
     out: (7, 7) filled with the result.
-    1322 operations, 241 temporaries.
+    1289 operations, 241 temporaries.
     """
     e0 = state[3]
     e1 = state[4]
@@ -241,9 +241,6 @@ def jacobian(
     W1 = params[6]
     W2 = params[7]
     W3 = params[8]
-    Fdot1 = DF11 * (F1 + W1) / beta_v + DF12 * (F2 + W2) / beta_v + DF13 * (F3 + W3) / beta_v
-    Fdot2 = DF21 * (F1 + W1) / beta_v + DF22 * (F2 + W2) / beta_v + DF23 * (F3 + W3) / beta_v
-    Fdot3 = DF31 * (F1 + W1) / beta_v + DF32 * (F2 + W2) / beta_v + DF33 * (F3 + W3) / beta_v
     Mdot1 = DM11 * (F1 + W1) / beta_v + DM12 * (F2 + W2) / beta_v + DM13 * (F3 + W3) / beta_v
     Mdot2 = DM21 * (F1 + W1) / beta_v + DM22 * (F2 + W2) / beta_v + DM23 * (F3 + W3) / beta_v
     Mdot3 = DM31 * (F1 + W1) / beta_v + DM32 * (F2 + W2) / beta_v + DM33 * (F3 + W3) / beta_v
@@ -696,7 +693,7 @@ def matched_start(released, force, moment, params, out):
     x16 = -x7
     x17 = -x8
     x18 = M1 * x12
-    x19 = (1.0 / 2.0) * I1 * omega1 * x2 - (1.0 / 2.0) * I1 * x3 * (
+    x19 = (1.0 / 2.0) * I1 * omega1 * x2 - 1.0 / 2.0 * I1 * x3 * (
         x13 * (e2 * x6 + x5) + x15 * (2.0 * e1 * e3 - x14) + x18 * (x11 + x16 + x17)
     )
     x20 = e1 * x4

@@ -1,7 +1,7 @@
 """First-order slow model: sphere.
 
 Made by `python -m derivation` from derivation/; do not edit.
-SymPy 1.14.0. 1441 operations, 274 temporaries.
+SymPy 1.14.0. 1408 operations, 274 temporaries.
 
 The expansion (4.11) solved to order epsilon: q' = u - tau (Du) u with
 u = (F + W)/beta_v and tau = m/beta_v. Free of stiffness.
@@ -31,7 +31,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")
@@ -118,7 +118,7 @@ def rhs(state, force, moment, force_gradient, moment_gradient, params, out):
     x16 = -x4
     x17 = x8 * (x15 + x16 + x7)
     x18 = I / (beta_w * beta_w)
-    x19 = -(1.0 / 2.0) * x18 * (Mdot1 * x17 + Mdot2 * x12 + Mdot3 * x14) + (1.0 / 2.0) * x2 * (
+    x19 = -1.0 / 2.0 * x18 * (Mdot1 * x17 + Mdot2 * x12 + Mdot3 * x14) + (1.0 / 2.0) * x2 * (
         M1 * x17 + M2 * x12 + M3 * x14
     )
     x20 = x8 * (2.0 * e1 * e2 - x10)
@@ -167,7 +167,7 @@ def jacobian(
     moment_curvature: (3, 3) HM11, HM12, HM13, HM21, HM22, HM23, HM31, HM32, HM33
     params: (7) m, I, beta_v, beta_w, W1, W2, W3
     out: (7, 7) filled with the result.
-    1027 operations, 183 temporaries.
+    994 operations, 183 temporaries.
     """
     e0 = state[3]
     e1 = state[4]
@@ -222,9 +222,6 @@ def jacobian(
     W1 = params[4]
     W2 = params[5]
     W3 = params[6]
-    Fdot1 = DF11 * (F1 + W1) / beta_v + DF12 * (F2 + W2) / beta_v + DF13 * (F3 + W3) / beta_v
-    Fdot2 = DF21 * (F1 + W1) / beta_v + DF22 * (F2 + W2) / beta_v + DF23 * (F3 + W3) / beta_v
-    Fdot3 = DF31 * (F1 + W1) / beta_v + DF32 * (F2 + W2) / beta_v + DF33 * (F3 + W3) / beta_v
     Mdot1 = DM11 * (F1 + W1) / beta_v + DM12 * (F2 + W2) / beta_v + DM13 * (F3 + W3) / beta_v
     Mdot2 = DM21 * (F1 + W1) / beta_v + DM22 * (F2 + W2) / beta_v + DM23 * (F3 + W3) / beta_v
     Mdot3 = DM31 * (F1 + W1) / beta_v + DM32 * (F2 + W2) / beta_v + DM33 * (F3 + W3) / beta_v
@@ -554,7 +551,7 @@ def matched_start(released, force, moment, params, out):
     x16 = -x7
     x17 = M1 * x11
     x18 = I / (beta_w * beta_w)
-    x19 = (1.0 / 2.0) * omega1 * x2 - (1.0 / 2.0) * x18 * (
+    x19 = (1.0 / 2.0) * omega1 * x2 - 1.0 / 2.0 * x18 * (
         x12 * (e2 * x5 + x4) + x14 * (2.0 * e1 * e3 - x13) + x17 * (x10 + x15 + x16)
     )
     x20 = e1 * x3

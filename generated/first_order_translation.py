@@ -1,7 +1,7 @@
 """First-order slow model: translation.
 
 Made by `python -m derivation` from derivation/; do not edit.
-SymPy 1.14.0. 213 operations, 15 temporaries.
+SymPy 1.14.0. 180 operations, 15 temporaries.
 
 The expansion (4.11) solved to order epsilon: q' = u - tau (Du) u with
 u = (F + W)/beta_v and tau = m/beta_v. Free of stiffness.
@@ -25,7 +25,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 STATE = ("q1", "q2", "q3")
 PARAMS = ("m", "beta_v", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "force_gradient")
@@ -80,11 +80,8 @@ def jacobian(state, force, force_gradient, force_curvature, params, out):
     force_curvature: (3, 3) HF11, HF12, HF13, HF21, HF22, HF23, HF31, HF32, HF33
     params: (5) m, beta_v, W1, W2, W3
     out: (3, 3) filled with the result.
-    123 operations, 5 temporaries.
+    90 operations, 5 temporaries.
     """
-    F1 = force[0]
-    F2 = force[1]
-    F3 = force[2]
     DF11 = force_gradient[0, 0]
     DF12 = force_gradient[0, 1]
     DF13 = force_gradient[0, 2]
@@ -105,12 +102,6 @@ def jacobian(state, force, force_gradient, force_curvature, params, out):
     HF33 = force_curvature[2, 2]
     m = params[0]
     beta_v = params[1]
-    W1 = params[2]
-    W2 = params[3]
-    W3 = params[4]
-    Fdot1 = DF11 * (F1 + W1) / beta_v + DF12 * (F2 + W2) / beta_v + DF13 * (F3 + W3) / beta_v
-    Fdot2 = DF21 * (F1 + W1) / beta_v + DF22 * (F2 + W2) / beta_v + DF23 * (F3 + W3) / beta_v
-    Fdot3 = DF31 * (F1 + W1) / beta_v + DF32 * (F2 + W2) / beta_v + DF33 * (F3 + W3) / beta_v
     x0 = 1.0 / beta_v
     x1 = DF12 * DF21
     x2 = DF13 * DF31

@@ -25,7 +25,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 STATE = ("q1", "q2", "q3", "v1", "v2", "v3")
 PARAMS = ("m", "beta_v", "W1", "W2", "W3")
 RHS_INPUTS = ("force",)

@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 
 
 @njit(cache=True)
@@ -106,7 +106,7 @@ def euler_rates(e, omega, out):
 
 @njit(cache=True)
 def project(e, edot, out):
-    """The nearest (e, e') on the constraints (A.21) and (A.22), in place of (A.26).
+    """n = e/|e| and its rate, which meet (A.21) and (A.22), in place of (A.26).
 
     e: (4) e0, e1, e2, e3
     edot: (4) edot0, edot1, edot2, edot3
@@ -122,7 +122,7 @@ def project(e, edot, out):
     edot2 = edot[2]
     edot3 = edot[3]
     x0 = (e0 * e0) + (e1 * e1) + (e2 * e2) + (e3 * e3)
-    x1 = 1.0 / (math.sqrt(x0))
+    x1 = 1.0 / math.sqrt(x0)
     x2 = (e0 * edot0 + e1 * edot1 + e2 * edot2 + e3 * edot3) / x0
     out[0] = e0 * x1
     out[1] = e1 * x1

@@ -3,15 +3,15 @@
 Made by `python -m derivation` from derivation/; do not edit.
 SymPy 1.14.0. 999 operations, 154 temporaries.
 
-The ray passes through the focus, the origin, along u. Forces in units of n_m P/c; moments
-in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).
+The ray passes through the focus, the origin, along u. Forces in units of n_m P/c;
+moments in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).
 """
 
 import math
 
 from numba import njit
 
-SOURCE_DIGEST = "6f0ebf5ab3298fe50ce71d2bf7fc2f51a35ae1e391776a9abc632094ce08faf6"
+SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
 
 
 @njit(cache=True, error_model="numpy")
@@ -73,8 +73,8 @@ def circular_rates(S, n_mP):
     rho_p = (1.0 - n_mP) * (n_mP + 1.0) * (-S * ((n_mP * n_mP) + 1.0) + 1.0) / (w_p * w_p)
     T_s = 4.0 * cos_alpha * cos_beta * n_mP / (w_s * w_s)
     T_p = 4.0 * cos_alpha * cos_beta * n_mP / (w_p * w_p)
-    dw_s = -(1.0 / 2.0) * (n_mP * n_mP) / cos_beta - (1.0 / 2.0) * n_mP / cos_alpha
-    dw_p = -(1.0 / 2.0) * (n_mP * n_mP * n_mP) / cos_beta - (1.0 / 2.0) / cos_alpha
+    dw_s = -1.0 / 2.0 * (n_mP * n_mP) / cos_beta - 1.0 / 2.0 * n_mP / cos_alpha
+    dw_p = -1.0 / 2.0 * (n_mP * n_mP * n_mP) / cos_beta - (1.0 / 2.0) / cos_alpha
     dg = -dw_s * (1.0 - n_mP) * (n_mP + 1.0) / (w_s * w_s)
     drho_s = -2.0 * dw_s * (1.0 - n_mP) * (n_mP + 1.0) / (w_s * w_s * w_s)
     drho_p = -2.0 * dw_p * (1.0 - n_mP) * (n_mP + 1.0) * (-S * ((n_mP * n_mP) + 1.0) + 1.0) / (
@@ -242,8 +242,8 @@ def averaged_reflectance_rates(S, n_mP):
     rho_p = (1.0 - n_mP) * (n_mP + 1.0) * (-S * ((n_mP * n_mP) + 1.0) + 1.0) / (w_p * w_p)
     T_s = 4.0 * cos_alpha * cos_beta * n_mP / (w_s * w_s)
     T_p = 4.0 * cos_alpha * cos_beta * n_mP / (w_p * w_p)
-    dw_s = -(1.0 / 2.0) * (n_mP * n_mP) / cos_beta - (1.0 / 2.0) * n_mP / cos_alpha
-    dw_p = -(1.0 / 2.0) * (n_mP * n_mP * n_mP) / cos_beta - (1.0 / 2.0) / cos_alpha
+    dw_s = -1.0 / 2.0 * (n_mP * n_mP) / cos_beta - 1.0 / 2.0 * n_mP / cos_alpha
+    dw_p = -1.0 / 2.0 * (n_mP * n_mP * n_mP) / cos_beta - (1.0 / 2.0) / cos_alpha
     dg = -dw_s * (1.0 - n_mP) * (n_mP + 1.0) / (w_s * w_s)
     drho_s = -2.0 * dw_s * (1.0 - n_mP) * (n_mP + 1.0) / (w_s * w_s * w_s)
     drho_p = -2.0 * dw_p * (1.0 - n_mP) * (n_mP + 1.0) * (-S * ((n_mP * n_mP) + 1.0) + 1.0) / (
@@ -318,7 +318,7 @@ def averaged_reflectance_rates(S, n_mP):
         + drho_s * (-rho_s * x35 - rho_s * x37)
         + g * n_mP * x16
         - x28 * (-x27 * x36 + x8 * (2.0 * cos_alpha * g * x1 - 16.0 * x30 * x32))
-        - (1.0 / 2.0) * x8 * (2.0 * cos_beta * g * x1 - x31) / cos_alpha
+        - 1.0 / 2.0 * x8 * (2.0 * cos_beta * g * x1 - x31) / cos_alpha
     )
     return Q_sc, dQ_sc, G, dG
 
@@ -423,7 +423,7 @@ def moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G):
 
 @njit(cache=True, error_model="numpy")
 def gradient_of_force(u, n, r, Q_sc, dQ_sc, G, dG, out):
-    """dF/dp (3.24), row by row; its derivatives over S come from the `_rates` functions.
+    """dF/dp (3.24), row by row; derivatives over S come from the `_rates` functions.
 
     u: (3) u1, u2, u3
     n: (3) n1, n2, n3
@@ -484,7 +484,7 @@ def gradient_of_moment(u, n, r, cos_alpha, Q_sc, dQ_sc, G, dG, out):
     n1 = n[0]
     n2 = n[1]
     n3 = n[2]
-    x0 = 2.0 * (-(1.0 / 2.0) * G / cos_alpha + cos_alpha * dG + dQ_sc) / (r * r)
+    x0 = 2.0 * (-1.0 / 2.0 * G / cos_alpha + cos_alpha * dG + dQ_sc) / (r * r)
     x1 = x0 * (n2 * u3 - n3 * u2)
     x2 = u2 * u2
     x3 = G * cos_alpha + Q_sc

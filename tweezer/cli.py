@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
-from tweezer.errors import ResultError, SceneError, TweezerError
+from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
 
 if TYPE_CHECKING:
     import xarray as xr
+    from rich.table import Table
 
     from tweezer.scene import Scene
 
@@ -32,15 +33,12 @@ _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
 
 def main() -> None:
     """Run the command line; an error made on purpose is one line and exit code 2."""
-    warnings.showwarning = _show_warning
+    warnings.showwarning = _show_warning  # type: ignore[assignment]
     try:
         app()
     except TweezerError as error:
         _complain(str(error))
         sys.exit(_BAD_INPUT)
-    except KeyboardInterrupt:
-        _complain("interrupted")
-        sys.exit(_INTERRUPTED)
 
 
 @app.callback()
@@ -69,9 +67,7 @@ def run(
     model: Annotated[
         str | None, typer.Option(help="full, scaled, overdamped or first-order.")
     ] = None,
-    method: Annotated[
-        str | None, typer.Option(help="RK45, DOP853, Radau, BDF or LSODA.")
-    ] = None,
+    method: Annotated[str | None, typer.Option(help="RK45, DOP853, Radau, BDF or LSODA.")] = None,
     set: Annotated[
         list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
     ] = None,
@@ -112,7 +108,7 @@ def _settings(changes: list[str], **simulation: str | None) -> dict[str, str]:
     for change in changes:
         key, equals, value = change.partition("=")
         if not equals:
-            raise SceneError(f"--set {change}: must be key=value, such as beam.power=80 mW")
+            raise SceneError(f"--set {change!r}: must be key=value, such as beam.power=80 mW")
         settings[key.strip()] = value.strip()
     named = {f"simulation.{key}": value for key, value in simulation.items() if value is not None}
     return {**settings, **named}
@@ -124,8 +120,11 @@ def _writable(path: Path, formats: frozenset[str] = frozenset({"nc"})) -> Path:
         raise ResultError(f"{path}: must end in .{', .'.join(sorted(formats))}")
     if not path.parent.is_dir():
         raise ResultError(f"{path}: no such folder: {path.parent}")
-    if path.is_dir():
-        raise ResultError(f"{path}: is a folder")
+    try:
+        if path.is_dir():
+            raise ResultError(f"{path}: is a folder")
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
     return path
 
 
@@ -142,15 +141,16 @@ def _simulate_with_progress(scene: Scene) -> xr.Dataset:
         TextColumn("{task.percentage:>3.0f} %"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=_err, transient=True) as progress:
+    with (
+        Progress(*columns, console=_err, transient=True, disable=not _err.is_terminal) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
+    ):
         task = progress.add_task(
             f"{scene.name} (the first run also compiles)", total=scene.simulation.duration
         )
-        from tweezer.simulate import simulate
+        from tweezer.simulation import simulate
 
-        return simulate(
-            scene, progress=lambda reached: progress.update(task, completed=reached)
-        )
+        return simulate(scene, progress=lambda reached: progress.update(task, completed=reached))
 
 
 def _print_summary(scene: Scene, result: xr.Dataset) -> None:
@@ -159,7 +159,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     summary = summarise(result)
     attributes = result.attrs
     x, y, z = (1e6 * coordinate for coordinate in summary.end)
-    model = scene.simulation.model
+    model: str = scene.simulation.model
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
     table = _table(scene.name, "")
@@ -179,15 +179,15 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
 
 
 def _write_figure(result: xr.Dataset, path: Path) -> None:
+    from tweezer.io import replacing
     from tweezer.plots import run_figure
 
-    try:
-        run_figure(result).savefig(path, dpi=150)
-    except OSError as error:
-        raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
+    figure = run_figure(result)
+    with replacing(path) as whole:
+        figure.savefig(whole, dpi=150)
 
 
-def _table(*headings: str):  # noqa: ANN202
+def _table(*headings: str) -> Table:
     from rich import box
     from rich.table import Table
 

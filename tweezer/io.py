@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import os
+import contextlib
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal
 
 import xarray as xr
 
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
 
-_ENGINE = "h5netcdf"
+_ENGINE: Literal["h5netcdf"] = "h5netcdf"
 
 
 def save_run(run: xr.Dataset, path: str | Path) -> Path:
@@ -20,14 +22,24 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
     Raises `ResultError` if it cannot be written.
     """
     path = Path(path)
+    with replacing(path) as whole:
+        run.to_netcdf(whole, engine=_ENGINE)
+    return path
+
+
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Lend a path to write to; what was written takes the place of `path` at the end.
+
+    Raises `ResultError` if it cannot be written; the file at `path` is then as it was.
+    """
     try:
-        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as folder:
+        with tempfile.TemporaryDirectory(prefix=".saving-", dir=path.parent) as folder:
             whole = Path(folder) / path.name
-            run.to_netcdf(whole, engine=_ENGINE)
-            os.replace(whole, path)
+            yield whole
+            whole.replace(path)
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
-    return path
 
 
 def load_run(path: str | Path) -> xr.Dataset:

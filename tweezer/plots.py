@@ -28,7 +28,8 @@ def run_figure(run: xr.Dataset) -> Figure:
         [["path", "position"], ["path", "speed"]],
         width_ratios=(1, 1.2),
         gridspec_kw={
-            "left": 0.06, "right": 0.93, "bottom": 0.09, "top": 0.88, "wspace": 0.22, "hspace": 0.09,
+            "left": 0.06, "right": 0.93, "bottom": 0.09, "top": 0.88,
+            "wspace": 0.22, "hspace": 0.09,
         },
     )  # fmt: skip
     _draw_path(axes["path"], run)
@@ -49,7 +50,7 @@ def _milliseconds(run: xr.Dataset) -> np.ndarray:
 
 
 def _draw_path(axes: Axes, run: xr.Dataset) -> None:
-    """Distance from the axis, signed by the side of the start, against z; bead and cone to scale."""
+    """Distance from the axis, signed by the side of the start, against z; bead to scale."""
     scene = scene_of(run)
     position = run["position"].values * _MICRO
     start = position[0, :2]
@@ -99,7 +100,11 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
         axes.set_ylim(fast * 1e-5, fast * 3)
         number_per_speed = float(run["reynolds_number"].max()) / fast
         right = axes.secondary_yaxis(
-            "right", (lambda v: v * number_per_speed, lambda n: n / number_per_speed)
+            "right",
+            functions=(
+                lambda speed: np.asarray(speed) * number_per_speed,
+                lambda number: np.asarray(number) / number_per_speed,
+            ),
         )
         right.set_ylabel("Reynolds number (5.1)")
     axes.set(xlabel="time (ms)", ylabel="speed (m/s)")

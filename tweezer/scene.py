@@ -32,13 +32,14 @@ from tweezer.units import (
     Density,
     Length,
     MomentOfInertia,
-    Number,
     PositiveLength,
     PositiveTime,
     Power,
     Speed,
     Temperature,
     Viscosity,
+    entries,
+    si,
     to_si,
 )
 
@@ -53,8 +54,22 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
 
-RefractiveIndex = Annotated[Number, Field(ge=1.0, le=10.0)]
-Vector = tuple[Length, Length, Length]
+#: m, from and to: also the ranges of half a diameter and half a waist
+BEAD_RADIUS = (1e-9, 1e-3)
+BEAM_SIGMA = (1e-9, 1.0)
+
+#: what `tomllib` raises: besides its own, for numbers too long and lists too deep
+_NOT_TOML = (ValueError, RecursionError)
+
+RefractiveIndex = Annotated[float, si("", 1, 10)]
+EulerParameter = Annotated[float, si("", -1e100, 1e100)]
+Vector = Annotated[tuple[Length, Length, Length], entries(3)]
+Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
+AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
+Orientation = Annotated[
+    tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
+]
+Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
 
 
 class Section(BaseModel):
@@ -63,8 +78,8 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-def _in_terms_of(data: Any, key: str, other: str, factor: float) -> Any:
-    """`data` with `other` rewritten as `key` = factor * `other`; exactly one must be there."""
+def _with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
+    """`data` with `other` rewritten as `key` = `other`/2; exactly one must be there."""
     if not isinstance(data, dict):
         return data
     _exactly_one(data, key, other)
@@ -73,12 +88,10 @@ def _in_terms_of(data: Any, key: str, other: str, factor: float) -> Any:
     data = dict(data)
     value = data.pop(other)
     try:
-        number = to_si(value, "m")
-        if number <= 0:
-            raise ValueError("must be greater than 0")
+        half = to_si(value, "m", 2 * low, 2 * high) / 2
     except ValueError as error:
         raise _refusal(f"{other} = {value!r}: {error}") from None
-    return {**data, key: factor * number}
+    return {**data, key: half}
 
 
 def _exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
@@ -95,17 +108,17 @@ def _refusal(reason: str) -> PydanticCustomError:
 class Bead(Section):
     """The sphere. `diameter` may be given in place of `radius`."""
 
-    radius: PositiveLength = Field(description="radius r")
+    radius: Annotated[float, si("m", *BEAD_RADIUS)] = Field(description="radius r")
     density: Density = Field(description="density of the bead, rho_b (Table B.1)")
     refractive_index: RefractiveIndex = Field(description="refractive index n_P")
-    moments_of_inertia: tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia] | None = Field(
+    moments_of_inertia: Moments | None = Field(
         None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
     )
 
     @model_validator(mode="before")
     @classmethod
     def _size(cls, data: Any) -> Any:
-        return _in_terms_of(data, "radius", "diameter", 0.5)
+        return _with_half(data, "radius", "diameter", *BEAD_RADIUS)
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> Self:
@@ -140,7 +153,7 @@ class Lens(Section):
     )
     radius: PositiveLength = Field(description="radius of the pupil, R_obj")
     focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
-    numerical_aperture: Annotated[Number, Field(gt=0)] | None = Field(
+    numerical_aperture: Annotated[float, si("", 1e-3, 10)] | None = Field(
         None, description="NA; needed by the sine map"
     )
 
@@ -163,7 +176,7 @@ class Beam(Section):
     power_through_pupil: Power | None = Field(
         None, description="power that passes the pupil, in place of `power`"
     )
-    sigma: PositiveLength = Field(
+    sigma: Annotated[float, si("m", *BEAM_SIGMA)] = Field(
         description="standard deviation of the Gaussian intensity in the pupil (3.3)"
     )
     polarisation: Literal["averaged-reflectance", "circular"] = Field(
@@ -183,7 +196,7 @@ class Beam(Section):
     @model_validator(mode="before")
     @classmethod
     def _width(cls, data: Any) -> Any:
-        return _in_terms_of(data, "sigma", "waist", 0.5)
+        return _with_half(data, "sigma", "waist", *BEAM_SIGMA)
 
     @model_validator(mode="after")
     def _one_power(self) -> Self:
@@ -199,21 +212,19 @@ class Start(Section):
         "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
     )
     position: Vector = Field(description="centre of the bead, z along the light")
-    velocity: tuple[Speed, Speed, Speed] = Field((0.0, 0.0, 0.0), description="velocity")
-    orientation: tuple[Number, Number, Number, Number] = Field(
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
+    orientation: Orientation = Field(
         (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
     )
-    angular_velocity: tuple[AngularSpeed, AngularSpeed, AngularSpeed] = Field(
+    angular_velocity: AngularVelocity = Field(
         (0.0, 0.0, 0.0), description="angular velocity, body frame"
     )
 
     @model_validator(mode="after")
     def _some_orientation(self) -> Self:
-        length = math.hypot(*self.orientation)
-        if not 1e-100 < length < 1e100:
+        if math.hypot(*self.orientation) < 1e-100:
             raise _refusal(
-                f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0, "
-                "nor of a length beyond 1e100"
+                f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0"
             )
         return self
 
@@ -244,7 +255,7 @@ class Simulation(Section):
         description="full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
         "overdamped: (5.2); first-order: the expansion (4.11) carried to order epsilon",
     )
-    scaling_factor: Annotated[Number, Field(gt=0, le=1)] | None = Field(
+    scaling_factor: Annotated[float, si("", 1e-12, 1)] | None = Field(
         None, description="a2 of the scaled model (4.12)"
     )
     rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
@@ -254,13 +265,13 @@ class Simulation(Section):
     method: Literal["RK45", "DOP853", "Radau", "BDF", "LSODA"] = Field(
         "LSODA", description="solver of scipy.integrate; RK45 is the thesis's ode45"
     )
-    relative_tolerance: Annotated[Number, Field(ge=1e-13, le=1e-1)] = Field(
+    relative_tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
         1e-7, description="relative tolerance of a step"
     )
     position_tolerance: PositiveLength = Field(
         1e-11, description="absolute tolerance of a step in position; in velocity, this per ms"
     )
-    orientation_tolerance: Annotated[Number, Field(gt=0, le=1)] = Field(
+    orientation_tolerance: Annotated[float, si("", 1e-16, 1)] = Field(
         1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
     )
     duration: PositiveTime = Field(description="time simulated")
@@ -281,7 +292,11 @@ class Simulation(Section):
 class Scene(Section):
     """A validated scene. Make one with `load_scene`, change it with `replace`."""
 
-    name: str = Field("scene", min_length=1, description="name of the scene")
+    name: str = Field(
+        "scene",
+        pattern=r"^\w[^/\\\x00-\x1f\x7f]{0,99}$",
+        description="name of the scene, and of its result files",
+    )
     description: str = Field("", description="one line on what it shows")
     bead: Bead
     medium: Medium
@@ -298,6 +313,12 @@ class Scene(Section):
             raise _refusal(
                 f"lens.numerical_aperture = {aperture}: must be less than "
                 f"medium.refractive_index = {self.medium.refractive_index} for the sine map"
+            )
+        half_side = self.lens.radius / self.beam.divisions
+        if self.beam.sigma < half_side:
+            raise _refusal(
+                f"beam.sigma = {self.beam.sigma:.3g}: must be at least {half_side:.3g} m, half the "
+                f"side of a square of the grid, for {self.beam.divisions} beam.divisions"
             )
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise _refusal("start.frame = 'lens': needs lens.focal_length")
@@ -373,11 +394,11 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
             f"{', '.join(shipped_scenes())}"
         ) from None
     except UnicodeDecodeError:
-        raise SceneError(f"{name}: not a text file in UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: not valid TOML: {error}") from None
+        raise SceneError(f"{name!r}: not a text file in UTF-8") from None
+    except _NOT_TOML as error:
+        raise SceneError(f"{name!r}: not valid TOML: {error}") from None
     except OSError as error:
-        raise SceneError(f"{name}: cannot be read: {error.strerror}") from None
+        raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
     return _validated({"name": path.stem, **data})
 
 
@@ -391,10 +412,10 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     for key, text in settings.items():
         section, dot, name = key.partition(".")
         if not dot:
-            raise SceneError(f"{key}: must be section.key, such as beam.power")
+            raise SceneError(f"{key!r}: must be section.key, such as beam.power")
         try:
             value = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
+        except _NOT_TOML:
             value = text
         sections.setdefault(section, {})[name] = value
     return scene.replace(**sections)
@@ -404,7 +425,8 @@ def _validated(data: dict[str, Any]) -> Scene:
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        raise SceneError("\n".join(_lines(error))) from None
+        lines = (" ".join(line.splitlines()) for line in _lines(error))
+        raise SceneError("\n".join(lines)) from None
     knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
     if knudsen > KNUDSEN_LIMIT:
         warnings.warn(
@@ -451,8 +473,6 @@ def _allowed(details: ErrorDetails) -> str:
     match kind:
         case "literal_error":
             return f"allowed: {context['expected']}"
-        case "greater_than":
-            return f"must be greater than {context['gt']:g}"
         case "greater_than_equal":
             return f"must be at least {context['ge']:g}"
         case "less_than_equal":
@@ -461,13 +481,13 @@ def _allowed(details: ErrorDetails) -> str:
             return "must be true or false"
         case "int_type" | "int_from_float":
             return "must be a whole number"
-        case "too_short" | "too_long":
-            return f"must have {context.get('min_length', context.get('max_length'))} entries"
         case "tuple_type":
             return "must be a list"
         case "model_type" | "dict_type":
             return f"must be a section [{details['loc'][-1]}]"
         case "string_type":
             return "must be text"
+        case "string_pattern_mismatch":
+            return "must begin with a letter or digit, and have no /, \\ and at most 100 characters"
         case _:
             return details["msg"]

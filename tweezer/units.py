@@ -10,15 +10,18 @@ import math
 import re
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 if TYPE_CHECKING:
     import pint
 
 _NUMBER_AND_UNIT = re.compile(
-    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>.*?)\s*"
+    r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
 )
+#: products of powers, such as kg/m^3; pint would also calculate, read comments and nest brackets
+_POWER = r"[A-Za-zµμ°Å]+(?:(?:\^|\*\*)-?[1-9]|[²³])?"
+_UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[*/]\s*|\s+){_POWER}){{0,7}}")
 
 
 @functools.cache
@@ -29,21 +32,22 @@ def registry() -> pint.UnitRegistry:
     return pint.UnitRegistry(cache_folder=":auto:")
 
 
-def to_si(value: Any, unit: str) -> float:
+def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """`value` in the SI unit `unit`: a bare number as it is, text by its unit.
 
-    Raises `ValueError`, saying what is allowed, for anything else.
+    Raises `ValueError`, saying what is allowed, for anything else, and for what is not finite
+    or not from `low` to `high`.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"must be a number{_or_text(unit)}")
-    if isinstance(value, str):
-        return _from_text(value, unit)
     try:
-        number = float(value)
+        number = _from_text(value, unit) if isinstance(value, str) else float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
         raise ValueError("must be finite")
+    if not low <= number <= high:
+        raise ValueError(f"must be from {low:g} to {high:g} {unit}".rstrip())
     return number
 
 
@@ -64,39 +68,50 @@ def _from_text(text: str, unit: str) -> float:
         raise ValueError(f"must be a number{_or_text(unit)}")
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
+    unknown = f"has a unit that is not known; must be convertible to {unit}"
+    if not _UNIT.fullmatch(match["unit"]):
+        raise ValueError(unknown)
     try:
         quantity = registry().Quantity(float(match["number"]), match["unit"])
-        number = float(quantity.to(unit).magnitude)
+        return float(quantity.to(unit).magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"has the wrong unit; must be convertible to {unit}") from None
     except (pint.errors.PintError, AttributeError, TypeError, ValueError, SyntaxError):
-        raise ValueError(f"has a unit that is not known; must be convertible to {unit}") from None
-    if not math.isfinite(number):
-        raise ValueError("must be finite")
-    return number
+        raise ValueError(unknown) from None
 
 
-def si(unit: str) -> BeforeValidator:
-    """Pydantic validator that reads a quantity in `unit`."""
+def si(unit: str, low: float, high: float) -> BeforeValidator:
+    """Pydantic validator that reads a quantity in `unit`, from `low` to `high`."""
 
     def parse(value: Any) -> float:
         try:
-            return to_si(value, unit)
+            return to_si(value, unit, low, high)
         except ValueError as error:
             raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
 
     return BeforeValidator(parse)
 
 
-Length = Annotated[float, si("m")]
-PositiveLength = Annotated[float, si("m"), Field(gt=0)]
-PositiveTime = Annotated[float, si("s"), Field(gt=0)]
-Power = Annotated[float, si("W"), Field(ge=0)]
-Density = Annotated[float, si("kg/m^3"), Field(gt=0)]
-Viscosity = Annotated[float, si("Pa s"), Field(gt=0)]
-Temperature = Annotated[float, si("K"), Field(gt=0)]
-Speed = Annotated[float, si("m/s")]
-Acceleration = Annotated[float, si("m/s^2")]
-AngularSpeed = Annotated[float, si("rad/s")]
-MomentOfInertia = Annotated[float, si("kg m^2"), Field(gt=0)]
-Number = Annotated[float, si("")]
+def entries(count: int) -> BeforeValidator:
+    """Pydantic validator of a list with `count` entries."""
+
+    def check(value: Any) -> Any:
+        if isinstance(value, list | tuple) and len(value) != count:
+            raise PydanticCustomError("entries", "must have {count} entries", {"count": count})
+        return value
+
+    return BeforeValidator(check)
+
+
+# The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.
+Length = Annotated[float, si("m", -1, 1)]
+PositiveLength = Annotated[float, si("m", 1e-18, 1)]
+PositiveTime = Annotated[float, si("s", 1e-15, 1e6)]
+Power = Annotated[float, si("W", 0, 1e6)]
+Density = Annotated[float, si("kg/m^3", 1e-6, 1e6)]
+Viscosity = Annotated[float, si("Pa s", 1e-12, 1e9)]
+Temperature = Annotated[float, si("K", 50, 5000)]
+Speed = Annotated[float, si("m/s", -1e6, 1e6)]
+Acceleration = Annotated[float, si("m/s^2", -1e6, 1e6)]
+AngularSpeed = Annotated[float, si("rad/s", -1e12, 1e12)]
+MomentOfInertia = Annotated[float, si("kg m^2", 1e-50, 1e-3)]

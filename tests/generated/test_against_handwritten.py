@@ -144,7 +144,7 @@ def _further(module):
 
 
 def by_closed_form(name, body, field, state):
-    """`full_by_A24` with e'' from e'' = dot(e', ...) of quaternions: analytic, so complex-step works.
+    """`full_by_A24` with e'' in closed form: analytic, so complex-step differentiation works.
 
     Differentiating w = L e' and inserting Euler's equations gives
     e'' = L^T w'/(4 |e|^2) - e (e'.e')/|e|^2 with w' = I^-1 (M - w x I w); `test_right_hand_side`
@@ -163,16 +163,14 @@ def by_closed_form(name, body, field, state):
 def test_angular_velocity_form_is_the_thesis_form():
     """omega' of the emitted models is L e'' of (A.24), at |e| = 1."""
     module, rng = emitted("full_rigid_body"), np.random.default_rng(22)
-    for i in range(200):
+    for _ in range(200):
         body, field = random_body(rng, "rigid_body"), random_field(rng)
         state = random_state(rng, module, 0)
         q, e, w = state[:3], state[3:7], state[10:]
         edot = L_matrix(e).T @ w / 4
         moment = rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w
         out = np.empty(13)
-        module.rhs(
-            state, field.force(q), field.moment(q), parameters(module, body), out
-        )
+        module.rhs(state, field.force(q), field.moment(q), parameters(module, body), out)
         expected = L_matrix(e) @ solve_A24(body, e, edot, moment)
         np.testing.assert_allclose(out[10:], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 

@@ -26,7 +26,7 @@ def lens_squares(radius, divisions):
 
 
 def force_and_moment(scene, position):
-    """(3.2)-(3.26) for a scene with the tan map and averaged reflectance; position from the focus."""
+    """(3.2)-(3.26) for the tan map and averaged reflectance; position from the focus."""
     lens, beam = scene.lens, scene.beam
     n_m, n_p, r = scene.medium.refractive_index, scene.bead.refractive_index, scene.bead.radius
     squares, area = lens_squares(lens.radius, beam.divisions)
@@ -53,8 +53,10 @@ def force_and_moment(scene, position):
     ) / 2
     T = 1 - R
     D = 1 + R**2 + 2 * R * np.cos(2 * beta)
-    Q_sc = 1 + R * np.cos(2 * alpha) - T**2 * (np.cos(2 * alpha - 2 * beta) + R * np.cos(2 * alpha)) / D
-    Q_gr = R * np.sin(2 * alpha) - T**2 * (np.sin(2 * alpha - 2 * beta) + R * np.sin(2 * alpha)) / D
+    a = T**2 * (np.cos(2 * alpha - 2 * beta) + R * np.cos(2 * alpha)) / D
+    b = T**2 * (np.sin(2 * alpha - 2 * beta) + R * np.sin(2 * alpha)) / D
+    Q_sc = 1 + R * np.cos(2 * alpha) - a
+    Q_gr = R * np.sin(2 * alpha) - b
     n = P_PO - (u * P_PO).sum(1, keepdims=True) * u
     n_hat = n / np.linalg.norm(n, axis=1, keepdims=True)
     forces = (n_m * powers / SPEED_OF_LIGHT)[:, None] * (Q_sc[:, None] * u - Q_gr[:, None] * n_hat)

@@ -22,7 +22,7 @@ class Transfer:
 
 
 def refract(direction, normal, ratio):
-    """Snell's law for vectors; `normal` against the ray, `ratio` = n_here/n_there; None if total."""
+    """Snell's law for vectors, `normal` against the ray, `ratio` n_here/n_there; None if total."""
     cosine = -normal @ direction
     k = 1 - ratio**2 * (1 - cosine**2)
     if k < 0:
@@ -38,7 +38,7 @@ def fresnel(n_here, n_there, cos_here, cos_there):
 
 
 def trace(direction, centre, radius, n_medium, n_bead, *, averaged, bounces=4000):
-    """Follow the ray through the origin along `direction`; None if it misses the sphere.
+    """Follow the ray through the origin along `direction`; None if it misses or grazes the sphere.
 
     averaged: one ray with the mean reflectance, in place of an s and a p ray of half the power.
     """
@@ -78,12 +78,16 @@ def trace(direction, centre, radius, n_medium, n_bead, *, averaged, bounces=4000
         point, heading = entry, inside
         for _ in range(bounces):
             point = point - 2 * (point @ heading) * heading
+            point *= radius / np.linalg.norm(point)
             inward = -point / radius
             out = refract(heading, inward, n_bead / n_medium)
+            if out is None:  # along the surface but for rounding: a ray from outside always leaves
+                return None
             R = reflectance(n_bead, n_medium, -inward @ heading, -inward @ out)
             leave(point, out, ((1 - R) * powers).sum())
             powers = R * powers
             heading = heading - 2 * (heading @ inward) * inward
+            heading /= np.linalg.norm(heading)
             if powers.sum() < 1e-18:
                 break
     return Transfer(direction - momentum_out, np.cross(entry, direction) - angular_out,

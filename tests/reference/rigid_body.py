@@ -24,7 +24,7 @@ def quaternion_product(a, b):
 
 
 def rotate(e, vector):
-    """e (0, vector) e* / |e|^2: a vector of the body frame in the inertial frame."""
+    """E (0, vector) e* / |e|^2: a vector of the body frame in the inertial frame."""
     conjugate = np.array([e[0], -e[1], -e[2], -e[3]])
     pure = np.concatenate([[0], vector])
     return quaternion_product(quaternion_product(e, pure), conjugate)[1:] / (e @ e)
@@ -63,7 +63,7 @@ def solve_A24(body: Body, e, edot, moment_in_body_frame):
     """e'' from the 4x4 system (A.24): I-tilde e'' = M-tilde, solved numerically."""
     L = L_matrix(e)
     Ldot = L_matrix(edot)
-    I = np.diag(body.inertia)  # noqa: E741
+    I = np.diag(body.inertia)
     w = L @ edot
     K = I @ Ldot @ edot + np.cross(w, I @ w)
     left = np.vstack([I @ L, e])
@@ -75,9 +75,7 @@ def full(body: Body, field, state, *, a2: float = 1.0, rotates: bool = True):
     """(q', e', v', omega'), the state of the emitted `full` and `scaled` models."""
     if not rotates:
         q, v = state[:3], state[3:]
-        return np.concatenate(
-            [v, a2 * (field.force(q) + body.weight - body.drag * v) / body.mass]
-        )
+        return np.concatenate([v, a2 * (field.force(q) + body.weight - body.drag * v) / body.mass])
     q, e, v, w = state[:3], state[3:7], state[7:10], state[10:]
     moment = rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w
     wdot = (a2 * moment - np.cross(w, body.inertia * w)) / body.inertia

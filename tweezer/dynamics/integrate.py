@@ -77,7 +77,7 @@ def integrate(
         while solver.status == "running":
             failure = solver.step()
             if solver.status == "failed":
-                raise IntegrationError(failure or "the solver gave up")  # noqa: TRY301
+                raise IntegrationError(failure or "the solver gave up")
             steps += 1
             last = np.searchsorted(times, solver.t, side="right")
             if last > reached:

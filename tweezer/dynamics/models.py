@@ -7,14 +7,15 @@ rotation, which derivatives of the force are needed.
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
 
 import numpy as np
-from generated import kinematics
 from numpy.typing import NDArray
 
+from generated import kinematics
 from tweezer.bead import BeadProperties, bead_properties
 from tweezer.errors import IntegrationError
 from tweezer.optics import Light, light
@@ -78,9 +79,14 @@ class EquationsOfMotion:
 
         Raises `IntegrationError` where it is not finite.
         """
-        y = self._on_constraints(y)
+        on_constraints = self._on_constraints(y)
         rates = np.empty(self._size)
-        self.module.rhs(y, *self._rhs_inputs(y), self._params, rates)
+        self.module.rhs(on_constraints, *self._rhs_inputs(on_constraints), self._params, rates)
+        if self._constrained:
+            # (e, e') = |e| (n, n'): rates so scaled keep |e|, and its drift changes no motion
+            length = math.sqrt(y[3:7] @ y[3:7])
+            rates[3:7] *= length
+            rates[10:14] *= length
         if not np.isfinite(rates).all():
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
@@ -126,7 +132,7 @@ class EquationsOfMotion:
         return states[:, at : at + length].copy()
 
     def _on_constraints(self, y: Array) -> Array:
-        """(e, e') moved to the nearest point of (A.21) and (A.22); other states as they are."""
+        """(e, e') taken to (n, n'), which meets (A.21) and (A.22); other states as they are."""
         if not self._constrained:
             return y
         y = np.array(y)

@@ -14,8 +14,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from generated import ray
 from numba import njit
+
+from generated import ray
 
 Kernel = Callable[..., None]
 
@@ -48,7 +49,7 @@ def _compile(
     @njit(
         cache=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}
     )  # what a sum may do; NaN and infinity keep their meaning
-    def sum_over_rays(
+    def sum_over_rays(  # type: ignore[no-untyped-def]
         positions,
         directions,
         strengths,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tweezer.optics.kernels import kernel
+from tweezer.optics.kernels import Kernel, kernel
 from tweezer.optics.rays import grid
 from tweezer.scene import Scene
 
@@ -34,7 +34,7 @@ class Field:
 
 @dataclass(frozen=True)
 class Light:
-    """The sum over the rays of a scene; `None` in place of rays is darkness."""
+    """The sum over the rays of a scene; no rays at all is darkness."""
 
     directions: Array
     strengths: Array
@@ -70,7 +70,7 @@ class Light:
             )
         return field
 
-    def _kernel(self, gradient: bool):  # noqa: ANN202
+    def _kernel(self, gradient: bool) -> Kernel:
         return kernel(
             averaged=self.averaged,
             denser_medium=self.index_ratio > 1,

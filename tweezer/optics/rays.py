@@ -1,4 +1,4 @@
-"""Rays through the pupil: the thesis's grid of squares (3.1)-(3.7), and where the lens sends them."""
+"""Rays through the pupil: the thesis's squares (3.1)-(3.7), and where the lens sends them."""
 
 from __future__ import annotations
 

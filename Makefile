@@ -1,0 +1,38 @@
+# Everything below runs inside .venv, made here with whatever PYTHON is (3.11 or newer).
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
+
+.PHONY: demo test lint derivation notebooks clean
+
+demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
+	$(BIN)/tweezer run thesis-990nm
+
+test: .venv/.dev  ## every test
+	$(BIN)/python -m pytest
+
+lint: .venv/.dev  ## style, types, import boundaries
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
+
+derivation: .venv/.dev  ## derive again and write generated/
+	$(BIN)/python -m derivation
+
+notebooks: .venv/.dev  ## run the notebooks and keep their output
+	$(BIN)/python tests/test_notebooks.py
+
+clean:
+	rm -rf .venv
+
+.venv/bin/python:
+	$(PYTHON) -m venv --without-pip .venv
+
+.venv/.runtime: pyproject.toml | .venv/bin/python
+	$(PIP) install --quiet --editable .
+	touch $@
+
+.venv/.dev: pyproject.toml | .venv/bin/python
+	$(PIP) install --quiet --editable ".[dev]"
+	touch $@ .venv/.runtime

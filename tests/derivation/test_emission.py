@@ -1,0 +1,169 @@
+"""Emission: the same bytes each time, and stale, missing and orphan modules are caught."""
+
+import ast
+import hashlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from derivation import emission, printing
+from derivation.lowering import Argument, Function, lower
+from derivation.symbols import DRAG, MASS
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def files():
+    return emission.emit()
+
+
+@pytest.fixture
+def folder(files, tmp_path):
+    emission.write(files, tmp_path / "generated")
+    return tmp_path / "generated"
+
+
+def test_committed_modules_are_up_to_date(files):
+    assert list(emission.differences(files, emission.GENERATED)) == []
+
+
+def test_written_modules_are_up_to_date(files, folder):
+    assert list(emission.differences(files, folder)) == []
+
+
+def test_a_changed_module_is_caught(files, folder):
+    changed = folder / "full_sphere.py"
+    changed.write_text(changed.read_text().replace("beta_v", "beta_w", 1))
+    (diff,) = emission.differences(files, folder)
+    assert "--- generated/full_sphere.py" in diff
+
+
+def test_a_missing_module_is_caught(files, folder):
+    (folder / "ray.py").unlink()
+    (diff,) = emission.differences(files, folder)
+    assert "--- /dev/null" in diff
+    assert "+++ emitted/ray.py" in diff
+
+
+def test_an_orphan_is_caught_and_removed(files, folder):
+    (folder / "full_cube.py").write_text("STATE = ()\n")
+    (diff,) = emission.differences(files, folder)
+    assert "--- generated/full_cube.py" in diff
+    assert "+++ /dev/null" in diff
+    emission.write(files, folder)
+    assert not (folder / "full_cube.py").exists()
+
+
+def test_digest_follows_every_source(tmp_path, monkeypatch):
+    before = emission.source_digest()
+    for path in (*emission.SOURCES.glob("*.py"), *emission.SOURCES.glob("templates/*.jinja")):
+        copy = tmp_path / path.relative_to(emission.SOURCES)
+        copy.parent.mkdir(exist_ok=True)
+        copy.write_bytes(path.read_bytes())
+    monkeypatch.setattr(emission, "SOURCES", tmp_path)
+    assert emission.source_digest() == before
+    for path in (tmp_path / "ray.py", tmp_path / "templates" / "module.py.jinja"):
+        text = path.read_text()
+        path.write_text(text + "\n")
+        assert emission.source_digest() != before
+        path.write_text(text)
+
+
+def test_check_from_the_command_line(tmp_path):
+    """`python -m derivation --check` on a copy: 0 when fresh, 1 with a diff when stale."""
+    for name in ("derivation", "generated"):
+        subprocess.run(["cp", "-r", str(ROOT / name), str(tmp_path / name)], check=True)
+    command = [sys.executable, "-m", "derivation", "--check"]
+    stale = tmp_path / "generated" / "overdamped_translation.py"
+    stale.write_text(stale.read_text().replace("force[0]", "force[1]"))
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "+    F1 = force[0]" in result.stdout
+    assert "1 of 18 modules differ" in result.stderr
+    rewritten = subprocess.run(command[:-1], cwd=tmp_path, capture_output=True, check=False)
+    assert rewritten.returncode == 0
+    assert stale.read_bytes() == (emission.GENERATED / stale.name).read_bytes()
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4711])
+def test_the_same_bytes_under_any_hash_seed(files, seed):
+    """A digest of all emitted bytes from a fresh process with that hash seed."""
+    program = (
+        "import hashlib; from derivation.emission import emit;"
+        "print(hashlib.sha256(repr(sorted(emit().items())).encode()).hexdigest())"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONHASHSEED": str(seed)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    expected = hashlib.sha256(repr(sorted(files.items())).encode()).hexdigest()
+    assert result.stdout.strip() == expected
+
+
+def test_emitted_modules_import_math_and_numba_alone(files):
+    for name, text in files.items():
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.Import):
+                assert [alias.name for alias in node.names] == ["math"], name
+            if isinstance(node, ast.ImportFrom):
+                assert node.module == "numba", name
+
+
+def test_emitted_modules_say_what_they_are(files):
+    for name, text in files.items():
+        if name == "__init__.py":
+            continue
+        docstring = ast.get_docstring(ast.parse(text))
+        assert "Made by `python -m derivation`" in docstring
+        assert "do not edit" in docstring
+        assert f"SymPy {sp.__version__}" in docstring
+        assert emission.source_digest() in text
+        assert "@njit(cache=True" in text
+
+
+def test_lowering_refuses_what_no_argument_supplies():
+    function = Function(
+        "f", "", (Argument("params", (MASS,), (1,)),), sp.Matrix([MASS.symbol + DRAG.symbol])
+    )
+    with pytest.raises(ValueError, match="no argument supplies beta_v"):
+        lower(function)
+
+
+def test_lowering_leaves_out_unused_inputs():
+    function = Function(
+        "f", "", (Argument("params", (MASS, DRAG), (2,)),), sp.Matrix([DRAG.symbol**2])
+    )
+    assert lower(function).inputs == (("beta_v", "params[1]"),)
+
+
+x, y = sp.symbols("x y", positive=True)
+
+
+@pytest.mark.parametrize(
+    ("expression", "printed"),
+    [
+        (x**2, "x*x"),
+        (x ** sp.Rational(-3, 2), "1.0/(x*math.sqrt(x))"),
+        (sp.sqrt(x + y), "math.sqrt(x + y)"),
+        (x / (3 * y), "(1.0/3.0)*x/y"),
+        (2 * x - 1, "2.0*x - 1.0"),
+    ],
+)
+def test_printer_avoids_general_powers(expression, printed):
+    # compared as syntax trees: the formatter decides about parentheses
+    assert ast.dump(ast.parse(printing.code(expression))) == ast.dump(ast.parse(printed))
+
+
+@pytest.mark.parametrize("exponent", [sp.Rational(1, 3), sp.Symbol("n", positive=True), 20])
+def test_printer_refuses_powers_it_has_no_cheap_form_for(exponent):
+    with pytest.raises(NotImplementedError):
+        printing.code(sp.Pow(x, exponent))

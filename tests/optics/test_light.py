@@ -1,0 +1,150 @@
+"""The sum over the thesis's rays against the same written plainly, and its symmetries."""
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference.ray_sum import force_and_moment, lens_squares
+from tweezer.optics import fraction_through_pupil, grid, light, total_power
+
+BEADS = ["thesis-500nm", "thesis-990nm", "thesis-1950nm"]
+
+
+@pytest.fixture(scope="module", params=BEADS)
+def scene(request):
+    return tweezer.load_scene(request.param).replace(beam={"torque": "thesis"})
+
+
+def places(scene, count=6, seed=50):
+    """Inside, at the edge, outside, and the thesis's start."""
+    rng = np.random.default_rng(seed)
+    directions = rng.normal(size=(count, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    distances = np.array([0.1, 0.6, 0.99, 1.01, 2.0, 5.0])[:count, None] * scene.bead.radius
+    return np.vstack([directions * distances, scene.start_position])
+
+
+def test_grid_is_the_thesis_grid(scene):
+    """n_div = 100 with whole squares: 7644 rays, in the order of no consequence."""
+    rays = grid(scene.lens, scene.beam, scene.medium)
+    assert rays.powers.size == 7644
+    squares, _ = lens_squares(scene.lens.radius, 100)
+    assert len(squares) == 7644
+    np.testing.assert_allclose(np.linalg.norm(rays.directions, axis=0), 1, rtol=1e-14)
+
+
+def test_force_and_moment_are_the_readable_sum(scene):
+    positions = places(scene)
+    forces = tweezer.optical_force(scene, positions)
+    moments = tweezer.optical_torque(scene, positions)
+    for position, force, moment in zip(positions, forces, moments, strict=True):
+        expected, expected_moment = force_and_moment(scene, position)
+        # (3.8) subtracts squares of millimetres to find micrometres: about 1e-8 is lost there
+        scale = 1e-7 * np.abs(expected).max()
+        np.testing.assert_allclose(force, expected, rtol=0, atol=scale)
+        np.testing.assert_allclose(moment, expected_moment, rtol=0, atol=scale * scene.bead.radius)
+
+
+def test_power_through_the_pupil(scene):
+    """The 500 nm beam overfills the lens: 41 % of it passes, 63.8 mW on the grid."""
+    rays = grid(scene.lens, scene.beam, scene.medium)
+    through = fraction_through_pupil(scene.lens, scene.beam) * total_power(scene.lens, scene.beam)
+    assert rays.powers.sum() == pytest.approx(through, rel=0.025)  # the staircase rim
+    if scene.name == "thesis-500nm":
+        assert rays.powers.sum() == pytest.approx(63.8e-3, abs=0.05e-3)
+    fixed = scene.replace(beam={"power_through_pupil": through})
+    assert total_power(fixed.lens, fixed.beam) == pytest.approx(0.156, rel=1e-12)
+
+
+def test_jacobian_is_the_derivative(scene):
+    """Away from the edge, where no ray begins or ceases to hit."""
+    position = np.array([0.2, -0.3, 0.1]) * scene.bead.radius
+    step = 1e-5 * scene.bead.radius
+    shifts = step * np.eye(3)
+    for function, derivative in (
+        (tweezer.optical_force, tweezer.optical_jacobian(scene, position)),
+        (
+            tweezer.optical_torque,
+            light(scene).field(position[None], gradient=True).moment_gradient[0],
+        ),
+    ):
+        differences = (function(scene, position + shifts) - function(scene, position - shifts)) / (
+            2 * step
+        )
+        np.testing.assert_allclose(derivative, differences.T, atol=1e-7 * np.abs(derivative).max())
+
+
+def test_force_scales_with_power_and_not_with_size(scene):
+    """Linear in power; the same with all lengths of the bead's surroundings scaled."""
+    position = np.array([0.4, 0.1, -0.5]) * scene.bead.radius
+    force = tweezer.optical_force(scene, position)
+    brighter = scene.replace(beam={"power": 2 * scene.beam.power})
+    np.testing.assert_allclose(tweezer.optical_force(brighter, position), 2 * force, rtol=1e-14)
+    larger = scene.replace(bead={"radius": 3 * scene.bead.radius})
+    np.testing.assert_allclose(tweezer.optical_force(larger, 3 * position), force, rtol=1e-12)
+
+
+def test_force_has_the_symmetry_of_the_square_grid(scene):
+    """Quarter turns about the axis and mirrors through it."""
+    position = np.array([0.4, 0.15, -0.5]) * scene.bead.radius
+    force = tweezer.optical_force(scene, position)
+    atol = 1e-13 * np.abs(force).max()
+    quarter = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1]])
+    mirror = np.diag([-1, 1, 1])
+    for symmetry in (quarter, mirror):
+        turned = tweezer.optical_force(scene, symmetry @ position)
+        np.testing.assert_allclose(turned, symmetry @ force, atol=atol)
+
+
+@pytest.mark.parametrize("polarisation", ["circular", "averaged-reflectance"])
+@pytest.mark.parametrize("index", [1.0, 1.2, 1.33, 1.5, 2.5])
+def test_any_index(index, polarisation):
+    """Above, at and below the medium's index: finite, and exactly zero at equal indices."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        bead={"refractive_index": index},
+        medium={"refractive_index": 1.33},
+        beam={"polarisation": polarisation, "torque": "thesis"},
+    )
+    positions = np.vstack([np.zeros(3), places(scene)])
+    field = light(scene).field(positions, gradient=True)
+    for values in (field.force, field.moment, field.force_gradient, field.moment_gradient):
+        assert np.isfinite(values).all()
+        assert values.any() == (index != 1.33)
+
+
+def test_light_pushes_a_bead_on_the_axis_along_itself():
+    """A bead in front of the focus on the axis: no lateral force, and upwards."""
+    scene = tweezer.load_scene("silica-1um")
+    force = tweezer.optical_force(scene, [0, 0, -3e-6])
+    assert force[2] > 0
+    assert np.abs(force[:2]).max() < 1e-12 * force[2]
+
+
+def test_sine_map_reaches_the_aperture_and_tan_the_rim():
+    """Error 10: tan(theta) = R/f gives 52.4 degrees, NA 1.3 in n 1.33 means 77.8."""
+    tan = tweezer.load_scene("thesis-990nm").replace(beam={"divisions": 2000})
+    sine = tan.replace(lens={"map": "sine"})
+    for scene, angle in ((tan, 52.43), (sine, 77.82)):
+        rays = grid(scene.lens, scene.beam, scene.medium)
+        widest = np.degrees(np.arccos(rays.directions[2].min()))
+        assert angle - 0.2 < widest < angle
+
+
+def test_no_torque_by_default_and_no_rays_in_the_dark():
+    scene = tweezer.load_scene("thesis-990nm")
+    assert not tweezer.optical_torque(scene, [3e-7, 0, 0]).any()
+    for dark in (scene.replace(beam={"power": 0}), scene.replace(forces={"optical": False})):
+        assert light(dark).strengths.size == 0
+        assert not tweezer.optical_force(dark, [3e-7, 0, 0]).any()
+
+
+def test_shapes_in_and_out():
+    scene = tweezer.load_scene("thesis-990nm")
+    positions = np.zeros((2, 5, 3))
+    assert tweezer.optical_force(scene, positions).shape == (2, 5, 3)
+    assert tweezer.optical_torque(scene, positions).shape == (2, 5, 3)
+    assert tweezer.optical_jacobian(scene, positions).shape == (2, 5, 3, 3)
+    assert tweezer.optical_force(scene, np.empty((0, 3))).shape == (0, 3)
+    for bad in ([1.0, 2.0], 3.0, [[np.nan, 0, 0]], [np.inf, 0, 0]):
+        with pytest.raises(ValueError, match="positions must"):
+            tweezer.optical_force(scene, bad)

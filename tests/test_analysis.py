@@ -1,0 +1,199 @@
+"""Derived quantities by formulas typed anew, and the summary of trajectories made up here."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tweezer
+from tweezer.analysis import summarise
+
+RADIUS = 0.495e-6
+MASS = 1050 * 4 / 3 * math.pi * RADIUS**3
+DRAG = 6 * math.pi * 1.002e-3 * RADIUS
+WEIGHT = -(1050 - 998.2071) * 4 / 3 * math.pi * RADIUS**3 * 9.80665
+ROUNDING = 1e-12
+
+
+def length(vectors: xr.DataArray) -> np.ndarray:
+    return np.array([math.hypot(*vector) for vector in vectors.values])
+
+
+def test_distance_and_speed(turning_run):
+    np.testing.assert_allclose(
+        turning_run["distance"], length(turning_run["position"]), rtol=ROUNDING
+    )
+    np.testing.assert_allclose(turning_run["speed"], length(turning_run["velocity"]), rtol=ROUNDING)
+    assert turning_run["distance"][0] == pytest.approx(math.hypot(2.045e-6, 4.05e-6), rel=1e-9)
+
+
+def test_reynolds_number_is_5_1(turning_run):
+    expected = 998.2071 * length(turning_run["velocity"]) * 2 * RADIUS / 1.002e-3
+    np.testing.assert_allclose(turning_run["reynolds_number"], expected, rtol=ROUNDING)
+    assert 1e-9 < turning_run["reynolds_number"].max() < 1e-3
+
+
+def test_net_force_is_light_gravity_and_buoyancy(turning_run, turning_scene):
+    light = tweezer.optical_force(turning_scene, turning_run["position"].values)
+    np.testing.assert_array_equal(turning_run["optical_force"], light)
+    np.testing.assert_allclose(
+        turning_run["net_force"], light + np.array([0, 0, WEIGHT]), rtol=ROUNDING, atol=1e-26
+    )
+    assert np.abs(light).max() > 10 * abs(WEIGHT)
+
+
+def test_terminal_speed_is_5_2(turning_run):
+    expected = length(turning_run["net_force"]) / DRAG
+    np.testing.assert_allclose(turning_run["terminal_speed"], expected, rtol=ROUNDING)
+    np.testing.assert_allclose(turning_run["speed"][5:], expected[5:], rtol=0.02)
+
+
+def test_energies(turning_run):
+    moment = 2 / 5 * MASS * RADIUS**2
+    speed, spin = length(turning_run["velocity"]), length(turning_run["angular_velocity"])
+    kinetic = MASS * speed**2 / 2 + moment * spin**2 / 2
+    potential = -WEIGHT * turning_run["position"].values[:, 2]
+    np.testing.assert_allclose(turning_run["kinetic_energy"], kinetic, rtol=ROUNDING)
+    np.testing.assert_allclose(turning_run["potential_energy"], potential, rtol=ROUNDING)
+    np.testing.assert_allclose(turning_run["total_energy"], kinetic + potential, rtol=ROUNDING)
+    of_rotation = moment * spin[0] ** 2 / 2
+    assert 0 < of_rotation == pytest.approx(kinetic[0], rel=ROUNDING)
+
+
+@pytest.mark.parametrize(
+    ("forces", "weight"),
+    [
+        ({"gravity": False}, 998.2071),
+        ({"buoyancy": False}, -1050),
+        ({"gravity": False, "buoyancy": False}, 0),
+        ({"gravitational_acceleration": -9.80665}, 1050 - 998.2071),
+    ],
+    ids=["no gravity", "no buoyancy", "neither", "light downwards"],
+)
+def test_forces_that_are_off_do_not_act(turning_scene, forces, weight):
+    scene = turning_scene.replace(
+        forces={"optical": False, **forces}, simulation={"samples": 2, "duration": 1e-6}
+    )
+    run = tweezer.simulate(scene)
+    volume = 4 / 3 * math.pi * RADIUS**3
+    np.testing.assert_array_equal(run["optical_force"], 0.0)
+    np.testing.assert_allclose(
+        run["net_force"][-1], [0, 0, weight * volume * 9.80665], rtol=ROUNDING
+    )
+
+
+def trajectory(
+    times: np.ndarray, position: np.ndarray, net_force: np.ndarray, status: str = "complete"
+) -> xr.Dataset:
+    """Make what `summarise` reads of a run of the 990 nm bead."""
+    return xr.Dataset(
+        {
+            "position": (("time", "axis"), position),
+            "net_force": (("time", "axis"), net_force),
+            "distance": ("time", np.linalg.norm(position, axis=1)),
+            "reynolds_number": ("time", np.linspace(2e-4, 1e-5, len(times))),
+        },
+        coords={"time": times},
+        attrs={
+            "status": status,
+            "scene": tweezer.load_scene("thesis-990nm").model_dump_json(exclude_none=True),
+        },
+    )
+
+
+@pytest.fixture
+def ringing() -> xr.Dataset:
+    """Let 2 um exp(-t/ms) cos(pi t/ms) ring along the diagonal of x and y, for 10 ms."""
+    times = np.linspace(0, 10e-3, 10_001)
+    lateral = 2e-6 * np.exp(-times / 1e-3) * np.cos(np.pi * times / 1e-3)
+    diagonal = np.array([1.0, -1.0, 0.0]) / math.sqrt(2)
+    position = lateral[:, None] * diagonal + [0, 0, 0.5e-6]
+    return trajectory(times, position, -1e-6 * lateral[:, None] * diagonal)
+
+
+def test_overshoot_is_the_farthest_beyond_the_axis(ringing):
+    turn = math.pi - math.atan(1 / math.pi)
+    expected = -2e-6 * math.exp(-turn / math.pi) * math.cos(turn)
+    assert summarise(ringing).overshoot == pytest.approx(expected, rel=1e-5)
+
+
+def test_closest_approach_is_the_first_of_several(ringing):
+    summary = summarise(ringing)
+    assert summary.closest_approach_time == pytest.approx(0.5e-3, abs=1e-9)
+    assert summary.closest_approach == pytest.approx(0.5e-6, rel=1e-5)
+
+
+def test_captured_from_when_on_it_stays_within_a_tenth_of_a_radius(ringing):
+    summary = summarise(ringing)
+    times = ringing["time"].values
+    away = np.linalg.norm(ringing["position"] - ringing["position"][-1], axis=1) > RADIUS / 10
+    last_away = max(time for time, far in zip(times, away, strict=True) if far)
+    assert summary.outcome == "captured"
+    assert summary.outcome_time == pytest.approx(last_away + 1e-6, abs=1e-12)
+    envelope = 1e-3 * math.log(2e-6 / (RADIUS / 10))
+    assert envelope - 1e-3 < summary.outcome_time < envelope
+    assert summary.end == tuple(ringing["position"].values[-1])
+    assert summary.largest_reynolds_number == 2e-4
+
+
+def test_at_rest_from_the_start_is_captured_at_once():
+    times = np.linspace(0, 1e-3, 5)
+    force = np.array([[1e-12, 0, 0]] + 4 * [[0, 0, 0.0]])
+    summary = summarise(trajectory(times, np.full((5, 3), 1e-8), force))
+    assert (summary.outcome, summary.outcome_time) == ("captured", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("last_force", "outcome"), [(1.01e-14, "still moving"), (0.99e-14, "captured")]
+)
+def test_captured_only_if_the_force_has_fallen_to_a_hundredth(last_force, outcome):
+    times = np.linspace(0, 1e-3, 11)
+    position = np.linspace([1e-6, 0, -1e-6], [0, 0, 0], 11)
+    force = np.linspace([1e-12, 0, 0], [last_force, 0, 0], 11)
+    assert summarise(trajectory(times, position, force)).outcome == outcome
+
+
+@pytest.mark.parametrize("status", ["lost", "interrupted", "failed"])
+def test_a_run_that_ended_early_says_so(status):
+    times = np.linspace(0, 1e-3, 11)
+    position = np.linspace([0, 1e-6, 0], [0, 1e-6, 6e-6], 11)
+    summary = summarise(trajectory(times, position, np.zeros((11, 3)), status))
+    assert (summary.outcome, summary.outcome_time) == (status, 1e-3)
+
+
+def test_without_a_minimum_the_closest_approach_is_the_last():
+    times = np.linspace(0, 1e-3, 11)
+    position = np.linspace([0, 3e-6, -4e-6], [0, 1.5e-6, -2e-6], 11)
+    summary = summarise(trajectory(times, position, np.zeros((11, 3))))
+    assert summary.closest_approach == pytest.approx(2.5e-6, rel=ROUNDING)
+    assert summary.closest_approach_time == 1e-3
+    assert summary.overshoot == 0.0
+
+
+def test_a_bead_on_the_axis_does_not_overshoot():
+    times = np.linspace(0, 1e-3, 11)
+    position = np.linspace([0, 0, -4e-6], [0, 0, 2e-6], 11)
+    assert summarise(trajectory(times, position, np.zeros((11, 3)))).overshoot == 0.0
+
+
+def test_a_run_of_a_single_sample_has_a_summary():
+    summary = summarise(trajectory(np.zeros(1), np.ones((1, 3)) * 1e-6, np.zeros((1, 3)), "failed"))
+    assert (summary.outcome, summary.outcome_time) == ("failed", 0.0)
+    assert summary.closest_approach == pytest.approx(math.sqrt(3) * 1e-6, rel=ROUNDING)
+
+
+def test_a_real_run_that_leaves_the_trap_is_lost(turning_scene):
+    scene = turning_scene.replace(
+        beam={"torque": "none"},
+        start={"frame": "focus", "position": [0, 0, 5e-6], "angular_velocity": [0, 0, 0]},
+        forces={"gravitational_acceleration": -1e4},
+        simulation={"loss_distance": "5.1 um", "duration": 20e-3, "samples": 2001},
+    )
+    run = tweezer.simulate(scene)
+    summary = summarise(run)
+    assert run.attrs["status"] == summary.outcome == "lost"
+    assert 0 < summary.outcome_time < 20e-3
+    assert run["time"].size < 2001

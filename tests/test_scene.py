@@ -1,0 +1,304 @@
+"""Scenes: units, the two ways to say one thing, changed copies, and the shipped ones."""
+
+from __future__ import annotations
+
+import math
+import warnings
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.scene import Scene, load_scene, shipped_scenes, with_settings
+from tweezer.units import to_si
+
+ROUNDING = 1e-15
+PREFIXES = {"": 1, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9, "k": 1e3}
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return load_scene("thesis-990nm")
+
+
+@pytest.fixture
+def in_si() -> dict:
+    """A scene in bare SI numbers."""
+    return {
+        "bead": {"radius": 0.5e-6, "density": 2000.0, "refractive_index": 1.45},
+        "medium": {
+            "refractive_index": 1.33, "density": 1000.0, "viscosity": 1e-3, "temperature": 293.15,
+        },
+        "lens": {"map": "tan", "radius": 2.5e-3, "focal_length": 2e-3},
+        "beam": {"wavelength": 1e-6, "power": 0.125, "sigma": 1e-3},
+        "start": {"position": (0.0, 1e-6, -2e-6)},
+        "simulation": {"duration": 0.02},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("500 nm", "m", 500e-9),
+        ("0.5um", "m", 0.5e-6),
+        ("0.5 µm", "m", 0.5e-6),
+        ("0.5\u00a0μm", "m", 0.5e-6),
+        (" 2.5e-1 mm ", "m", 0.25e-3),
+        ("-3 Å", "m", -3e-10),
+        ("156 mW", "W", 0.156),
+        ("20 dBm", "W", 0.1),
+        ("20 degC", "K", 293.15),
+        ("20 °C", "K", 293.15),
+        ("293.15 K", "K", 293.15),
+        ("1.05 g/cm^3", "kg/m^3", 1050.0),
+        ("1.05 g/cm³", "kg/m^3", 1050.0),
+        ("1.05 g/cm**3", "kg/m^3", 1050.0),
+        ("1050 kg m^-3", "kg/m^3", 1050.0),
+        ("1.002 mPa s", "Pa s", 1.002e-3),
+        ("1.002 mPa*s", "Pa s", 1.002e-3),
+        ("1.002 cP", "Pa s", 1.002e-3),
+        ("12 ms", "s", 12e-3),
+        ("3 1/s", "rad/s", 3.0),
+        ("30 rpm", "rad/s", math.pi),
+        ("180 deg/s", "rad/s", math.pi),
+        (3, "m", 3.0),
+        (2.5e-7, "m", 2.5e-7),
+    ],
+)
+def test_quantities(text, unit, value):
+    assert to_si(text, unit) == pytest.approx(value, rel=ROUNDING)
+
+
+@settings(deadline=None)
+@given(
+    number=st.floats(1e-100, 1e100).map(float),
+    prefix=st.sampled_from(sorted(PREFIXES)),
+    space=st.sampled_from(["", " ", "  "]),
+)
+def test_a_unit_is_a_factor(number, prefix, space):
+    assert to_si(f"{number!r}{space}{prefix}m", "m") == pytest.approx(
+        number * PREFIXES[prefix], rel=1e-12, abs=0
+    )
+
+
+@settings(deadline=None)
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_a_bare_number_is_taken_bit_for_bit(number):
+    assert to_si(number, "m").hex() == number.hex()
+
+
+def test_units_make_the_same_scene_as_si(in_si):
+    with_units = {
+        "bead": {"diameter": "1000 nm", "density": "2 g/cm^3", "refractive_index": 1.45},
+        "medium": {
+            "refractive_index": 1.33, "density": "1 kg/l", "viscosity": "1 mPa s",
+            "temperature": "20 degC",
+        },
+        "lens": {"map": "tan", "radius": "2.5 mm", "focal_length": "2 mm"},
+        "beam": {"wavelength": "1 um", "power": "125 mW", "waist": "2 mm"},
+        "start": {"position": [0, "1 um", "-2 um"]},
+        "simulation": {"duration": "20 ms"},
+    }  # fmt: skip
+    given_in_si, given_with_units = load_scene(in_si), load_scene(with_units)
+    for section in in_si:
+        expected = getattr(given_in_si, section).model_dump(exclude_none=True)
+        found = getattr(given_with_units, section).model_dump(exclude_none=True)
+        assert found.keys() == expected.keys()
+        for key, value in expected.items():
+            if isinstance(value, float | tuple):
+                assert found[key] == pytest.approx(value, rel=ROUNDING, abs=0), (section, key)
+            else:
+                assert found[key] == value, (section, key)
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "double"), [("bead", "radius", "diameter"), ("beam", "sigma", "waist")]
+)
+def test_half_of_the_other_way_to_say_it(in_si, section, key, double):
+    expected = load_scene(in_si)
+    in_si[section][double] = 2 * in_si[section].pop(key)
+    assert load_scene(in_si) == expected
+
+
+def test_a_mapping_is_not_changed_by_loading_it(in_si):
+    in_si["bead"]["diameter"] = 2 * in_si["bead"].pop("radius")
+    load_scene(in_si)
+    assert in_si["bead"]["diameter"] == 1e-6
+
+
+def test_a_scene_is_immutable_and_hashable(scene):
+    with pytest.raises(ValidationError):
+        scene.bead.radius = 1e-6
+    with pytest.raises(ValidationError):
+        scene.bead = scene.bead
+    with pytest.raises(TypeError):
+        scene.start.position[0] = 1.0
+    assert {scene: 1}[load_scene("thesis-990nm")] == 1
+
+
+def test_replace_changes_what_it_names_and_nothing_else(scene):
+    changed = scene.replace(beam={"power": "80 mW"}, forces={"gravity": False}, name="dim")
+    assert (changed.beam.power, changed.forces.gravity, changed.name) == (0.08, False, "dim")
+    assert scene.beam.power == 0.156
+    undone = changed.replace(beam={"power": 0.156}, forces={"gravity": True}, name=scene.name)
+    assert undone == scene
+
+
+def test_replacing_nothing_is_the_same_scene(scene):
+    assert scene.replace() == scene
+    assert scene.replace(beam={}) == scene
+
+
+@pytest.mark.parametrize(
+    ("section", "changes", "key", "value", "displaced"),
+    [
+        ("bead", {"diameter": "1 um"}, "radius", 0.5e-6, None),
+        ("beam", {"waist": "4 mm"}, "sigma", 2e-3, None),
+        ("beam", {"power_through_pupil": "10 mW"}, "power_through_pupil", 0.01, "power"),
+    ],
+)
+def test_replace_displaces_what_says_the_same(scene, section, changes, key, value, displaced):
+    changed = getattr(scene.replace(**{section: changes}), section)
+    assert getattr(changed, key) == pytest.approx(value, rel=ROUNDING)
+    assert displaced is None or getattr(changed, displaced) is None
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"bead": {"radius": -1}}, "bead.radius = -1: must be from 1e-09 to 0.001 m"),
+        ({"bead": {"size": 1}}, "bead.size = 1: unknown key"),
+        ({"beads": {"radius": 1}}, "beads = {'radius': 1}: unknown key; did you mean bead?"),
+        ({"simulation": {"loss_distance": 1e-6}}, "must be nearer than simulation.loss_distance"),
+        ({"beam": {"power": 1, "power_through_pupil": 1}}, "not both"),
+        ({"bead": None}, "bead = None: must be a section [bead]"),
+    ],
+    ids=["value", "key", "section", "between sections", "alternatives", "no section"],
+)
+def test_replace_validates_again(scene, changes, line):
+    with pytest.raises(SceneError) as refused:
+        scene.replace(**changes)
+    assert line in str(refused.value)
+
+
+def test_settings_are_toml_or_text(scene):
+    changed = with_settings(
+        scene,
+        {
+            "beam.power": "80 mW",
+            "beam.divisions": "50",
+            "beam.torque": "thesis",
+            "forces.gravity": "false",
+            "bead.density": "'1.1 g/cm^3'",
+            "start.velocity": "[0, '1 mm/s', 2e-3]",
+        },
+    )
+    assert changed.beam.power == 0.08
+    assert changed.beam.divisions == 50
+    assert changed.beam.torque == "thesis"
+    assert changed.forces.gravity is False
+    assert changed.bead.density == pytest.approx(1100, rel=ROUNDING)
+    assert changed.start.velocity == pytest.approx((0, 1e-3, 2e-3), rel=ROUNDING)
+    assert with_settings(scene, {}) == scene
+
+
+#: Tables B.2-B.4 and 5.1: radius, sigma, a2, start from the lens (m)
+OF_THE_BEAD = {
+    "thesis-500nm": (0.25e-6, 2.5e-3, 3e-5, (0, 2.0616e-6, 1.99795e-3)),
+    "thesis-990nm": (0.495e-6, 1.0e-3, 1.2e-3, (0, -2.045e-6, 1.99595e-3)),
+    "thesis-1950nm": (0.975e-6, 1.85e-3, 8e-3, (0, 3.4043e-6, 1.9929e-3)),
+}
+
+
+@pytest.mark.parametrize("name", OF_THE_BEAD)
+def test_shipped_scenes_are_the_tables_of_the_thesis(name):
+    scene = load_scene(name)
+    radius, sigma, scaling_factor, from_lens = OF_THE_BEAD[name]
+    bead, medium, lens, beam, simulation = (
+        scene.bead, scene.medium, scene.lens, scene.beam, scene.simulation,
+    )  # fmt: skip
+    in_scene = [
+        bead.radius, bead.density, bead.refractive_index,
+        medium.refractive_index, medium.density, medium.viscosity, medium.temperature,
+        lens.radius, lens.focal_length, lens.numerical_aperture,
+        beam.wavelength, beam.power, beam.sigma,
+        scene.forces.gravitational_acceleration,
+        simulation.scaling_factor, simulation.relative_tolerance, simulation.position_tolerance,
+        *scene.start.position,
+    ]  # fmt: skip
+    in_thesis = [
+        radius, 1050, 1.57773,
+        1.33, 998.2071, 1.002e-3, 293.15,
+        2.6e-3, 2e-3, 1.3,
+        0.8e-6, 0.156, sigma,
+        9.80665,
+        scaling_factor, 1e-7, 1e-11,
+        *from_lens,
+    ]  # fmt: skip
+    assert in_scene == pytest.approx(in_thesis, rel=ROUNDING, abs=0)
+    assert (scene.start.frame, lens.map, beam.divisions) == ("lens", "tan", 100)
+    assert (simulation.model, simulation.method) == ("scaled", "RK45")
+    assert (beam.polarisation, beam.torque) == ("averaged-reflectance", "none")
+    assert scene.name == name
+
+
+def test_shipped_scenes_load_without_a_warning():
+    assert set(shipped_scenes()) == {*OF_THE_BEAD, "silica-1um"}
+    with warnings.catch_warnings(action="error"):
+        for name, path in shipped_scenes().items():
+            assert load_scene(name) == load_scene(path)
+            assert load_scene(name).description
+
+
+@given(
+    x=st.floats(-4e-6, 4e-6), y=st.floats(-4e-6, 4e-6), z=st.floats(-4e-6, 4e-6),
+    focal_length=st.floats(1e-3, 5e-3),
+)  # fmt: skip
+def test_the_lens_is_a_focal_length_before_the_focus(x, y, z, focal_length):
+    from_focus = load_scene("thesis-990nm").replace(
+        lens={"focal_length": focal_length}, start={"frame": "focus", "position": [x, y, z]}
+    )
+    from_lens = from_focus.replace(start={"frame": "lens", "position": [x, y, focal_length + z]})
+    assert from_focus.start_position == (x, y, z)
+    assert from_lens.start_position == pytest.approx((x, y, z), rel=0, abs=1e-18)
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_json_keeps_a_scene_bit_for_bit(name):
+    scene = load_scene(name)
+    assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+
+
+@settings(deadline=None)
+@given(
+    radius=st.floats(2e-7, 1e-3), power=st.floats(0, 1e6), brightest=st.booleans(),
+    orientation=st.tuples(*4 * [st.floats(-1e100, 1e100)]),
+)  # fmt: skip
+def test_json_keeps_any_scene_bit_for_bit(radius, power, brightest, orientation):
+    assume(math.hypot(*orientation) >= 1e-100)
+    scene = load_scene("silica-1um").replace(
+        bead={"radius": radius},
+        beam={"power" if brightest else "power_through_pupil": power},
+        start={"orientation": orientation},
+    )
+    assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+
+
+@pytest.mark.parametrize(("diameter", "rare"), [("299 nm", True), ("301 nm", False)])
+def test_a_bead_too_small_for_a_continuum_warns(scene, diameter, rare):
+    with warnings.catch_warnings(record=True, action="always") as said:
+        scene.replace(bead={"diameter": diameter})
+    assert [warning.category for warning in said] == rare * [PhysicsWarning]
+    assert all("Knudsen number 0.001 is above 0.001" in str(warning.message) for warning in said)
+
+
+@pytest.mark.parametrize(
+    ("changes", "turns"),
+    [({}, False), ({"beam": {"torque": "thesis"}}, True),
+     ({"start": {"angular_velocity": [0, 0, 1]}}, True)],
+    ids=["nothing", "moment of the light", "spin"],
+)  # fmt: skip
+def test_a_bead_rotates_only_if_something_turns_it(scene, changes, turns):
+    assert scene.replace(**changes).rotates is turns

@@ -1,0 +1,105 @@
+"""The thesis's numbers and its three beads: what comes out, and what does not."""
+
+import numpy as np
+import pytest
+
+import tweezer
+
+
+def test_printed_numbers_of_the_500nm_bead():
+    """Chapter 4 and 2.2.2, in the thesis's units: pg, mm, ms."""
+    bead = tweezer.bead_properties(tweezer.load_scene("thesis-500nm"))
+    pg, mm, ms = 1e-15, 1e-3, 1e-3
+    assert bead.mass / pg == pytest.approx(0.0687, abs=5e-5)
+    assert bead.drag / (pg / ms) == pytest.approx(4.722e3, abs=0.5)
+    assert bead.rotational_drag / (pg * mm**2 / ms) == pytest.approx(3.935e-4, abs=5e-8)
+    assert bead.relaxation_time / ms == pytest.approx(1.455e-5, abs=5e-9)
+    assert bead.knudsen == pytest.approx(0.0006)
+
+
+def test_printed_inertia_is_rounded_wrongly():
+    """The thesis prints I = 0.00173e-6 pg mm^2; 2/5 m r^2 with its own m and r is 0.00172e-6."""
+    bead = tweezer.bead_properties(tweezer.load_scene("thesis-500nm"))
+    in_thesis_units = bead.moments_of_inertia[0] / 1e-21
+    assert in_thesis_units == pytest.approx(0.4 * 0.0687 * 0.25e-3**2, rel=1e-3)
+    assert in_thesis_units == pytest.approx(0.001718e-6, rel=1e-3)
+
+
+def test_underdamping_needs_a_stiffness_no_such_beam_has():
+    """Conclusion of chapter 6: k > beta^2/4m for an unscaled bead to ring."""
+    ratios = {}
+    for name in ("thesis-500nm", "thesis-990nm", "thesis-1950nm"):
+        scene = tweezer.load_scene(name)
+        bead = tweezer.bead_properties(scene)
+        k = -np.diag(tweezer.optical_jacobian(scene, [0.0, 0.0, 0.0])).min()
+        ratios[name] = bead.drag**2 / (4 * bead.mass) / k
+    assert min(ratios.values()) > 100
+    assert tweezer.bead_properties(tweezer.load_scene("thesis-500nm")).drag ** 2 / (
+        4 * 6.872e-17
+    ) == pytest.approx(0.0811, rel=1e-3)
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return {
+        name: tweezer.simulate(tweezer.load_scene(name))
+        for name in ("thesis-500nm", "thesis-990nm", "thesis-1950nm")
+    }
+
+
+def test_1950nm_bead_is_captured_without_overshoot(runs):
+    summary = tweezer.summarise(runs["thesis-1950nm"])
+    assert summary.outcome == "captured"
+    assert summary.outcome_time == pytest.approx(41e-3, abs=1e-3)
+    assert summary.overshoot < 1e-12
+
+
+def test_990nm_bead_overshoots_a_little(runs):
+    summary = tweezer.summarise(runs["thesis-990nm"])
+    assert summary.outcome == "captured"
+    assert summary.closest_approach_time == pytest.approx(6.8e-3, abs=0.1e-3)
+    assert summary.overshoot == pytest.approx(0.06e-6, abs=0.01e-6)
+
+
+def test_500nm_bead_overshoots_more_and_is_lost_upward(runs):
+    """With the printed a2 the inflated mass carries it through: contrary to Figure 5.1."""
+    summary = tweezer.summarise(runs["thesis-500nm"])
+    assert summary.outcome == "lost"
+    assert summary.end[2] > 3e-6
+    assert summary.closest_approach_time == pytest.approx(11.6e-3, abs=0.3e-3)
+    assert summary.overshoot == pytest.approx(0.147e-6, abs=0.005e-6)
+
+
+def test_500nm_bead_stays_and_rings_with_a_larger_a2():
+    scene = tweezer.load_scene("thesis-500nm").replace(simulation={"scaling_factor": 1e-4})
+    run = tweezer.simulate(scene)
+    summary = tweezer.summarise(run)
+    assert summary.outcome == "captured"
+    side = run["position"].sel(axis="y").values
+    ringing = side[run["time"].values > summary.closest_approach_time]
+    assert (np.diff(np.sign(ringing[np.abs(ringing) > 1e-9])) != 0).sum() >= 3
+
+
+def test_unscaled_500nm_bead_is_captured_without_ringing():
+    """The truth beside the scaled model: no inertia to speak of, no overshoot, no loss."""
+    run = tweezer.simulate(tweezer.load_scene("thesis-500nm"), model="full", method="LSODA")
+    summary = tweezer.summarise(run)
+    assert summary.outcome == "captured"
+    assert summary.overshoot < 1e-9
+
+
+@pytest.mark.parametrize("method", ["DOP853", "Radau", "LSODA"])
+def test_methods_agree_on_the_scaled_990nm_bead(runs, method):
+    """A microsecond apart on arrival after 7 ms, at 1 cm/s: what the thesis's tolerances allow on a
+    force that jumps whenever a ray of the grid begins or ceases to hit.
+    """
+    other = tweezer.simulate(tweezer.load_scene("thesis-990nm"), method=method)
+    difference = np.abs(other["position"].values - runs["thesis-990nm"]["position"].values)
+    print(f"{method}: {difference.max():.1e} m, {other.attrs['steps']} steps")
+    assert difference.max() < 1e-8
+
+
+def test_speeds_and_reynolds_numbers_are_small(runs):
+    for run in runs.values():
+        assert run["reynolds_number"].max() < 0.02
+        assert np.isfinite(run["net_force"]).all()
