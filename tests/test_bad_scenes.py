@@ -6,6 +6,7 @@ nothing written.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -357,6 +358,13 @@ def test_bad_argument(command_line, arguments, expected):
     Path("scene.toml").write_text(as_toml({}))
     Path("folder.nc").mkdir()
     assert_refused(command_line, ["run", *arguments], expected)
+
+
+def test_out_into_a_folder_of_others(command_line, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: (str(path), mode) != ("theirs", os.W_OK))
+    Path("theirs").mkdir()
+    expected = "theirs/run.nc: cannot be written: no permission to write in theirs"
+    assert_refused(command_line, ["run", "silica-1um", "--out", "theirs/run.nc"], expected)
 
 
 @pytest.mark.parametrize(("arguments", "expected"), BAD_USAGE.values(), ids=BAD_USAGE.keys())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from pathlib import Path
@@ -28,6 +29,7 @@ app = typer.Typer(
 _out = Console()
 _err = Console(stderr=True)
 
+_FIGURE_FORMATS = ("pdf", "png", "svg")
 _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
 
 
@@ -87,8 +89,8 @@ def run(
         from tweezer.scene import with_settings
 
         described = with_settings(described, settings)
-    out = _writable(out or Path(f"{described.name}.nc"))
-    plot = _writable(plot or Path(f"{described.name}.png"), _figure_formats())
+    out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
+    plot = _writable(plot or Path(f"{described.name}.png"), _FIGURE_FORMATS)
     result = _simulate_with_progress(described)
 
     from tweezer.io import save_run
@@ -114,22 +116,20 @@ def _settings(changes: list[str], **simulation: str | None) -> dict[str, str]:
     return {**settings, **named}
 
 
-def _writable(path: Path, formats: frozenset[str] = frozenset({"nc"})) -> Path:
+def _writable(path: Path, formats: tuple[str, ...]) -> Path:
     """`path`, refused before any work is done if it cannot be written."""
     if path.suffix.lstrip(".").lower() not in formats:
-        raise ResultError(f"{path}: must end in .{', .'.join(sorted(formats))}")
+        raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
     if not path.parent.is_dir():
         raise ResultError(f"{path}: no such folder: {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise ResultError(f"{path}: cannot be written: no permission to write in {path.parent}")
     try:
         if path.is_dir():
             raise ResultError(f"{path}: is a folder")
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
     return path
-
-
-def _figure_formats() -> frozenset[str]:
-    return frozenset({"png", "pdf", "svg"})
 
 
 def _simulate_with_progress(scene: Scene) -> xr.Dataset:
