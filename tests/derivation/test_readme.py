@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 from derivation.models import catalogue
 
 README = Path(__file__).parents[2] / "derivation" / "README.md"

@@ -4,11 +4,14 @@ import importlib
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+
 from derivation.models import catalogue
 
+ROOT = Path(__file__).parents[2]
 PROGRAM = """
 from tests.generated.test_bounds import call_every_function
 call_every_function()
@@ -34,7 +37,7 @@ def call_every_function():
 
 
 def test_no_emitted_function_reads_out_of_range():
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": os.getcwd()}
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "PYTHONPATH": str(ROOT)}
     subprocess.run([sys.executable, "-c", PROGRAM], check=True, env=environment)
 
 
