@@ -54,7 +54,7 @@ def emit() -> dict[str, str]:
             functions=functions,
             inputs=list(_input_names(module)),
             digest=digest,
-            sources="derivation/",
+            sources=" and ".join(f"derivation/{name}" for name in module.sources),
             sympy_version=sympy.__version__,
             operations=sum(block.operations for _, block in functions),
             temporaries=sum(len(block.temporaries) for _, block in functions),
@@ -67,9 +67,14 @@ def emit() -> dict[str, str]:
 
 def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:
     """A unified diff for every file that is missing, differs, or stands in `folder` unasked."""
-    present = {path.name for path in folder.glob("*.py")}
+    present = _present(folder)
     for name in sorted(present | set(files)):
-        old = (folder / name).read_text() if name in present else ""
+        # bytes, so that line ends count; what cannot be decoded is shown by escapes
+        old = (
+            (folder / name).read_bytes().decode(errors="backslashreplace")
+            if name in present
+            else ""
+        )
         new = files.get(name, "")
         if old != new:
             yield "".join(
@@ -83,12 +88,21 @@ def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:
 
 
 def write(files: Mapping[str, str], folder: Path) -> None:
-    """Write every file into `folder`, and remove modules that are no longer emitted."""
+    """Write every file into `folder`, and remove what is no longer emitted."""
     folder.mkdir(exist_ok=True)
-    for orphan in {path.name for path in folder.glob("*.py")} - set(files):
+    for orphan in _present(folder) - set(files):
         (folder / orphan).unlink()
     for name, text in files.items():
-        (folder / name).write_text(text)
+        (folder / name).write_bytes(text.encode())
+
+
+def _present(folder: Path) -> set[str]:
+    """Every file below `folder`, whatever its kind, but for Python's and numba's caches."""
+    return {
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
 
 
 def _environment() -> jinja2.Environment:

@@ -25,6 +25,8 @@ class Module:
     state: tuple[Quantity, ...]
     params: tuple[Quantity, ...]
     functions: tuple[Function, ...]
+    #: files of `derivation/` that hold its equations
+    sources: tuple[str, ...]
     #: numba options of its functions, written out literally in the module
     jit_options: str = "cache=True"
 
@@ -78,6 +80,7 @@ def _dynamics(
     rates: sp.MatrixBase,
     inputs: tuple[Argument, ...],
     jacobian_inputs: tuple[Argument, ...],
+    sources: tuple[str, ...],
     intermediates: tuple[tuple[Quantity, sp.Expr], ...] = (),
     extra: tuple[Function, ...] = (),
     keep: tuple[Quantity, ...] = (),
@@ -102,7 +105,7 @@ def _dynamics(
         jacobian(differentiated, state),
         tuple(pair for pair in intermediates if pair[0] in keep),
     )
-    return Module(name, title, notes, state, params, (rhs, derivative, *extra))
+    return Module(name, title, notes, state, params, (rhs, derivative, *extra), sources)
 
 
 _SPHERE = (sy.SPHERE_INERTIA,)
@@ -125,6 +128,7 @@ def _inertial_models(scaling: bool) -> list[Module]:
     title = "Scaled model (4.17)" if scaling else "Full model (A.25)"
     a2 = ms.a2 if scaling else sp.Integer(1)
     leading = (sy.SCALING,) if scaling else ()
+    sources = ("multiscale.py", "rigid_body.py") if scaling else ("rigid_body.py",)
     acceleration = ms.scaled_acceleration if scaling else rb.acceleration
     translation_params = (sy.MASS, sy.DRAG, *leading, *sy.WEIGHT)
     modules = [
@@ -137,6 +141,7 @@ def _inertial_models(scaling: bool) -> list[Module]:
             rb.v.col_join(acceleration),
             (FORCE,),
             (FORCE_GRADIENT,),
+            sources,
         )
     ]
     for kind, notes in (("sphere", _SPHERE_NOTES), ("rigid_body", _BODY_NOTES)):
@@ -160,6 +165,7 @@ def _inertial_models(scaling: bool) -> list[Module]:
                 ),
                 (FORCE, MOMENT),
                 (FORCE_GRADIENT, MOMENT_GRADIENT),
+                sources,
             )
         )
         omega_of_rates = _named(sy.ANGULAR_VELOCITY, ep.L * ep.edot)
@@ -180,6 +186,7 @@ def _inertial_models(scaling: bool) -> list[Module]:
                 ),
                 (FORCE, MOMENT),
                 (FORCE_GRADIENT, MOMENT_GRADIENT),
+                sources,
                 omega_of_rates,
             )
         )
@@ -203,6 +210,7 @@ def _overdamped_models() -> list[Module]:
             ms.overdamped_velocity,
             (FORCE,),
             (FORCE_GRADIENT,),
+            ("multiscale.py",),
         ),
         _dynamics(
             "overdamped_rotation",
@@ -213,6 +221,7 @@ def _overdamped_models() -> list[Module]:
             ms.overdamped_velocity.col_join(_turning(ms.overdamped_angular_velocity)),
             (FORCE, MOMENT),
             (FORCE_GRADIENT, MOMENT_GRADIENT),
+            ("multiscale.py",),
         ),
     ]
 
@@ -278,6 +287,7 @@ def _first_order_models() -> list[Module]:
                 velocity,
                 (*fields, *gradients),
                 curvatures,
+                ("multiscale.py",),
                 tuple(pair for pair in rates if pair[0] in kept),
                 (matched, layer),
                 keep=kept,
@@ -319,6 +329,7 @@ def _kinematics() -> Module:
                 ),
             ),
         ),
+        ("euler_parameters.py",),
     )
 
 
@@ -410,6 +421,13 @@ def _ray() -> Module:
         (
             *functions,
             Function(
+                "cos_squared_beta",
+                "cos^2 of the angle of refraction (3.15); negative where all is reflected.",
+                arguments,
+                sp.Matrix([(ray.cos_beta**2).subs(ray.c, ray.cos_alpha)]),
+                output_names=("cos_squared",),
+            ),
+            Function(
                 "impact",
                 "n, from the bead's centre to the nearest point of the ray, and S = |n|^2/r^2.\n"
                 "The ray hits the bead where S < 1, (3.8).",
@@ -445,6 +463,7 @@ def _ray() -> Module:
                 ray.moment_gradient,
             ),
         ),
+        ("ray.py",),
         'cache=True, error_model="numpy"',
     )
 

@@ -1,6 +1,6 @@
 """Rotation by Euler parameters (A.2)-(A.9).
 
-Made by `python -m derivation` from derivation/; do not edit.
+Made by `python -m derivation` from derivation/euler_parameters.py; do not edit.
 SymPy 1.14.0. 143 operations, 27 temporaries.
 
 For e of any length but 0, where nothing else is said.
@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
+SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
 
 
 @njit(cache=True)

@@ -1,6 +1,6 @@
 """Overdamped model (5.2): translation and rotation.
 
-Made by `python -m derivation` from derivation/; do not edit.
+Made by `python -m derivation` from derivation/multiscale.py; do not edit.
 SymPy 1.14.0. 523 operations, 122 temporaries.
 
 Without inertia: the same for a sphere and for any other body of this drag.
@@ -26,7 +26,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
+SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

@@ -1,7 +1,7 @@
 """The force of one ray on the bead (3.14)-(3.26).
 
-Made by `python -m derivation` from derivation/; do not edit.
-SymPy 1.14.0. 999 operations, 154 temporaries.
+Made by `python -m derivation` from derivation/ray.py; do not edit.
+SymPy 1.14.0. 1006 operations, 154 temporaries.
 
 The ray passes through the focus, the origin, along u. Forces in units of n_m P/c;
 moments in n_m P/c times metres. Efficiencies hold for 0 <= S < 1 (and S < 1/n_mP^2).
@@ -11,7 +11,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
+SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
 
 
 @njit(cache=True, error_model="numpy")
@@ -351,6 +351,19 @@ def total_reflection_rates(S):
     G = -2.0 * cos_alpha
     dG = 1.0 / cos_alpha
     return Q_sc, dQ_sc, G, dG
+
+
+@njit(cache=True, error_model="numpy")
+def cos_squared_beta(S, n_mP):
+    """cos^2 of the angle of refraction (3.15); negative where all is reflected.
+
+    S: sin^2 of the angle of incidence, S = sin^2(alpha) [1]
+    n_mP: n_m/n_P, medium over bead [1]
+    Returns cos_squared.
+    7 operations, 0 temporaries.
+    """
+    cos_squared = (n_mP * n_mP) * (1.0 - S) + (1.0 - n_mP) * (n_mP + 1.0)
+    return cos_squared
 
 
 @njit(cache=True, error_model="numpy")

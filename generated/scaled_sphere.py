@@ -1,6 +1,6 @@
 """Scaled model (4.17): translation and rotation of a sphere.
 
-Made by `python -m derivation` from derivation/; do not edit.
+Made by `python -m derivation` from derivation/multiscale.py and derivation/rigid_body.py; do not edit.
 SymPy 1.14.0. 373 operations, 108 temporaries.
 
 A sphere: K (A.17) vanishes. State (e, omega), which no constraint can leave.
@@ -35,7 +35,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
+SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3", "v1", "v2", "v3", "omega1", "omega2", "omega3")
 PARAMS = ("m", "I", "beta_v", "beta_w", "a2", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

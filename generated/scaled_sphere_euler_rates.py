@@ -1,6 +1,6 @@
 """Scaled model (4.17): translation and rotation of a sphere, Euler-parameter rates.
 
-Made by `python -m derivation` from derivation/; do not edit.
+Made by `python -m derivation` from derivation/multiscale.py and derivation/rigid_body.py; do not edit.
 SymPy 1.14.0. 870 operations, 185 temporaries.
 
 The thesis's own state (e, e'), with (A.24) solved in closed form. The constraints (A.21)
@@ -37,7 +37,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "778342969a7cec01a9746c8114f6df44dae716064e252e87632b02aa41e108ed"
+SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
 STATE = (
     "q1",
     "q2",

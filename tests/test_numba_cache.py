@@ -34,14 +34,14 @@ def tree(tmp_path):
     return tmp_path
 
 
-def run(tree):
+def run(tree, program=PROGRAM):
     environment = {
         **os.environ,
         "PYTHONPATH": str(tree),
         "NUMBA_CACHE_DIR": str(tree / "cache"),
     }
     result = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=tree, env=environment, capture_output=True, text=True,
+        [sys.executable, "-c", program], cwd=tree, env=environment, capture_output=True, text=True,
         check=True,
     )  # fmt: skip
     force, velocity, hits, misses = map(float, result.stdout.split())
@@ -70,3 +70,17 @@ def test_cache_follows_a_regenerated_module(tree):
     assert (hits, misses) == (0, 1)
     assert doubled_force == pytest.approx(2 * force, rel=1e-12)
     assert run(tree)[2:] == (1, 0)
+
+
+def test_a_module_that_changes_under_a_running_program_does_not_spoil_the_cache(tree):
+    """Imported, then replaced on disk, then first called: the old code under the old digest."""
+    lines = PROGRAM.strip().splitlines()
+    replacing = (
+        "path = 'generated/ray.py'; text = open(path).read();"
+        "open(path, 'w').write(text.replace('return F1, F2, F3', 'return F1, F2, 2.0 * F3'))"
+    )
+    at = next(i for i, line in enumerate(lines) if line.startswith("scene ="))
+    old_force, *_ = run(tree, "\n".join([*lines[:at], replacing, *lines[at:]]))
+    new_force, _, hits, misses = run(tree)
+    assert (hits, misses) == (0, 1)
+    assert new_force == pytest.approx(2 * old_force, rel=1e-12)

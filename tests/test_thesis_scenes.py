@@ -1,5 +1,8 @@
 """The thesis's numbers and its three beads: what comes out, and what does not."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -45,6 +48,22 @@ def runs():
         name: tweezer.simulate(tweezer.load_scene(name))
         for name in ("thesis-500nm", "thesis-990nm", "thesis-1950nm")
     }
+
+
+def test_readme_says_what_comes_out(runs):
+    """Its table of the three beads; counts within 2 %, as rounding differs between machines."""
+    rows = re.findall(
+        r"\| `(thesis-\d+nm)` \| (\w+) after (\d+) ms.*?\| ([\d.]+) µm \| (\d+) \| (\d+) \|",
+        (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8"),
+    )
+    assert {row[0] for row in rows} == set(runs)
+    for name, outcome, milliseconds, micrometres, steps, force_calls in rows:
+        summary, attributes = tweezer.summarise(runs[name]), runs[name].attrs
+        assert summary.outcome == outcome
+        assert summary.outcome_time == pytest.approx(float(milliseconds) * 1e-3, abs=0.5e-3)
+        assert summary.overshoot == pytest.approx(float(micrometres) * 1e-6, abs=0.5e-9)
+        assert attributes["steps"] == pytest.approx(int(steps), rel=0.02)
+        assert attributes["force_calls"] == pytest.approx(int(force_calls), rel=0.02)
 
 
 def test_1950nm_bead_is_captured_without_overshoot(runs):

@@ -158,7 +158,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
 
     summary = summarise(result)
     attributes = result.attrs
-    x, y, z = (1e6 * coordinate for coordinate in summary.end)
+    x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in summary.end)  # no -0.0
     model: str = scene.simulation.model
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
@@ -166,10 +166,14 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("outcome", f"{summary.outcome}, {1e3 * summary.outcome_time:.4g} ms")
     table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
     table.add_row("overshoot past the axis", f"{1e6 * summary.overshoot:.3g} um")
-    table.add_row(
-        "first closest approach",
-        f"{1e6 * summary.closest_approach:.3g} um at {1e3 * summary.closest_approach_time:.4g} ms",
-    )
+    approach = "none"
+    if summary.closest_approach is not None and summary.closest_approach_time is not None:
+        micrometres, milliseconds = (
+            1e6 * summary.closest_approach,
+            1e3 * summary.closest_approach_time,
+        )
+        approach = f"{micrometres:.3g} um at {milliseconds:.4g} ms"
+    table.add_row("first closest approach", approach)
     table.add_row("largest Reynolds number", f"{summary.largest_reynolds_number:.3g}")
     table.add_row("model, method", f"{model}; {scene.simulation.method}")
     table.add_row("steps", f"{attributes['steps']}")

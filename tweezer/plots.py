@@ -73,7 +73,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     axes.plot(0, 0, "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
     axes.set(
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
-        xlabel="distance from the axis (µm)", ylabel="z along the light (µm)",
+        xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
     axes.set_title("path, bead and cone of light to scale; + focus", fontsize=9)
 
@@ -83,7 +83,7 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
         values = run["position"].sel(axis=axis) * _MICRO
         axes.plot(_milliseconds(run), values, color=colour, lw=1.5, label=axis)
     axes.axhline(0, color=_MUTED, lw=0.6)
-    _mark_closest_approach(axes, run)
+    _mark_closest_approach(axes, run, "")
     axes.set_ylabel("position (µm)")
     axes.legend(frameon=False, ncols=3, fontsize=9)
 
@@ -93,7 +93,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     time = _milliseconds(run)
     axes.plot(time, run["speed"], color=_PATH, lw=1.6, label="actual")
     axes.plot(time, run["terminal_speed"], color=_LIGHT, lw=1.1, ls="--", label="terminal (5.2)")
-    _mark_closest_approach(axes, run)
+    _mark_closest_approach(axes, run, "first closest\napproach")
     fast = float(run["speed"].max())
     if fast > 0:
         axes.set_yscale("log")
@@ -111,10 +111,12 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     axes.legend(frameon=False, fontsize=9)
 
 
-def _mark_closest_approach(axes: Axes, run: xr.Dataset) -> None:
-    time = summarise(run).closest_approach_time * _MILLI
-    axes.axvline(time, color=_MUTED, lw=0.8, ls=":")
+def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
+    time = summarise(run).closest_approach_time
+    if time is None:
+        return
+    axes.axvline(time * _MILLI, color=_MUTED, lw=0.8, ls=":")
     axes.annotate(
-        "FCA", (time, 1), xycoords=("data", "axes fraction"), xytext=(2, -3),
-        textcoords="offset points", va="top", fontsize=8, color=_MUTED,
+        label, (time * _MILLI, 1), xycoords=("data", "axes fraction"),
+        xytext=(3, -3), textcoords="offset points", va="top", fontsize=7, color=_MUTED,
     )  # fmt: skip

@@ -347,7 +347,13 @@ class Scene(Section):
     @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
-        return self.beam.torque == "thesis" or any(self.start.angular_velocity)
+        turned_by_light = self.beam.torque == "thesis" and self.lit
+        return turned_by_light or any(self.start.angular_velocity)
+
+    @property
+    def lit(self) -> bool:
+        """Whether there is any light."""
+        return self.forces.optical and bool(self.beam.power or self.beam.power_through_pupil)
 
     def replace(self, **sections: Any) -> Scene:
         """A changed copy, validated again.

@@ -49,7 +49,7 @@ def simulate(
     result = integrate(
         equations,
         times,
-        stop=lambda state: bool(np.linalg.norm(state[:3]) > simulation.loss_distance),
+        escape=lambda state: float(np.linalg.norm(state[:3])) - simulation.loss_distance,
         progress=progress,
     )
     force_calls = equations.force_calls

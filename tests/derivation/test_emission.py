@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,20 @@ def test_an_orphan_is_caught_and_removed(files, folder):
     assert "+++ /dev/null" in diff
     emission.write(files, folder)
     assert not (folder / "full_cube.py").exists()
+
+
+@pytest.mark.parametrize("name", ["extra/__init__.py", "old.json"])
+def test_an_orphan_of_any_kind_is_caught(files, folder, name):
+    (folder / name).parent.mkdir(exist_ok=True)
+    (folder / name).write_text("{}\n")
+    (diff,) = emission.differences(files, folder)
+    assert f"--- generated/{name}" in diff
+
+
+def test_other_line_ends_are_caught(files, folder):
+    module = folder / "overdamped_translation.py"
+    module.write_bytes(module.read_bytes().replace(b"\n", b"\r\n"))
+    assert len(list(emission.differences(files, folder))) == 1
 
 
 def test_digest_follows_every_source(tmp_path, monkeypatch):
@@ -127,6 +142,9 @@ def test_emitted_modules_say_what_they_are(files):
         assert "do not edit" in docstring
         assert f"SymPy {sp.__version__}" in docstring
         assert emission.source_digest() in text
+        (sources,) = re.findall(r"from (derivation/.*); do not edit", docstring)
+        for source in sources.split(" and "):
+            assert (ROOT / source).is_file()
         assert "@njit(cache=True" in text
 
 

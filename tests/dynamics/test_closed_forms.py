@@ -22,7 +22,7 @@ def scene_with(simulation, **sections):
 
 
 def never(state):
-    return False
+    return -1.0
 
 
 @pytest.mark.parametrize("method", ["RK45", "DOP853", "Radau", "LSODA"])
@@ -195,7 +195,9 @@ def free_top(moments, omega, turns, samples, rotation_state):
     equations = type(bound)(scene, bound.module, without_drag, LinearTrap(0.0))
     result = integrate(equations, np.linspace(0, duration, samples), never)
     assert result.status == "complete"
-    print(f"{turns} turns in {result.steps} steps")
+    raw = np.abs(np.linalg.norm(result.states[:, 3:7], axis=1) - 1).max()
+    print(f"{turns} turns in {result.steps} steps, |e| - 1 of the solver's states {raw:.1e}")
+    assert raw < 1e-12
     return result.times, equations.motion(result.times, result.states)
 
 
@@ -209,24 +211,17 @@ def conserved(motion, moments):
     return energy, momentum
 
 
-# omega changes slowly along the motion, e' at half the spin: at the smallest tolerance a solver
-# takes, the thesis's state (e, e') loses energy 20,000 times faster than (e, omega)
-@pytest.mark.parametrize(
-    ("rotation_state", "bound"), [("angular-velocity", 1e-9), ("euler-rates", 2e-7)]
-)
-def test_free_asymmetric_top_for_1000_turns(rotation_state, bound):
+@pytest.mark.parametrize("rotation_state", ["angular-velocity", "euler-rates"])
+def test_free_asymmetric_top_for_1000_turns(rotation_state):
     """Jacobi's elliptic functions, and energy, angular momentum and |e| kept."""
     I1, I2, I3 = MOMENTS
     omega0 = np.array([20.0, 0.0, 55.0])  # L^2 > 2 E I2: it circles the third axis
     times, motion = free_top(MOMENTS, omega0, TURNS, 2001, rotation_state)
     energy, momentum = conserved(motion, MOMENTS)
-    assert np.abs(energy / energy[0] - 1).max() < bound
+    assert np.abs(energy / energy[0] - 1).max() < 1e-9
     drift = np.linalg.norm(momentum - momentum[0], axis=1) / np.linalg.norm(momentum[0])
-    assert drift.max() < bound
-    length = np.linalg.norm(motion.orientation, axis=1)
-    assert np.abs(length - 1).max() < 1e-12
-    print(f"energy {np.abs(energy / energy[0] - 1).max():.1e}, momentum {drift.max():.1e}, "
-          f"|e| - 1 {np.abs(length - 1).max():.1e}")  # fmt: skip
+    assert drift.max() < 1e-9
+    print(f"energy {np.abs(energy / energy[0] - 1).max():.1e}, momentum {drift.max():.1e}")
 
     # Landau and Lifshitz, Mechanics, section 37: cn, sn, dn with t = 0 at omega2 = 0
     two_E, L2 = 2 * energy[0], (momentum[0] ** 2).sum()
@@ -238,10 +233,7 @@ def test_free_asymmetric_top_for_1000_turns(rotation_state, bound):
     m = (I2 - I1) * (two_E * I3 - L2) / ((I3 - I2) * (L2 - two_E * I1))
     sn, cn, dn, _ = ellipj(rate * times, m)
     exact = amplitude * np.column_stack([cn, sn, dn])
-    phase_error = 1e-7 if rotation_state == "angular-velocity" else 1e-3
-    np.testing.assert_allclose(
-        motion.angular_velocity, exact, atol=phase_error * np.linalg.norm(omega0)
-    )
+    np.testing.assert_allclose(motion.angular_velocity, exact, atol=1e-7 * np.linalg.norm(omega0))
 
 
 def test_free_symmetric_top_precesses():

@@ -14,6 +14,7 @@ FUNCTIONS = [
     (module.name, function.name) for module in MODULES.values() for function in module.functions
 ]
 DIGITS = 50
+MOST_INDEX_RATIO = 1.6
 
 
 def random_arguments(function, rng, i):
@@ -23,7 +24,11 @@ def random_arguments(function, rng, i):
         if argument.name == "S":
             values.append(float(rng.uniform(0, 1) if i % 3 else 1 - 10 ** rng.uniform(-8, -1)))
         elif argument.name == "n_mP":
-            values.append(float(rng.uniform(0.4, 1.0)))
+            values.append(float(rng.uniform(0.4, 1.0 if i % 2 else MOST_INDEX_RATIO)))
+            if values[-1] > 1:
+                # below total reflection: there cos^2(beta) is a difference, whose relative
+                # condition is 1/cos^2(beta); kept below 1e3
+                values[0] *= (1 - 1e-3) / values[-1] ** 2
         elif argument.shape:
             positive = argument.name == "params"
             size = argument.shape
@@ -57,10 +62,15 @@ def test_against_50_digits(module_name, name):
                 emitted(*arguments, result)
             flat = np.concatenate([np.ravel(value) for value in arguments])
             expected = reference(flat)
-            largest = max(abs(value) for value in expected)
-            error = max(
-                abs(mpmath.mpf(float(a)) - b) for a, b in zip(result.flat, expected, strict=True)
-            )
-            worst = max(worst, float(error / largest))
+            # values and their derivatives are of different sizes: each against its own kind
+            for kind in (
+                (slice(None, None, 2), slice(1, None, 2))
+                if name.endswith("_rates")
+                else (slice(None),)
+            ):
+                pairs = list(zip(result.flat[kind], expected[kind], strict=True))
+                error = max(abs(mpmath.mpf(float(a)) - b) for a, b in pairs)
+                worst = max(worst, float(error / max(abs(b) for _, b in pairs)))
     print(f"{module_name}.{name}: {worst:.1e}")
-    assert worst < 1e-14
+    conditioned = any(argument.name == "n_mP" for argument in function.arguments)
+    assert worst < (1e-12 if conditioned else 1e-14)

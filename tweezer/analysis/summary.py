@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from tweezer.io import scene_of
+from tweezer.optics import optical_jacobian
+from tweezer.scene import Scene
 
 #: a captured bead stays this close to where it ends, in radii
 CAPTURE_RADII = 0.1
-#: and its net force has fallen to this part of the largest in the run
-REST_FORCE = 1e-2
 
 
 @dataclass(frozen=True)
@@ -20,14 +21,14 @@ class Summary:
     """What became of the bead. Times are resolved by the output's samples."""
 
     outcome: str
-    """"captured", "lost", "still moving", or the status of a run that ended early"""
+    """"captured", "lost", "not captured", or the status of a run that ended early"""
     outcome_time: float
-    """s: when it was captured, left the trap, or when the run ended"""
+    """s: when it was captured, when it left the trap, or when the run ended"""
     overshoot: float
     """m: how far it went past the beam's axis, on the side away from the start"""
-    closest_approach: float
-    """m: smallest distance to the focus at the first closest approach (FCA)"""
-    closest_approach_time: float
+    closest_approach: float | None
+    """m: distance to the focus at the first closest approach (FCA); None if there is none"""
+    closest_approach_time: float | None
     """s"""
     largest_reynolds_number: float
     end: tuple[float, float, float]
@@ -37,21 +38,22 @@ class Summary:
 def summarise(run: xr.Dataset) -> Summary:
     """Summary of a run of `tweezer.simulate`.
 
-    Captured: at the end the net force has fallen below a hundredth of its largest value; the
-    time is from when on the bead stays within a tenth of its radius of where it ends. The first
-    closest approach is the first local minimum of the distance to the focus, or its last value
-    if it has none.
+    Captured: the bead ends within a tenth of its radius of a stable equilibrium of the light and
+    its weight, by one Newton step; the time is from when on it stays within a tenth of its radius
+    of where it ends. The first closest approach is the first local minimum of the distance to the
+    focus.
     """
     times = run["time"].values
     position = run["position"].values
     outcome, outcome_time = _outcome(run, times, position)
-    approach = _first_minimum(run["distance"].values)
+    distance = run["distance"].values
+    approach = _first_minimum(distance)
     return Summary(
         outcome=outcome,
         outcome_time=outcome_time,
         overshoot=_overshoot(position),
-        closest_approach=float(run["distance"][approach]),
-        closest_approach_time=float(times[approach]),
+        closest_approach=None if approach is None else float(distance[approach]),
+        closest_approach_time=None if approach is None else float(times[approach]),
         largest_reynolds_number=float(run["reynolds_number"].max()),
         end=tuple(float(coordinate) for coordinate in position[-1]),  # type: ignore[arg-type]
     )
@@ -61,13 +63,23 @@ def _outcome(run: xr.Dataset, times: np.ndarray, position: np.ndarray) -> tuple[
     status = run.attrs["status"]
     if status != "complete":
         return status, float(times[-1])
-    force = np.linalg.norm(run["net_force"].values, axis=1)
-    if force[-1] >= REST_FORCE * force.max():
-        return "still moving", float(times[-1])
-    radius = scene_of(run).bead.radius
-    away = np.linalg.norm(position - position[-1], axis=1) > CAPTURE_RADII * radius
+    scene = scene_of(run)
+    nearby = CAPTURE_RADII * scene.bead.radius
+    if not _distance_to_stable_equilibrium(scene, run) < nearby:
+        return "not captured", float(times[-1])
+    away = np.linalg.norm(position - position[-1], axis=1) > nearby
     last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
     return "captured", float(times[last_away + 1])
+
+
+def _distance_to_stable_equilibrium(scene: Scene, run: xr.Dataset) -> float:
+    """Length of the Newton step from the end of the run to where no force is left; infinite if
+    the forces there do not drive the bead back from every side.
+    """
+    gradient = optical_jacobian(scene, run["position"].values[-1])
+    if np.linalg.eigvalsh(gradient + gradient.T).max() >= 0:
+        return math.inf
+    return float(np.linalg.norm(np.linalg.solve(gradient, run["net_force"].values[-1])))
 
 
 def _overshoot(position: np.ndarray) -> float:
@@ -79,7 +91,7 @@ def _overshoot(position: np.ndarray) -> float:
     return max(0.0, -float((lateral @ lateral[0]).min() / distance))
 
 
-def _first_minimum(distance: np.ndarray) -> int:
-    rising = np.flatnonzero(np.diff(distance) > 0)
-    falling_before = rising[rising > 0]
-    return int(falling_before[0]) if falling_before.size else len(distance) - 1
+def _first_minimum(distance: np.ndarray) -> int | None:
+    change = np.diff(distance)
+    minima = np.flatnonzero((change[:-1] < 0) & (change[1:] >= 0)) + 1
+    return int(minima[0]) if minima.size else None

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import BDF, DOP853, LSODA, RK45, Radau
+from scipy.optimize import brentq
 
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.errors import IntegrationError
@@ -28,6 +29,9 @@ SOLVERS: dict[str, Any] = {
 }
 #: solvers that take the Jacobian of the right-hand side
 IMPLICIT = frozenset({"Radau", "BDF", "LSODA"})
+#: solvers that begin each step from the state alone, so that it can be put back on its constraints;
+#: the others carry differences of past states, and their results are put back on output
+ONE_STEP = frozenset({"RK45", "DOP853", "Radau"})
 
 
 @dataclass(frozen=True)
@@ -48,12 +52,13 @@ class Integration:
 def integrate(
     equations: EquationsOfMotion,
     times: Array,
-    stop: Callable[[Array], bool],
+    escape: Callable[[Array], float],
     progress: Callable[[float], None] | None = None,
 ) -> Integration:
     """Integrate from times[0] to times[-1], with output at `times` by the solver's dense output.
 
-    stop: whether a state ends the run (then marked "lost"); asked after every step.
+    escape: function of the state that becomes positive where the bead is lost, which ends the run;
+    the moment is located on the dense output and is the last time returned.
     progress: called with the time reached.
     An interrupt (Ctrl-C) or a failure ends the run early, marked, with what was reached.
     """
@@ -79,15 +84,24 @@ def integrate(
             if solver.status == "failed":
                 raise IntegrationError(failure or "the solver gave up")
             steps += 1
-            last = np.searchsorted(times, solver.t, side="right")
+            end, lost = solver.t, escape(solver.y) > 0
+            if lost:
+                dense = solver.dense_output()
+                end = brentq(lambda t, at=dense: escape(at(t)), solver.t_old, solver.t)
+            last = int(np.searchsorted(times, end, side="right"))
             if last > reached:
                 sampled.append(solver.dense_output()(times[reached:last]).T)
-                reached = int(last)
+                reached = last
             if progress:
-                progress(float(solver.t))
-            if stop(solver.y):
-                status, message = "lost", f"the bead left the trap at {solver.t:.6g} s"
+                progress(float(end))
+            if lost:
+                status, message = "lost", f"the bead left the trap at {end:.6g} s"
+                times = np.append(times[:reached], end)
+                sampled.append(dense(end)[None])
+                reached += 1
                 break
+            if simulation.method in ONE_STEP:
+                solver.y = equations.on_constraints(solver.y)
     except KeyboardInterrupt:
         status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
     except (IntegrationError, ArithmeticError, np.linalg.LinAlgError) as error:

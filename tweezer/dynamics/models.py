@@ -7,7 +7,6 @@ rotation, which derivatives of the force are needed.
 from __future__ import annotations
 
 import importlib
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -79,47 +78,53 @@ class EquationsOfMotion:
 
         Raises `IntegrationError` where it is not finite.
         """
-        on_constraints = self._on_constraints(y)
         rates = np.empty(self._size)
-        self.module.rhs(on_constraints, *self._rhs_inputs(on_constraints), self._params, rates)
-        if self._constrained:
-            # (e, e') = |e| (n, n'): rates so scaled keep |e|, and its drift changes no motion
-            length = math.sqrt(y[3:7] @ y[3:7])
-            rates[3:7] *= length
-            rates[10:14] *= length
+        self.module.rhs(y, *self._rhs_inputs(y), self._params, rates)
         if not np.isfinite(rates).all():
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
 
     def jacobian(self, t: float, y: Array) -> Array:  # noqa: ARG002
         """d(rate i)/d(state j), as implicit solvers call it."""
-        y = self._on_constraints(y)
         derivative = np.empty((self._size, self._size))
         self.module.jacobian(y, *self._jacobian_inputs(y), self._params, derivative)
         return derivative
+
+    def on_constraints(self, y: Array) -> Array:
+        """The state with e of length 1 (A.21) and, where it holds e', e' orthogonal to it (A.22).
+
+        Takes the place of (A.26). It changes no orientation and no angular velocity.
+        """
+        if not self._rotates:
+            return y
+        y = np.array(y)
+        if self._constrained:
+            projected = np.empty(8)
+            kinematics.project(y[3:7], y[10:14], projected)
+            y[3:7], y[10:14] = projected[:4], projected[4:]
+        else:
+            y[3:7] /= np.linalg.norm(y[3:7])
+        return y
 
     def motion(self, times: Array, states: Array) -> Motion:
         """Positions, velocities and orientations of `states` (n, state) at `times` (n,).
 
         Where the model has no velocities of its own, they are its rates of change; the
-        first-order model adds what its initial layer still contributes.
+        first-order model adds what its initial layer still contributes, so that its position
+        begins where the bead is released, and its velocity there to leading order.
         """
-        states = np.array([self._on_constraints(state) for state in states])
-        states = states.reshape(len(times), self._size)
-        rates = (
-            states
-            if self._inertial
-            else np.array([self.rhs(t, y) for t, y in zip(times, states, strict=True)])
-        ).reshape(states.shape)
+        states = np.array([self.on_constraints(state) for state in states])
+        # the slow models have no velocities in their state: they are its rates of change
+        rates = None if self._inertial else np.array([self.rhs(0.0, state) for state in states])
         position = states[:, :3].copy()
-        velocity = self._part(states, "v1", 3) if self._inertial else rates[:, :3].copy()
+        velocity = self._part(states, "v1", 3) if rates is None else rates[:, :3].copy()
         orientation = angular_velocity = None
         if self._rotates:
             orientation = self._part(states, "e0", 4)
             if "omega1" in self.module.STATE:
                 angular_velocity = self._part(states, "omega1", 3)
             else:
-                edot = self._part(states, "edot0", 4) if self._constrained else rates[:, 3:7]
+                edot = self._part(states, "edot0", 4) if rates is None else rates[:, 3:7]
                 angular_velocity = _angular_velocities(orientation, edot)
         if hasattr(self.module, "initial_layer"):
             self._add_layer(times, position, velocity, orientation, angular_velocity)
@@ -130,16 +135,6 @@ class EquationsOfMotion:
     def _part(self, states: Array, first: str, length: int) -> Array:
         at = self.module.STATE.index(first)
         return states[:, at : at + length].copy()
-
-    def _on_constraints(self, y: Array) -> Array:
-        """(e, e') taken to (n, n'), which meets (A.21) and (A.22); other states as they are."""
-        if not self._constrained:
-            return y
-        y = np.array(y)
-        projected = np.empty(8)
-        kinematics.project(y[3:7], y[10:14], projected)
-        y[3:7], y[10:14] = projected[:4], projected[4:]
-        return y
 
     def _inputs(self, names: tuple[str, ...]) -> Callable[[Array], list[Array]]:
         """What the emitted function takes between state and parameters, as a function of state."""

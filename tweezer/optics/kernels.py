@@ -21,9 +21,13 @@ from generated import ray
 Kernel = Callable[..., None]
 
 
-def emitted_digest() -> str:
-    """Digest of the emitted ray's source as it stands on disk."""
-    return hashlib.sha256(inspect.getsource(ray).encode()).hexdigest()
+#: digest of the source that `ray` was imported from, taken at once: by the first call of a kernel
+#: the file may have changed under a running program
+_EMITTED = hashlib.sha256(inspect.getsource(ray).encode()).hexdigest()
+
+#: cos^2 of refraction below which a ray counts as totally reflected: rounding cannot then put a
+#: negative number under the root, and Q is continuous there
+TOTAL_REFLECTION = 1e-15
 
 
 @functools.cache
@@ -40,7 +44,7 @@ def kernel(*, averaged: bool, denser_medium: bool, gradient: bool, moment: bool)
     and results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked
     for stay untouched.
     """
-    return _compile(emitted_digest(), averaged, denser_medium, gradient, moment)
+    return _compile(_EMITTED, averaged, denser_medium, gradient, moment)
 
 
 def _compile(
@@ -61,7 +65,6 @@ def _compile(
         moment_gradient_out,
     ):
         _ = digest
-        critical = 1.0 / (n_mP * n_mP)
         u = np.empty(3)
         n = np.empty(3)
         of_ray = np.empty((3, 3))
@@ -79,7 +82,7 @@ def _compile(
                 if S >= 1.0:
                     continue
                 dQ_sc = dG = 0.0
-                if denser_medium and critical <= S:
+                if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
                     if gradient:
                         Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
                     else:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.optics.kernels import Kernel, kernel
-from tweezer.optics.rays import grid
+from tweezer.optics.rays import Rays, grid
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -82,12 +82,15 @@ class Light:
 @functools.lru_cache(maxsize=16)
 def light(scene: Scene) -> Light:
     """The light of `scene`: no rays if it is off."""
-    rays = grid(scene.lens, scene.beam, scene.medium)
-    on = scene.forces.optical and rays.powers.any()
+    rays = (
+        grid(scene.lens, scene.beam, scene.medium)
+        if scene.lit
+        else Rays(np.empty((3, 0)), np.empty(0))
+    )
     n_m = scene.medium.refractive_index
     return Light(
-        directions=rays.directions if on else np.empty((3, 0)),
-        strengths=n_m * rays.powers / SPEED_OF_LIGHT if on else np.empty(0),
+        directions=rays.directions,
+        strengths=n_m * rays.powers / SPEED_OF_LIGHT,
         radius=scene.bead.radius,
         index_ratio=n_m / scene.bead.refractive_index,
         averaged=scene.beam.polarisation == "averaged-reflectance",
