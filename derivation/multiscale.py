@@ -16,8 +16,11 @@ import sympy as sp
 from derivation.equations import Equation
 from derivation.euler_parameters import L, R, along, e, euler_rates_from_omega, omega
 from derivation.rigid_body import (
+    I_AA,
     F_others,
+    M_any,
     M_others,
+    M_tilde,
     angular_acceleration,
     angular_momentum_rate,
     beta_v,
@@ -65,6 +68,7 @@ balance = sp.expand(epsilon * qddot_expansion + qdot_expansion - u_scales)
 leading_order = balance.coeff(epsilon, 0)
 first_order = balance.coeff(epsilon, 1)
 
+BALANCE = Equation("4.7", "normalised balance", r"0", balance)
 TIME_DERIVATIVE = Equation("4.9", "first derivative", r"\dot{q}", qdot_expansion)
 SECOND_TIME_DERIVATIVE = Equation("4.10", "second derivative", r"\ddot{q}", qddot_expansion)
 EXPANSION = Equation("4.11", "orders of epsilon", r"0", leading_order + epsilon * first_order)
@@ -88,6 +92,7 @@ def scaled_balance() -> sp.Expr:
     return sp.expand((split + epsilon * first_order).subs(in_t))
 
 
+SPLIT = Equation("4.12", "leading order split in two", r"0", (a1 + a2) * leading_order)
 SCALED_BALANCE = Equation("4.15", "the scaled balance", r"0", scaled_balance())
 
 
@@ -228,4 +233,8 @@ def layer(inertia: sp.MatrixBase | None) -> sp.Matrix:
 
 OVERDAMPED = Equation("5.2", "terminal velocity", r"\dot{\mathbf{q}}", overdamped_velocity)
 FIRST_ORDER = Equation("-", "first-order slow model", r"\dot{\mathbf{q}}", first_order_velocity)
+SCALED_M_TILDE = Equation(
+    "4.18", "scaled moments with the constraint row", r"\tilde{\mathbf{M}}",
+    M_tilde(I_AA, a2 * M_any),
+)  # fmt: skip
 SCALED_ACCELERATION = Equation("4.16", "scaled model", r"\ddot{\mathbf{q}}", scaled_acceleration)

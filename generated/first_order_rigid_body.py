@@ -33,7 +33,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
+SOURCE_DIGEST = "1d94e0e4f767ad2667728174ed0ba130c00beea9b7c93bbd5633ba6936f41957"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")

@@ -25,7 +25,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "1235b99fa571a29421313e1cdb94ded0b1301a1251c117538b19d734af5b40a5"
+SOURCE_DIGEST = "1d94e0e4f767ad2667728174ed0ba130c00beea9b7c93bbd5633ba6936f41957"
 STATE = ("q1", "q2", "q3", "v1", "v2", "v3")
 PARAMS = ("m", "beta_v", "W1", "W2", "W3")
 RHS_INPUTS = ("force",)

@@ -123,6 +123,22 @@ def test_scaled_model_is_the_full_model_of_mass_over_a2():
         assert is_zero(inertia * scaled - moment + ep.omega.cross(inertia * ep.omega))
 
 
+def test_scaled_angular_acceleration_solves_4_18():
+    """I-tilde e'' = M-tilde with a2 M - K, at |e| = 1."""
+    eddot = rb.euler_acceleration(rb.I_AA, ms.a2 * rb.M_any, rb.K(rb.I_AA))
+    assert is_zero(rb.I_TILDE.rhs * eddot - ms.SCALED_M_TILDE.rhs)
+    omega = dict(zip(ep.omega, ep.L * ep.edot, strict=True))
+    direct = rb.angular_acceleration(rb.I_AA, ms.a2 * rb.M_any).subs(omega)
+    assert is_zero(ep.L * eddot - direct)
+
+
+def test_balance_and_split_are_the_printed_ones():
+    q, u = ms.q_scales, ms.u_scales
+    qdot, qddot = ms.TIME_DERIVATIVE.rhs, ms.SECOND_TIME_DERIVATIVE.rhs
+    assert is_zero(ms.BALANCE.rhs - (ms.epsilon * qddot - u + qdot))
+    assert is_zero(ms.SPLIT.rhs.subs(ms.a1, 1 - ms.a2) - (q.diff(ms.T0) - u))
+
+
 def test_first_order_model_meets_newtons_law_to_its_order():
     """Insert v = u - tau (Du) u into m dv/dt = F - beta v: what is left is of order m^2."""
     k, x = sp.symbols("k x", positive=True)
