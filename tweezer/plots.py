@@ -97,7 +97,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     fast = float(run["speed"].max())
     if fast > 0:
         axes.set_yscale("log")
-        axes.set_ylim(fast * 1e-5, fast * 3)
+        axes.set_ylim(fast * 5e-5, fast * 3)
         number_per_speed = float(run["reynolds_number"].max()) / fast
         right = axes.secondary_yaxis(
             "right",
