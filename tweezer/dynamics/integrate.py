@@ -84,22 +84,22 @@ def integrate(
             if solver.status == "failed":
                 raise IntegrationError(failure or "the solver gave up")
             steps += 1
-            end, lost = solver.t, escape(solver.y) > 0
-            if lost:
-                dense = solver.dense_output()
-                end = brentq(lambda t, at=dense: escape(at(t)), solver.t_old, solver.t)
-            last = int(np.searchsorted(times, end, side="right"))
+            if escape(solver.y) > 0:
+                end, at_end = _escape(escape, solver)
+                inside = max(reached, int(np.searchsorted(times, end, side="left")))
+                if inside > reached:
+                    sampled.append(solver.dense_output()(times[reached:inside]).T)
+                times = np.append(times[:inside], end)
+                sampled.append(at_end[None])
+                reached = len(times)
+                status, message = "lost", f"the bead left the trap at {end:.6g} s"
+                break
+            last = int(np.searchsorted(times, solver.t, side="right"))
             if last > reached:
                 sampled.append(solver.dense_output()(times[reached:last]).T)
                 reached = last
             if progress:
-                progress(float(end))
-            if lost:
-                status, message = "lost", f"the bead left the trap at {end:.6g} s"
-                times = np.append(times[:reached], end)
-                sampled.append(dense(end)[None])
-                reached += 1
-                break
+                progress(float(solver.t))
             if simulation.method in ONE_STEP:
                 solver.y = equations.on_constraints(solver.y)
     except KeyboardInterrupt:
@@ -108,3 +108,15 @@ def integrate(
         status = "failed"
         message = f"failed after {times[reached - 1]:.6g} s: {error}"
     return Integration(times[:reached], np.concatenate(sampled), steps, status, message)
+
+
+def _escape(escape: Callable[[Array], float], solver: Any) -> tuple[float, Array]:
+    """When `escape` becomes positive within the solver's last step, and the state then."""
+    dense = solver.dense_output()
+    begin, end = solver.t_old, solver.t
+    # rounding can put an end of the step on the other side in the dense output
+    if escape(dense(begin)) >= 0:
+        return begin, dense(begin)
+    if escape(dense(end)) > 0:
+        end = brentq(lambda t: escape(dense(t)), begin, end)
+    return end, dense(end)
