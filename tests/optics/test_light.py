@@ -1,5 +1,7 @@
 """The sum over the thesis's rays against the same written plainly, and its symmetries."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -166,6 +168,40 @@ def test_any_index(index, polarisation):
     for values in (field.force, field.moment, field.force_gradient, field.moment_gradient):
         assert np.isfinite(values).all()
         assert values.any() == (index != 1.33)
+
+
+@pytest.mark.parametrize("name", ["thesis-500nm", "silica-1um"])
+def test_a_bead_beside_the_cone_of_light_is_left_alone(name):
+    """Just outside the outermost rays there is no force, just inside there is one."""
+    scene = tweezer.load_scene(name).replace(beam={"torque": "thesis"})
+    widest = np.arccos(grid(scene.lens, scene.beam, scene.medium).directions[2].min())
+    distance = 4 * scene.bead.radius
+    tangent = widest + np.arcsin(1 / 4)
+    for side in (1, -1):  # before and behind the focus
+        for shift, lit in ((1e-9, False), (-1e-3, True)):
+            angle = tangent + shift
+            azimuths = np.linspace(0, 2 * np.pi, 721)
+            around = distance * np.column_stack(
+                [
+                    np.sin(angle) * np.cos(azimuths),
+                    np.sin(angle) * np.sin(azimuths),
+                    np.full(721, side * np.cos(angle)),
+                ]
+            )
+            field = light(scene).field(around, gradient=True)
+            assert field.force.any() == lit
+            assert field.moment.any() == lit
+            assert field.force_gradient.any() == lit
+
+
+def test_the_cone_cuts_off_no_ray_that_hits():
+    """At random places the sum equals the one without the shortcut (a cone of right angle)."""
+    scene = tweezer.load_scene("silica-1um")
+    rng = np.random.default_rng(52)
+    positions = rng.normal(size=(2000, 3)) * 3 * scene.bead.radius
+    bound = light(scene)
+    whole = replace(bound, half_angle=np.pi / 2)
+    np.testing.assert_array_equal(bound.field(positions).force, whole.field(positions).force)
 
 
 def test_light_pushes_a_bead_on_the_axis_along_itself():

@@ -30,6 +30,15 @@ _EMITTED = hashlib.sha256(inspect.getsource(ray).encode()).hexdigest()
 TOTAL_REFLECTION = 1e-15
 
 
+@njit(cache=True)
+def _outside_every_ray(q1, q2, q3, half_angle, radius):  # type: ignore[no-untyped-def]
+    """Whether the bead lies beside the double cone that holds every ray."""
+    lateral = math.hypot(q1, q2)
+    beside = math.atan2(lateral, abs(q3)) - half_angle
+    # the axis of the nearest ray passes the centre at distance * sin(beside), or more
+    return beside > 0.0 and math.hypot(lateral, q3) * math.sin(beside) > radius
+
+
 @functools.cache
 def kernel(*, averaged: bool, denser_medium: bool, gradient: bool, moment: bool) -> Kernel:
     """The sum over rays for one kind of scene; what the scene does not need is not compiled in.
@@ -39,10 +48,10 @@ def kernel(*, averaged: bool, denser_medium: bool, gradient: bool, moment: bool)
     gradient: also derivatives over the position. moment: also the moment (3.25).
 
     The kernel has the signature
-    `(positions, directions, strengths, radius, n_mP, force, moment, force_gradient,
+    `(positions, directions, strengths, half_angle, radius, n_mP, force, moment, force_gradient,
     moment_gradient)`: positions (n, 3) m, directions (3, rays), strengths n_m P_i/c (rays,) N,
-    and results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked
-    for stay untouched.
+    half_angle of the cone that holds all directions, and results (n, 3) N, (n, 3) N m,
+    (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked for stay untouched.
     """
     return _compile(_EMITTED, averaged, denser_medium, gradient, moment)
 
@@ -57,6 +66,7 @@ def _compile(
         positions,
         directions,
         strengths,
+        half_angle,
         radius,
         n_mP,
         force_out,
@@ -76,6 +86,11 @@ def _compile(
                 force_gradient_out[at] = 0.0
                 if moment:
                     moment_gradient_out[at] = 0.0
+            if _outside_every_ray(q1, q2, q3, half_angle, radius):
+                force_out[at] = 0.0
+                if moment:
+                    moment_out[at] = 0.0
+                continue
             for i in range(strengths.size):
                 u1, u2, u3 = directions[0, i], directions[1, i], directions[2, i]
                 n1, n2, n3, S = ray.impact(u1, u2, u3, q1, q2, q3, radius)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,6 +39,7 @@ class Light:
 
     directions: Array
     strengths: Array
+    half_angle: float
     radius: float
     index_ratio: float
     averaged: bool
@@ -61,6 +63,7 @@ class Light:
                 positions,
                 self.directions,
                 self.strengths,
+                self.half_angle,
                 self.radius,
                 self.index_ratio,
                 field.force,
@@ -91,6 +94,7 @@ def light(scene: Scene) -> Light:
     return Light(
         directions=rays.directions,
         strengths=n_m * rays.powers / SPEED_OF_LIGHT,
+        half_angle=math.acos(rays.directions[2].min(initial=1.0)),
         radius=scene.bead.radius,
         index_ratio=n_m / scene.bead.refractive_index,
         averaged=scene.beam.polarisation == "averaged-reflectance",
