@@ -95,9 +95,8 @@ def angular_acceleration(inertia: sp.MatrixBase, moment: sp.MatrixBase) -> sp.Ma
 
 #: drag on the centre (2.13)
 drag_force = -beta_v * v
-#: drag on the rotation (2.14), with omega as state or as L e'
+#: drag on the rotation (2.14)
 drag_moment = -beta_w * omega
-drag_moment_of_rates = -beta_w * L * edot
 
 #: translational acceleration (A.12)
 acceleration = (F_others + drag_force) / m

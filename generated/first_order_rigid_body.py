@@ -33,7 +33,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "1d94e0e4f767ad2667728174ed0ba130c00beea9b7c93bbd5633ba6936f41957"
+SOURCE_DIGEST = "717019661e359fb9b329fe99a52017708189d199d25bfeee4e876da7a3b75f0f"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")

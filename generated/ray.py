@@ -11,7 +11,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "1d94e0e4f767ad2667728174ed0ba130c00beea9b7c93bbd5633ba6936f41957"
+SOURCE_DIGEST = "717019661e359fb9b329fe99a52017708189d199d25bfeee4e876da7a3b75f0f"
 
 
 @njit(cache=True, error_model="numpy")
