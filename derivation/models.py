@@ -61,9 +61,10 @@ def jacobian(rates: sp.MatrixBase, state: tuple[Quantity, ...]) -> sp.MatrixBase
     return result
 
 
-def _named(
-    quantities: tuple[Quantity, ...], values: sp.MatrixBase
-) -> tuple[tuple[Quantity, sp.Expr], ...]:
+Named = tuple[tuple[Quantity, sp.Expr], ...]
+
+
+def _named(quantities: tuple[Quantity, ...], values: sp.MatrixBase) -> Named:
     return tuple(zip(quantities, values, strict=True))
 
 
@@ -335,8 +336,8 @@ def _kinematics() -> Module:
 
 def _ray() -> Module:
     arguments = (Argument("S", (sy.SINE_SQUARED,)), Argument("n_mP", (sy.INDEX_RATIO,)))
-    in_ray = Argument("u", sy.RAY, (3,))
-    impact = Argument("n", sy.IMPACT, (3,))
+    ray_and_impact = (*_scalars(sy.RAY), *_scalars(sy.IMPACT))
+    jacobian = tuple(f"J{i}{j}" for i in "123" for j in "123")
     radius = Argument("r", (sy.RADIUS,))
     cosine = Argument("cos_alpha", (sy.COS_ALPHA,))
     values = q_sc, _, g, _ = _scalars(
@@ -439,32 +440,100 @@ def _ray() -> Module:
             Function(
                 "force",
                 "Force of the ray on the bead (3.24).",
-                (*_scalars(sy.RAY), *_scalars(sy.IMPACT), radius, q_sc, g),
+                (*ray_and_impact, radius, q_sc, g),
                 ray.force,
                 output_names=("F1", "F2", "F3"),
             ),
             Function(
                 "moment",
                 "Moment (3.25) of that force, applied where the ray enters the bead.",
-                (*_scalars(sy.RAY), *_scalars(sy.IMPACT), cosine, q_sc, g),
+                (*ray_and_impact, cosine, q_sc, g),
                 ray.moment_reduced,
                 output_names=("M1", "M2", "M3"),
             ),
             Function(
                 "gradient_of_force",
                 "dF/dp (3.24), row by row; derivatives over S come from the `_rates` functions.",
-                (in_ray, impact, radius, *values),
-                ray.force_gradient,
+                (*ray_and_impact, radius, *values),
+                sp.Matrix(list(ray.force_gradient)),
+                output_names=jacobian,
             ),
             Function(
                 "gradient_of_moment",
                 "dM/dp of the moment (3.25), row by row.",
-                (in_ray, impact, radius, cosine, *values),
-                ray.moment_gradient,
+                (*ray_and_impact, radius, cosine, *values),
+                sp.Matrix(list(ray.moment_gradient)),
+                output_names=jacobian,
             ),
+            *_polarised(arguments, parts, rates),
         ),
         ("ray.py",),
-        'cache=True, error_model="numpy"',
+        'cache=True, error_model="numpy", forceinline=True',
+    )
+
+
+def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> tuple[Function, ...]:
+    """What linearly or elliptically polarised light adds to light that is not."""
+    u, n = _scalars(sy.RAY), _scalars(sy.IMPACT)
+    radius = Argument("r", (sy.RADIUS,))
+    cosine = Argument("cos_alpha", (sy.COS_ALPHA,))
+    field = (*_scalars(sy.FIELD_REAL), *_scalars(sy.FIELD_IMAGINARY))
+    x, y = _scalars((sy.SPLIT_SCATTERING, sy.SPLIT_GRADIENT))
+    dsigma = _scalars(sy.POLARISATION_RATES)
+    scattering, gradient = ray.split(ray.scattering), ray.split(ray.gradient)
+    jacobian = tuple(f"J{i}{j}" for i in "123" for j in "123")
+    return (
+        Function(
+            "electric_field",
+            "Field of a ray, real and imaginary part, from the Jones vector in the pupil.",
+            (*u, *_scalars(sy.JONES)),
+            ray.field_real.col_join(ray.field_imaginary),
+            output_names=("E1", "E2", "E3", "H1", "H2", "H3"),
+        ),
+        Function(
+            "polarisation",
+            "sigma = S (f_s - f_p), the excess of s-polarised power.",
+            (*u, *n, radius, *field),
+            sp.Matrix([ray.sigma]),
+            output_names=("sigma",),
+        ),
+        Function(
+            "gradient_of_polarisation",
+            "dsigma/dp.",
+            (*u, *n, radius, *field),
+            ray.sigma_gradient,
+            output_names=("dsigma1", "dsigma2", "dsigma3"),
+        ),
+        Function(
+            "split",
+            "Half the differences of the efficiencies of s and p, over S: what sigma multiplies.",
+            arguments,
+            sp.Matrix([scattering, gradient]),
+            parts,
+            ("X", "Y"),
+        ),
+        Function(
+            "split_rates",
+            "The same and their derivatives over S.",
+            arguments,
+            sp.Matrix([scattering, ray.rate_in_S(scattering), gradient, ray.rate_in_S(gradient)]),
+            (*parts, *rates),
+            ("X", "dX", "Y", "dY"),
+        ),
+        Function(
+            "turning_force",
+            "What the turning plane of incidence adds to dF/dp.",
+            (*u, *n, radius, x, y, *dsigma),
+            sp.Matrix(list(ray.turning_force)),
+            output_names=jacobian,
+        ),
+        Function(
+            "turning_moment",
+            "What the turning plane of incidence adds to dM/dp.",
+            (*u, *n, cosine, x, y, *dsigma),
+            sp.Matrix(list(ray.turning_moment)),
+            output_names=jacobian,
+        ),
     )
 
 

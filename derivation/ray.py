@@ -30,18 +30,24 @@ from derivation.equations import Equation
 from derivation.symbols import (
     COS_ALPHA,
     COS_BETA,
+    FIELD_IMAGINARY,
+    FIELD_REAL,
     FRESNEL,
     FRESNEL_RATES,
     GRADIENT,
     GRADIENT_RATE,
     IMPACT,
     INDEX_RATIO,
+    JONES,
+    POLARISATION_RATES,
     POSITION,
     RADIUS,
     RAY,
     SCATTERING,
     SCATTERING_RATE,
     SINE_SQUARED,
+    SPLIT_GRADIENT,
+    SPLIT_SCATTERING,
     vector,
 )
 
@@ -108,51 +114,81 @@ cos_beta = sp.sqrt((1 - mu) * (1 + mu) + mu**2 * c**2)
 _contrast = (1 - mu) * (1 + mu)
 
 #: Named parts of the efficiencies, as functions of S, cos(alpha), cos(beta) and of the parts
-#: before them: g = sin(alpha - beta)/sqrt(S), Fresnel's reflected amplitudes rho and
-#: transmittances T over their common denominators w. rho and g carry the factor 1 - mu^2, so
-#: they vanish exactly at equal indices; T is not 1 - R, which would cancel.
-w_s, w_p, g, rho_s, rho_p, T_s, T_p = vector(FRESNEL)
+#: before them. Fresnel's transmittances have the factor 4 mu q, q = cos(alpha) cos(beta), and his
+#: reflected amplitudes the factor 1 - mu^2: they vanish exactly at equal indices, and T is not
+#: 1 - R, which would cancel. One division serves both polarisations.
+q, w_s, w_p, y, V_s, V_p, a, rho2_s, rho2_p, g = vector(FRESNEL)
 FRESNEL_PARTS: dict[sp.Symbol, sp.Expr] = {
+    q: c * ct,
     w_s: mu * c + ct,
     w_p: mu * ct + c,
-    g: _contrast / w_s,
-    rho_s: _contrast / w_s**2,
-    rho_p: _contrast * (1 - S * (1 + mu**2)) / w_p**2,
-    T_s: 4 * mu * c * ct / w_s**2,
-    T_p: 4 * mu * c * ct / w_p**2,
+    y: 1 / (w_s**2 * w_p**2),
+    V_s: w_p**2 * y,
+    V_p: w_s**2 * y,
+    a: 1 - S * (1 + mu**2),
+    rho2_s: _contrast**2,
+    rho2_p: _contrast**2 * a**2,
+    g: _contrast * w_s * V_s,
 }
-_cos_difference = c * ct + mu * S
 
 
 @dataclass(frozen=True)
 class Polarisation:
-    """Power reflected and transmitted at the surface for one polarisation."""
+    """Power reflected and transmitted at the surface, by V = T/(4 mu q) and rho2 = R/V^2."""
 
-    reflectance: sp.Expr
-    transmittance: sp.Expr
+    rho2: sp.Expr
+    V: sp.Expr
+
+    @property
+    def reflectance(self) -> sp.Expr:
+        """R of (3.17)."""
+        return self.rho2 * self.V**2
+
+    @property
+    def transmittance(self) -> sp.Expr:
+        """T of (3.18)."""
+        return 4 * mu * q * self.V
 
 
-S_POLARISED = Polarisation(rho_s**2, T_s)
-P_POLARISED = Polarisation(rho_p**2, T_p)
+S_POLARISED = Polarisation(rho2_s, V_s)
+P_POLARISED = Polarisation(rho2_p, V_p)
 #: (3.17): R averaged over both before it enters (3.19)-(3.22)
-AVERAGED = Polarisation((rho_s**2 + rho_p**2) / 2, (T_s + T_p) / 2)
+AVERAGED = Polarisation(2 * (rho2_s * V_s**2 + rho2_p * V_p**2) / (V_s + V_p) ** 2, (V_s + V_p) / 2)
+
+
+def _scattering_parts(light: Polarisation) -> tuple[sp.Expr, sp.Expr]:
+    rho2, V = light.rho2, light.V
+    return (
+        rho2 * V * (4 * mu * q + 2 * rho2 * V * c**2) + 8 * mu**2 * c**2 * S * g**2,
+        4 * mu**2 * c**2 + rho2,
+    )
+
+
+def _gradient_parts(light: Polarisation) -> tuple[sp.Expr, sp.Expr]:
+    rho2, V = light.rho2, light.V
+    return (
+        2 * (4 * mu**2 * c**2 * g * (q + mu * S) - rho2**2 * V**2 * c),
+        4 * mu**2 * c**2 + rho2,
+    )
 
 
 def scattering(light: Polarisation) -> sp.Expr:
     """Q_sc (3.19) without trigonometry and without cancellation.
 
-    Q_sc = [4 R cos^2(beta) (T + 2 R cos^2(alpha)) + 2 T^2 sin^2(alpha - beta)]
-           / (T^2 + 4 R cos^2(beta)).
+    T^2 = 16 mu^2 cos^2(alpha) cos^2(beta) V^2, so that cos^2(beta) leaves the fraction:
+
+    Q_sc = [rho2 V (4 mu q + 2 rho2 V cos^2(alpha)) + 8 mu^2 cos^2(alpha) sin^2(alpha - beta)]
+           / (4 mu^2 cos^2(alpha) + rho2).
     Every term is positive, and vanishes with R and 1 - mu.
     """
-    R, T = light.reflectance, light.transmittance
-    return (4 * R * ct**2 * (T + 2 * R * c**2) + 2 * T**2 * S * g**2) / (T**2 + 4 * R * ct**2)
+    numerator, denominator = _scattering_parts(light)
+    return numerator / denominator
 
 
 def gradient(light: Polarisation) -> sp.Expr:
     """G = -Q_gr/sqrt(S), (3.21), likewise; positive where the ray attracts."""
-    R, T = light.reflectance, light.transmittance
-    return 2 * (T**2 * g * _cos_difference - 4 * R**2 * ct**2 * c) / (T**2 + 4 * R * ct**2)
+    numerator, denominator = _gradient_parts(light)
+    return numerator / denominator
 
 
 #: efficiencies of a totally reflected ray, R = 1 and T = 0: n_P < n_m, sin(alpha) >= n_P/n_m
@@ -160,9 +196,44 @@ TOTAL_SCATTERING = 2 * c**2
 TOTAL_GRADIENT = -2 * c
 
 
-def circular(efficiency: Callable[[Polarisation], sp.Expr]) -> sp.Expr:
-    """Q for circular or unpolarised light: the mean of Q over s and p, not Q of the mean R."""
-    return (efficiency(S_POLARISED) + efficiency(P_POLARISED)) / 2
+Efficiency = Callable[[Polarisation], sp.Expr]
+_PARTS: dict[Efficiency, Callable[[Polarisation], tuple[sp.Expr, sp.Expr]]] = {
+    scattering: _scattering_parts,
+    gradient: _gradient_parts,
+}
+
+
+def circular(efficiency: Efficiency) -> sp.Expr:
+    """Q for circular or unpolarised light: the mean of Q over s and p, not Q of the mean R.
+
+    Over one common denominator, as divisions are what a ray costs most.
+    """
+    n_s, d_s = _PARTS[efficiency](S_POLARISED)
+    n_p, d_p = _PARTS[efficiency](P_POLARISED)
+    return (n_s * d_p + n_p * d_s) / (2 * d_s * d_p)
+
+
+def split(efficiency: Efficiency) -> sp.Expr:
+    """(Q_s - Q_p)/(2 S), without the cancellation of the difference as S goes to 0.
+
+    With K = 1 - mu^2, rho2_s - rho2_p = S K^2 (1 + mu^2) (1 + a) and V_s - V_p = -S K^2 y. So
+    N_s D_p - N_p D_s, a polynomial in these two steps, has the factor S.
+    """
+    rho2, V, step_rho2, step_V, s = sp.symbols("rho2 V step_rho2 step_V s")
+    n_p, d_p = _PARTS[efficiency](Polarisation(rho2, V))
+    n_s, d_s = _PARTS[efficiency](Polarisation(rho2 + s * step_rho2, V + s * step_V))
+    divided = sp.cancel(sp.expand(n_s * d_p - n_p * d_s) / s)
+    values = {
+        s: S,
+        rho2: P_POLARISED.rho2,
+        V: P_POLARISED.V,
+        step_rho2: rho2_s * (1 + mu**2) * (1 + a),
+        step_V: -rho2_s * y,
+    }
+    denominator = _PARTS[efficiency](S_POLARISED)[1] * d_p.subs(values)
+    return sp.collect(sp.expand(divided), (step_rho2, step_V), sp.factor).subs(values) / (
+        2 * denominator
+    )
 
 
 #: d/dS of the named parts, by name
@@ -229,15 +300,58 @@ moment_gradient = _gradient_over_position(_Qm * n.cross(u), {_Qm: _dQm}).subs(
     {_Qm: Qs + c * G, _dQm: dQs + c * dG - G / (2 * c)}
 )
 
+# --- light of one polarisation ---------------------------------------------------------------
+_jones_x, _jones_y = (
+    JONES[0].symbol + sp.I * JONES[1].symbol,
+    JONES[2].symbol + sp.I * JONES[3].symbol,
+)
+
+
+def _carried(axis: sp.MatrixBase) -> sp.Matrix:
+    """A field along `axis` in the pupil, turned with its ray from z to u; orthogonal to u."""
+    z = sp.Matrix([0, 0, 1])
+    return axis - (axis.T * u)[0] / (1 + u[2]) * (u + z)
+
+
+#: the field of a ray, of unit length for a unit Jones vector (a, b): real and imaginary part
+electric_field = _jones_x * _carried(sp.Matrix([1, 0, 0])) + _jones_y * _carried(
+    sp.Matrix([0, 1, 0])
+)
+field_real, field_imaginary = (
+    sp.Matrix([part(entry) for entry in electric_field.applyfunc(sp.expand)])
+    for part in (sp.re, sp.im)
+)
+
+E, H = vector(FIELD_REAL), vector(FIELD_IMAGINARY)
+
+
+def _power_along(direction: sp.MatrixBase) -> sp.Expr:
+    """|field . direction|^2."""
+    return (E.T * direction)[0] ** 2 + (H.T * direction)[0] ** 2
+
+
+#: S (f_s - f_p), f the parts of the power polarised across the plane of incidence and in it. That
+#: plane holds u and n, and |n|^2 = r^2 S: so sigma is a polynomial, smooth through the axis.
+sigma = (_power_along(u.cross(n)) - _power_along(n)) / r**2
+#: dsigma/dp: with u.n = 0 and a field orthogonal to u, n' = u u^T - 1 acts as -1
+sigma_gradient = -sp.Matrix([sigma.diff(component) for component in n])
+
+X, Y = SPLIT_SCATTERING.symbol, SPLIT_GRADIENT.symbol
+dsigma = vector(POLARISATION_RATES)
+#: Q_sc = (Q_s + Q_p)/2 + sigma X and G likewise with Y; what the turning plane of incidence adds to
+#: dF/dp and dM/dp
+turning_force = (X * u + Y * n / r) * dsigma.T
+turning_moment = (X + c * Y) * n.cross(u) * dsigma.T
+
 EMERGENT_RAYS = Equation("-", "sum over the emergent rays", r"Q_{sc} + i Q_{gr}", emergent_series())
 SCATTERING_FORCE = Equation("3.19", "scattering efficiency", r"Q_{sc}", Q_sc)
 GRADIENT_FORCE = Equation("3.21", "gradient efficiency", r"Q_{gr}", Q_gr)
 REFLECTANCE = Equation("3.17", "averaged reflectance", r"R", in_S(AVERAGED.reflectance))
 SCATTERING_REDUCED = Equation(
     "3.19", "without trigonometry", r"Q_{sc}",
-    scattering(Polarisation(R_i, T_i)),
+    scattering(S_POLARISED),
 )  # fmt: skip
 GRADIENT_REDUCED = Equation(
-    "3.21", "without trigonometry", r"-Q_{gr}/\sqrt{S}", gradient(Polarisation(R_i, T_i))
+    "3.21", "without trigonometry", r"-Q_{gr}/\sqrt{S}", gradient(S_POLARISED)
 )
 MOMENT = Equation("3.25", "moment of a force applied at the entry point", r"M", moment_reduced)

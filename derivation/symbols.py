@@ -121,15 +121,33 @@ SCATTERING_RATE = _quantity("dQ_sc", "1", "dQ_sc/dS", "3.19")
 GRADIENT = _quantity("G", "1", "gradient efficiency, -Q_gr/sqrt(S)", "3.21")
 GRADIENT_RATE = _quantity("dG", "1", "dG/dS", "3.21")
 
+# Light that is polarised linearly or elliptically.
+JONES = tuple(
+    _quantity(f"{name}_{part}", "1", f"{about} part of the field along {axis} in the pupil", "-")
+    for name, axis in (("a", "x"), ("b", "y"))
+    for part, about in (("re", "real"), ("im", "imaginary"))
+)
+FIELD_REAL = _vector("E1 E2 E3", "1", "electric field of the ray, real part,", "-", INERTIAL)
+FIELD_IMAGINARY = _vector("H1 H2 H3", "1", "its imaginary part,", "-", INERTIAL)
+POLARISATION = _quantity("sigma", "1", "S times the excess of s- over p-polarised power", "3.17")
+POLARISATION_RATES = _vector("dsigma1 dsigma2 dsigma3", "1/m", "dsigma/dp,", "3.17", INERTIAL)
+SPLIT_SCATTERING = _quantity("X", "1", "(Q_sc of s less that of p)/(2 S)", "3.19")
+SPLIT_SCATTERING_RATE = _quantity("dX", "1", "dX/dS", "3.19")
+SPLIT_GRADIENT = _quantity("Y", "1", "(G of s less that of p)/(2 S)", "3.21")
+SPLIT_GRADIENT_RATE = _quantity("dY", "1", "dY/dS", "3.21")
+
 # Intermediates of the efficiencies, and their derivatives over S.
 _FRESNEL = (
+    ("q", "cos(alpha) cos(beta)", "3.17"),
     ("w_s", "n_mP cos(alpha) + cos(beta)", "3.17"),
     ("w_p", "n_mP cos(beta) + cos(alpha)", "3.17"),
+    ("y", "1/(w_s w_p)^2", "3.17"),
+    ("V_s", "transmittance over 4 n_mP q, s", "3.18"),
+    ("V_p", "transmittance over 4 n_mP q, p", "3.18"),
+    ("a", "1 - S (1 + n_mP^2), factor of the reflected amplitude, p", "3.17"),
+    ("rho2_s", "reflectance over V_s^2, s", "3.17"),
+    ("rho2_p", "reflectance over V_p^2, p", "3.17"),
     ("g", "sin(alpha - beta)/sqrt(S)", "3.20"),
-    ("rho_s", "reflected amplitude, s", "3.17"),
-    ("rho_p", "reflected amplitude, p", "3.17"),
-    ("T_s", "transmittance, s", "3.18"),
-    ("T_p", "transmittance, p", "3.18"),
 )
 FRESNEL = tuple(_quantity(name, "1", meaning, number) for name, meaning, number in _FRESNEL)
 FRESNEL_RATES = tuple(

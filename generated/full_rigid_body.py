@@ -36,7 +36,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "717019661e359fb9b329fe99a52017708189d199d25bfeee4e876da7a3b75f0f"
+SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3", "v1", "v2", "v3", "omega1", "omega2", "omega3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

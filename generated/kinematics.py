@@ -10,7 +10,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "717019661e359fb9b329fe99a52017708189d199d25bfeee4e876da7a3b75f0f"
+SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
 
 
 @njit(cache=True)

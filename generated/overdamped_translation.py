@@ -21,7 +21,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "717019661e359fb9b329fe99a52017708189d199d25bfeee4e876da7a3b75f0f"
+SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
 STATE = ("q1", "q2", "q3")
 PARAMS = ("beta_v", "W1", "W2", "W3")
 RHS_INPUTS = ("force",)

@@ -1,5 +1,6 @@
 """Each step of the derivation proven: differences that expand to zero, or typed pages."""
 
+import numpy as np
 import pytest
 import sympy as sp
 
@@ -7,6 +8,7 @@ from derivation import euler_parameters as ep
 from derivation import multiscale as ms
 from derivation import ray
 from derivation import rigid_body as rb
+from derivation import symbols as sy
 from derivation.equations import Equation, is_zero
 
 
@@ -219,7 +221,8 @@ def _vanishes_on_angles(expression):
 
 
 def test_efficiencies_without_trigonometry_are_the_printed_ones():
-    light = ray.Polarisation(ray.R_i, 1 - ray.R_i)
+    V = (1 - ray.R_i) / (4 * ray.mu * ray.q)  # T = 1 - R
+    light = ray.Polarisation(ray.R_i / V**2, V)
     printed_sc = ray.Q_sc.subs(ray.T_i, 1 - ray.R_i)
     printed_gr = ray.Q_gr.subs(ray.T_i, 1 - ray.R_i)
     assert _vanishes_on_angles(_in_angles(ray.scattering(light)) - printed_sc)
@@ -276,6 +279,65 @@ def test_gradients_in_space_are_derivatives_of_force_and_moment():
         over_p = quantity.subs(values).subs(n_values)
         difference = over_p.jacobian(ray.p) - gradient.subs(values).subs(n_values)
         assert difference.subs(at).evalf(40).norm() < 1e-35
+
+
+def test_split_is_the_difference_of_s_and_p():
+    """(Q_s - Q_p)/(2 S), where nothing is lost by the difference."""
+    at = {ray.S: sp.Rational(37, 100), ray.mu: sp.Rational(5, 6)}
+    for efficiency in (ray.scattering, ray.gradient):
+        difference = efficiency(ray.S_POLARISED) - efficiency(ray.P_POLARISED)
+        off = ray.in_S(ray.split(efficiency) - difference / (2 * ray.S)).subs(at)
+        assert abs(sp.N(off, 60)) < sp.Float("1e-55", 60)
+
+
+def test_field_of_a_ray_is_carried_without_turning():
+    """Turned with the ray by theta in the plane of z and u, and not about the ray."""
+    theta, phi = sp.symbols("theta phi", real=True)
+    direction = sp.Matrix([sp.sin(theta) * sp.cos(phi), sp.sin(theta) * sp.sin(phi), sp.cos(theta)])
+    e_theta, e_phi = direction.diff(theta), direction.diff(phi) / sp.sin(theta)
+    at = dict(zip(ray.u, direction, strict=True))
+    jones = [quantity.symbol for quantity in sy.JONES]
+    field = ray.field_real.subs(at).subs(dict(zip(jones, (1, 0, 0, 0), strict=True)))
+    expected = sp.cos(phi) * e_theta - sp.sin(phi) * e_phi
+    assert is_zero(sp.simplify(field - expected))
+    across = ray.field_real.subs(at).subs(dict(zip(jones, (0, 0, 1, 0), strict=True)))
+    assert is_zero(sp.simplify(across - (sp.sin(phi) * e_theta + sp.cos(phi) * e_phi)))
+
+
+def test_sigma_is_the_excess_of_s_polarised_power():
+    """S (f_s - f_p) by projection on the normal of the plane of incidence, and its derivative."""
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        direction = rng.normal(size=3)
+        direction[2] = abs(direction[2])
+        direction /= np.linalg.norm(direction)
+        jones = rng.normal(size=4)
+        jones /= np.linalg.norm(jones)
+        at = dict(zip(ray.u, map(sp.Float, direction), strict=True))
+        at |= dict(
+            zip([quantity.symbol for quantity in sy.JONES], map(sp.Float, jones), strict=True)
+        )
+        real = np.array(ray.field_real.subs(at), dtype=float).ravel()
+        imaginary = np.array(ray.field_imaginary.subs(at), dtype=float).ravel()
+        field = dict(zip((*ray.E, *ray.H), (*real, *imaginary), strict=True))
+
+        def sigma(place, direction=direction, real=real, imaginary=imaginary):
+            normal = np.cross(direction, place)
+            S = normal @ normal / 0.64
+            f_s = abs((real + 1j * imaginary) @ normal) ** 2 / (normal @ normal)
+            return S * (2 * f_s - 1)
+
+        place = rng.normal(size=3) * 0.3
+        n = (direction @ place) * direction - place
+        values = at | field | dict(zip(ray.n, n, strict=True)) | {ray.r: 0.8}
+        assert float(ray.sigma.subs(values)) == pytest.approx(sigma(place), abs=1e-14)
+        step = 1e-6
+        differences = [
+            (sigma(place + step * axis) - sigma(place - step * axis)) / (2 * step)
+            for axis in np.eye(3)
+        ]
+        derived = np.array(ray.sigma_gradient.subs(values), dtype=float).ravel()
+        np.testing.assert_allclose(derived, differences, atol=1e-8)
 
 
 def test_moment_reduces_for_a_ray_orthogonal_to_n():
