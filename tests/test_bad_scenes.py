@@ -38,6 +38,15 @@ GOOD = {
     "simulation.duration": '"1 ms"',
 }
 ABSENT = None
+#: parts of scenes that are good together
+TABLE = {
+    "beam.sigma": ABSENT,
+    "beam.profile": '"table"',
+    "beam.profile_radius": '[0, "1 mm", "2 mm", "3 mm"]',
+    "beam.profile_intensity": "[1, 0.8, 0.3, 0]",
+}
+LINEAR = {"beam.polarisation": '"linear"'}
+GRID = {"optics.evaluator": '"grid"'}
 LENGTH = 'must be a number in m, or text with a unit such as "500 nm"'
 RADIUS_RANGE = "must be from 1e-09 to 0.001 m"
 NAME_RULE = "must begin with a letter or digit, and have no /, \\ and at most 100 characters"
@@ -151,7 +160,7 @@ BAD_SCENES = {
                        "simulation.method = 'rk45': allowed: 'RK45', 'DOP853', 'Radau', 'BDF' or"),
     "unknown map": ({"lens.map": '"sin"'}, "lens.map = 'sin': allowed: 'tan' or 'sine'"),
     "unknown polarisation": ({"beam.polarisation": '"x"'},
-                             "beam.polarisation = 'x': allowed: 'averaged-reflectance' or"),
+                             "beam.polarisation = 'x': allowed: 'averaged-reflectance', "),
     "unknown torque": ({"beam.torque": "true"}, "beam.torque = True: allowed: 'none' or 'thesis'"),
     "unknown frame": ({"start.frame": '"trap"'},
                       "start.frame = 'trap': allowed: 'focus' or 'lens'"),
@@ -203,8 +212,16 @@ BAD_SCENES = {
     ),
     "start from the lens, taken from the focus": ({"start.position": "[0, 0, 1.998e-3]"},
                                                   "is 0.002 m from the focus; must be nearer"),
-    "beam narrower than the grid": ({"beam.sigma": '"10 um"'},
+    "beam narrower than the grid": ({"beam.sigma": '"10 um"', **GRID},
                                     "beam.sigma = 1e-05: must be at least 2.6e-05 m"),
+    "donut narrower than the grid": (
+        {"beam.sigma": '"10 um"', "beam.profile": '"donut"', **GRID},
+        "beam.sigma = 1e-05: must be at least 2.6e-05 m",
+    ),
+    "table narrower than the grid": (
+        {**TABLE, "beam.profile_radius": "[0, 1e-5, 2e-5, 5e-5]", **GRID},
+        "beam.profile_radius ends at 5e-05: must reach 5.2e-05 m, the side of a square",
+    ),
     "scaled model without a factor": ({"simulation.model": '"scaled"'},
                                       "simulation.scaling_factor: missing; the scaled model"),
     "no orientation": ({"start.orientation": "[0, 0, 0, 0]"},
@@ -217,6 +234,123 @@ BAD_SCENES = {
     ),
     "thermal motion": ({"forces.brownian": "true"},
                        "forces.brownian = True: thermal motion is not available yet; allowed: fal"),
+    # profiles of the beam
+    "unknown profile": ({"beam.profile": '"gauss"'},
+                        "beam.profile = 'gauss': allowed: 'gaussian', 'uniform', 'donut' or"),
+    "unknown profile without a width": ({"beam.profile": '"flat"', "beam.sigma": ABSENT},
+                                        "beam.profile = 'flat': allowed: 'gaussian', 'uniform', "),
+    "boolean for a profile": ({"beam.profile": "true"}, "beam.profile = True: allowed: 'gaussian'"),
+    "uniform with sigma": ({"beam.profile": '"uniform"'},
+                           "beam.sigma or waist: not for profile = 'uniform', only for gaussian"),
+    "uniform with waist": (
+        {"beam.profile": '"uniform"', "beam.sigma": ABSENT, "beam.waist": "1e-3"},
+        "beam.sigma or waist: not for profile = 'uniform', only for gaussian and donut",
+    ),
+    "donut without a width": ({"beam.profile": '"donut"', "beam.sigma": ABSENT},
+                              "beam.sigma or waist: one is needed"),
+    "donut with sigma and waist": ({"beam.profile": '"donut"', "beam.waist": "1e-3"},
+                                   "beam.sigma or waist: not both"),
+    "table with sigma": ({**TABLE, "beam.sigma": "1e-3"},
+                         "beam.sigma or waist: not for profile = 'table', only for gaussian"),
+    "table without radii": ({**TABLE, "beam.profile_radius": ABSENT},
+                            "beam.profile_radius: missing; profile = 'table' needs it"),
+    "table without intensities": ({**TABLE, "beam.profile_intensity": ABSENT},
+                                  "beam.profile_intensity: missing; profile = 'table' needs it"),
+    "points of a Gaussian": ({"beam.profile_radius": "[0, 1e-3, 2e-3, 3e-3]"},
+                             "beam.profile_radius: not for profile = 'gaussian', only for table"),
+    "intensities of a donut": (
+        {"beam.profile": '"donut"', "beam.profile_intensity": "[0, 1, 1, 0]"},
+        "beam.profile_intensity: not for profile = 'donut', only for table",
+    ),
+    "table of three points": ({**TABLE, "beam.profile_radius": "[0, 1e-3, 2e-3]"},
+                              "must have 4 to 10000 entries"),
+    "table of no points": ({**TABLE, "beam.profile_intensity": "[]"},
+                           "beam.profile_intensity = []: must have 4 to 10000 entries"),
+    "table of too many points": ({**TABLE, "beam.profile_intensity": f"[{10_001 * '1,'}]"},
+                                 "must have 4 to 10000 entries"),
+    "table of unequal lengths": (
+        {**TABLE, "beam.profile_intensity": "[1, 1, 1, 1, 1]"},
+        "beam.profile_intensity: has 5 entries; must have as many as profile_radius, 4",
+    ),
+    "number for a table": ({**TABLE, "beam.profile_radius": "1"},
+                           "beam.profile_radius = 1: must be a list"),
+    "text for a table": ({**TABLE, "beam.profile_intensity": '"1 2 3 4"'},
+                         "beam.profile_intensity = '1 2 3 4': must be a list"),
+    "table that begins off the axis": ({**TABLE, "beam.profile_radius": "[1e-4, 1e-3, 2e-3, 3e-3]"},
+                                       "beam.profile_radius.0 = 0.0001: must be 0"),
+    "table that goes back": (
+        {**TABLE, "beam.profile_radius": "[0, 2e-3, 1e-3, 3e-3]"},
+        "beam.profile_radius.2 = 0.001: must be larger than the one before, 0.002",
+    ),
+    "table with a radius twice": ({**TABLE, "beam.profile_radius": "[0, 0, 1e-3, 3e-3]"},
+                                  "beam.profile_radius.1 = 0.0: must be larger than the one"),
+    "table with a negative radius": ({**TABLE, "beam.profile_radius": "[-1e-3, 0, 1e-3, 3e-3]"},
+                                     "beam.profile_radius.0 = -0.001: must be from 0 to 1 m"),
+    "table wider than the world": ({**TABLE, "beam.profile_radius": "[0, 0.1, 2, 1]"},
+                                   "beam.profile_radius.2 = 2: must be from 0 to 1 m"),
+    "table with a wrong unit": ({**TABLE, "beam.profile_radius": '[0, "1 mW", 2e-3, 3e-3]'},
+                                "beam.profile_radius.1 = '1 mW': has the wrong unit; must be"),
+    "dark table": ({**TABLE, "beam.profile_intensity": "[0, 0, 0, 0]"},
+                   "beam.profile_intensity: must not all be 0"),
+    "table with a negative intensity": ({**TABLE, "beam.profile_intensity": "[1, 1, -1, 0]"},
+                                        "beam.profile_intensity.2 = -1: must be from 0 to 1e+100"),
+    "table with a missing intensity": ({**TABLE, "beam.profile_intensity": "[1, nan, 1, 0]"},
+                                       "beam.profile_intensity.1 = nan: must be finite"),
+    "intensity with a unit": ({**TABLE, "beam.profile_intensity": '["1 W/m^2", 1, 1, 0]'},
+                              "beam.profile_intensity.0 = '1 W/m^2': must be a number"),
+    # polarisation
+    "Jones vector of circular light": ({"beam.jones": "[1, 0]"},
+                                       "beam.jones: not for polarisation = 'circular', only for"),
+    "short Jones vector": ({**LINEAR, "beam.jones": "[1]"},
+                           "beam.jones = [1]: must have 2 entries"),
+    "long Jones vector": ({**LINEAR, "beam.jones": "[1, 0, 0]"},
+                          "beam.jones = [1, 0, 0]: must have 2 entries"),
+    "Jones vector of 0": ({**LINEAR, "beam.jones": '[0, "0j"]'}, "must not both be 0"),
+    "Jones vector too short for a float": ({**LINEAR, "beam.jones": "[1e-200, 0]"},
+                                           "beam.jones = [1e-200, 0]: must not both be 0"),
+    "Jones vector that overflows": ({**LINEAR, "beam.jones": "[1e200, 0]"},
+                                    "beam.jones.0 = 1e+200: must be from -1e+100 to 1e+100"),
+    "text for a Jones vector": ({**LINEAR, "beam.jones": '"x"'},
+                                "beam.jones = 'x': must be a list"),
+    "boolean for an amplitude": ({**LINEAR, "beam.jones": "[true, 0]"},
+                                 "beam.jones.0 = True: must be a number"),
+    "text for an amplitude": ({**LINEAR, "beam.jones": '[1, "x"]'},
+                              "beam.jones.1 = 'x': must be a complex number such as \"1j\""),
+    "amplitude with an i": ({**LINEAR, "beam.jones": '[1, "1i"]'},
+                            "beam.jones.1 = '1i': must be a complex number such as \"1j\""),
+    "empty amplitude": ({**LINEAR, "beam.jones": '[1, ""]'},
+                        "beam.jones.1 = '': must be a complex number"),
+    "amplitude that is not a number": ({**LINEAR, "beam.jones": "[nan, 1]"},
+                                       "beam.jones.0 = nan: must be finite"),
+    "text of no number": ({**LINEAR, "beam.jones": '["nan", 1]'},
+                          "beam.jones.0 = 'nan': must be a complex number"),
+    "amplitude of three parts": ({**LINEAR, "beam.jones": "[[1, 2, 3], 0]"},
+                                 "beam.jones.0 = [1, 2, 3]: must be a number, text such as"),
+    # how the force is computed
+    "unknown evaluator": ({"optics.evaluator": '"exact"'},
+                          "optics.evaluator = 'exact': allowed: 'auto', 'grid', 'quadrature' or"),
+    "too tight a quadrature": ({"optics.tolerance": "1e-14"},
+                               "optics.tolerance = 1e-14: must be from 1e-13 to 0.1"),
+    "too loose a quadrature": ({"optics.tolerance": "0.2"},
+                               "optics.tolerance = 0.2: must be from 1e-13 to 0.1"),
+    "quadrature without tolerance": ({"optics.tolerance": "0"},
+                                     "optics.tolerance = 0: must be from 1e-13 to 0.1"),
+    "text for a tolerance": ({"optics.tolerance": '"tight"'},
+                             "optics.tolerance = 'tight': must be a number"),
+    "map of linear light": ({**LINEAR, "beam.jones": "[1, 0]", "optics.evaluator": '"map"'},
+                            "optics.evaluator = 'map': needs light that is the same all around"),
+    "too tight a map": ({"optics.table_tolerance": "1e-13"},
+                        "optics.table_tolerance = 1e-13: must be from 1e-12 to 0.1"),
+    "too small a map": ({"optics.table_range": "0.4"},
+                        "optics.table_range = 0.4: must be from 0.5 to 20"),
+    "too large a map": ({"optics.table_range": "21"},
+                        "optics.table_range = 21: must be from 0.5 to 20"),
+    "length for a range": ({"optics.table_range": '"3 um"'},
+                           "optics.table_range = '3 um': must be a number"),
+    "unknown key of the optics": ({"optics.evalutor": '"grid"'},
+                                  "optics.evalutor = 'grid': unknown key; did you mean evaluator?"),
+    "section of the optics that is text": ({"optics": '"grid"'},
+                                           "optics = 'grid': must be a section [optics]"),
     # names become file names
     "name that leaves the folder": ({"name": '"../bead"'}, f"name = '../bead': {NAME_RULE}"),
     "name with a folder": ({"name": '"a/b"'}, f"name = 'a/b': {NAME_RULE}"),
@@ -333,9 +467,12 @@ def files_here() -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in Path().rglob("*")}
 
 
-def test_the_good_scene_is_good(tmp_path):
+@pytest.mark.parametrize(
+    "changes", [{}, TABLE, LINEAR, GRID], ids=["as it is", "table", "linear", "grid"]
+)
+def test_the_good_scenes_are_good(tmp_path, changes):
     path = tmp_path / "good.toml"
-    path.write_text(as_toml({}))
+    path.write_text(as_toml(changes))
     assert load_scene(path).bead.radius == 0.5e-6
 
 

@@ -21,7 +21,9 @@ scene = tweezer.load_scene("thesis-990nm").replace(simulation={"model": "overdam
 position = np.array([1e-7, 2e-7, -1e-7])
 force = tweezer.optical_force(scene, position)
 rates = bind(scene).rhs(0.0, position)
-stats = kernel(averaged=True, denser_medium=False, gradient=False, moment=False).stats
+stats = kernel(
+    by_grid=True, light="averaged-reflectance", denser_medium=False, gradient=False, moment=False
+).stats
 print(force[2], rates[2], sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
 """
 

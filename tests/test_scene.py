@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import warnings
 
@@ -241,6 +242,7 @@ def test_shipped_scenes_are_the_tables_of_the_thesis(name):
     assert (scene.start.frame, lens.map, beam.divisions) == ("lens", "tan", 100)
     assert (simulation.model, simulation.method) == ("scaled", "RK45")
     assert (beam.polarisation, beam.torque) == ("averaged-reflectance", "none")
+    assert (beam.profile, scene.optics.evaluator) == ("gaussian", "grid")
     assert scene.name == name
 
 
@@ -284,6 +286,85 @@ def test_json_keeps_any_scene_bit_for_bit(radius, power, brightest, orientation)
         start={"orientation": orientation},
     )
     assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+
+
+@settings(deadline=None)
+@given(
+    amplitudes=st.tuples(*4 * [st.floats(-1e100, 1e100)]), points=st.integers(4, 20), data=st.data()
+)
+def test_json_keeps_any_profile_and_polarisation_bit_for_bit(amplitudes, points, data):
+    a_re, a_im, b_re, b_im = amplitudes
+    assume(math.hypot(*amplitudes) >= 1e-100)
+    steps = data.draw(st.lists(st.floats(1e-6, 1e-2), min_size=points - 1, max_size=points - 1))
+    scene = load_scene("silica-1um").replace(
+        beam={
+            "profile": "table",
+            "profile_radius": [0.0, *itertools.accumulate(steps)],
+            "profile_intensity": [1.0, *steps],
+            "polarisation": "linear",
+            "jones": [[a_re, a_im], [b_re, b_im]],
+        },
+        optics={"evaluator": "map", "table_range": 2.5},
+    )
+    assert math.hypot(*scene.beam.jones[0], *scene.beam.jones[1]) == pytest.approx(1, rel=1e-14)
+    assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+    assert scene.replace() == scene
+
+
+ROOT_HALF = math.sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    ("given_as", "jones"),
+    [
+        (None, ((1, 0), (0, 0))),
+        ([1, 0], ((1, 0), (0, 0))),
+        ([0, -3], ((0, 0), (-1, 0))),
+        ([3, 4], ((0.6, 0), (0.8, 0))),
+        ([1, "1j"], ((ROOT_HALF, 0), (0, ROOT_HALF))),
+        (["2", " -2 j "], ((ROOT_HALF, 0), (0, -ROOT_HALF))),
+        (["0.5+0.5j", "0.5 - 0.5j"], ((0.5, 0.5), (0.5, -0.5))),
+        (["3e-100", "4e-100j"], ((0.6, 0), (0, 0.8))),
+        ([[3, 0], [0, 4]], ((0.6, 0), (0, 0.8))),
+    ],
+    ids=str,
+)
+def test_a_jones_vector_is_read_in_any_form_and_normalised(scene, given_as, jones):
+    beam = {"polarisation": "linear", **({"jones": given_as} if given_as else {})}
+    read = scene.replace(beam=beam).beam.jones
+    assert [*read[0], *read[1]] == pytest.approx([*jones[0], *jones[1]], rel=1e-15)
+
+
+def test_a_choice_displaces_the_keys_that_do_not_go_with_it(scene):
+    points = {"profile_radius": [0, 1e-3, 2e-3, 3e-3], "profile_intensity": [1, 1, 1, 0]}
+    linear = scene.replace(beam={"polarisation": "linear", "profile": "donut"})
+    assert linear.beam.sigma == scene.beam.sigma
+    uniform = linear.replace(beam={"profile": "uniform", "polarisation": "circular"})
+    assert (uniform.beam.sigma, uniform.beam.jones) == (None, None)
+    table = scene.replace(beam={"profile": "table", **points})
+    assert table.beam.profile_radius == (0, 1e-3, 2e-3, 3e-3)
+    assert table.replace(beam={"profile": "gaussian", "waist": "2 mm"}) == scene
+    with pytest.raises(SceneError, match="not for profile = 'uniform'"):
+        scene.replace(beam={"profile": "uniform", "sigma": 1e-3})
+    with pytest.raises(SceneError, match="sigma or waist: one is needed"):
+        table.replace(beam={"profile": "donut"})
+
+
+@pytest.mark.parametrize("dark", [{"forces": {"optical": False}}, {"beam": {"power": 0}}])
+def test_in_the_dark_no_beam_is_too_narrow(scene, dark):
+    narrow = {"sigma": 1e-9} | dark.get("beam", {})
+    assert not scene.replace(**{**dark, "beam": narrow}).lit
+
+
+def test_only_the_grid_needs_a_beam_wider_than_its_squares(scene):
+    assert scene.optics.evaluator == "grid"
+    with pytest.raises(SceneError, match="half the side of a square"):
+        scene.replace(beam={"sigma": 1e-5})
+    free = scene.replace(beam={"sigma": 1e-5}, optics={"evaluator": "auto"})
+    assert free.optics == load_scene("silica-1um").optics
+    assert free.optics.model_dump() == {
+        "evaluator": "auto", "tolerance": 1e-8, "table_tolerance": 1e-7, "table_range": 3.0,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(("diameter", "rare"), [("299 nm", True), ("301 nm", False)])

@@ -1,4 +1,4 @@
-from .analysis import Summary, summarise
+from .analysis import Summary, Trap, characterise, summarise
 from .bead import BeadProperties, bead_properties
 from .errors import (
     IntegrationError,
@@ -20,8 +20,10 @@ __all__ = [
     "Scene",
     "SceneError",
     "Summary",
+    "Trap",
     "TweezerError",
     "bead_properties",
+    "characterise",
     "load_run",
     "load_scene",
     "optical_force",

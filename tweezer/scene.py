@@ -1,4 +1,4 @@
-"""The description of one experiment: bead, medium, lens, beam, start, forces, simulation.
+"""The description of one experiment: bead, medium, lens, beam, start, forces, optics, simulation.
 
 Scenes are TOML files. Quantities may carry units ("500 nm"); bare numbers are SI. A scene is
 immutable, and every way to make one validates it.
@@ -7,6 +7,7 @@ immutable, and every way to make one validates it.
 from __future__ import annotations
 
 import difflib
+import itertools
 import math
 import tomllib
 import warnings
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -38,6 +40,7 @@ from tweezer.units import (
     Speed,
     Temperature,
     Viscosity,
+    complex_number,
     entries,
     si,
     to_si,
@@ -54,9 +57,25 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
 
+#: keys that go with some choices of another key, and are refused with the others
+BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "beam": {
+        "sigma": ("profile", ("gaussian", "donut")),
+        "profile_radius": ("profile", ("table",)),
+        "profile_intensity": ("profile", ("table",)),
+        "jones": ("polarisation", ("linear",)),
+    },
+}
+
 #: m, from and to: also the ranges of half a diameter and half a waist
 BEAD_RADIUS = (1e-9, 1e-3)
 BEAM_SIGMA = (1e-9, 1.0)
+
+#: why the light of a scene has no map
+NO_MAP = (
+    "optics.evaluator = 'map': needs light that is the same all around the axis; allowed with "
+    "beam.polarisation: 'averaged-reflectance' or 'circular'"
+)
 
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
@@ -70,6 +89,23 @@ Orientation = Annotated[
     tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
 ]
 Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
+ProfileRadii = Annotated[tuple[Annotated[float, si("m", 0, 1)], ...], entries(4, 10_000)]
+Intensities = Annotated[tuple[Annotated[float, si("", 0, 1e100)], ...], entries(4, 10_000)]
+Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
+
+
+def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitude]:
+    """`jones` at length 1; left as it is where it has that length, so that JSON keeps it."""
+    length = math.hypot(*jones[0], *jones[1])
+    if length < 1e-100:
+        raise PydanticCustomError("jones", "must not both be 0")
+    if abs(length - 1) < 1e-14:
+        return jones
+    (a, b), (c, d) = jones
+    return (a / length, b / length), (c / length, d / length)
+
+
+Jones = Annotated[tuple[Amplitude, Amplitude], entries(2), AfterValidator(_normalised)]
 
 
 class Section(BaseModel):
@@ -167,7 +203,7 @@ class Lens(Section):
 
 
 class Beam(Section):
-    """The laser in the pupil. `waist` (1/e^2 radius) may be given in place of `sigma`."""
+    """The laser in the pupil. `waist` (1/e^2 radius, 2 sigma) may be given in place of `sigma`."""
 
     wavelength: PositiveLength = Field(description="vacuum wavelength")
     power: Power | None = Field(
@@ -176,13 +212,34 @@ class Beam(Section):
     power_through_pupil: Power | None = Field(
         None, description="power that passes the pupil, in place of `power`"
     )
-    sigma: Annotated[float, si("m", *BEAM_SIGMA)] = Field(
-        description="standard deviation of the Gaussian intensity in the pupil (3.3)"
+    profile: Literal["gaussian", "uniform", "donut", "table"] = Field(
+        "gaussian",
+        description="intensity over the pupil radius rho. gaussian: exp(-rho^2/(2 sigma^2)) (3.3); "
+        "uniform: the same all over the pupil, and no light beside it; donut: TEM*01, "
+        "rho^2 exp(-rho^2/(2 sigma^2)); table: through the points of profile_radius and "
+        "profile_intensity",
     )
-    polarisation: Literal["averaged-reflectance", "circular"] = Field(
+    sigma: Annotated[float, si("m", *BEAM_SIGMA)] | None = Field(
+        None,
+        description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
+        "waist; of the donut, the same of its Gaussian factor",
+    )
+    profile_radius: ProfileRadii | None = Field(
+        None, description="rho of the points of a table, from 0 up; dark beyond the last"
+    )
+    profile_intensity: Intensities | None = Field(
+        None, description="intensity at the points of a table, in any unit"
+    )
+    polarisation: Literal["averaged-reflectance", "circular", "linear"] = Field(
         "circular",
         description="circular (or unpolarised): Q averaged over s and p; averaged-reflectance: "
-        "the thesis's (3.17), R averaged",
+        "the thesis's (3.17), R averaged; linear: Q of s and p as `jones` divides the light",
+    )
+    jones: Jones | None = Field(
+        None,
+        description="Jones vector of linear light in the pupil, amplitudes along x and y, at "
+        'length 1: each a number, text such as "0.5+0.5j", or [real, imaginary]; along x if not '
+        "given. Complex amplitudes make the light elliptical",
     )
     torque: Literal["none", "thesis"] = Field(
         "none",
@@ -195,13 +252,54 @@ class Beam(Section):
 
     @model_validator(mode="before")
     @classmethod
-    def _width(cls, data: Any) -> Any:
-        return _with_half(data, "sigma", "waist", *BEAM_SIGMA)
+    def _one_way(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if "waist" in data:
+            data = _with_half(data, "sigma", "waist", *BEAM_SIGMA)
+        if data.get("polarisation") == "linear" and data.get("jones") is None:
+            data = {**data, "jones": (1, 0)}
+        return data
+
+    @model_validator(mode="after")
+    def _keys_of_the_choices(self) -> Self:
+        for key, (chooser, choices) in BELONGING["beam"].items():
+            choice, given = getattr(self, chooser), getattr(self, key) is not None
+            name = "sigma or waist" if key == "sigma" else key
+            if given and choice not in choices:
+                raise _refusal(
+                    f"{name}: not for {chooser} = {choice!r}, only for {' and '.join(choices)}"
+                )
+            if not given and choice in choices:
+                if key == "sigma":
+                    raise _refusal(f"{name}: one is needed")
+                raise _refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
+        return self
 
     @model_validator(mode="after")
     def _one_power(self) -> Self:
         given = {"power": self.power, "power_through_pupil": self.power_through_pupil}
         _exactly_one(given, *given)
+        return self
+
+    @model_validator(mode="after")
+    def _whole_table(self) -> Self:
+        if self.profile_radius is None or self.profile_intensity is None:
+            return self
+        if len(self.profile_radius) != len(self.profile_intensity):
+            raise _refusal(
+                f"profile_intensity: has {len(self.profile_intensity)} entries; must have as many "
+                f"as profile_radius, {len(self.profile_radius)}"
+            )
+        if self.profile_radius[0] != 0:
+            raise _refusal(f"profile_radius.0 = {self.profile_radius[0]}: must be 0")
+        for i, (radius, larger) in enumerate(itertools.pairwise(self.profile_radius), start=1):
+            if larger < max(radius * (1 + 1e-12), 1e-18):
+                raise _refusal(
+                    f"profile_radius.{i} = {larger}: must be larger than the one before, {radius}"
+                )
+        if max(self.profile_intensity) < 1e-100:
+            raise _refusal("profile_intensity: must not all be 0")
         return self
 
 
@@ -245,6 +343,26 @@ class Forces(Section):
         if self.brownian:
             raise _refusal("brownian = True: thermal motion is not available yet; allowed: false")
         return self
+
+
+class Optics(Section):
+    """How the force of the light is computed."""
+
+    evaluator: Literal["auto", "grid", "quadrature", "map"] = Field(
+        "auto",
+        description="grid: the thesis's sum over squares of the pupil (3.26); quadrature: the "
+        "integral over the lens, to `tolerance`; map: a table of it, to `table_tolerance`; auto: "
+        "the quadrature",
+    )
+    tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
+        1e-8, description="relative tolerance of the quadrature"
+    )
+    table_tolerance: Annotated[float, si("", 1e-12, 0.1)] = Field(
+        1e-7, description="tolerance of the map, as a part of the largest force"
+    )
+    table_range: Annotated[float, si("", 0.5, 20)] = Field(
+        3.0, description="how far the map reaches from the focus, in radii of the bead"
+    )
 
 
 class Simulation(Section):
@@ -304,6 +422,7 @@ class Scene(Section):
     beam: Beam
     start: Start
     forces: Forces = Field(default_factory=Forces)
+    optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
 
     @model_validator(mode="after")
@@ -314,12 +433,10 @@ class Scene(Section):
                 f"lens.numerical_aperture = {aperture}: must be less than "
                 f"medium.refractive_index = {self.medium.refractive_index} for the sine map"
             )
-        half_side = self.lens.radius / self.beam.divisions
-        if self.beam.sigma < half_side:
-            raise _refusal(
-                f"beam.sigma = {self.beam.sigma:.3g}: must be at least {half_side:.3g} m, half the "
-                f"side of a square of the grid, for {self.beam.divisions} beam.divisions"
-            )
+        if self.lit and self.optics.evaluator == "grid":
+            self._wider_than_a_square()
+        if self.optics.evaluator == "map" and self.beam.polarisation == "linear":
+            raise _refusal(NO_MAP)
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise _refusal("start.frame = 'lens': needs lens.focal_length")
         x, y, z = self.start_position
@@ -335,6 +452,22 @@ class Scene(Section):
                 f"{self.simulation.loss_distance:.3g} m"
             )
         return self
+
+    def _wider_than_a_square(self) -> None:
+        """Refuse a beam that the grid of rays would not see."""
+        beam = self.beam
+        half_side = self.lens.radius / beam.divisions
+        if beam.sigma is not None and beam.sigma < half_side:
+            raise _refusal(
+                f"beam.sigma = {beam.sigma:.3g}: must be at least {half_side:.3g} m, half the "
+                f"side of a square of the grid, for {beam.divisions} beam.divisions"
+            )
+        if beam.profile_radius is not None and beam.profile_radius[-1] < 2 * half_side:
+            raise _refusal(
+                f"beam.profile_radius ends at {beam.profile_radius[-1]:.3g}: must reach "
+                f"{2 * half_side:.3g} m, the side of a square of the grid, for {beam.divisions} "
+                "beam.divisions"
+            )
 
     @property
     def start_position(self) -> tuple[float, float, float]:
@@ -359,7 +492,8 @@ class Scene(Section):
         """A changed copy, validated again.
 
         `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps
-        the others; a key displaces the one that says the same in another way (diameter, radius).
+        the others; a key displaces the one that says the same in another way (diameter, radius),
+        and a choice the keys that do not go with it (profile = uniform displaces sigma).
         Raises `SceneError`.
         """
         data = self.model_dump(exclude_none=True)
@@ -368,13 +502,21 @@ class Scene(Section):
                 kept = {
                     key: value
                     for key, value in data[section].items()
-                    if not any(key in pair and set(pair) & set(changes)
-                               for pair in ALTERNATIVES.get(section, ()))
-                }  # fmt: skip
+                    if not _displaced(key, section, changes)
+                }
                 data[section] = {**kept, **changes}
             else:
                 data[section] = changes
         return _validated(data)
+
+
+def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
+    """Whether `changes` to a section leave no room for a `key` that was there."""
+    for pair in ALTERNATIVES.get(section, ()):
+        if key in pair and set(pair) & set(changes):
+            return True
+    chooser, choices = BELONGING.get(section, {}).get(key, ("", ()))
+    return chooser in changes and changes[chooser] not in choices
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -13,6 +13,7 @@ import xarray as xr
 from tweezer.analysis.derived import derived_quantities
 from tweezer.dynamics import bind, integrate
 from tweezer.errors import PhysicsWarning
+from tweezer.optics import ray_optics_caveat
 from tweezer.scene import Scene
 
 AXES = ["x", "y", "z"]
@@ -35,9 +36,10 @@ def simulate(
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
-    attributes hold the scene, the versions, the model and method, steps, force calls, run time
-    and how the run ended. `status` is "complete", "lost", "interrupted" or "failed"; a run that
-    ended early holds what it reached, and a failed one also warns (`PhysicsWarning`).
+    attributes hold the scene, the versions, the model, the method, what gave the force, steps,
+    force calls, run time and how the run ended. `status` is "complete", "lost", "interrupted" or
+    "failed"; a run that ended early holds what it reached, and a failed one also warns
+    (`PhysicsWarning`).
 
     Raises `SceneError` for arguments that do not make a valid scene.
     """
@@ -80,6 +82,8 @@ def simulate(
         "model": simulation.model,
         "emitted_module": equations.name,
         "method": simulation.method,
+        "force_evaluator": equations.light.evaluator,
+        "ray_optics_caveat": ray_optics_caveat(scene) or "",
         "status": result.status,
         "message": result.message,
         "steps": result.steps,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
 )
+_COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 #: products of powers, such as kg/m^3; pint would also calculate, read comments and nest brackets
 _POWER = r"[A-Za-zµμ°Å]+(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[*/]\s*|\s+){_POWER}){{0,7}}")
@@ -92,15 +93,48 @@ def si(unit: str, low: float, high: float) -> BeforeValidator:
     return BeforeValidator(parse)
 
 
-def entries(count: int) -> BeforeValidator:
-    """Pydantic validator of a list with `count` entries."""
+def entries(least: int, most: int | None = None) -> BeforeValidator:
+    """Pydantic validator of a list with `least` to `most` entries; exactly `least` if not given."""
+    count = f"{least}" if most is None else f"{least} to {most}"
 
     def check(value: Any) -> Any:
-        if isinstance(value, list | tuple) and len(value) != count:
+        if isinstance(value, list | tuple) and not least <= len(value) <= (most or least):
             raise PydanticCustomError("entries", "must have {count} entries", {"count": count})
         return value
 
     return BeforeValidator(check)
+
+
+def complex_number(largest: float) -> BeforeValidator:
+    """Pydantic validator that reads a complex number as the pair of its real and imaginary part.
+
+    A number, text such as "0.5-0.5j", or a list [real, imaginary]; neither part beyond +-largest.
+    """
+
+    def parse(value: Any) -> tuple[float, float]:
+        try:
+            if isinstance(value, str):
+                number = _complex_from_text(value)
+                value = number.real, number.imag
+            elif not isinstance(value, list | tuple):
+                value = value, 0.0
+            if len(value) != 2:
+                raise ValueError('must be a number, text such as "0.5-0.5j", or [real, imaginary]')
+            real, imaginary = (to_si(part, "", -largest, largest) for part in value)
+        except ValueError as error:
+            raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
+        return real, imaginary
+
+    return BeforeValidator(parse)
+
+
+def _complex_from_text(text: str) -> complex:
+    try:
+        if not _COMPLEX.fullmatch(text):
+            raise ValueError
+        return complex(text.replace(" ", ""))
+    except ValueError:
+        raise ValueError('must be a complex number such as "1j" or "0.5-0.5j"') from None
 
 
 # The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.

@@ -1,6 +1,6 @@
 """The sum over the thesis's rays against the same written plainly, and its symmetries."""
 
-from dataclasses import replace
+import warnings
 
 import numpy as np
 import pytest
@@ -10,7 +10,10 @@ from generated import ray
 from tests.reference.ray_sum import force_and_moment, lens_squares
 from tests.reference.raytracer import trace
 from tweezer.optics import fraction_through_pupil, grid, light, total_power
+from tweezer.optics.culling import TILES_AT_ONCE, rays_near, tiles
 from tweezer.optics.kernels import TOTAL_REFLECTION
+from tweezer.optics.light import _warn_once
+from tweezer.optics.quadrature import scratch
 
 BEADS = ["thesis-500nm", "thesis-990nm", "thesis-1950nm"]
 
@@ -173,7 +176,9 @@ def test_any_index(index, polarisation):
 @pytest.mark.parametrize("name", ["thesis-500nm", "silica-1um"])
 def test_a_bead_beside_the_cone_of_light_is_left_alone(name):
     """Just outside the outermost rays there is no force, just inside there is one."""
-    scene = tweezer.load_scene(name).replace(beam={"torque": "thesis"})
+    scene = tweezer.load_scene(name).replace(
+        beam={"torque": "thesis"}, optics={"evaluator": "grid"}
+    )
     widest = np.arccos(grid(scene.lens, scene.beam, scene.medium).directions[2].min())
     distance = 4 * scene.bead.radius
     tangent = widest + np.arcsin(1 / 4)
@@ -194,14 +199,29 @@ def test_a_bead_beside_the_cone_of_light_is_left_alone(name):
             assert field.force_gradient.any() == lit
 
 
-def test_the_cone_cuts_off_no_ray_that_hits():
-    """At random places the sum equals the one without the shortcut (a cone of right angle)."""
-    scene = tweezer.load_scene("silica-1um")
+@pytest.mark.parametrize("divisions", [4, 25, 100])
+def test_no_tile_with_a_ray_that_hits_is_left_out(divisions):
+    """Every ray that hits by |u x p| < r is among those that are looked at, before and behind."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        beam={"divisions": divisions}, optics={"evaluator": "grid"}
+    )
+    rays = grid(scene.lens, scene.beam, scene.medium)
+    source, room = tiles(rays.directions, rays.powers), scratch()
     rng = np.random.default_rng(52)
-    positions = rng.normal(size=(2000, 3)) * 3 * scene.bead.radius
-    bound = light(scene)
-    whole = replace(bound, half_angle=np.pi / 2)
-    np.testing.assert_array_equal(bound.field(positions).force, whole.field(positions).force)
+    seen = np.empty((0, 3))
+    for position in rng.normal(size=(300, 3)) * rng.uniform(0.2, 8, (300, 1)):
+        hits = np.linalg.norm(np.cross(rays.directions.T, position), axis=1) < 1
+        looked_at = []
+        for first in range(0, source.spread_cos.size, TILES_AT_ONCE):
+            count = rays_near(source, first, *position, 1.0, room)
+            looked_at += list(room[[0, 1, 3], :count].T.tolist())
+        lit = {(u1, u2) for u1, u2, weight in looked_at if weight > 0}
+        assert {(u1, u2) for u1, u2, _ in rays.directions.T[hits]} <= lit
+        seen = np.vstack([seen, [hits.sum(), len(lit), hits.size]])
+    if divisions == 100:
+        far = seen[(seen[:, 0] > 0) & (seen[:, 0] < 0.02 * seen[:, 2])]
+        assert len(far) > 20
+        assert (far[:, 1] < 0.15 * far[:, 2]).all()  # and few that do not hit
 
 
 def test_light_pushes_a_bead_on_the_axis_along_itself():
@@ -226,7 +246,7 @@ def test_no_torque_by_default_and_no_rays_in_the_dark():
     scene = tweezer.load_scene("thesis-990nm")
     assert not tweezer.optical_torque(scene, [3e-7, 0, 0]).any()
     for dark in (scene.replace(beam={"power": 0}), scene.replace(forces={"optical": False})):
-        assert light(dark).strengths.size == 0
+        assert light(dark).source is None
         assert not tweezer.optical_force(dark, [3e-7, 0, 0]).any()
 
 
@@ -240,3 +260,21 @@ def test_shapes_in_and_out():
     for bad in ([1.0, 2.0], 3.0, [[np.nan, 0, 0]], [np.inf, 0, 0]):
         with pytest.raises(ValueError, match="positions must"):
             tweezer.optical_force(scene, bad)
+
+
+def test_ray_optics_for_a_small_bead_is_one_warning():
+    """Once in a program, whatever is asked of however many scenes."""
+    light.cache_clear()
+    _warn_once.cache_clear()
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("default")
+        scene = tweezer.load_scene("silica-1um")
+        for evaluator in ("quadrature", "grid"):
+            other = scene.replace(optics={"evaluator": evaluator})
+            tweezer.optical_force(other, [0.0, 0.0, 0.0])
+        with warnings.catch_warnings():  # forgets what was said
+            tweezer.simulate(other, duration=1e-6)
+        large = scene.replace(bead={"diameter": "12 um"})
+        tweezer.optical_force(large, [0.0, 0.0, 0.0])
+    assert [warning.category for warning in said] == [tweezer.PhysicsWarning]
+    assert "wavelengths across" in str(said[0].message)

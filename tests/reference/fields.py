@@ -24,6 +24,7 @@ class LinearTrap:
             np.tile(self.constant_moment, (n, 1)),
             np.tile(-self.stiffness * np.eye(3), (gradients, 1, 1)),
             np.zeros((gradients, 3, 3)),
+            np.zeros(n),
         )
 
 

@@ -14,6 +14,8 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
     """Derived variables over the `time` of `run`, which holds position and velocity.
 
     * optical_force: force of the light (3.26), N
+    * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
+      distance to the quadrature, N
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
     * speed; terminal_speed: |net_force|/beta_v (5.2), m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
@@ -25,8 +27,11 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
     bead = bead_properties(scene)
     weight = xr.DataArray(np.array(bead.weight), dims="axis")
     position, velocity = run["position"], run["velocity"]
-    force = light(scene).field(np.ascontiguousarray(position.values)).force
-    optical_force = position.copy(data=force)
+    places = np.ascontiguousarray(position.values)
+    bound = light(scene)
+    field = bound.field(places)
+    optical_force = position.copy(data=field.force)
+    force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field))
     net_force = optical_force + weight
     speed = _length(velocity)
     kinetic = 0.5 * bead.mass * speed**2
@@ -37,6 +42,7 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
     medium, r = scene.medium, scene.bead.radius
     quantities = {
         "optical_force": (optical_force, "N", "force of the light"),
+        "force_error": (force_error, "N", "error of the force of the light"),
         "net_force": (net_force, "N", "net motion force, all forces but drag"),
         "speed": (speed, "m/s", "speed"),
         "terminal_speed": (_length(net_force) / bead.drag, "m/s", "terminal speed"),

@@ -1,23 +1,37 @@
 """The force of focused light on the bead, by ray optics."""
 
+from tweezer.optics.beam import (
+    Cone,
+    cone,
+    fraction_through_pupil,
+    ray_optics_caveat,
+    total_power,
+)
 from tweezer.optics.light import (
     Field,
     Light,
+    force_map,
     light,
     optical_force,
     optical_jacobian,
     optical_torque,
 )
-from tweezer.optics.rays import fraction_through_pupil, grid, total_power
+from tweezer.optics.rays import grid
+from tweezer.optics.table import Table
 
 __all__ = [
+    "Cone",
     "Field",
     "Light",
+    "Table",
+    "cone",
+    "force_map",
     "fraction_through_pupil",
     "grid",
     "light",
     "optical_force",
     "optical_jacobian",
     "optical_torque",
+    "ray_optics_caveat",
     "total_power",
 ]

@@ -1,8 +1,11 @@
 """The sum over rays (3.26), compiled from the emitted ray.
 
+One kernel for every way to choose the rays: the thesis's grid, or the rules of a quadrature.
+It fills the rays that may hit the bead into scratch, sums them, and asks for more.
+
 Numba keys its cache on a function's own bytes and on the values in its closure, not on the
-functions it calls by name. So each kernel closes over a digest of the emitted ray: after
-`generated/ray.py` changes, no kernel compiled from the old one is found.
+functions it calls by name. So each kernel closes over a digest of the modules it calls: after one
+of them changes, no kernel compiled from the old one is found.
 """
 
 from __future__ import annotations
@@ -14,128 +17,465 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numba import njit
+from numba import literally, njit
 
 from generated import ray
+from tweezer.optics import culling, quadrature
+from tweezer.optics.culling import TILES_AT_ONCE, rays_near
+from tweezer.optics.quadrature import (
+    ARCS,
+    AZIMUTHS,
+    COLUMNS,
+    DG_OF,
+    DISC,
+    DQ_OF,
+    FORCE,
+    G_OF,
+    KIND,
+    LEVEL,
+    LEVELS,
+    MOST_PANELS,
+    Q_OF,
+    RATE_AZIMUTH,
+    RATE_X,
+    S_OF,
+    U1,
+    U2,
+    U3,
+    WEIGHT,
+    more_nodes,
+    place_of,
+    rays_of,
+    rules_of,
+    scratch,
+    tails,
+    unknown_light,
+)
 
 Kernel = Callable[..., None]
 
-
-#: digest of the source that `ray` was imported from, taken at once: by the first call of a kernel
-#: the file may have changed under a running program
-_EMITTED = hashlib.sha256(inspect.getsource(ray).encode()).hexdigest()
+#: digest of the sources of what the kernels call, taken at once: by the first call of a kernel a
+#: file may have changed under a running program
+_CALLED = hashlib.sha256(
+    "".join(inspect.getsource(module) for module in (ray, culling, quadrature)).encode()
+).hexdigest()
 
 #: cos^2 of refraction below which a ray counts as totally reflected: rounding cannot then put a
 #: negative number under the root, and Q is continuous there
 TOTAL_REFLECTION = 1e-15
+#: rays up to this close to grazing are summed; nearer they exert nothing, their rates are infinite
+_GRAZING = 1.0 - 1e-16
+#: A force below this part of the largest counts as vanishing. The largest is taken as the strength
+#: of the light times the contrast 5 |1 - n_m/n_P|, where that is below 1
+VANISHING = 3e-7
+#: no estimate of an error is believed below this part of the tolerance
+TRUSTED = 0.01
+#: The error of rings and of arcs is taken as factor * tail^power of their size, tail their largest
+#: last coefficient: Gauss and the trapezoid rule err by the coefficients near twice the last one
+#: they tell. Found by comparison with tighter rules; (along x or azimuth, factor and power)
+_ERROR_OF_RINGS = ((2.5, 1.75), (10.0, 2.0))
+_ERROR_OF_ARCS = ((6.0, 1.6), (1.5, 1.75))
 
 
-@njit(cache=True)
-def _outside_every_ray(q1, q2, q3, half_angle, radius):  # type: ignore[no-untyped-def]
-    """Whether the bead lies beside the double cone that holds every ray."""
-    lateral = math.hypot(q1, q2)
-    beside = math.atan2(lateral, abs(q3)) - half_angle
-    # the axis of the nearest ray passes the centre at distance * sin(beside), or more
-    return beside > 0.0 and math.hypot(lateral, q3) * math.sin(beside) > radius
+@njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _efficiencies(  # type: ignore[no-untyped-def]
+    room, n, count, n_mP, averaged, denser_medium, gradient
+):
+    """Efficiencies of the n rings, and of all their rays: once for each ring."""
+    literally(averaged)
+    literally(denser_medium)
+    literally(gradient)
+    S_of = room[S_OF]
+    Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
+    for i in range(n):
+        S = min(S_of[i], _GRAZING)
+        if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
+            if gradient:
+                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.total_reflection_rates(S)
+            else:
+                Q_of[i], G_of[i] = ray.total_reflection(S)
+        elif averaged:
+            if gradient:
+                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.averaged_reflectance_rates(S, n_mP)
+            else:
+                Q_of[i], G_of[i] = ray.averaged_reflectance(S, n_mP)
+        elif gradient:
+            Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.circular_rates(S, n_mP)
+        else:
+            Q_of[i], G_of[i] = ray.circular(S, n_mP)
+    for at in range(n, count, n):
+        for i in range(n):
+            Q_of[at + i] = Q_of[i]
+            G_of[at + i] = G_of[i]
+            if gradient:
+                dQ_of[at + i] = dQ_of[i]
+                dG_of[at + i] = dG_of[i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
+    factor, power = (_ERROR_OF_ARCS if kind == ARCS else _ERROR_OF_RINGS)[direction]
+    return factor * min(tail, 1.0) ** power
+
+
+# not cached by itself: it calls another file, and is cached with the kernels that call it
+@njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _add_up(  # type: ignore[no-untyped-def]
+    room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
+    by_grid, averaged, linear, denser_medium, gradient, moment, in_rings,
+):  # fmt: skip
+    """Force, size, moment and gradients of the first `count` rays of `room`.
+
+    Compiled once for each set of flags, apart from what calls it: inside a large function the
+    compiler does not vectorise the loop.
+    """
+    literally(by_grid)
+    literally(averaged)
+    literally(linear)
+    literally(denser_medium)
+    literally(gradient)
+    literally(moment)
+    literally(in_rings)
+    Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
+    u1_of, u2_of, u3_of, weight, force_of = room[U1], room[U2], room[U3], room[WEIGHT], room[FORCE]
+    f1 = f2 = f3 = size = 0.0
+    m1 = m2 = m3 = 0.0
+    j11 = j12 = j13 = j21 = j22 = j23 = j31 = j32 = j33 = 0.0
+    k11 = k12 = k13 = k21 = k22 = k23 = k31 = k32 = k33 = 0.0
+    for i in range(count):
+        u1, u2, u3 = u1_of[i], u2_of[i], u3_of[i]
+        n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
+        w = weight[i] if S < 1.0 else 0.0
+        S = min(S, _GRAZING)
+        dQ_sc = dG = 0.0
+        if in_rings:
+            Q_sc, G = Q_of[i], G_of[i]
+            if gradient:
+                dQ_sc, dG = dQ_of[i], dG_of[i]
+        elif denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
+            if gradient:
+                Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
+            else:
+                Q_sc, G = ray.total_reflection(S)
+            X = dX = Y = dY = 0.0
+        else:
+            if averaged:
+                if gradient:
+                    Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
+                else:
+                    Q_sc, G = ray.averaged_reflectance(S, n_mP)
+            elif gradient:
+                Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
+            else:
+                Q_sc, G = ray.circular(S, n_mP)
+            if linear:
+                if gradient:
+                    X, dX, Y, dY = ray.split_rates(S, n_mP)
+                else:
+                    X, Y = ray.split(S, n_mP)
+        if linear:
+            E1, E2, E3, H1, H2, H3 = ray.electric_field(u1, u2, u3, a_re, a_im, b_re, b_im)
+            sigma = ray.polarisation(u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3)
+            Q_sc += sigma * X
+            G += sigma * Y
+            if gradient:
+                dQ_sc += sigma * dX
+                dG += sigma * dY
+        F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
+        F1 *= w
+        F2 *= w
+        F3 *= w
+        f1 += F1
+        f3 += F3
+        if by_grid or linear:
+            f2 += F2
+        if not by_grid:
+            # one number that no symmetry makes vanish
+            F = F1 + 0.6180339887498949 * F3
+            if linear:
+                F += 0.3819660112501051 * F2
+            force_of[i] = F
+            size += abs(F1) + abs(F3)
+        if moment:
+            cos_alpha = math.sqrt(1.0 - S)
+            M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G)
+            m1 += w * M1
+            m2 += w * M2
+            m3 += w * M3
+        if gradient:
+            J11, J12, J13, J21, J22, J23, J31, J32, J33 = ray.gradient_of_force(
+                u1, u2, u3, n1, n2, n3, radius, Q_sc, dQ_sc, G, dG
+            )
+            if linear:
+                d1, d2, d3 = ray.gradient_of_polarisation(
+                    u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3
+                )
+                T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_force(
+                    u1, u2, u3, n1, n2, n3, radius, X, Y, d1, d2, d3
+                )
+                J11 += T11
+                J12 += T12
+                J13 += T13
+                J21 += T21
+                J22 += T22
+                J23 += T23
+                J31 += T31
+                J32 += T32
+                J33 += T33
+            j11 += w * J11
+            j13 += w * J13
+            j22 += w * J22
+            j31 += w * J31
+            j33 += w * J33
+            if by_grid or linear:
+                j12 += w * J12
+                j21 += w * J21
+                j23 += w * J23
+                j32 += w * J32
+            if moment:
+                K11, K12, K13, K21, K22, K23, K31, K32, K33 = (
+                    ray.gradient_of_moment(
+                        u1, u2, u3, n1, n2, n3, radius, cos_alpha,
+                        Q_sc, dQ_sc, G, dG,
+                    )
+                )  # fmt: skip
+                if linear:
+                    T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_moment(
+                        u1, u2, u3, n1, n2, n3, cos_alpha, X, Y, d1, d2, d3
+                    )
+                    K11 += T11
+                    K12 += T12
+                    K13 += T13
+                    K21 += T21
+                    K22 += T22
+                    K23 += T23
+                    K31 += T31
+                    K32 += T32
+                    K33 += T33
+                k12 += w * K12
+                k21 += w * K21
+                k23 += w * K23
+                k32 += w * K32
+                if by_grid or linear:
+                    k11 += w * K11
+                    k13 += w * K13
+                    k22 += w * K22
+                    k31 += w * K31
+                    k33 += w * K33
+    return (
+        f1, f2, f3, size, m1, m2, m3,
+        j11, j12, j13, j21, j22, j23, j31, j32, j33,
+        k11, k12, k13, k21, k22, k23, k31, k32, k33,
+    )  # fmt: skip
 
 
 @functools.cache
-def kernel(*, averaged: bool, denser_medium: bool, gradient: bool, moment: bool) -> Kernel:
+def kernel(
+    *, by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
+) -> Kernel:
     """The sum over rays for one kind of scene; what the scene does not need is not compiled in.
 
-    averaged: efficiencies with the averaged reflectance (3.17), in place of averaged Q.
+    by_grid: rays in `Tiles`, else of a `Rule`. light: polarisation, as `Beam.polarisation`.
     denser_medium: n_P < n_m, so that rays may be totally reflected.
     gradient: also derivatives over the position. moment: also the moment (3.25).
 
     The kernel has the signature
-    `(positions, directions, strengths, half_angle, radius, n_mP, force, moment, force_gradient,
-    moment_gradient)`: positions (n, 3) m, directions (3, rays), strengths n_m P_i/c (rays,) N,
-    half_angle of the cone that holds all directions, and results (n, 3) N, (n, 3) N m,
-    (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked for stay untouched.
+    `(positions, source, radius, n_mP, jones, force, moment, force_gradient, moment_gradient,
+    error)`: positions (n, 3) m, the source of rays, the Jones vector (4,) as (re, im) pairs, and
+    results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N and (n,) N, of which the ones not
+    asked for stay untouched. The grid has no error of its own to tell: 0.
     """
-    return _compile(_EMITTED, averaged, denser_medium, gradient, moment)
+    return _compile(_CALLED, by_grid, light, denser_medium, gradient, moment)
 
 
 def _compile(
-    digest: str, averaged: bool, denser_medium: bool, gradient: bool, moment: bool
+    digest: str, by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
 ) -> Kernel:
+    averaged, linear = light == "averaged-reflectance", light == "linear"
+
     @njit(
-        cache=True, error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"}
+        cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}
     )  # what a sum may do; NaN and infinity keep their meaning
     def sum_over_rays(  # type: ignore[no-untyped-def]
         positions,
-        directions,
-        strengths,
-        half_angle,
+        source,
         radius,
         n_mP,
+        jones,
         force_out,
         moment_out,
         force_gradient_out,
         moment_gradient_out,
+        error_out,
     ):
         _ = digest
-        u = np.empty(3)
-        n = np.empty(3)
-        of_ray = np.empty((3, 3))
+        room = scratch()
+        rules = np.empty((MOST_PANELS, COLUMNS))
+        found = np.empty((MOST_PANELS, 24))  # sums of each rule
+        errors = np.empty((MOST_PANELS, 2))  # along x, and in the azimuth
+        sizes = np.empty(MOST_PANELS)
+        due = np.empty(MOST_PANELS, np.bool_)
+        a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
+        least = 0.0
+        if not by_grid:
+            least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
         for at in range(positions.shape[0]):
-            q1, q2, q3 = positions[at, 0], positions[at, 1], positions[at, 2]
-            f1 = f2 = f3 = 0.0
-            m1 = m2 = m3 = 0.0
-            if gradient:
-                force_gradient_out[at] = 0.0
-                if moment:
-                    moment_gradient_out[at] = 0.0
-            if _outside_every_ray(q1, q2, q3, half_angle, radius):
-                force_out[at] = 0.0
-                if moment:
-                    moment_out[at] = 0.0
-                continue
-            for i in range(strengths.size):
-                u1, u2, u3 = directions[0, i], directions[1, i], directions[2, i]
-                n1, n2, n3, S = ray.impact(u1, u2, u3, q1, q2, q3, radius)
-                if S >= 1.0:
-                    continue
-                dQ_sc = dG = 0.0
-                if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
-                    if gradient:
-                        Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
+            p1, p2, p3 = positions[at, 0], positions[at, 1], positions[at, 2]
+            cosine, sine = 1.0, 0.0
+            if not by_grid:
+                # the frame with the bead at (lateral, 0, axial)
+                lateral = math.hypot(p1, p2)
+                if lateral > 0.0:
+                    cosine, sine = p1 / lateral, p2 / lateral
+                p1, p2 = lateral, 0.0
+                place = place_of(lateral, p3, radius)
+                many = rules_of(place, source, n_mP, rules)
+                for k in range(many):
+                    due[k] = True
+            else:
+                many = (source.spread_cos.size - 1) // TILES_AT_ONCE + 1
+                found[0] = 0.0
+            if linear:
+                a_re = cosine * jones[0] + sine * jones[2]
+                a_im = cosine * jones[1] + sine * jones[3]
+                b_re = cosine * jones[2] - sine * jones[0]
+                b_im = cosine * jones[3] - sine * jones[1]
+            error = whole = 0.0
+            full = not by_grid and many > 0 and rules[0, KIND] == DISC  # whose weights are full
+            while True:
+                for k in range(many):
+                    if by_grid:
+                        count = rays_near(source, k * TILES_AT_ONCE, p1, p2, p3, radius, room)
+                        if count == 0:
+                            continue
                     else:
-                        Q_sc, G = ray.total_reflection(S)
-                elif averaged:
-                    if gradient:
-                        Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
+                        if not due[k]:
+                            continue
+                        due[k] = False
+                        count = rays_of(place, source, rules, k, full, room, linear)
+                    if by_grid or linear or rules[k, KIND] == DISC:
+                        sums = _add_up(
+                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
+                            by_grid, averaged, linear, denser_medium, gradient, moment, False,
+                        )  # fmt: skip
                     else:
-                        Q_sc, G = ray.averaged_reflectance(S, n_mP)
-                elif gradient:
-                    Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
-                else:
-                    Q_sc, G = ray.circular(S, n_mP)
-                strength = strengths[i]
-                F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
-                f1 += strength * F1
-                f2 += strength * F2
-                f3 += strength * F3
-                if moment:
-                    cosine = math.sqrt(1.0 - S)
-                    M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cosine, Q_sc, G)
-                    m1 += strength * M1
-                    m2 += strength * M2
-                    m3 += strength * M3
-                if gradient:
-                    u[0], u[1], u[2] = u1, u2, u3
-                    n[0], n[1], n[2] = n1, n2, n3
-                    ray.gradient_of_force(u, n, radius, Q_sc, dQ_sc, G, dG, of_ray)
-                    for j in range(3):
-                        for k in range(3):
-                            force_gradient_out[at, j, k] += strength * of_ray[j, k]
+                        n = LEVELS[int(rules[k, LEVEL])]
+                        _efficiencies(room, n, count, n_mP, averaged, denser_medium, gradient)
+                        sums = _add_up(
+                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
+                            by_grid, averaged, linear, denser_medium, gradient, moment, True,
+                        )  # fmt: skip
+                    (
+                        f1, f2, f3, size, m1, m2, m3,
+                        j11, j12, j13, j21, j22, j23, j31, j32, j33,
+                        k11, k12, k13, k21, k22, k23, k31, k32, k33,
+                    ) = sums  # fmt: skip
+                    if not (by_grid or linear):
+                        m1 = m3 = 0.0  # the other half of the rays
+                    of_rule = found[0 if by_grid else k]
+                    if not by_grid:
+                        of_rule[:] = 0.0
+                    of_rule[0] += f1
+                    of_rule[1] += f2
+                    of_rule[2] += f3
                     if moment:
-                        ray.gradient_of_moment(u, n, radius, cosine, Q_sc, dQ_sc, G, dG, of_ray)
-                        for j in range(3):
-                            for k in range(3):
-                                moment_gradient_out[at, j, k] += strength * of_ray[j, k]
-            force_out[at, 0], force_out[at, 1], force_out[at, 2] = f1, f2, f3
+                        of_rule[3] += m1
+                        of_rule[4] += m2
+                        of_rule[5] += m3
+                    if gradient:
+                        for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
+                            of_rule[6 + c] += value
+                    if gradient and moment:
+                        for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
+                            of_rule[15 + c] += value
+                    if not by_grid:
+                        sizes[k] = size
+                        errors[k, 0] = errors[k, 1] = 0.0
+                        if size > 0.0:
+                            kind = int(rules[k, KIND])
+                            along, around = tails(source, rules, k, room, linear)
+                            if kind == DISC:  # the coefficients fall as its ellipses tell
+                                n, m = LEVELS[int(rules[k, LEVEL])], rules[k, AZIMUTHS]
+                                errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
+                                errors[k, 0] += source.aliased[int(rules[k, LEVEL])]
+                                errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
+                            else:
+                                errors[k, 0] = size * _estimate(along / size, kind, 0)
+                                errors[k, 1] = size * _estimate(around / size, kind, 1)
+                if by_grid:
+                    break
+                f1 = f2 = f3 = 0.0
+                unknown = unknown_light(place, source, full) if many > 0 else 0.0
+                error = unknown
+                for k in range(many):
+                    f1 += found[k, 0]
+                    f2 += found[k, 1]
+                    f3 += found[k, 2]
+                    error += errors[k, 0] + errors[k, 1]
+                whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
+                if error <= source.tolerance * whole:
+                    break
+                # what of the light is missing, which rules miss their part, and by how many digits
+                again = not full and unknown > 0.1 * source.tolerance * whole
+                if again:
+                    full = True
+                    for k in range(many):
+                        due[k] = True
+                target = source.tolerance * whole / (2 * many)
+                for k in range(many):
+                    if errors[k, 0] + errors[k, 1] > 2.0 * target:
+                        wanted = math.log(max(sizes[k], target) / target)
+                        along = 0.0
+                        if errors[k, 0] > target:
+                            along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
+                        around = 0.0
+                        if errors[k, 1] > target:
+                            around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
+                        if more_nodes(rules, k, along, around):
+                            due[k] = again = True
+                if not again:
+                    break
+
+            total = found[0]
+            if not by_grid:
+                if many == 0:
+                    total[:] = 0.0
+                for k in range(1, many):
+                    for c in range(24):
+                        total[c] += found[k, c]
+            if not by_grid:
+                error_out[at] = error
+                if many > 0:
+                    error_out[at] = max(error, TRUSTED * source.tolerance * whole)
+                if p1 == 0.0 and not linear:
+                    total[0] = 0.0  # on the axis, exactly
+                    total[4] = 0.0
+                    total[8] = total[12] = 0.0
+            # turned back into the frame of the scene
+            force_out[at, 0] = cosine * total[0] - sine * total[1]
+            force_out[at, 1] = sine * total[0] + cosine * total[1]
+            force_out[at, 2] = total[2]
             if moment:
-                moment_out[at, 0], moment_out[at, 1], moment_out[at, 2] = m1, m2, m3
+                moment_out[at, 0] = cosine * total[3] - sine * total[4]
+                moment_out[at, 1] = sine * total[3] + cosine * total[4]
+                moment_out[at, 2] = total[5]
+            if gradient:
+                _turned(total[6:15], cosine, sine, force_gradient_out[at])
+                if moment:
+                    _turned(total[15:24], cosine, sine, moment_gradient_out[at])
 
     return sum_over_rays
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
+    """R J R^T for a turn about z."""
+    half = np.empty(9)
+    for j in range(3):
+        half[j] = cosine * matrix[j] - sine * matrix[3 + j]
+        half[3 + j] = sine * matrix[j] + cosine * matrix[3 + j]
+        half[6 + j] = matrix[6 + j]
+    for i in range(3):
+        out[i, 0] = cosine * half[3 * i] - sine * half[3 * i + 1]
+        out[i, 1] = sine * half[3 * i] + cosine * half[3 * i + 1]
+        out[i, 2] = half[3 * i + 2]

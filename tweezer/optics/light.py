@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
-import math
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tweezer.optics.kernels import Kernel, kernel
-from tweezer.optics.rays import Rays, grid
-from tweezer.scene import Scene
+from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.optics.beam import Cone, cone, ray_optics_caveat
+from tweezer.optics.culling import Tiles, tiles
+from tweezer.optics.kernels import VANISHING, kernel
+from tweezer.optics.quadrature import Rule, rule
+from tweezer.optics.rays import grid
+from tweezer.optics.table import Table, stored
+from tweezer.optics.tabulate import Progress
+from tweezer.scene import NO_MAP, Scene
 
 Array = NDArray[np.float64]
 
 SPEED_OF_LIGHT = 299792458.0
 """c, m/s (Table B.1)"""
+
+#: an estimated error of so many tolerances is told
+MISSED = 2.0
 
 
 @dataclass(frozen=True)
@@ -31,19 +41,43 @@ class Field:
     """(n, 3, 3) N/m, [i, j] = dF_i/dx_j"""
     moment_gradient: Array
     """(n, 3, 3) N, [i, j] = dM_i/dx_j"""
+    error: Array
+    """(n,) N, of the force: estimated, or the map's certificate; NaN for the grid: it tells none"""
 
 
 @dataclass(frozen=True)
 class Light:
-    """The sum over the rays of a scene; no rays at all is darkness."""
+    """The light of a scene and what gives its force; no source is darkness."""
 
-    directions: Array
-    strengths: Array
-    half_angle: float
+    source: Tiles | Rule | Table | None
+    cone: Cone
+    momentum_per_energy: float
+    """n_m/c, s/m, of the rays"""
     radius: float
     index_ratio: float
-    averaged: bool
+    polarisation: str
+    jones: Array
     torque: bool
+    tolerance: float
+    """relative, of the quadrature that stands in where a table does not reach, and that the error
+    of the grid is told by"""
+
+    @property
+    def evaluator(self) -> str:
+        """What gives the force: "grid", "quadrature", "map", or "dark"."""
+        match self.source:
+            case None:
+                return "dark"
+            case Tiles():
+                return "grid"
+            case Rule():
+                return "quadrature"
+        return "map"
+
+    @property
+    def strength(self) -> float:
+        """n_m P/c of all rays, N."""
+        return self.momentum_per_energy * self.cone.power
 
     def field(self, positions: Array, *, gradient: bool = False) -> Field:
         """Force and moment at `positions` (n, 3) m from the focus, and their gradients if asked.
@@ -57,59 +91,142 @@ class Light:
             np.zeros((n, 3)),
             np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)),
+            np.full(n, np.nan) if self.evaluator == "grid" else np.zeros(n),
         )
-        if self.strengths.size:
-            self._kernel(gradient)(
-                positions,
-                self.directions,
-                self.strengths,
-                self.half_angle,
-                self.radius,
-                self.index_ratio,
-                field.force,
-                field.moment,
-                field.force_gradient,
-                field.moment_gradient,
+        if isinstance(self.source, Table):
+            self._read(self.source, positions, field, gradient)
+        elif self.source is not None:
+            compiled = kernel(
+                by_grid=isinstance(self.source, Tiles),
+                light=self.polarisation,
+                denser_medium=self.index_ratio > 1,
+                gradient=gradient,
+                moment=self.torque,
             )
+            compiled(
+                positions, self.source, self.radius, self.index_ratio, self.jones,
+                field.force, field.moment, field.force_gradient, field.moment_gradient,
+                field.error,
+            )  # fmt: skip
         return field
 
-    def _kernel(self, gradient: bool) -> Kernel:
-        return kernel(
-            averaged=self.averaged,
-            denser_medium=self.index_ratio > 1,
-            gradient=gradient,
-            moment=self.torque,
+    def error_of(self, positions: Array, field: Field) -> Array:
+        """Error of the force of `field`, which is this light's at `positions`, (n,) N.
+
+        The sum over the thesis's grid tells none: its error is the distance to the quadrature.
+        """
+        if self.evaluator != "grid":
+            return field.error
+        exact = self.by_quadrature(self.tolerance).field(positions)
+        return np.linalg.norm(field.force - exact.force, axis=1) + exact.error
+
+    def by_quadrature(self, tolerance: float) -> Light:
+        """The same light, its force by the quadrature to that relative tolerance."""
+        source = rule(
+            self.cone.half_angle,
+            self.momentum_per_energy * self.cone.series,
+            self.strength,
+            tolerance,
         )
+        return dataclasses.replace(self, source=source)
+
+    @functools.cached_property
+    def _beyond(self) -> Light:
+        """What gives the force where a table does not reach."""
+        return self.by_quadrature(self.tolerance)
+
+    def _read(self, table: Table, positions: Array, field: Field, gradient: bool) -> None:
+        """Fill `field` from the table, and beyond its range by the quadrature."""
+        outside = table.read(
+            positions, field.force, field.moment, field.force_gradient, field.moment_gradient,
+            gradient=gradient,
+        )  # fmt: skip
+        field.error[:] = table.certified_error
+        if outside.any():
+            beyond = self._beyond.field(positions[outside], gradient=gradient)
+            field.force[outside] = beyond.force
+            field.moment[outside] = beyond.moment
+            if gradient:
+                field.force_gradient[outside] = beyond.force_gradient
+                field.moment_gradient[outside] = beyond.moment_gradient
+            field.error[outside] = beyond.error
 
 
 @functools.lru_cache(maxsize=16)
 def light(scene: Scene) -> Light:
-    """The light of `scene`: no rays if it is off."""
-    rays = (
-        grid(scene.lens, scene.beam, scene.medium)
-        if scene.lit
-        else Rays(np.empty((3, 0)), np.empty(0))
-    )
+    """The light of `scene`, with the evaluator that its `optics` section names.
+
+    The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
+    (`PhysicsWarning`) of what ray optics is worth for a small bead: see `ray_optics_caveat`.
+    """
+    if (caveat := ray_optics_caveat(scene)) is not None:
+        _warn_once(caveat)
+    dark = _dark(scene)
+    if not scene.lit:
+        return dark
+    if scene.optics.evaluator == "grid":
+        rays = grid(scene.lens, scene.beam, scene.medium)
+        source = tiles(rays.directions, dark.momentum_per_energy * rays.powers)
+        return dataclasses.replace(dark, source=source)
+    if scene.optics.evaluator == "map":
+        return dataclasses.replace(dark, source=force_map(scene))
+    return dark.by_quadrature(scene.optics.tolerance)
+
+
+@functools.cache
+def _warn_once(text: str) -> None:
+    """Once in a program, whatever becomes of its filters."""
+    warnings.warn(text, PhysicsWarning, stacklevel=3)
+
+
+def _dark(scene: Scene) -> Light:
+    """The light of `scene`, without what gives its force."""
     n_m = scene.medium.refractive_index
+    jones = scene.beam.jones or ((0.0, 0.0), (0.0, 0.0))
     return Light(
-        directions=rays.directions,
-        strengths=n_m * rays.powers / SPEED_OF_LIGHT,
-        half_angle=math.acos(rays.directions[2].min(initial=1.0)),
+        source=None,
+        cone=cone(scene),
+        momentum_per_energy=n_m / SPEED_OF_LIGHT,
         radius=scene.bead.radius,
         index_ratio=n_m / scene.bead.refractive_index,
-        averaged=scene.beam.polarisation == "averaged-reflectance",
+        polarisation=scene.beam.polarisation,
+        jones=np.array(jones).ravel(),
         torque=scene.beam.torque == "thesis",
+        tolerance=scene.optics.tolerance,
     )
+
+
+def force_map(scene: Scene, progress: Progress | None = None) -> Table:
+    """The table of the force of a scene's light: from the user's cache folder, or made and kept.
+
+    It reaches `optics.table_range` radii from the focus, and is made to `optics.table_tolerance`
+    of the largest force there. progress: called with the part done, 0 to 1, while it is made; a
+    second process that wants the same table waits for the first. One table serves every power of
+    the light, and all scenes that differ in scale alone.
+
+    Raises `SceneError` for a scene without light, or with linear polarisation. Warns if the
+    tolerance is not reached (`PhysicsWarning`): `Table.certified_error` is what is. Warns if the
+    file is damaged, and it is made again, or if it cannot be written.
+    """
+    dark = _dark(scene)
+    if not scene.lit:
+        raise SceneError("optics.evaluator = 'map': there is no light to map the force of")
+    if scene.beam.polarisation == "linear":
+        raise SceneError(NO_MAP)
+    in_radii = dataclasses.replace(dark, radius=1.0, momentum_per_energy=1 / dark.cone.power)
+    made, path = stored(in_radii, scene.optics, progress)
+    return Table(made, dark.radius, dark.strength, path)
 
 
 def optical_force(scene: Scene, positions: ArrayLike) -> Array:
     """Force of the light on the bead (3.26), N.
 
     positions: (..., 3) m from the focus, z along the light. Returns (..., 3).
-    Raises `ValueError` for another shape or a position that is not finite.
+    Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
+    where the quadrature misses its tolerance; `light(scene).field` tells by how much.
     """
-    points, shape = _points(positions)
-    return light(scene).field(points).force.reshape(shape)
+    field, shape = _field(scene, positions)
+    return field.force.reshape(shape)
 
 
 def optical_jacobian(scene: Scene, positions: ArrayLike) -> Array:
@@ -119,8 +236,8 @@ def optical_jacobian(scene: Scene, positions: ArrayLike) -> Array:
     `optical_force`. Of the sum over the grid's rays: rays that begin or cease to hit the bead
     make that sum jump, and the jumps are not in its derivative.
     """
-    points, shape = _points(positions)
-    return light(scene).field(points, gradient=True).force_gradient.reshape((*shape, 3))
+    field, shape = _field(scene, positions, gradient=True)
+    return field.force_gradient.reshape((*shape, 3))
 
 
 def optical_torque(scene: Scene, positions: ArrayLike) -> Array:
@@ -131,14 +248,29 @@ def optical_torque(scene: Scene, positions: ArrayLike) -> Array:
     its angular momentum as it was. With "thesis" the moment (3.25). Raises `ValueError` as
     `optical_force`.
     """
-    points, shape = _points(positions)
-    return light(scene).field(points).moment.reshape(shape)
+    field, shape = _field(scene, positions)
+    return field.moment.reshape(shape)
 
 
-def _points(positions: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+def _field(
+    scene: Scene, positions: ArrayLike, *, gradient: bool = False
+) -> tuple[Field, tuple[int, ...]]:
+    """What the light does at `positions` (..., 3), as at (n, 3), and their shape."""
     array = np.ascontiguousarray(positions, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("positions must be finite")
-    return array.reshape(-1, 3), array.shape
+    bound = light(scene)
+    field = bound.field(array.reshape(-1, 3), gradient=gradient)
+    if isinstance(bound.source, Rule):
+        size = np.maximum(np.linalg.norm(field.force, axis=1), VANISHING * bound.strength)
+        if (missed := field.error > MISSED * bound.tolerance * size).any():
+            worst = (field.error / size).max()
+            warnings.warn(
+                f"the quadrature misses optics.tolerance = {bound.tolerance:g} at {missed.sum()} "
+                f"of {missed.size} places: estimated errors reach {worst:.1g} of the force there",
+                PhysicsWarning,
+                stacklevel=3,
+            )
+    return field, array.shape

@@ -1,0 +1,306 @@
+"""The beam in the pupil, and the cone of light that the lens makes of it."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial import Chebyshev
+from numpy.typing import NDArray
+
+from tweezer.errors import SceneError
+from tweezer.scene import Beam, Lens, Medium, Scene
+
+Array = NDArray[np.float64]
+Profile = Callable[[Array], Array]
+
+#: rho^2/(2 sigma^2) beyond which a beam is cut: Gaussian and donut are below 1e-18 of their peak
+_DARK = 47.0
+#: smallest part of a beam that may pass the pupil
+_LEAST_FRACTION = 1e-100
+#: largest degree of a series; light then reaches at least 85 degrees off the axis
+LARGEST_DEGREE = 120
+
+#: wavelengths across a bead from which ray optics is taken as it is
+_RAY_OPTICS = 10.0
+#: below so many wavelengths across, how far ray optics is off near the focus
+_RAY_OPTICS_ERROR = (
+    (1.0, "by a factor of 2 or more"),
+    (2.0, "by tens of per cent"),
+    (_RAY_OPTICS, "by a few per cent"),
+)
+
+
+@dataclass(frozen=True)
+class Cone:
+    """The light behind the lens: it converges on the focus, symmetric about the axis."""
+
+    half_angle: float
+    """rad, polar angle of the outermost rays"""
+    series: Array
+    """Chebyshev coefficients of the power per solid angle, W/sr, over cos(theta) from
+    cos(half_angle), -1 of the series, to 1"""
+    power: float
+    """W, through the pupil"""
+    deviation: float
+    """largest difference between the series and the beam's profile, of the largest radiance; the
+    series of a table may dip below zero by as much"""
+
+    def radiance(self, cosine: Array) -> Array:
+        """Power per solid angle, W/sr, at polar angles of that cosine, within the cone."""
+        return np.asarray(Chebyshev(self.series)(1 - 2 * (1 - cosine) / _versine(self.half_angle)))
+
+
+def cone(scene: Scene) -> Cone:
+    """The cone of light of `scene`; a dark one if it has no light.
+
+    A ring of the pupil carries I(rho) 2 pi rho drho (3.3)-(3.5) into the polar angle theta(rho) of
+    the lens map, so the power per solid angle is I rho (drho/dtheta)/sin(theta): I f^2/cos^3(theta)
+    for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for rho = (R n_m/NA) sin(theta).
+
+    The cone ends where the beam does: at the rim of the pupil, where a table ends, or where the
+    intensity has fallen below 1e-18 of its peak. Raises `SceneError` for light so near to a right
+    angle with the axis, or a table so uneven, that no series of degree 120 describes it.
+    """
+    lens, beam, medium = scene.lens, scene.beam, scene.medium
+    if not scene.lit:
+        return Cone(_polar_angle(lens.radius, lens, medium), np.zeros(1), 0.0, 0.0)
+    power = total_power(lens, beam) * fraction_through_pupil(lens, beam)
+    shape = _shape_behind(lens, beam, medium)
+    return Cone(shape.half_angle, shape.series * power, power, shape.deviation)
+
+
+def total_power(lens: Lens, beam: Beam) -> float:
+    """P_t of (3.4), W: as given, or what it takes for the given power through the pupil.
+
+    Raises `SceneError` as `fraction_through_pupil`.
+    """
+    if beam.power is not None:
+        return beam.power
+    assert beam.power_through_pupil is not None
+    return beam.power_through_pupil / fraction_through_pupil(lens, beam)
+
+
+def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
+    """Part of the beam's power that passes the pupil of radius R.
+
+    With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t), and the donut (TEM*01, intensity
+    proportional to t exp(-t)) 1 - (1 + t) exp(-t), which is the incomplete gamma function P(2, t).
+    Raises `SceneError` for a table that leaves the pupil dark.
+    """
+    if beam.profile == "uniform":
+        return 1.0
+    if beam.profile == "table":
+        _, within = _interpolated(beam)
+        fraction = within(min(lens.radius, _outermost(beam))) / within(_outermost(beam))
+        if not fraction > _LEAST_FRACTION:
+            raise SceneError(
+                f"beam.profile_intensity: no light within lens.radius = {lens.radius:.3g} m"
+            )
+        return fraction
+    assert beam.sigma is not None
+    t = (lens.radius / beam.sigma) ** 2 / 2
+    if beam.profile == "gaussian":
+        return -math.expm1(-t)
+    from scipy.special import gammainc
+
+    return float(gammainc(2, t))
+
+
+def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
+    """Intensity I in the pupil, W/m^2, as a function of rho (m) up to the rim.
+
+    A table is what its series makes of it. Raises `SceneError` as `cone`.
+    """
+    total = total_power(lens, beam)
+    if beam.profile == "table":
+        power = total * fraction_through_pupil(lens, beam)
+        shape = _shape_behind(lens, beam, medium)
+        edge = min(lens.radius, _outermost(beam))
+
+        def of_series(rho: Array) -> Array:
+            sine, cosine = polar_sine_and_cosine(np.minimum(rho, edge), lens, medium)
+            y = 1 - 2 * sine**2 / (1 + cosine) / _versine(shape.half_angle)
+            radiance = power * Chebyshev(shape.series)(y)
+            return np.where(rho <= edge, radiance / _spread(cosine, lens, medium), 0.0)
+
+        return of_series
+    if beam.profile == "uniform":
+        return lambda rho: np.full_like(rho, total / (math.pi * lens.radius**2))
+    assert beam.sigma is not None
+    peak, profile = total / (2 * math.pi * beam.sigma**2), _profile(beam)
+    return lambda rho: np.asarray(peak * profile(rho))
+
+
+def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array, Array]:
+    """Sine and cosine of the angle to the axis of a ray from pupil radius `rho` (m).
+
+    `tan`: tan(theta) = rho/f, rays straight from the lens plane to the focus, as in (3.2).
+    `sine`: sin(theta) = (rho/R) NA/n_m, Abbe's sine condition.
+    """
+    if lens.map == "tan":
+        assert lens.focal_length is not None
+        hypotenuse = np.hypot(rho, lens.focal_length)
+        return rho / hypotenuse, lens.focal_length / hypotenuse
+    assert lens.numerical_aperture is not None
+    sine = rho / lens.radius * lens.numerical_aperture / medium.refractive_index
+    return sine, np.sqrt((1 - sine) * (1 + sine))
+
+
+def ray_optics_caveat(scene: Scene) -> str | None:
+    """One line on the error of ray optics for a bead below 10 wavelengths in the medium, or None.
+
+    The error is an order of magnitude, of the stiffness near the focus. It rests on exact (Mie)
+    stiffnesses of polystyrene in water at 1064 nm: at 500 nm, 0.6 wavelengths in the medium, they
+    differ from ray optics by factors of 2 (across) to 4 (along the axis), at 2 um, 2.5 wavelengths,
+    by 3 to 6 %. The exact stiffness also oscillates with size, and only its average over sizes
+    tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021, 2003). Light
+    that grazes the bead adds a term that falls only like (r/wavelength)^(-2/3).
+    """
+    wavelengths = 2 * scene.bead.radius * scene.medium.refractive_index / scene.beam.wavelength
+    if not scene.lit or wavelengths >= _RAY_OPTICS:
+        return None
+    error = next(error for limit, error in _RAY_OPTICS_ERROR if wavelengths < limit)
+    return (
+        f"the bead is {wavelengths:.2g} wavelengths across in the medium; below {_RAY_OPTICS:g}, "
+        f"ray optics is off {error} near the focus, and more where light grazes the bead"
+    )
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """A cone of light of 1 W."""
+
+    half_angle: float
+    series: Array
+    deviation: float
+
+
+@functools.lru_cache(maxsize=16)
+def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
+    edge = lens.radius
+    if beam.sigma is not None:
+        edge = min(edge, beam.sigma * math.sqrt(2 * _DARK))
+    elif beam.profile == "table":
+        edge = min(edge, _outermost(beam))
+    half_angle = _polar_angle(edge, lens, medium)
+    versine = _versine(half_angle)
+    profile = _profile(beam)
+
+    def radiance(y: Array) -> Array:
+        """Relative; from the rim at y = -1 to the axis at 1."""
+        # from 1 - cos(theta): cos(theta) itself would lose a narrow cone to rounding
+        below = versine * (1 - y) / 2
+        cosine = 1 - below
+        sine = np.sqrt(below * (1 + cosine))
+        rho = np.minimum(_pupil_radius(sine, cosine, lens, medium), edge)
+        return profile(rho) * _spread(cosine, lens, medium)
+
+    table = beam.profile == "table"
+    places = np.append(np.cos(np.linspace(0, np.pi, 4003)), _points(lens, beam, medium, versine))
+    left_out, allowed = (1e-5, 1e-2) if table else (3e-16, 1e-14)
+    series, deviation = _series(radiance, left_out=left_out, checked_at=places)
+    if deviation > allowed:
+        if table:
+            raise SceneError(
+                f"beam.profile_intensity: points too uneven; a series of degree {LARGEST_DEGREE} "
+                f"misses the profile by {100 * deviation:.3g} % of its peak, allowed: 1 %"
+            )
+        raise SceneError(
+            f"lens: the light reaches {math.degrees(half_angle):.5g} degrees off the axis, too "
+            f"near to 90 for a series of degree {LARGEST_DEGREE}"
+        )
+    power = math.pi * versine * Chebyshev(series).integ(lbnd=-1)(1.0)
+    return _Shape(half_angle, series / power, deviation)
+
+
+def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[Array, float]:
+    """Chebyshev coefficients of a function on [-1, 1], and how far they miss it, of its peak.
+
+    Up to the last coefficient above `left_out` of the peak.
+    """
+    exact = function(checked_at)
+    peak = exact.max()
+    # the interpolant in the extrema of T_n is a cosine transform; numpy's `interpolate`, which
+    # multiplies by a matrix, loses two digits at this degree
+    n = LARGEST_DEGREE
+    values = function(np.cos(np.pi * np.arange(n + 1) / n))
+    series = np.fft.rfft(np.append(values, values[-2:0:-1])).real / n
+    series[[0, -1]] /= 2
+    highest = np.flatnonzero(np.abs(series) > left_out * peak).max(initial=0)
+    series = series[: highest + 1]
+    return series, float(np.abs(Chebyshev(series)(checked_at) - exact).max() / peak)
+
+
+def _points(lens: Lens, beam: Beam, medium: Medium, versine: float) -> Array:
+    """Where the points of a table lie on the axis of the series."""
+    radii = np.array(beam.profile_radius or ())
+    sine, cosine = polar_sine_and_cosine(radii[radii <= lens.radius], lens, medium)
+    return 1 - 2 * sine**2 / (1 + cosine) / versine
+
+
+def _profile(beam: Beam) -> Profile:
+    """Relative intensity over rho."""
+    if beam.profile == "uniform":
+        return np.ones_like
+    if beam.profile == "table":
+        return _interpolated(beam)[0]
+    assert beam.sigma is not None
+    two_variances = 2 * beam.sigma**2
+    if beam.profile == "gaussian":
+        return lambda rho: np.exp(-(rho**2) / two_variances)
+    return lambda rho: rho**2 / two_variances * np.exp(-(rho**2) / two_variances)
+
+
+def _interpolated(beam: Beam) -> tuple[Profile, Callable[[float], float]]:
+    """Monotone cubics in rho^2 through the points of a table; and their power within rho.
+
+    Of relative intensity and power: the largest point is 1.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    assert beam.profile_radius is not None
+    points = np.asarray(beam.profile_intensity)
+    # in units of the outermost point: the squares of small lengths underflow
+    scale = _outermost(beam)
+    curve = PchipInterpolator((np.array(beam.profile_radius) / scale) ** 2, points / points.max())
+    total = curve.antiderivative()
+    return lambda rho: curve((rho / scale) ** 2), lambda rho: float(total((rho / scale) ** 2))
+
+
+def _outermost(beam: Beam) -> float:
+    assert beam.profile_radius is not None
+    return beam.profile_radius[-1]
+
+
+def _polar_angle(rho: float, lens: Lens, medium: Medium) -> float:
+    sine, cosine = polar_sine_and_cosine(np.array(rho), lens, medium)
+    return math.atan2(sine, cosine)
+
+
+def _pupil_radius(sine: Array, cosine: Array, lens: Lens, medium: Medium) -> Array:
+    """Pupil radius, m, of the ray at a polar angle."""
+    scale = _scale(lens, medium)
+    return scale * sine / cosine if lens.map == "tan" else scale * sine
+
+
+def _spread(cosine: Array, lens: Lens, medium: Medium) -> Array:
+    """Area of the pupil per solid angle behind it, m^2."""
+    scale = _scale(lens, medium)
+    return scale**2 / cosine**3 if lens.map == "tan" else scale**2 * cosine
+
+
+def _scale(lens: Lens, medium: Medium) -> float:
+    """f of the tan map, R n_m/NA of the sine map, m."""
+    if lens.map == "tan":
+        assert lens.focal_length is not None
+        return lens.focal_length
+    assert lens.numerical_aperture is not None
+    return lens.radius * medium.refractive_index / lens.numerical_aperture
+
+
+def _versine(angle: float) -> float:
+    return 2 * math.sin(angle / 2) ** 2

@@ -1,0 +1,819 @@
+"""Rays of a product rule that integrates over the cone of light with spectral convergence.
+
+The sum over rays (3.26) becomes an integral over directions u; a rule is a set of directions with
+weights, and its sum is done by the same kernel as the sum over the thesis's grid
+(`tweezer.optics.kernels`). Two kinds of rules, each n nodes in the cosine x of the angle to a pole
+by m in the azimuth about it:
+
+* the disc, about the beam's axis: Gauss-Legendre in x = cos(theta), trapezoid in the azimuth. For a
+  bead that every ray hits well inside its edge. The integrand is singular where cos(alpha) = 0, off
+  the real directions; how far off gives the rate of convergence, and so n and m, in advance.
+* rings, about the line from the focus to the bead: all rays at one angle g to that line meet the
+  bead at the same angle alpha, and
+
+      cos(alpha) = (d/r) sqrt(x^2 +- delta^2),  delta^2 = |1 - (r/d)^2|,
+
+  + for a bead over the focus (d < r), - for a bead beside it. x = cos(g) is cut into panels
+  where the integrand is not smooth: where rays graze the bead, where the rim of the cone begins or
+  ceases to cut the ring (two values of g), and where total reflection sets in. cos(alpha) is smooth
+  in t, x = delta sinh(t) or delta cosh(t); for small delta nodes crowd towards cos(alpha) = 0
+  instead. The square roots at the rim are taken out by a substitution with a double zero there, and
+  a triple one where another such place lies close beyond. At grazing incidence the efficiencies
+  vanish, so the derivative over the position has no boundary term, and the same rays give it.
+
+The last coefficients of the expansions in x (Legendre) and the azimuth (Legendre or Fourier)
+estimate the error; a rule that misses its part of the tolerance is done again with more nodes.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.polynomial import Chebyshev, Legendre, Polynomial, chebyshev
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: numbers of nodes along x, in the order they are tried; multiples of a processor's vectors
+LEVELS = (4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96)
+_LEVELS = np.array(LEVELS)
+#: most nodes in the azimuth
+MOST_AZIMUTHS = 64
+#: most rays of one rule
+MOST_RAYS = 4096
+#: most panels of one place
+MOST_PANELS = 192
+#: a disc of more rays than this costs more than the rings
+LARGEST_DISC = 1200
+
+#: coefficients at the end of an expansion that estimate what it leaves out
+TAIL = 4
+#: their parts in the estimate: the earlier ones only stand in where the last two happen to be small
+_NEAR = (1.0, 1.0, 0.05, 0.05)
+
+#: first row of the half circle in the table of azimuths
+_CIRCLE = 2 + TAIL
+#: orders of the zero of the substitution at the ends of a panel
+_ORDERS = (1, 2, 3)
+#: below this delta nodes crowd towards cos(alpha) = 0
+_SMALL_DELTA = 0.1
+#: below this delta the surface of the bead counts as passing through the focus
+_NO_DELTA = 1e-7
+#: a place of this part of a panel's length beyond its end is close
+_CLOSE = 0.15
+#: angles farther apart than this, rad, do not disturb each other
+_APART = 0.2
+#: angles nearer than this are as good as one: what they make of each other goes like its power 3/2
+_NO_GAP = 1e-8
+#: 1/n_mP^2 - 1 below which the bead's index is nearly the medium's
+_NEARLY_EQUAL = 0.05
+#: Taylor's coefficients of sin(x)/x over x^2, the last first
+_SINE = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in reversed(range(11)))
+#: most coefficients of the light's series for which its sum stays in registers
+SHORT = 20
+#: Taylor's coefficients of exp(x), the last first
+_EXP = tuple(1.0 / math.factorial(k) for k in reversed(range(13)))
+#: arcsin(sqrt(q))/sqrt(q) from 0 to 1/2 as a polynomial of q, the last coefficient first
+ARCSINE = tuple(
+    Chebyshev.interpolate(
+        lambda q: np.divide(np.arcsin(np.sqrt(q)), np.sqrt(q), out=np.ones_like(q), where=q > 0),
+        21,
+        domain=[0.0, 0.5],
+    )
+    .convert(kind=Polynomial)
+    .coef[::-1]
+)
+#: buckets of the width of a ring in cos(theta), for the number of its azimuths
+_WIDTHS = 16
+
+
+class Rule(NamedTuple):
+    """All that the nodes of a scene are made from, but the bead's place.
+
+    Tables are padded with zeros; indices are (level, ...) along x and (m, ...) for m azimuths.
+    """
+
+    half_angle: float
+    """theta_m of the cone, rad"""
+    series: Array
+    """n_m/c times the power per solid angle, N/sr, over y = -1 (rim) to 1 (axis), linear in
+    cos(theta): SHORT powers, the highest first, or more than SHORT Chebyshev coefficients"""
+    left_out: float
+    """N/sr, by how much the series may be off"""
+    full: Array
+    """the series to rounding, for places where there is so little light that this matters"""
+    rounding: float
+    """N/sr, by how much that may be off"""
+    strength: float
+    """n_m P/c of all rays, N"""
+    tolerance: float
+    nodes: Array
+    """(level, pair of orders, 3, node): place from a panel's first end, 0 to 1; from its other end,
+    without rounding; and weight"""
+    tail: Array
+    """(level, TAIL, node) the last Legendre coefficients, per weighted value"""
+    azimuth: Array
+    """(m, 5 + 2 TAIL, node) of half an arc: place from 0 to 1, weight, and the last coefficients;
+    of half a circle: cosine, sine, weight, and the last coefficients"""
+    harmonics: NDArray[np.int64]
+    """(width,) in the azimuth, of the light of a ring of such width"""
+    aliased: Array
+    """(level,) N, what the disc may make of harmonics of the light too high for its nodes"""
+    radiance: Array
+    """(level, node) weight of the disc's nodes, n_m/c times power per solid angle included, N"""
+
+
+def rule(half_angle: float, series: Array, strength: float, tolerance: float) -> Rule:
+    """The rule for a cone of light.
+
+    half_angle: rad. series: as `Rule.series`. strength: n_m P/c, N. tolerance: relative, of
+    the force.
+    """
+    nodes, tail = _panel_tables()
+    needed = _needed(series, 1e-3 * tolerance)
+    rounding = 1e-15 * float(np.abs(series).sum())
+    left_out = float(np.abs(series[needed.size :]).sum()) + rounding
+    disc = np.zeros((len(LEVELS), LEVELS[-1]))
+    aliased = np.zeros(len(LEVELS))
+    for level, count in enumerate(LEVELS):
+        too_high = float(np.abs(series[2 * count - 4 :]).sum())
+        aliased[level] = too_high * 4 * math.pi * math.sin(half_angle / 2) ** 2
+        place, _, weight = nodes[level, 0, :, :count]
+        light = chebyshev.chebval(2 * place - 1, series)
+        disc[level, :count] = light * weight * 2 * math.sin(half_angle / 2) ** 2
+    return Rule(
+        half_angle, _summed_fast(needed), left_out, _summed_fast(series), rounding, strength,
+        tolerance, nodes, tail, _azimuth_tables(), _harmonics(needed, tolerance), aliased, disc,
+    )  # fmt: skip
+
+
+def _needed(series: Array, tolerance: float) -> Array:
+    """The series without the last coefficients that sum to less than `tolerance` of the whole."""
+    left = np.cumsum(np.abs(series[::-1]))[::-1]
+    return np.ascontiguousarray(series[: max(1, int((left > tolerance * left[0]).sum()))])
+
+
+def _summed_fast(series: Array) -> Array:
+    """The series as SHORT powers of its argument, the highest first, where that loses nothing."""
+    if series.size > SHORT:
+        return series
+    powers = np.pad(chebyshev.cheb2poly(series), (0, SHORT - series.size))[::-1]
+    y = np.linspace(-1, 1, 200)
+    difference = np.polyval(powers, y) - chebyshev.chebval(y, series)
+    lossless = np.abs(difference).max() < 1e-14 * np.abs(series).sum()
+    return np.ascontiguousarray(
+        powers if lossless else np.pad(series, (0, SHORT + 1 - series.size))
+    )
+
+
+def _harmonics(series: Array, tolerance: float) -> NDArray[np.int64]:
+    """For rings of growing width in cos(theta): degree of their light in the azimuth's cosine."""
+    half = (np.arange(_WIDTHS) + 1) / _WIDTHS  # of a ring's width, in units of half the cone's
+    centre = (1 - half[:, None]) * np.linspace(-1, 1, 5)
+    n = len(series)
+    nodes = chebyshev.chebpts1(n)
+    values = chebyshev.chebval(centre[..., None] + half[:, None, None] * nodes, series)
+    to_series = chebyshev.chebvander(nodes, n - 1) * 2 / n
+    to_series[:, 0] /= 2
+    return np.array([max(len(_needed(part, tolerance)) - 1 for part in row)
+                     for row in values @ to_series])  # fmt: skip
+
+
+@functools.cache
+def _panel_tables() -> tuple[Array, Array]:
+    """Gauss's nodes under substitutions with zeros of the given orders at the ends."""
+    nodes = np.zeros((len(LEVELS), len(_ORDERS) ** 2, 3, LEVELS[-1]))
+    tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
+    for level, count in enumerate(LEVELS):
+        x, w = leggauss(count)
+        z = (x + 1) / 2
+        for i, low in enumerate(_ORDERS):
+            for j, high in enumerate(_ORDERS):
+                rising, slope = _substitution(low, high)
+                falling, _ = _substitution(high, low)
+                pair = i * len(_ORDERS) + j
+                nodes[level, pair, :, :count] = rising(z), falling(1 - z), slope(z) * w / 2
+        tail[level, :, :count] = _legendre_tails(x)
+    return nodes, tail
+
+
+def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
+    """The polynomial from 0 to 1 with zeros of its slope of order low - 1 and high - 1."""
+    z = Polynomial([0, 1])
+    slope = z ** (low - 1) * (1 - z) ** (high - 1)
+    total = slope.integ()
+    return total / total(1), slope / total(1)
+
+
+def _legendre_tails(x: Array) -> Array:
+    """The last coefficients that Gauss's nodes x tell, per weighted value, (TAIL, n)."""
+    degrees = np.maximum(len(x) - 1 - np.arange(TAIL), 0)
+    return np.array([(2 * degree + 1) * Legendre.basis(degree)(x) for degree in degrees])
+
+
+@functools.cache
+def _azimuth_tables() -> Array:
+    table = np.zeros((MOST_AZIMUTHS + 1, 5 + 2 * TAIL, MOST_AZIMUTHS + 1))
+    for m in range(1, MOST_AZIMUTHS + 1):
+        x, w = leggauss(m)
+        table[m, : 2 + TAIL, :m] = (x + 1) / 2, w / 2, *_legendre_tails(x)
+        j = np.arange(m + 1)
+        ends = np.where((j == 0) | (j == m), 0.5, 1.0)
+        harmonics = np.maximum(m - np.arange(TAIL), 0)
+        table[m, _CIRCLE:, : m + 1] = (
+            np.cos(np.pi * j / m),
+            np.sin(np.pi * j / m),
+            ends * np.pi / m,
+            *(np.cos(np.pi * j * k / m) * (1 if k in (0, m) else 2) for k in harmonics),
+        )
+    return table
+
+
+# --- a place of the bead: which rules ------------------------------------------------------------
+
+# columns of the table of a place's rules
+KIND, LEVEL, AZIMUTHS, _POLE, _BEGIN, _SPAN, _PAIR = range(7)
+COLUMNS = 7
+RATE_X, RATE_AZIMUTH = _BEGIN, _SPAN
+# kinds of rules
+DISC, RINGS, ARCS = 0, 1, 2
+
+
+class Place(NamedTuple):
+    """Where the bead is, seen from the focus."""
+
+    ratio: float
+    """d/r"""
+    cos_tilt: float
+    sin_tilt: float
+    """of the angle gamma between the beam's axis and the line to the bead"""
+    delta: float
+    beside: bool
+    """d > r"""
+    crowded: bool
+    """delta is small"""
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
+    """The place of a bead at `lateral` from the axis and `axial` along it."""
+    distance = math.hypot(lateral, axial)
+    ratio = distance / radius
+    cos_tilt, sin_tilt = 1.0, 0.0
+    if distance > 0.0:
+        cos_tilt, sin_tilt = axial / distance, lateral / distance
+    beside = ratio > 1.0 + 0.5 * _NO_DELTA**2
+    if beside:
+        delta = math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio))
+    else:
+        near = math.sqrt(max((1.0 - ratio) * (1.0 + ratio), 0.0))
+        delta = min(max(near, _NO_DELTA) / max(ratio, 1e-3), 1e3)
+    return Place(ratio, cos_tilt, sin_tilt, delta, beside, delta < _SMALL_DELTA)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
+    """Fill the table of rules for a place; returns how many."""
+    digits = 1.0 - math.log10(rule.tolerance)
+    if _disc(place, rule, n_mP, digits, rules):
+        return 1
+    return _panels(place, rule, n_mP, digits, rules)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _ellipse(re, im):  # type: ignore[no-untyped-def]
+    """Half the long axis of the ellipse with foci -1 and 1 through a point of the complex plane."""
+    return 0.5 * (math.sqrt((re - 1.0) ** 2 + im * im) + math.sqrt((re + 1.0) ** 2 + im * im))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _level_of(nodes):  # type: ignore[no-untyped-def]
+    """The smallest level of at least that many nodes; the last one if none has."""
+    for level in range(_LEVELS.size):
+        if _LEVELS[level] >= nodes:
+            return level
+    return _LEVELS.size - 1
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
+    """The disc, if every ray hits the bead and it converges soon enough.
+
+    cos(alpha) = 0 at cos(g) = +-sqrt(1 - (r/d)^2), imaginary for d < r; cos(beta) = 0 likewise
+    with r n_P/n_m.
+    """
+    rim_cos, rim_sin = math.cos(rule.half_angle), math.sin(rule.half_angle)
+    along_rim, across_rim = rim_cos * place.cos_tilt, rim_sin * place.sin_tilt
+    # the largest angle of any ray to the line, folded: none may miss, or be totally reflected
+    effective = place.ratio * max(n_mP, 1.0)
+    if effective >= 1.0:
+        nearest = along_rim - across_rim  # cos(g) of the rim's far side
+        if nearest * place.cos_tilt <= 0.0 or along_rim * place.cos_tilt <= 0.0:
+            return False
+        sine_far = math.sqrt(max(1.0 - nearest * nearest, 0.0))
+        if effective * sine_far >= 0.98:
+            return False
+    squared = 1.0 - 1.0 / max(effective, 1e-6) ** 2
+    re, im = (math.sqrt(squared), 0.0) if squared > 0.0 else (0.0, math.sqrt(-squared))
+    centre, half = 0.5 * (1.0 + rim_cos), 0.5 * (1.0 - rim_cos)
+    # errors fall as those of a function analytic in the ellipse (Bernstein) through the singularity
+    axis_x, axis_azimuth = 1e6, 1e6
+    cross = math.sqrt(max(1.0 - squared, 0.0)) * place.sin_tilt
+    for sign in (-1.0, 1.0):
+        if across_rim > 1e-12:
+            axis_azimuth = min(
+                axis_azimuth, _ellipse((sign * re - along_rim) / across_rim, im / across_rim)
+            )
+        for side in (-1.0, 1.0):
+            real = (place.cos_tilt * sign * re + side * cross - centre) / half
+            axis_x = min(axis_x, _ellipse(real, place.cos_tilt * im / half))
+    rate_x, rate_azimuth = math.acosh(max(axis_x, 1.0)), math.acosh(max(axis_azimuth, 1.0))
+    if rate_x <= 0.0 or rate_azimuth <= 0.0:
+        return False
+    decay = 0.5 * digits * math.log(10.0)
+    nodes = math.ceil(0.9 * decay / rate_x) + rule.harmonics[-1] // 4
+    # a product with the light's highest harmonic is exact: the light may not be smooth
+    nodes = max(nodes, rule.harmonics[-1] // 2 + 4)
+    azimuths = 1
+    if place.sin_tilt > 0.0:
+        azimuths = max(math.ceil(decay / rate_azimuth) + 1, 3)
+    level = _level_of(nodes)
+    if nodes > LEVELS[-1] or _LEVELS[level] * (azimuths + 1) > LARGEST_DISC:
+        return False
+    rules[0, KIND] = DISC
+    rules[0, LEVEL] = level
+    rules[0, AZIMUTHS] = azimuths
+    # how fast the coefficients fall, for the estimate of the error; the light's own at least so
+    of_light = (digits - 1.0) * math.log(10.0) / max(rule.harmonics[-1], 1)
+    rules[0, RATE_X] = min(rate_x, of_light)
+    rules[0, RATE_AZIMUTH] = min(rate_azimuth, of_light)
+    return True
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _pole_of(place):  # type: ignore[no-untyped-def]
+    """t at the pole, where x = 1; beside the bead t = 0 is where rays graze."""
+    return math.atanh(1.0 / place.ratio) if place.beside else math.asinh(1.0 / place.delta)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
+    """t at the pole less t at `angle` from it, without cancellation near the pole."""
+    x = 1.0 - 2.0 * math.sin(0.5 * angle) ** 2
+    pole, here = 1.0 / delta, x / delta
+    if beside:
+        here = max(here, 1.0)
+        a, b = math.sqrt(pole * pole - 1.0), math.sqrt(here * here - 1.0)
+    else:
+        a, b = math.sqrt(pole * pole + 1.0), math.sqrt(here * here + 1.0)
+        if here < 0.0:
+            return math.asinh(pole) + math.asinh(-here)
+    # a difference of areas by the addition theorem of sinh
+    return math.asinh((pole - here) * (pole + here) / (a * here + pole * b))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
+    """The panels of rings and arcs; returns how many."""
+    cuts = np.empty(MOST_PANELS // 2)
+    tilt = math.atan2(place.sin_tilt, place.cos_tilt)
+    top = math.pi
+    if place.beside:
+        top = math.asin(1.0 / place.ratio)
+    elif place.crowded or n_mP > 1.0:
+        top = 0.5 * math.pi
+    # the onset of total reflection, x = +-onset: at, or off, the real directions
+    critical, onset = -1.0, 1.0
+    if n_mP > 1.0:
+        inner = n_mP * place.ratio
+        onset = math.sqrt(abs(1.0 - 1.0 / max(inner, 1e-6) ** 2))
+        if inner > 1.0:
+            critical = math.asin(1.0 / inner)
+    count = 0
+    both = place.beside or top < 2.0
+    for side in range(2):
+        if not both and (side == 1) == (place.cos_tilt >= 0.0):
+            continue  # all rings in one piece, about the pole that is nearer to the light
+        # the two rims, as angles from this pole, and whether rings inside the first and outside
+        # the second are whole
+        tilt_here = tilt if side == 0 else math.pi - tilt
+        first = abs(rule.half_angle - tilt_here)
+        second = rule.half_angle + tilt_here
+        whole_inside = tilt_here < rule.half_angle
+        whole_outside = second > math.pi
+        if whole_outside:
+            second = 2.0 * math.pi - second
+        cuts[0], cuts[1], cuts[2], cuts[3] = 0.0, min(first, top), min(second, top), top
+        places = 4
+        # arcs that begin near the pole: sqrt(1 - x) is not smooth there, so panels grow from it
+        last = min(second, top)
+        growing = 3.0 * max(first, 1e-3 * last)
+        while 0.0 < first < growing < 0.7 * last and places < cuts.size:
+            cuts[places] = growing
+            growing *= 3.0
+            places += 1
+        if critical > 0.0:
+            cuts[places] = min(critical, top)
+            places += 1
+            for rim in (first, second):
+                places = _growing_apart(critical, rim, top, cuts, places)
+        # a bead of nearly the medium's index: Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of
+        # light that goes round inside without end, so panels grow from grazing
+        cosine = 1.0 / n_mP**2 - 1.0
+        if cosine > _NEARLY_EQUAL:
+            cosine = 1.0
+        while 0.0 < cosine < 0.7 and places < cuts.size:
+            sine = math.sqrt((1.0 - cosine) * (1.0 + cosine)) / max(place.ratio, 1e-3)
+            if sine < 1.0:
+                cuts[places] = min(math.asin(sine), top)
+                places += 1
+            cosine = 3.0 * cosine
+        if onset < 0.5:
+            # panels that grow with their distance from the onset
+            x = onset
+            while x < 0.5 and places < cuts.size:
+                x = max(3.0 * x, 1e-5)
+                cuts[places] = min(math.acos(min(x, 1.0)), top)
+                places += 1
+        for k in range(1, places):  # in order, by insertion
+            cut_at, i = cuts[k], k
+            while i > 0 and cuts[i - 1] > cut_at:
+                cuts[i] = cuts[i - 1]
+                i -= 1
+            cuts[i] = cut_at
+        for k in range(places - 1):
+            lo, hi = cuts[k], cuts[k + 1]
+            length = hi - lo
+            if length <= 1e-15 * top:
+                continue
+            middle = lo + 0.5 * length
+            cut = first < middle < second
+            if not cut and not (whole_inside if middle <= first else whole_outside):
+                continue
+            low, high = 1, 1
+            if cut:
+                if lo == first:
+                    low = 2
+                if hi == second:
+                    high = 3 if math.pi - hi < _CLOSE * length else 2
+                elif second - hi < _CLOSE * length:
+                    high = 3
+            elif hi == top and 0.0 < first - hi < _CLOSE * length:
+                high = 2
+            if critical > 0.0:
+                if lo == critical:
+                    low = 2
+                if hi == critical:
+                    high = 2
+            if hi == top and (place.crowded or (n_mP > 1.0 and not place.beside)):
+                high = 3
+            rules[count, KIND] = ARCS if cut else RINGS
+            rules[count, _POLE] = 1.0 if side == 0 else -1.0
+            rules[count, _PAIR] = (low - 1) * 3 + high - 1
+            if place.crowded:
+                a, b = math.cos(lo), math.cos(hi)
+                if place.beside:
+                    a = math.sqrt(max((a - place.delta) * (a + place.delta), 0.0))
+                    b = math.sqrt(max((b - place.delta) * (b + place.delta), 0.0))
+                if hi == top:
+                    b = 0.0
+            else:
+                a = _depth(lo, place.delta, place.beside)
+                b = _depth(hi, place.delta, place.beside)
+                if hi == top and place.beside:
+                    b = _pole_of(place)
+            rules[count, _BEGIN] = a
+            rules[count, _SPAN] = b - a
+            # a panel of a small solid angle needs fewer digits
+            share_of_angle = (math.cos(lo) - math.cos(hi)) / (1.0 - math.cos(top))
+            wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
+            slope = 3.6 if low == 2 else 2.6
+            rules[count, LEVEL] = _level_of(2.0 + slope * wanted)
+            most = _most_azimuths(int(rules[count, LEVEL]))
+            rules[count, AZIMUTHS] = min(_azimuths_of(place, rule, lo, hi, cut), most)
+            count += 1
+    return count
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
+    """Cut where panels end that grow from two singular angles close together; how many cuts then.
+
+    To a panel that begins at one of them the other is no farther than half its length.
+    """
+    gap = max(abs(a - b), _NO_GAP)
+    away = 2.0 * gap
+    while away < _APART and places + 2 < cuts.size:
+        cuts[places] = min(max(a, b) + away, top)
+        cuts[places + 1] = min(max(min(a, b) - away, 0.0), top)
+        places += 2
+        away = 3.0 * away + 2.0 * gap
+    return places
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
+    """Azimuths for the rings from `lo` to `hi`, by how much of the cone the widest one spans."""
+    widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
+    half = 0.5 * (1.0 - math.cos(rule.half_angle))
+    width = widest * place.sin_tilt / half
+    bucket = min(int(width * _WIDTHS), _WIDTHS - 1)
+    harmonics = rule.harmonics[bucket] if width > 0.0 else 0
+    azimuths = 5 + int(0.8 * harmonics) if cut else 4 + int(0.6 * harmonics)
+    return min(azimuths, MOST_AZIMUTHS)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def]
+    """Raise the nodes of rule k along what misses its tolerance; whether there was room to.
+
+    ratio_x, ratio_azimuth: by what factors more digits are needed; 1 or less is enough.
+    """
+    level_now, azimuths_now = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    level, azimuths = level_now, azimuths_now
+    if ratio_x > 1.0:
+        nodes = _LEVELS[level] * min(max(ratio_x, 1.15), 2.0)
+        level = min(max(_level_of(nodes), level + 1), _LEVELS.size - 1)
+        if azimuths > _most_azimuths(level):
+            level = level_now
+    if ratio_azimuth > 1.0:
+        azimuths = max(int(azimuths * min(ratio_azimuth, 2.0)), azimuths + 2)
+        azimuths = min(azimuths, _most_azimuths(level))
+    rules[k, LEVEL] = level
+    rules[k, AZIMUTHS] = azimuths
+    return level > level_now or azimuths > azimuths_now
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _most_azimuths(level):  # type: ignore[no-untyped-def]
+    return min(MOST_AZIMUTHS, MOST_RAYS // _LEVELS[level] - 1)
+
+
+# --- the rays of a rule ---------------------------------------------------------------------------
+
+# rows of the scratch for the rays of one rule, and of the nodes they are made from
+U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
+_WORK_1, _WORK_2, _X, _S, _W, _SHARE = Q_OF, DQ_OF, 10, 11, 12, 13
+_ROWS = 14
+
+
+@njit(cache=True)
+def scratch():  # type: ignore[no-untyped-def]
+    """Room for the largest rule: direction, weight and force of each ray, and more."""
+    return np.empty((_ROWS, 2 * MOST_RAYS))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def rays_of(place, rule, rules, k, full, rays, both_sides):  # type: ignore[no-untyped-def]
+    """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
+
+    Those with u2 >= 0 with twice the weight, or both sides. full: by the full series of the
+    light. Returns how many.
+    """
+    if rules[k, KIND] == DISC:
+        count = _disc_rays(rule, rules, k, rays)
+    else:
+        count = _panel_rays(place, rule, rules, k, rule.full if full else rule.series, rays)
+    if not both_sides:
+        return count
+    for i in range(count):
+        rays[WEIGHT, i] *= 0.5
+        rays[U1, count + i] = rays[U1, i]
+        rays[U2, count + i] = -rays[U2, i]
+        rays[U3, count + i] = rays[U3, i]
+        rays[WEIGHT, count + i] = rays[WEIGHT, i]
+    return 2 * count
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
+    level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    n = _LEVELS[level]
+    u1, u2, u3, weight, x, s = rays[U1], rays[U2], rays[U3], rays[WEIGHT], rays[_X], rays[_S]
+    rest, radiance = rule.nodes[level, 0, 1], rule.radiance[level]
+    circle = rule.azimuth[m, _CIRCLE:]
+    versine = 2.0 * math.sin(0.5 * rule.half_angle) ** 2
+    for i in range(n):
+        below = versine * rest[i]
+        x[i] = 1.0 - below
+        s[i] = math.sqrt(below * (2.0 - below))
+    for j in range(m + 1):
+        cosine, sine, share = circle[0, j], circle[1, j], 2.0 * circle[2, j]
+        at = j * n
+        for i in range(n):
+            u1[at + i] = s[i] * cosine
+            u2[at + i] = s[i] * sine
+            u3[at + i] = x[i]
+            weight[at + i] = share * radiance[i]
+    return (m + 1) * n
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _panel_rays(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
+    level, m, pair = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS]), int(rules[k, _PAIR])
+    pole, begin, span = rules[k, _POLE], rules[k, _BEGIN], rules[k, _SPAN]
+    n = _LEVELS[level]
+    ratio, delta, beside = place.ratio, place.delta, place.beside
+    cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
+    x, s, w, share, sine_squared = rays[_X], rays[_S], rays[_W], rays[_SHARE], rays[S_OF]
+    nodes = rule.nodes[level, pair]
+    fraction, rest, weight = nodes[0], nodes[1], nodes[2]
+    if place.crowded:
+        end = begin + span
+        for i in range(n):
+            near = end - span * rest[i]
+            if beside:
+                x[i] = math.sqrt(delta * delta + near * near)
+                cos_alpha = min(ratio * near, 1.0)
+                sine_squared[i] = (1.0 - cos_alpha) * (1.0 + cos_alpha)
+                s[i] = math.sqrt(sine_squared[i]) / ratio
+                w[i] = -span * weight[i] * near / x[i]
+            else:
+                x[i] = min(near, 1.0)
+                s[i] = math.sqrt((1.0 - x[i]) * (1.0 + x[i]))
+                sine_squared[i] = (ratio * s[i]) ** 2
+                w[i] = -span * weight[i]
+    else:
+        pole_t = _pole_of(place)
+        for i in range(n):
+            t = pole_t - (begin + span * fraction[i])
+            up = _exponential(t)
+            down = 1.0 / up
+            sinh, cosh = 0.5 * (up - down), 0.5 * (up + down)
+            if beside:
+                x[i] = delta * cosh
+                cos_alpha = min(ratio * delta * abs(sinh), 1.0)
+                sine_squared[i] = (1.0 - cos_alpha) * (1.0 + cos_alpha)
+                s[i] = math.sqrt(sine_squared[i]) / ratio
+                w[i] = span * weight[i] * delta * abs(sinh)
+            else:
+                x[i] = min(max(delta * sinh, -1.0), 1.0)
+                s[i] = math.sqrt((1.0 - x[i]) * (1.0 + x[i]))
+                sine_squared[i] = (ratio * s[i]) ** 2
+                w[i] = span * weight[i] * delta * cosh
+    along = cos_tilt * pole
+    cut = rules[k, KIND] == ARCS
+    arc, circle = rule.azimuth[m], rule.azimuth[m, _CIRCLE:]
+    u1, u2, u3, ray_weight = rays[U1], rays[U2], rays[U3], rays[WEIGHT]
+    # cosine and sine of the azimuth about the pole, from the side of the beam's axis, and weights
+    if cut:
+        rim_cos = math.cos(rule.half_angle)
+        for i in range(n):
+            from_pole = s[i] * s[i] / (1.0 + x[i]) if x[i] > 0.0 else 1.0 - x[i]
+            edge = (rim_cos - along + along * from_pole) / (s[i] * sin_tilt)
+            share[i] = _arcsine_of_root(min(max(0.5 * (1.0 - edge), 0.0), 1.0))
+            w[i] *= 4.0 * share[i]
+        count = m * n
+        for j in range(m):
+            _sines(share, arc[0, j], n, u2[j * n :])
+            _scaled(w, arc[1, j], n, ray_weight[j * n :])
+        for i in range(count):
+            h = u2[i]  # sine of half the azimuth, 0 to pi/2
+            u3[i] = 1.0 - 2.0 * h * h
+            u2[i] = 2.0 * h * math.sqrt(1.0 - h * h)
+    else:
+        count = (m + 1) * n
+        for j in range(m + 1):
+            u3[j * n : j * n + n] = circle[0, j]
+            u2[j * n : j * n + n] = circle[1, j]
+            _scaled(w, 2.0 * circle[2, j], n, ray_weight[j * n :])
+    for j in range(count // n):
+        _directions(x, s, pole, cos_tilt, sin_tilt, n, u1[j * n :], u2[j * n :], u3[j * n :])
+    _times_radiance(rule.half_angle, series, rays, count)
+    return count
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _scaled(values, factor, n, out):  # type: ignore[no-untyped-def]
+    for i in range(n):
+        out[i] = factor * values[i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _sines(angles, factor, n, out):  # type: ignore[no-untyped-def]
+    for i in range(n):
+        out[i] = _sine(factor * angles[i])
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _directions(x, s, pole, cos_tilt, sin_tilt, n, u1, u2, u3):  # type: ignore[no-untyped-def]
+    """From the ring's frame, azimuth in (u3, u2), to the frame of the bead and the beam's axis."""
+    for i in range(n):
+        towards = s[i] * u3[i]
+        along = pole * x[i]
+        u1[i] = sin_tilt * along - cos_tilt * towards
+        u3[i] = cos_tilt * along + sin_tilt * towards
+        u2[i] *= s[i]
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _exponential(t):  # type: ignore[no-untyped-def]
+    """exp for |t| up to 3.1 to rounding, by Taylor's series of exp(t/8): it vectorises."""
+    y = 0.125 * t
+    value = 0.0
+    for coefficient in _EXP:
+        value = value * y + coefficient
+    value *= value
+    value *= value
+    return value * value
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
+    """arcsin(sqrt(q)) from 0 to 1, to rounding: it vectorises."""
+    small = min(q, 1.0 - q)
+    value = 0.0
+    for coefficient in ARCSINE:
+        value = value * small + coefficient
+    angle = math.sqrt(small) * value
+    return angle if q <= 0.5 else 0.5 * math.pi - angle
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _sine(angle):  # type: ignore[no-untyped-def]
+    """sin from 0 to pi/2, to rounding, by its Taylor series: it vectorises."""
+    y = angle * angle
+    value = 0.0
+    for coefficient in _SINE:
+        value = value * y + coefficient
+    return angle * value
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _times_radiance(half_angle, series, rays, count):  # type: ignore[no-untyped-def]
+    """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
+    weight, u1, u2, u3 = rays[WEIGHT], rays[U1], rays[U2], rays[U3]
+    # 1 - cos(theta) from the sine: the cosine itself would lose a narrow cone to rounding
+    scale = 1.0 / math.sin(0.5 * half_angle) ** 2
+    if series.size == SHORT:
+        # of a length known to the compiler: all in registers
+        for i in range(count):
+            y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
+            value = 0.0
+            for k in range(SHORT):
+                value = value * y + series[k]
+            weight[i] *= value
+        return
+    value_of, last_of = rays[_WORK_1], rays[_WORK_2]
+    for i in range(count):
+        value_of[i] = 0.0
+        last_of[i] = 0.0
+    for k in range(series.size - 1, 0, -1):
+        coefficient = series[k]
+        for i in range(count):
+            y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
+            here = 2.0 * y * value_of[i] - last_of[i] + coefficient
+            last_of[i] = value_of[i]
+            value_of[i] = here
+    for i in range(count):
+        y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
+        weight[i] *= y * value_of[i] - last_of[i] + series[0]
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def tails(rule, rules, k, rays, both_sides):  # type: ignore[no-untyped-def]
+    """Largest of the last coefficients along x, and of the azimuth, of the forces of rule k."""
+    level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    n = _LEVELS[level]
+    cut = rules[k, KIND] == ARCS
+    azimuths = m if cut else m + 1
+    of_node, of_azimuth, force = rays[_X], rays[_S], rays[FORCE]
+    for i in range(n):
+        of_node[i] = 0.0
+    for j in range(azimuths):
+        at = j * n
+        total = 0.0
+        for i in range(n):
+            of_ray = force[at + i]
+            if both_sides:
+                of_ray += force[azimuths * n + at + i]
+            of_node[i] += of_ray
+            total += of_ray
+        of_azimuth[j] = total
+    tail = rule.tail[level]
+    last = rule.azimuth[m, 2:] if cut else rule.azimuth[m, _CIRCLE + 3 :]
+    along = around = 0.0
+    for c in range(TAIL):
+        coefficient = 0.0
+        for i in range(n):
+            coefficient += tail[c, i] * of_node[i]
+        along = max(along, _NEAR[c] * abs(coefficient))
+        coefficient = 0.0
+        for j in range(azimuths):
+            coefficient += last[c, j] * of_azimuth[j]
+        around = max(around, _NEAR[c] * abs(coefficient))
+    return along, around
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def unknown_light(place, rule, full):  # type: ignore[no-untyped-def]
+    """Most force of the light that a series leaves out, N: |Q| <= 2 for every ray that hits."""
+    hit = 4.0 * math.pi * math.sin(0.5 * rule.half_angle) ** 2
+    if place.ratio > 1.0:  # on both sides of the focus
+        hit = min(hit, 8.0 * math.pi * math.sin(0.5 * math.asin(1.0 / place.ratio)) ** 2)
+    return 2.0 * (rule.rounding if full else rule.left_out) * hit

@@ -1,0 +1,201 @@
+"""The force from a table with a certified error, kept in the user's cache folder."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import inspect
+import io
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generated import ray
+from tweezer.errors import PhysicsWarning, ResultError
+from tweezer.optics import charts, kernels, quadrature, tabulate
+from tweezer.optics.charts import Array
+from tweezer.optics.tabulate import Made, Progress, build
+
+if TYPE_CHECKING:
+    from tweezer.optics.light import Light
+    from tweezer.scene import Optics
+
+#: tolerance of the quadrature that a table is made from, of the table's
+_FINER = 0.03
+#: how many tables stay in memory
+_MOST_IN_MEMORY = 16
+
+#: what a stored table depends on besides the light: the sources that it was computed by, read at
+#: once, for a file may change under a running program
+_SOURCES = "".join(
+    Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("table.py", "light.py")
+) + "".join(inspect.getsource(module) for module in (ray, quadrature, kernels, charts, tabulate))
+
+_in_memory: dict[str, tuple[Made, Path | None]] = {}
+
+
+@dataclass(frozen=True)
+class Table:
+    """The table of one scene."""
+
+    made: Made
+    radius: float
+    """m, of the bead"""
+    strength: float
+    """n_m P/c of all rays, N"""
+    path: Path | None
+    """its file; None if it could not be written"""
+
+    @property
+    def certified_error(self) -> float:
+        """N, of the force, anywhere in range: see `tabulate.build`."""
+        return self.made.certified * self.strength
+
+    @property
+    def largest_force(self) -> float:
+        """N, within the range."""
+        return self.made.largest * self.strength
+
+    @property
+    def range(self) -> float:
+        """m, distance from the focus up to which it holds."""
+        return self.made.reach * self.radius
+
+    @property
+    def pieces(self) -> int:
+        """How many pieces it has."""
+        return len(self.made.pieces)
+
+    @property
+    def build_time(self) -> float:
+        """s, that it took to make."""
+        return self.made.seconds
+
+    def read(
+        self,
+        positions: Array,
+        force: Array,
+        moment: Array,
+        force_gradient: Array,
+        moment_gradient: Array,
+        *,
+        gradient: bool,
+    ) -> NDArray[np.bool_]:
+        """Fill in what the light does at positions (n, 3) m from the focus.
+
+        Force (n, 3) N and moment (n, 3) N m, and if asked their gradients (n, 3, 3) N/m and
+        (n, 3, 3) N. Returns where the table does not reach, (n,); they are 0 there.
+        """
+        return self.made.read(
+            positions, self.radius, self.strength,
+            force, moment, force_gradient, moment_gradient, gradient=gradient,
+        )  # fmt: skip
+
+
+def stored(
+    light: Light, optics: Optics, progress: Progress | None = None
+) -> tuple[Made, Path | None]:
+    """The table of `light`, given in radii and n_m P/c, and its file.
+
+    It is the one in memory, or in the user's cache folder, or made. Warns as
+    `tweezer.optics.force_map`.
+    """
+    key = _key(light, optics)
+    if key in _in_memory:
+        return _in_memory[key]
+
+    def make() -> Made:
+        return build(
+            light.by_quadrature(max(1e-13, _FINER * optics.table_tolerance)).field,
+            half_angle=light.cone.half_angle,
+            tolerance=optics.table_tolerance,
+            reach=optics.table_range,
+            moment=light.torque,
+            progress=progress,
+        )
+
+    made, path = _kept(key, make)
+    reached = made.certified / made.largest
+    if reached > optics.table_tolerance:
+        warnings.warn(
+            f"the table errs by up to {reached:.2g} of the largest force: it did not reach "
+            f"optics.table_tolerance = {optics.table_tolerance:g}",
+            PhysicsWarning,
+            stacklevel=2,
+        )
+    if len(_in_memory) == _MOST_IN_MEMORY:
+        del _in_memory[next(iter(_in_memory))]
+    _in_memory[key] = made, path
+    return made, path
+
+
+def _key(light: Light, optics: Optics) -> str:
+    """Of all that a table depends on. Rounding of the beam's power does not change it."""
+    said = (
+        light.cone.half_angle, light.index_ratio, light.polarisation, light.torque,
+        optics.table_tolerance, optics.table_range,
+    )  # fmt: skip
+    shape = np.round(light.cone.series / np.abs(light.cone.series).max(), 13) + 0.0  # no -0
+    return hashlib.sha256(f"{_SOURCES}{said}{shape.tolist()}".encode()).hexdigest()
+
+
+def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
+    """The table in the cache folder, and its file: made if there is none, or a damaged one."""
+    from platformdirs import user_cache_path
+
+    path = user_cache_path("tweezer") / "tables" / f"{key}.table"
+    if (made := _load(path, key)) is not None:
+        return made, path
+    from filelock import FileLock
+
+    lock = FileLock(path.with_suffix(".lock"))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+    except (OSError, NotImplementedError) as error:
+        warnings.warn(f"{path}: the table is not kept: {error}", stacklevel=3)
+        return make(), None
+    try:
+        if (made := _load(path, key)) is not None:  # by a process that held the lock
+            return made, path
+        if path.exists():
+            warnings.warn(f"{path}: damaged; the table is made again", stacklevel=3)
+        made = make()
+        try:
+            _save(path, key, made)
+        except ResultError as error:
+            warnings.warn(f"{path}: the table is not kept: {error}", stacklevel=3)
+            return made, None
+        return made, path
+    finally:
+        lock.release()
+
+
+def _save(path: Path, key: str, made: Made) -> None:
+    """Write a table: a digest of its key and content, and an npz archive."""
+    from tweezer.io import replacing
+
+    buffer = io.BytesIO()
+    np.savez(buffer, **{f.name: getattr(made, f.name) for f in dataclasses.fields(made)})
+    content = buffer.getvalue()
+    with replacing(path) as whole:
+        whole.write_bytes(hashlib.sha256(key.encode() + content).digest() + content)
+
+
+def _load(path: Path, key: str) -> Made | None:
+    """A table as it was saved; None if there is none, or not all of it."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return None
+    digest, content = content[:32], content[32:]
+    if hashlib.sha256(key.encode() + content).digest() != digest:
+        return None
+    with np.load(io.BytesIO(content)) as archive:
+        fields: dict[str, Any] = {name: archive[name][()] for name in archive.files}
+    return Made(**fields)
