@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import re
 import signal
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +20,7 @@ from matplotlib.figure import Figure
 import tweezer
 from tweezer import cli
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.optics import force_map, tabulate
 
 HEAVY = ["h5netcdf", "matplotlib", "numba", "numpy", "pint", "pydantic", "scipy", "xarray"]
 #: the bead of the thesis for a short time
@@ -42,10 +45,16 @@ def test_help_imports_nothing_heavy():
     assert not done.stderr
 
 
-def test_help_names_every_option(command_line):
-    outcome = command_line("run", "--help")
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [("run", ["--duration", "--model", "--method", "--set", "--out", "--plot"]),
+     ("trap", ["--set", "--out", "--plot"]),
+     ("map", ["--set"])],
+)  # fmt: skip
+def test_help_names_every_option(command_line, command, options):
+    outcome = command_line(command, "--help")
     assert outcome.code == 0
-    for option in ("--duration", "--model", "--method", "--set", "--out", "--plot"):
+    for option in options:
         assert option in outcome.out
 
 
@@ -175,7 +184,8 @@ def test_an_interrupt_from_outside(tmp_path):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
     assert done.returncode == 130
-    (line,) = done.stderr.splitlines()
+    caveat, line = done.stderr.splitlines()
+    assert "wavelengths across" in caveat
     assert "interrupted at 0.001" in line
     run = tweezer.load_run(tmp_path / "thesis-990nm.nc")
     assert run.attrs["status"] == "interrupted"
@@ -260,5 +270,165 @@ def test_a_bead_too_small_for_a_continuum_is_one_warning(tmp_path):
          "--set", "bead.diameter=200 nm"],
         cwd=tmp_path, capture_output=True, text=True, check=True,
     )  # fmt: skip
-    (line,) = done.stderr.splitlines()
-    assert line.startswith("warning: Knudsen number 0.0015 is above 0.001")
+    knudsen, caveat = done.stderr.splitlines()
+    assert knudsen.startswith("warning: Knudsen number 0.0015 is above 0.001")
+    assert "wavelengths across" in caveat
+
+
+def test_trap_prints_what_characterise_tells(command_line):
+    outcome = command_line("trap", "silica-1um", "--set", "beam.power_through_pupil=80 mW")
+    assert outcome.code == 0
+    scene = tweezer.load_scene("silica-1um").replace(beam={"power_through_pupil": 80e-3})
+    trap = tweezer.characterise(scene)
+    kx, ky, kz = 1e6 * np.diag(trap.equilibrium.stiffness)
+    fx, fy, fz = trap.corner_frequencies
+    backward, lateral = trap.backward_efficiency, trap.lateral_efficiency
+    (unstable,) = [place for place in trap.equilibria if not place.stable]
+    for row, value in {
+        "power through the pupil": "80 mW, 86.47 % of the beam",
+        "backward Q, largest": f"{backward.Q:.4g}, {1e6 * backward.at:.4g} um from the focus",
+        "lateral Q, largest": f"{lateral.Q:.4g}, {1e6 * lateral.at:.4g} um from the focus",
+        "stable equilibrium": f"z = {1e6 * trap.equilibrium.position[2]:.4g} um, on the axis",
+        r"stiffness \(x, y, z\)": f"{kx:.4g}, {ky:.4g}, {kz:.4g} pN/um",
+        "corner frequencies": f"{fx:.4g}, {fy:.4g}, {fz:.4g} Hz",
+        "unstable equilibria": f"z = {1e6 * unstable.position[2]:.4g} um",
+        "error of the force": f"{1e12 * trap.force_error:.1g} pN",
+        "force by": "quadrature",
+    }.items():
+        assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
+    for escape in trap.escapes:
+        ends = "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}"
+        numbers = [f"{1e12 * escape.force:.4g}", f"{1e6 * escape.force_at:.4g}",
+                   f"{escape.energy_kT:.4g}", ends]  # fmt: skip
+        cells = " +".join(re.escape(text) for text in (escape.direction, *numbers))
+        assert re.search(rf"^ +{cells} *$", outcome.out, re.MULTILINE), escape.direction
+    assert (outcome.err, outcome.caveat) == ("", f"warning: {trap.caveat}\n")
+    assert not list(Path().iterdir())
+
+
+def test_trap_writes_what_it_is_asked_to(command_line):
+    Path("mine.json").write_text("an old file")
+    outcome = command_line("trap", "silica-1um", "--out", "mine.json", "--plot", "mine.svg")
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[-1] == "wrote mine.json and mine.svg"
+    assert {path.name for path in Path().iterdir()} == {"mine.json", "mine.svg"}
+    assert "<svg" in Path("mine.svg").read_text(encoding="utf-8")
+    written = json.loads(Path("mine.json").read_text(encoding="utf-8"))
+    scene = tweezer.load_scene("silica-1um")
+    assert tweezer.load_scene(written["scene"]) == scene
+    trap = tweezer.characterise(scene)
+    assert written["trap"]["equilibrium"]["stiffness"][0][0] == trap.equilibrium.stiffness[0][0]
+    assert [escape["range"] for escape in written["trap"]["escapes"]] == [
+        escape.range for escape in trap.escapes
+    ]
+
+
+def test_trap_tells_off_diagonal_stiffness(command_line):
+    settings = ["--set", "beam.polarisation=linear", "--set", 'beam.jones=["1", "1"]']
+    outcome = command_line("trap", "silica-1um", *settings)
+    assert outcome.code == 0
+    scene = tweezer.load_scene("silica-1um").replace(
+        beam={"polarisation": "linear", "jones": ["1", "1"]}
+    )
+    kxy = 1e6 * tweezer.characterise(scene).equilibrium.stiffness[0][1]
+    assert f"stiffness, xy             {kxy:.4g} pN/um" in outcome.out
+
+
+def test_trap_that_holds_nothing(command_line):
+    outcome = command_line(
+        "trap", "silica-1um", "--set", "forces.optical=false", "--out", "dark.json"
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    assert re.search(r"^ +equilibrium +no stable equilibrium *$", outcome.out, re.MULTILINE)
+    assert "escape" not in outcome.out
+    written = json.loads(Path("dark.json").read_text(encoding="utf-8"))["trap"]
+    assert (written["equilibrium"], written["equilibria"], written["escapes"]) == (None, [], [])
+
+
+def test_trap_by_the_grid_tells_its_distance_to_the_quadrature(command_line):
+    outcome = command_line("trap", "thesis-990nm", "--out", "grid.json")
+    assert outcome.code == 0
+    error = json.loads(Path("grid.json").read_text(encoding="utf-8"))["trap"]["force_error"]
+    shown = re.escape(f"{1e12 * error:.1g} pN")
+    assert re.search(rf"^ +error of the force +{shown} *$", outcome.out, re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [(["nowhere"], "no scene file 'nowhere', and no shipped scene of that name; shipped: .*"),
+     (["silica-1um", "--set", "bead"], "--set 'bead': must be key=value, .*"),
+     (["silica-1um", "--set", "beam.power=-1 mW"], r"beam\..*"),
+     (["silica-1um", "--out", "trap.nc"], r"trap\.nc: must end in \.json"),
+     (["silica-1um", "--plot", "trap.gif"], r"trap\.gif: must end in \.pdf, \.png, \.svg"),
+     (["silica-1um", "--out", "no/trap.json"], r"no/trap\.json: no such folder: no")],
+)  # fmt: skip
+def test_trap_refuses_bad_input_in_one_line(command_line, arguments, line):
+    outcome = command_line("trap", *arguments)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert re.fullmatch(line + r"\n", outcome.err)
+    assert not list(Path().iterdir())
+
+
+#: a map that is made in no time
+SMALL_MAP = ["--set", "optics.table_range=0.5", "--set", "optics.table_tolerance=1e-4"]
+
+
+def test_map_makes_a_map_or_finds_it(command_line, cache_folder):
+    """Of a scene that names another evaluator, too."""
+    first = command_line("map", "thesis-990nm", *SMALL_MAP)
+    assert (first.code, first.err) == (0, "")
+    assert command_line("map", "thesis-990nm", *SMALL_MAP).out == first.out
+    scene = tweezer.load_scene("thesis-990nm").replace(
+        optics={"evaluator": "map", "table_range": 0.5, "table_tolerance": 1e-4}
+    )
+    made = force_map(scene)
+    error = made.certified_error
+    for row, value in {
+        "largest force": f"{1e12 * made.largest_force:.4g} pN",
+        "certified error": f"{1e12 * error:.2g} pN, {error / made.largest_force:.2g} of the ",
+        "range": "0.2475 um from the focus",
+        "pieces": f"{made.pieces}",
+        "size of the file": f"{made.path.stat().st_size / 1e6:.2g} MB",
+        "time to make": f"{made.build_time:.2g} s",
+    }.items():
+        assert re.search(rf"^ +{row} +{re.escape(value)}", first.out, re.MULTILINE), row
+    assert first.out.splitlines()[-1] == f"kept in {made.path}"
+    assert list(cache_folder.rglob("*.table")) == [made.path]
+
+
+@pytest.mark.usefixtures("cache_folder")
+def test_map_without_a_place_to_keep_it(command_line, monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        outcome = command_line("map", "silica-1um", *SMALL_MAP)
+    assert outcome.code == 0
+    assert re.fullmatch(r"warning: .*\.table: the table is not kept: .*\n", outcome.err)
+    assert "file" not in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [(["beam.polarisation=linear", "beam.jones=[1, 0]"], "optics.evaluator = .map.: needs .*"),
+     (["beam.power_through_pupil=0"], "optics.evaluator = 'map': there is no light .*"),
+     (["optics.table_range=0.4"], "optics.table_range = 0.4: must be from 0.5 to 20")],
+)  # fmt: skip
+def test_map_refuses_bad_input_in_one_line(command_line, settings, line):
+    options = [option for setting in settings for option in ("--set", setting)]
+    outcome = command_line("map", "silica-1um", *options)
+    assert (outcome.code, outcome.out) == (2, "")
+    assert re.fullmatch(line + r"\n", outcome.err)
+
+
+@pytest.mark.usefixtures("cache_folder")
+def test_run_says_once_that_its_map_misses_the_tolerance(command_line, monkeypatch):
+    monkeypatch.setattr(tabulate, "_MOST_PIECES", 60)
+    options = ["--set", "optics.evaluator=map", "--set", "optics.table_range=1.5"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        outcome = command_line("run", *SHORT, *options)
+    assert outcome.code == 0
+    assert re.fullmatch(r"warning: the table errs by up to .* = 1e-07\n", outcome.err)
+    run = tweezer.load_run("thesis-990nm.nc")
+    assert run.attrs["force_evaluator"] == "map"

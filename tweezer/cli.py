@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import os
 import sys
 import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -15,8 +19,11 @@ from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from rich.table import Table
 
+    from tweezer.analysis import Efficiency, Trap
+    from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
 app = typer.Typer(
@@ -26,6 +33,12 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+bench = typer.Typer(
+    help="Measure how fast and how exact tweezer is, from a checkout of its sources.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+app.add_typer(bench, name="bench")
 _out = Console()
 _err = Console(stderr=True)
 
@@ -81,28 +94,117 @@ def run(
     ] = None,
 ) -> None:
     """Release the bead of SCENE and follow it; write the trajectory and a figure."""
-    from tweezer.scene import load_scene
-
     settings = _settings(set or [], duration=duration, model=model, method=method)
-    described = load_scene(scene)
-    if settings:
-        from tweezer.scene import with_settings
-
-        described = with_settings(described, settings)
+    described = _described(scene, settings)
     out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
     plot = _writable(plot or Path(f"{described.name}.png"), _FIGURE_FORMATS)
+    _bind_light(described)
     result = _simulate_with_progress(described)
 
     from tweezer.io import save_run
 
     save_run(result, out)
     _print_summary(described, result)
-    _write_figure(result, plot)
+
+    from tweezer.plots import run_figure
+
+    _write_figure(run_figure(result), plot)
     _out.print(f"wrote {out} and {plot}", highlight=False, soft_wrap=True)
     if result.attrs["status"] in ("failed", "interrupted"):
         _complain(f"{described.name}: {result.attrs['message']}; what was reached is in {out}")
         failed = result.attrs["status"] == "failed"
         raise typer.Exit(_FAILED if failed else _INTERRUPTED)
+
+
+@app.command()
+def trap(
+    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    set: Annotated[
+        list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+) -> None:
+    """Characterise the trap of SCENE: equilibrium, stiffness, escape, range, efficiencies."""
+    described = _described(scene, _settings(set or []))
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    _bind_light(described)
+
+    from tweezer.analysis import characterise
+
+    characterised = characterise(described)
+    _print_trap(described, characterised)
+    if out:
+        _write_trap(described, characterised, out)
+    if plot:
+        from tweezer.plots import trap_figure
+
+        _write_figure(trap_figure(described, characterised), plot)
+    written = " and ".join(str(path) for path in (out, plot) if path)
+    if written:
+        _out.print(f"wrote {written}", highlight=False, soft_wrap=True)
+
+
+@app.command("map")
+def force_map(
+    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    set: Annotated[
+        list[str] | None,
+        typer.Option(help='Change the scene: --set "optics.table_tolerance=1e-8".'),
+    ] = None,
+) -> None:
+    """Make the map of the force of SCENE, or find it made, and say how exact it is.
+
+    It is kept: evaluator = "map" in [optics] then reads it.
+    """
+    settings = {**_settings(set or []), "optics.evaluator": "map"}
+    described = _described(scene, settings)
+    _print_map(described, _map_of(described))
+
+
+@bench.command("force")
+def bench_force(
+    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Few places and settings, to see that it runs.")
+    ] = False,
+) -> None:
+    """Error against time of the optical force: grid, quadrature, map, and a sum in NumPy."""
+    benchmark, report = _benchmark("force"), _benchmark("report")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    with _err.status("force") as status:
+        results = benchmark.measure(quick=quick, say=status.update)
+    for headings, rows in (
+        (report.HEADINGS, report.by_place(results)),
+        (("", ""), report.apart(results)),
+    ):
+        table = _table(*headings)
+        for row in rows:
+            table.add_row(*row)
+        _out.print(table)
+    if out:
+        _write_json(results, out)
+    if plot:
+        _write_figure(report.figure(results), plot)
+
+
+def _benchmark(name: str) -> ModuleType:
+    """A module of tests/benchmarks, which only a checkout has."""
+    root = Path(__file__).parents[1]
+    if not (root / "tests" / "benchmarks" / f"{name}.py").is_file():
+        raise TweezerError("bench: runs from a checkout of tweezer's sources, which this is not")
+    sys.path.insert(0, str(root))
+    return importlib.import_module(f"tests.benchmarks.{name}")
+
+
+def _described(scene: str, settings: dict[str, str]) -> Scene:
+    from tweezer.scene import load_scene, with_settings
+
+    described = load_scene(scene)
+    return with_settings(described, settings) if settings else described
 
 
 def _settings(changes: list[str], **simulation: str | None) -> dict[str, str]:
@@ -132,7 +234,9 @@ def _writable(path: Path, formats: tuple[str, ...]) -> Path:
     return path
 
 
-def _simulate_with_progress(scene: Scene) -> xr.Dataset:
+@contextlib.contextmanager
+def _progress(description: str, total: float) -> Iterator[Callable[[float], None]]:
+    """Show a bar; lend what tells it how far things are."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
@@ -141,16 +245,57 @@ def _simulate_with_progress(scene: Scene) -> xr.Dataset:
         TextColumn("{task.percentage:>3.0f} %"),
         TimeRemainingColumn(),
     )
+    disabled = not _err.is_terminal
+    with Progress(*columns, console=_err, transient=True, disable=disabled) as progress:
+        task = progress.add_task(description, total=total)
+        yield lambda reached: progress.update(task, completed=reached)
+
+
+def _simulate_with_progress(scene: Scene) -> xr.Dataset:
     with (
-        Progress(*columns, console=_err, transient=True, disable=not _err.is_terminal) as progress,
+        _progress(
+            f"{scene.name} (the first run also compiles)", scene.simulation.duration
+        ) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
-        task = progress.add_task(
-            f"{scene.name} (the first run also compiles)", total=scene.simulation.duration
-        )
         from tweezer.simulation import simulate
 
-        return simulate(scene, progress=lambda reached: progress.update(task, completed=reached))
+        return simulate(scene, progress=progress)
+
+
+def _bind_light(scene: Scene) -> None:
+    """Say what ray optics is worth for the bead; make the map its force is read from, if any."""
+    from tweezer.optics import light, ray_optics_caveat
+
+    if caveat := ray_optics_caveat(scene):
+        _show_warning(caveat)
+    if scene.lit and scene.optics.evaluator == "map":
+        _map_of(scene)
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # said above
+        light(scene)
+
+
+def _map_of(scene: Scene) -> Map:
+    with _progress(f"map of {scene.name} (the first one also compiles)", 1.0) as progress:
+        from tweezer.optics import force_map
+
+        return force_map(scene, progress)
+
+
+def _print_map(scene: Scene, made: Map) -> None:
+    table = _table(scene.name, "")
+    table.add_row("largest force", f"{1e12 * made.largest_force:.4g} pN")
+    part = made.certified_error / made.largest_force
+    error = f"{1e12 * made.certified_error:.2g} pN, {part:.2g} of the largest force"
+    table.add_row("certified error", error)
+    table.add_row("range", f"{1e6 * made.range:.4g} um from the focus")
+    table.add_row("pieces", f"{made.pieces}")
+    if made.path:
+        table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
+    table.add_row("time to make", f"{made.build_time:.2g} s")
+    _out.print(table)
+    if made.path:
+        _out.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
 
 
 def _print_summary(scene: Scene, result: xr.Dataset) -> None:
@@ -176,17 +321,93 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("first closest approach", approach)
     table.add_row("largest Reynolds number", f"{summary.largest_reynolds_number:.3g}")
     table.add_row("model, method", f"{model}; {scene.simulation.method}")
+    largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
+    error = float(result["force_error"].max())
+    table.add_row("force by", attributes["force_evaluator"])
+    if largest > 0:
+        share = f"{100 * error / largest:.1g} % of the largest"
+        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
     table.add_row("steps", f"{attributes['steps']}")
     table.add_row("force calls", f"{attributes['force_calls']}")
     table.add_row("time", f"{attributes['wall_time']:.2f} s")
     _out.print(table)
 
 
-def _write_figure(result: xr.Dataset, path: Path) -> None:
-    from tweezer.io import replacing
-    from tweezer.plots import run_figure
+def _print_trap(scene: Scene, characterised: Trap) -> None:
+    table = _table(scene.name, "")
+    power = f"{1e3 * characterised.power_through_pupil:.4g} mW"
+    if characterised.fraction_through_pupil is not None:
+        power += f", {100 * characterised.fraction_through_pupil:.4g} % of the beam"
+    table.add_row("power through the pupil", power)
+    table.add_row("backward Q, largest", _efficiency(characterised.backward_efficiency))
+    table.add_row("lateral Q, largest", _efficiency(characterised.lateral_efficiency))
+    place, frequencies = characterised.equilibrium, characterised.corner_frequencies
+    if place is None or frequencies is None:
+        table.add_row("equilibrium", "no stable equilibrium")
+    else:
+        (kx, kxy, _), (_, ky, _), (_, _, kz) = place.stiffness
+        table.add_row("stable equilibrium", f"z = {1e6 * place.position[2]:.4g} um, on the axis")
+        table.add_row("stiffness (x, y, z)", _three(1e6 * kx, 1e6 * ky, 1e6 * kz) + " pN/um")
+        if abs(kxy) > 1e-6 * kx:
+            table.add_row("stiffness, xy", f"{1e6 * kxy:.4g} pN/um")
+        table.add_row("corner frequencies", _three(*frequencies) + " Hz")
+    unstable = [place for place in characterised.equilibria if not place.stable]
+    if unstable:
+        heights = ", ".join(f"{1e6 * place.position[2]:.4g}" for place in unstable)
+        table.add_row("unstable equilibria", f"z = {heights} um")
+    error = characterised.force_error
+    table.add_row("error of the force", f"{1e12 * error:.1g} pN")
+    table.add_row("force by", characterised.evaluator)
+    _out.print(table)
+    if characterised.escapes:
+        _print_escapes(characterised)
 
-    figure = run_figure(result)
+
+def _print_escapes(characterised: Trap) -> None:
+    table = _table("escape", "force, pN", "at, um", "energy, kT", "range, um")
+    for escape in characterised.escapes:
+        table.add_row(
+            escape.direction,
+            f"{1e12 * escape.force:.4g}",
+            f"{1e6 * escape.force_at:.4g}",
+            f"{escape.energy_kT:.4g}",
+            "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}",
+        )
+    _out.print(table)
+
+
+def _three(x: float, y: float, z: float) -> str:
+    return f"{x:.4g}, {y:.4g}, {z:.4g}"
+
+
+def _efficiency(found: Efficiency | None) -> str:
+    return "none" if found is None else f"{found.Q:.4g}, {1e6 * found.at:.4g} um from the focus"
+
+
+def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
+    import dataclasses
+    from importlib.metadata import version
+
+    result = {
+        "tweezer_version": version("tweezer"),
+        "scene": scene.model_dump(mode="json", exclude_none=True),
+        "trap": dataclasses.asdict(characterised),
+    }
+    _write_json(result, path)
+
+
+def _write_json(value: object, path: Path) -> None:
+    import json
+
+    from tweezer.io import replacing
+
+    with replacing(path) as whole:
+        whole.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def _write_figure(figure: Figure, path: Path) -> None:
+    from tweezer.io import replacing
+
     with replacing(path) as whole:
         figure.savefig(whole, dpi=150)
 

@@ -1,22 +1,25 @@
-"""Figures of runs. Each function returns a matplotlib Figure and touches no global state."""
+"""Figures of runs and traps. Each function returns a Figure and touches no global state."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from tweezer.analysis import summarise
+from tweezer.analysis import Escape, Trap, summarise
+from tweezer.bead import bead_properties
 from tweezer.io import scene_of
-from tweezer.optics.rays import polar_sine_and_cosine
+from tweezer.optics import cone, optical_force
+from tweezer.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_MICRO, _MILLI = 1e6, 1e3
+_MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
 _LIGHT, _PATH, _MUTED = "#cc3311", "#332288", "#777777"
 
@@ -58,11 +61,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     lateral, z = position[:, :2] @ direction, position[:, 2]
     radius = scene.bead.radius * _MICRO
     reach = 1.15 * max(np.abs(lateral).max() + radius, np.abs(z).max() + radius, 3 * radius)
-    sine, cosine = polar_sine_and_cosine(np.array([scene.lens.radius]), scene.lens, scene.medium)
-    slope = float(sine[0] / cosine[0])
-    for side in (-1, 1):
-        cone = [(0, 0), (-slope * reach, side * reach), (slope * reach, side * reach)]
-        axes.add_patch(Polygon(cone, color=_LIGHT, alpha=0.07, lw=0, zorder=0))
+    _draw_cone(axes, scene, reach, color=_LIGHT, alpha=0.07, lw=0, zorder=0)
     axes.plot(lateral, z, color=_PATH, lw=1.6, zorder=3)
     for i, filled in ((0, False), (-1, True)):
         axes.add_patch(
@@ -76,6 +75,14 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
         xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
     axes.set_title("path, bead and cone of light to scale; + focus", fontsize=9)
+
+
+def _draw_cone(axes: Axes, scene: Scene, reach: float, **style: Any) -> None:
+    """The light before and behind the focus, up to `reach` along the axis."""
+    slope = math.tan(cone(scene).half_angle)
+    for side in (-1, 1):
+        triangle = [(0, 0), (-slope * reach, side * reach), (slope * reach, side * reach)]
+        axes.add_patch(Polygon(triangle, **style))
 
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
@@ -120,3 +127,126 @@ def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
         label, (time * _MILLI, 1), xycoords=("data", "axes fraction"),
         xytext=(3, -3), textcoords="offset points", va="top", fontsize=7, color=_MUTED,
     )  # fmt: skip
+
+
+def trap_figure(scene: Scene, trap: Trap) -> Figure:
+    """Force along the axis and across it, and the field of force around the trap.
+
+    All forces are those of light and weight together. Without a stable equilibrium the curves run
+    through the focus.
+    """
+    figure = Figure(figsize=(11.0, 6.0))
+    axes = figure.subplot_mosaic(
+        [["axial", "field"], ["lateral", "field"]],
+        width_ratios=(1, 1.05),
+        gridspec_kw={
+            "left": 0.09, "right": 0.94, "bottom": 0.09, "top": 0.86,
+            "wspace": 0.2, "hspace": 0.38,
+        },
+    )  # fmt: skip
+    _draw_curve(axes["axial"], scene, trap, "z")
+    _draw_curve(axes["lateral"], scene, trap, "x")
+    _draw_field(axes["field"], scene, trap)
+    figure.align_ylabels([axes["axial"], axes["lateral"]])
+    power = trap.power_through_pupil * _MILLI
+    figure.suptitle(
+        f"{scene.description or scene.name}\n"
+        f"{power:.3g} mW through the pupil · light and weight · {trap.evaluator}",
+        fontsize=11,
+    )
+    return figure
+
+
+def _centre(trap: Trap) -> np.ndarray:
+    return np.array(trap.equilibrium.position if trap.equilibrium else (0.0, 0.0, 0.0))
+
+
+def _reach(scene: Scene, trap: Trap) -> float:
+    """How far the figure shows, m from the focus."""
+    r = scene.bead.radius
+    return max(3.5 * r, float(abs(_centre(trap)[2])) + 2 * r)
+
+
+def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
+    return optical_force(scene, points) + bead_properties(scene).weight
+
+
+def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
+    """One component of the force along its own axis, with slope and escape forces."""
+    along = "xyz".index(axis)
+    centre, reach = _centre(trap), _reach(scene, trap)
+    coordinates = np.linspace(-reach, reach, 601)
+    points = np.tile(centre, (coordinates.size, 1))
+    points[:, along] = coordinates
+    force = _net_force(scene, points)[:, along] * _PICO
+    colour = _COLOURS[axis]
+    axes.axhline(0, color=_MUTED, lw=0.6)
+    axes.axvline(0, color=_LIGHT, lw=0.6, ls=":")
+    axes.plot(coordinates * _MICRO, force, color=colour, lw=1.6, zorder=3)
+    extent = np.abs(force).max() or 1.0
+    axes.set(
+        xlim=(-reach * _MICRO, reach * _MICRO), ylim=(-1.35 * extent, 1.35 * extent),
+        xlabel=f"{axis} (µm)", ylabel=f"$F_{axis}$ (pN)",
+    )  # fmt: skip
+    axes.set_title("no stable equilibrium; through the focus" if not trap.equilibrium else
+                   "along the light" if axis == "z" else "across it, through the equilibrium",
+                   fontsize=9)  # fmt: skip
+    if trap.equilibrium is None:
+        return
+    stiffness = trap.equilibrium.stiffness[along][along]
+    escapes = [escape for escape in trap.escapes if escape.direction[1] == axis]
+    way = 0.8 * min(escape.force_at for escape in escapes) * np.array([-1, 1])
+    axes.plot(
+        (centre[along] + way) * _MICRO, -stiffness * way * _PICO,
+        color=_MUTED, lw=1.1, ls="--", zorder=2, label=f"{stiffness * _MICRO:.3g} pN/µm",
+    )  # fmt: skip
+    axes.plot(centre[along] * _MICRO, 0, "o", color=_PATH, ms=5, zorder=4)
+    for escape in escapes:
+        _mark_escape(axes, escape, float(centre[along]), colour)
+    axes.legend(frameon=False, fontsize=8, loc="upper right" if axis == "x" else "lower left")
+
+
+def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None:
+    side = 1 if escape.direction[0] == "+" else -1
+    place = ((centre + side * escape.force_at) * _MICRO, -side * escape.force * _PICO)
+    axes.plot(*place, "o", mfc="white", mec=colour, ms=5, zorder=5)
+    axes.annotate(
+        f"{escape.force * _PICO:.3g} pN", place, xytext=(6 * side, -4 * side),
+        textcoords="offset points", ha="left" if side > 0 else "right",
+        va="top" if side > 0 else "bottom", fontsize=8, color=colour,
+    )  # fmt: skip
+
+
+def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
+    """Direction and size of the force on a bead with its centre there; bead to scale."""
+    centre, r = _centre(trap), scene.bead.radius
+    x = z = np.linspace(-1, 1, 121) * _reach(scene, trap)
+    points = np.zeros((z.size, x.size, 3))
+    points[..., 0], points[..., 2] = np.meshgrid(x, z)
+    force = _net_force(scene, points) * _PICO
+    size = np.linalg.norm(force, axis=-1)
+    shown = axes.pcolormesh(
+        x * _MICRO, z * _MICRO, size, vmin=0, cmap="Blues", shading="gouraud", zorder=0
+    )
+    axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
+    if size.any():
+        # where next to no force acts the lines would show nothing but noise
+        lines = np.where(size[..., None] > 1e-5 * size.max(), force, np.nan)
+        axes.streamplot(
+            x * _MICRO, z * _MICRO, lines[..., 0], lines[..., 2],
+            density=1.3, color="#444444", linewidth=0.6, arrowsize=0.8, zorder=2,
+        )  # fmt: skip
+    reach = _reach(scene, trap) * _MICRO
+    if scene.lit:
+        _draw_cone(axes, scene, reach, ec=_LIGHT, fc="none", alpha=0.6, lw=0.8, zorder=1)
+    if trap.equilibrium:
+        axes.add_patch(
+            Circle((centre[0] * _MICRO, centre[2] * _MICRO), r * _MICRO, facecolor="none",
+                   edgecolor=_PATH, lw=1.4, zorder=3)
+        )  # fmt: skip
+    axes.plot(0, 0, "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
+    axes.set(
+        xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
+        xlabel="x (µm)", ylabel="z along the light (µm)",
+    )  # fmt: skip
+    axes.set_title("force on the bead centred there; bead and cone to scale; + focus", fontsize=9)

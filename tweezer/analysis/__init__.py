@@ -1,6 +1,16 @@
-"""What a run tells: derived quantities and how it ended."""
+"""What a run and a trap tell: derived quantities, how a run ended, what a trap is worth."""
 
 from tweezer.analysis.derived import derived_quantities
 from tweezer.analysis.summary import Summary, summarise
+from tweezer.analysis.trap import Efficiency, Equilibrium, Escape, Trap, characterise
 
-__all__ = ["Summary", "derived_quantities", "summarise"]
+__all__ = [
+    "Efficiency",
+    "Equilibrium",
+    "Escape",
+    "Summary",
+    "Trap",
+    "characterise",
+    "derived_quantities",
+    "summarise",
+]

@@ -1,0 +1,421 @@
+"""The characterised trap against the force itself, sampled densely; scaling laws; published Q."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.patches import Circle
+
+import tweezer
+from tweezer.plots import trap_figure
+
+AXES = {"x": 0, "y": 1, "z": 2}
+PUBLISHED = Path(__file__).parent / "data" / "ashkin1992.csv"
+
+
+def silica(**changes):
+    """Describe the everyday trap, by quadrature."""
+    return tweezer.load_scene("silica-1um").replace(**changes)
+
+
+def weightless(**changes):
+    return silica(forces={"gravity": False, "buoyancy": False}, **changes)
+
+
+def weight(scene):
+    """Gravity and buoyancy along z, N."""
+    volume = math.pi * (2 * scene.bead.radius) ** 3 / 6
+    density = scene.bead.density * scene.forces.gravity
+    density -= scene.medium.density * scene.forces.buoyancy
+    return -density * volume * 9.80665
+
+
+def pull(scene, trap, direction, distances):
+    """Force towards the equilibrium at distances from it, N."""
+    side, axis = (1 if direction[0] == "+" else -1), AXES[direction[1]]
+    places = np.tile(trap.equilibrium.position, (len(distances), 1))
+    places[:, axis] += side * distances
+    force = tweezer.optical_force(scene, places)[:, axis]
+    return -side * (force + (weight(scene) if axis == 2 else 0.0))
+
+
+def closely_up_to(end, r):
+    """Distances up to `end`, closer where the force bends."""
+    near = min(2 * r, end)
+    return np.unique(np.concatenate([np.linspace(0, near, 4_001), np.linspace(near, end, 1_001)]))
+
+
+@pytest.fixture(
+    scope="module",
+    params=["silica", "levitated", "linear", "donut", "thesis", "grid"],
+)
+def trapped(request):
+    """Scenes of all kinds with their traps."""
+    thesis = tweezer.load_scene("thesis-990nm")
+    scene = {
+        "silica": silica(),
+        # weight balances the light a second time, beyond the focus
+        "levitated": silica(bead={"diameter": "3 um"}, beam={"power_through_pupil": "20 mW"}),
+        "linear": silica(beam={"polarisation": "linear", "jones": ["1", "0.3+0.4j"]}),
+        "donut": silica(beam={"profile": "donut", "waist": "1.5 mm"}),
+        "thesis": thesis.replace(optics={"evaluator": "quadrature"}),
+        "grid": thesis,
+    }[request.param]
+    return scene, tweezer.characterise(scene)
+
+
+def test_nothing_pulls_at_an_equilibrium_and_the_stable_one_is_nearest(trapped):
+    scene, trap = trapped
+    assert trap.equilibria
+    for place in trap.equilibria:
+        assert place.position[:2] == (0.0, 0.0)
+        force = tweezer.optical_force(scene, place.position)
+        force[2] += weight(scene)
+        largest = max(escape.force for escape in trap.escapes)
+        # where the sum over the grid jumps past zero, no force vanishes
+        assert np.abs(force).max() < (1e-2 if trap.evaluator == "grid" else 1e-11) * largest
+        assert place.residual == pytest.approx(np.linalg.norm(force), abs=1e-12 * largest)
+    stable = [abs(place.position[2]) for place in trap.equilibria if place.stable]
+    assert abs(trap.equilibrium.position[2]) == min(stable)
+    assert trap.equilibrium.stable
+    assert len(stable) == (2 if scene.bead.radius == 1.5e-6 else 1)
+
+
+def test_every_change_of_sign_on_the_axis_is_an_equilibrium(trapped):
+    scene, trap = trapped
+    if trap.evaluator == "grid":
+        pytest.skip("its jumps change the sign back and forth between any two samples")
+    z = np.linspace(-20, 20, 9_011) * scene.bead.radius
+    places = np.zeros((z.size, 3))
+    places[:, 2] = z
+    sign = np.sign(tweezer.optical_force(scene, places)[:, 2] + weight(scene))
+    changes = np.flatnonzero(np.diff(sign))
+    found = [place.position[2] for place in trap.equilibria]
+    assert len(found) == len(changes)
+    for i, place in zip(changes, found, strict=True):
+        assert z[i] <= place <= z[i + 1]
+
+
+def test_stiffness_is_the_slope_of_the_force(trapped):
+    scene, trap = trapped
+    if trap.evaluator != "grid":
+        scene = scene.replace(optics={"tolerance": 1e-13})
+    step = 2e-4 * scene.bead.radius
+    for place in trap.equilibria if trap.evaluator != "grid" else [trap.equilibrium]:
+        shifts = step * np.eye(3)
+        ahead = tweezer.optical_force(scene, place.position + shifts)
+        behind = tweezer.optical_force(scene, place.position - shifts)
+        slope = ((behind - ahead) / (2 * step)).T
+        scale = np.abs(slope).max()
+        np.testing.assert_allclose(place.stiffness, slope, rtol=0, atol=1e-5 * scale)
+        np.testing.assert_allclose(
+            place.eigenvalues, np.sort(np.linalg.eigvals(slope).real), rtol=0, atol=2e-5 * scale
+        )
+        assert place.stable == (min(place.eigenvalues) > 0)
+    drag = 6 * math.pi * scene.medium.viscosity * scene.bead.radius
+    expected = np.diag(trap.equilibrium.stiffness) / (2 * math.pi * drag)
+    np.testing.assert_allclose(trap.corner_frequencies, expected, rtol=1e-14)
+
+
+def test_escape_is_the_largest_pull_before_it_ends(trapped):
+    scene, trap = trapped
+    r = scene.bead.radius
+    assert [escape.direction for escape in trap.escapes] == ["+x", "-x", "+y", "-y", "+z", "-z"]
+    for escape in trap.escapes:
+        end = 20 * r if escape.range is None else escape.range
+        distances = closely_up_to(end, r)[1:-1]
+        forces = pull(scene, trap, escape.direction, distances)
+        # on the grid a single sample may find a jump that the lines' samples missed
+        grid = trap.evaluator == "grid"
+        assert forces.max() <= escape.force * (1 + (1e-3 if grid else 1e-9))
+        assert forces.max() == pytest.approx(escape.force, rel=1e-3)
+        at = pull(scene, trap, escape.direction, np.array([escape.force_at]))
+        assert at == pytest.approx(escape.force, rel=1e-12)
+        if not grid:
+            # near the equilibrium and near the end of the pull it is next to nothing
+            assert forces.min() > -1e-9 * escape.force
+            assert abs(distances[forces.argmax()] - escape.force_at) < 2e-3 * r
+
+
+def test_range_is_where_the_pull_ends(trapped):
+    scene, trap = trapped
+    r = scene.bead.radius
+    ranges = {escape.direction: escape.range for escape in trap.escapes}
+    for direction, end in ranges.items():
+        if end is None:
+            assert pull(scene, trap, direction, np.array([19.99 * r])) > 0
+            continue
+        before, behind = pull(scene, trap, direction, end + np.array([-1e-6, 1e-6]) * r)
+        assert before > 0 >= behind
+    if trap.evaluator == "grid":  # the samples of another line meet other jumps
+        return
+    unstable = {place.position[2] for place in trap.equilibria if not place.stable}
+    for direction, side in (("+z", 1), ("-z", -1)):
+        height = trap.equilibrium.position[2]
+        beyond = [side * (z - height) for z in unstable if side * (z - height) > 0]
+        if beyond:
+            assert ranges[direction] == pytest.approx(min(beyond), abs=1e-9 * r)
+
+
+def test_energy_is_the_work_on_the_way(trapped):
+    scene, trap = trapped
+    r = scene.bead.radius
+    for escape in trap.escapes:
+        end = 20 * r if escape.range is None else escape.range
+        edges = closely_up_to(end, r)
+        middles, widths = (edges[1:] + edges[:-1]) / 2, np.diff(edges)
+        at_edges, between = (
+            pull(scene, trap, escape.direction, distances) for distances in (edges, middles)
+        )
+        work = (at_edges[:-1] + 4 * between + at_edges[1:]) @ widths / 6  # Simpson's rule
+        error = 2e-6 * work if trap.evaluator != "grid" else 1e-3 * work
+        assert escape.energy == pytest.approx(work, abs=error)
+        assert 0 <= escape.energy_error < 10 * error
+        assert escape.energy_kT == pytest.approx(
+            escape.energy / (1.380649e-23 * scene.medium.temperature), rel=1e-12
+        )
+
+
+def test_error_and_evaluator_are_told(trapped):
+    scene, trap = trapped
+    if scene.optics.evaluator == "grid":
+        largest = max(escape.force for escape in trap.escapes)
+        assert trap.evaluator == "grid"
+        assert 0.003 * largest < trap.force_error < 0.1 * largest
+        return
+    assert trap.evaluator == "quadrature"
+    assert 0 < trap.force_error < 1e-7 * max(escape.force for escape in trap.escapes)
+    rough = tweezer.characterise(scene.replace(optics={"tolerance": 1e-3}))
+    assert rough.force_error > 10 * trap.force_error
+    for rough_escape, escape in zip(rough.escapes, trap.escapes, strict=True):
+        assert rough_escape.force == pytest.approx(escape.force, rel=2e-3)
+
+
+def assert_scaled(trap, other, *, force=1.0, length=1.0):
+    """Force and length of `other` are so many times those of `trap`."""
+    stiff, soft = other.equilibrium, trap.equilibrium
+    r = 0.5e-6
+    np.testing.assert_allclose(
+        stiff.position, np.multiply(soft.position, length), rtol=0, atol=1e-9 * length * r
+    )
+    np.testing.assert_allclose(
+        stiff.stiffness, np.multiply(soft.stiffness, force / length), rtol=0,
+        atol=1e-6 * max(soft.eigenvalues) * force / length,
+    )  # fmt: skip
+    for scaled, escape in zip(other.escapes, trap.escapes, strict=True):
+        assert scaled.force == pytest.approx(force * escape.force, rel=1e-7)
+        assert scaled.force_at == pytest.approx(length * escape.force_at, rel=1e-4)
+        assert scaled.energy == pytest.approx(force * length * escape.energy, rel=1e-6)
+        assert (scaled.range is None) == (escape.range is None)
+        if escape.range is not None:
+            assert scaled.range == pytest.approx(length * escape.range, rel=1e-5)
+    for scaled, pulls in ((other.backward_efficiency, trap.backward_efficiency),
+                          (other.lateral_efficiency, trap.lateral_efficiency)):  # fmt: skip
+        assert abs(scaled.Q / pulls.Q - 1) < 1e-7
+        assert scaled.at == pytest.approx(length * pulls.at, rel=1e-4)
+
+
+def test_twice_the_power_is_twice_the_trap():
+    trap = tweezer.characterise(weightless())
+    double = weightless(beam={"power_through_pupil": "100 mW"})
+    assert_scaled(trap, tweezer.characterise(double), force=2.0)
+
+
+def test_a_larger_bead_has_a_wider_trap_of_the_same_force():
+    trap = tweezer.characterise(weightless())
+    larger = weightless(bead={"diameter": "12 um"})
+    assert_scaled(trap, tweezer.characterise(larger), length=12.0)
+
+
+def test_weight_shifts_the_equilibrium_by_its_share_of_the_stiffness():
+    scene = silica(bead={"diameter": "2 um"})
+    floating = scene.replace(forces={"gravity": False, "buoyancy": False})
+    sunk, trap = tweezer.characterise(scene), tweezer.characterise(floating)
+    shift = sunk.equilibrium.position[2] - trap.equilibrium.position[2]
+    assert shift < 0
+    assert shift == pytest.approx(weight(scene) / trap.equilibrium.stiffness[2][2], rel=5e-3)
+    # the efficiencies are those of the light alone
+    assert sunk.backward_efficiency == trap.backward_efficiency
+    assert sunk.lateral_efficiency == trap.lateral_efficiency
+
+
+def test_left_and_right_are_alike(trapped):
+    scene, trap = trapped
+    there = {escape.direction: escape for escape in trap.escapes}
+    pairs = [("+x", "-x"), ("+y", "-y")]
+    if scene.beam.polarisation != "linear":
+        pairs.append(("+x", "+y"))
+    for one, other in pairs:
+        assert there[one].force == pytest.approx(there[other].force, rel=1e-9)
+        assert there[one].range == pytest.approx(there[other].range, rel=1e-9)
+        assert there[one].energy == pytest.approx(there[other].energy, rel=1e-6)
+
+
+def test_linear_light_pulls_differently_along_and_across_it():
+    along_x, along_y, oblique = (
+        tweezer.characterise(weightless(beam={"polarisation": "linear", "jones": jones}))
+        for jones in (["1", "0"], ["0", "1j"], ["1", "1"])
+    )
+    kx, ky, kz = np.diag(along_x.equilibrium.stiffness)
+    assert abs(kx / ky - 1) > 1e-3
+    np.testing.assert_allclose(np.diag(along_y.equilibrium.stiffness), [ky, kx, kz], rtol=1e-7)
+    assert abs(along_x.escapes[0].force / along_x.escapes[2].force - 1) > 1e-2
+    assert along_y.escapes[0].force == pytest.approx(along_x.escapes[2].force, rel=1e-8)
+    assert abs(along_x.lateral_efficiency.Q / along_y.lateral_efficiency.Q - 1) < 1e-8
+    # at 45 degrees the same tensor, turned
+    mean, half = (kx + ky) / 2, (kx - ky) / 2
+    expected = [[mean, half, 0], [half, mean, 0], [0, 0, kz]]
+    np.testing.assert_allclose(oblique.equilibrium.stiffness, expected, rtol=0, atol=1e-8 * kx)
+
+
+def test_the_sine_map_traps_about_half_as_strongly_along_the_axis():
+    """The same uniform beam and half angle; Ashkin's bead of relative index 1.2."""
+    angle = math.asin(1.25 / 1.326)
+    tangent = {"map": "tan", "radius": "2.5 mm", "focal_length": 2.5e-3 / math.tan(angle)}
+    sine, tan = (
+        tweezer.characterise(
+            weightless(
+                bead={"refractive_index": 1.2 * 1.326},
+                beam={"profile": "uniform", "sigma": None},
+                lens=lens,
+            )
+        )
+        for lens in ({}, tangent)
+    )
+    assert 0.45 < sine.backward_efficiency.Q / tan.backward_efficiency.Q < 0.6
+
+
+def published():
+    with PUBLISHED.open(encoding="utf-8") as file:
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return [row for row in rows if row["kind"] == "axial"]
+
+
+@pytest.mark.parametrize("row", published(), ids=lambda row: f"{row['n_rel']}-{row['beam']}")
+def test_backward_efficiency_is_the_published(row):
+    """Ashkin 1992: tan map, half angle 70 degrees, circular light, in bead radii."""
+    radius = 2.5e-3
+    beam = {"profile": "uniform", "sigma": None}
+    if row["beam"] != "uniform":
+        beam = {"waist": radius}
+    scene = weightless(
+        medium={"refractive_index": 1.33},
+        bead={"refractive_index": 1.33 * float(row["n_rel"])},
+        lens={"map": "tan", "radius": radius, "focal_length": radius / math.tan(math.radians(70))},
+        beam=beam,
+    )
+    found = tweezer.characterise(scene).backward_efficiency
+    assert abs(found.Q + float(row["Qg_or_Qz"])) < 1.5e-3
+    assert abs(found.at / scene.bead.radius - float(row["theta_deg_or_z"])) < 0.01
+
+
+@pytest.mark.parametrize("jones", [["1", "0"], ["0", "1"]])
+def test_efficiencies_are_the_largest_of_the_light(jones):
+    """Linear light pulls harder from the sides it is polarised along."""
+    scene = silica(beam={"polarisation": "linear", "jones": jones})
+    trap = tweezer.characterise(scene)
+    unit = 1.326 * 50e-3 / 299792458.0
+    side = int(jones[1])
+    z, x = np.zeros((4_001, 3)), np.zeros((4_001, 3))
+    z[:, 2], x[:, side] = np.linspace(-1e-6, 1e-6, 4_001), np.linspace(0, 1e-6, 4_001)
+    for found, Q, where in (
+        (trap.backward_efficiency, -tweezer.optical_force(scene, z)[:, 2] / unit, z[:, 2]),
+        (trap.lateral_efficiency, -tweezer.optical_force(scene, x)[:, side] / unit, x[:, side]),
+    ):
+        assert Q.max() <= found.Q * (1 + 1e-9)
+        assert Q.max() == pytest.approx(found.Q, rel=1e-3)
+        assert where[Q.argmax()] == pytest.approx(found.at, abs=1e-9)
+    assert trap.power_through_pupil == pytest.approx(50e-3, rel=1e-12)
+    assert trap.fraction_through_pupil == pytest.approx(1 - math.exp(-2), rel=1e-12)
+
+
+def assert_no_trap(trap):
+    assert trap.equilibrium is None
+    assert trap.corner_frequencies is None
+    assert trap.escapes == ()
+    assert not any(place.stable for place in trap.equilibria)
+
+
+@pytest.mark.parametrize("make", [silica, weightless])
+def test_a_bead_like_the_medium_is_not_trapped(make):
+    trap = tweezer.characterise(make(bead={"refractive_index": 1.326}))
+    assert_no_trap(trap)
+    assert trap.equilibria == ()
+    assert (trap.backward_efficiency, trap.lateral_efficiency) == (None, None)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"forces": {"optical": False}}, {"beam": {"power_through_pupil": 0}}],
+    ids=["off", "no power"],
+)
+def test_the_dark_traps_nothing(changes):
+    trap = tweezer.characterise(silica(**changes))
+    assert_no_trap(trap)
+    assert trap.equilibria == ()
+    assert (trap.backward_efficiency, trap.lateral_efficiency) == (None, None)
+    assert (trap.power_through_pupil, trap.fraction_through_pupil) == (0.0, None)
+    assert (trap.evaluator, trap.force_error, trap.caveat) == ("dark", 0.0, None)
+
+
+@pytest.mark.parametrize("evaluator", ["quadrature", "grid"])
+def test_a_bead_of_lower_index_is_repelled(evaluator):
+    """By the grid too: its force has a stable slope between jumps that drive the bead out."""
+    scene = silica(bead={"refractive_index": 1.2}, optics={"evaluator": evaluator})
+    trap = tweezer.characterise(scene)
+    assert_no_trap(trap)
+    assert trap.equilibria
+    assert trap.backward_efficiency.at < 0
+    if evaluator == "quadrature":
+        assert trap.lateral_efficiency is None
+
+
+def test_a_weak_lens_pushes_the_bead_away():
+    trap = tweezer.characterise(
+        weightless(lens={"numerical_aperture": 0.4}, bead={"refractive_index": 2.0})
+    )
+    assert_no_trap(trap)
+    assert trap.equilibria == ()
+    assert trap.backward_efficiency is None
+    assert trap.lateral_efficiency.Q > 0.01
+
+
+def test_the_caveat_of_ray_optics_is_told_for_small_beads():
+    assert "wavelengths" in tweezer.characterise(silica()).caveat
+    assert tweezer.characterise(silica(bead={"diameter": "10 um"})).caveat is None
+
+
+def test_figure_shows_the_bead_where_it_is_trapped():
+    scene = silica()
+    trap = tweezer.characterise(scene)
+    figure = trap_figure(scene, trap)
+    axial, field, lateral, colours = figure.axes
+    (bead,) = [patch for patch in field.patches if isinstance(patch, Circle)]
+    assert bead.center == pytest.approx((0.0, trap.equilibrium.position[2] * 1e6))
+    assert bead.radius == pytest.approx(0.5)
+    assert colours.get_ylabel() == "force (pN)"
+    for axes, k in ((axial, trap.equilibrium.stiffness[2][2]),
+                    (lateral, trap.equilibrium.stiffness[0][0])):  # fmt: skip
+        assert axes.get_legend().texts[0].get_text() == f"{k * 1e6:.3g} pN/µm"
+    labels = {text.get_text() for text in axial.texts + lateral.texts}
+    assert labels == {f"{escape.force * 1e12:.3g} pN" for escape in trap.escapes}
+    curve = axial.lines[2].get_xydata()
+    expected = tweezer.optical_force(scene, [0, 0, curve[100, 0] * 1e-6])[2] + weight(scene)
+    assert curve[100, 1] == pytest.approx(expected * 1e12, rel=1e-9)
+    figure.savefig(Path("/dev/null"), format="png")
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"forces": {"optical": False, "gravity": False, "buoyancy": False}},
+     {"bead": {"refractive_index": 1.2}}],
+    ids=["dark and weightless", "repelled"],
+)  # fmt: skip
+def test_figure_of_no_trap(changes):
+    scene = silica(**changes)
+    figure = trap_figure(scene, tweezer.characterise(scene))
+    figure.savefig(Path("/dev/null"), format="png")
+    assert figure.axes[0].get_title() == "no stable equilibrium; through the focus"
+    assert not [patch for patch in figure.axes[1].patches if isinstance(patch, Circle)]

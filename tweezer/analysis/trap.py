@@ -1,0 +1,296 @@
+"""What a trap is worth: where it holds the bead, how stiffly, and what it takes to pull it out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+from scipy.integrate import quad
+from scipy.optimize import bisect, minimize_scalar
+
+from tweezer.bead import bead_properties
+from tweezer.optics import cone, light, ray_optics_caveat, total_power
+from tweezer.optics.light import SPEED_OF_LIGHT
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+Point = tuple[float, float, float]
+Tensor = tuple[Point, Point, Point]
+#: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
+Force = Callable[[Array], Array]
+Component = Callable[[Array], Array]
+
+#: how far lines are searched, in radii, and the distance of samples on them
+REACH, SPACING = 20.0, 0.02
+
+#: to how much a zero, an end of the pull and a maximum are located, in radii
+_ZERO, _END, _MAXIMUM = 1e-14, 1e-10, 1e-8
+
+#: relative error asked of the work
+_WORK = 1e-7
+
+FOCUS: Point = (0.0, 0.0, 0.0)
+
+DIRECTIONS: dict[str, Point] = {
+    "+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0),
+    "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0),
+    "+z": (0.0, 0.0, 1.0), "-z": (0.0, 0.0, -1.0),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Efficiency:
+    """The largest pull of the light alone along an axis."""
+
+    Q: float
+    """F c/(n_m P), P the power through the pupil"""
+    at: float
+    """where on that axis, m from the focus"""
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A place on the beam's axis where light and weight cancel."""
+
+    position: Point
+    """m from the focus"""
+    stable: bool
+    """whether a bead beside it returns: every eigenvalue of dF_i/dx_j has a negative real part, and
+    0.02 radii off it along every axis the force pulls back"""
+    stiffness: Tensor
+    """k_ij = -dF_i/dx_j, N/m, the light's own derivative; not symmetric in general"""
+    eigenvalues: Point
+    """real parts of the eigenvalues of k, rising, N/m; over beta_v the rates of return (5.2)"""
+    residual: float
+    """size of the force left there, N"""
+
+
+@dataclass(frozen=True)
+class Escape:
+    """Pulling the bead out of the equilibrium along a straight line, as `characterise` has it."""
+
+    direction: str
+    """"+x" to "-z\""""
+    force: float
+    """largest restoring force on the way, N: a steady pull above it takes the bead out"""
+    force_at: float
+    """where, m from the equilibrium"""
+    range: float | None
+    """m from the equilibrium to where the force stops pulling back; None: not within 20 radii"""
+    energy: float
+    """work against the force up to there, or over 20 radii where the pull does not end, J"""
+    energy_error: float
+    """estimated error of the integration, J; that of the force comes on top"""
+    energy_kT: float
+    """`energy` in k_B T of the medium"""
+
+
+@dataclass(frozen=True)
+class Trap:
+    """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
+
+    power_through_pupil: float
+    """P, W"""
+    fraction_through_pupil: float | None
+    """P over the power of the whole beam; None in the dark"""
+    backward_efficiency: Efficiency | None
+    """against the light, on the axis; None if the light pulls back nowhere"""
+    lateral_efficiency: Efficiency | None
+    """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
+    equilibria: tuple[Equilibrium, ...]
+    """by z; may be empty"""
+    equilibrium: Equilibrium | None
+    """the stable one nearest the focus"""
+    corner_frequencies: Point | None
+    """k_ii/(2 pi beta_v) at `equilibrium`, Hz"""
+    escapes: tuple[Escape, ...]
+    """from `equilibrium`, one for each of `DIRECTIONS`; empty without one"""
+    evaluator: str
+    """how the force was computed: "grid", "quadrature", ..., or "dark" """
+    force_error: float
+    """largest error of any force these numbers come from, N: as estimated, or certified by the map,
+    or for the grid the distance to the quadrature"""
+    caveat: str | None
+    """what ray optics is worth for this bead (`ray_optics_caveat`)"""
+
+
+def characterise(scene: Scene) -> Trap:
+    """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
+
+    The force is that of the scene's light (3.26), by the scene's own evaluator, and of its weight
+    (2.11, 2.12) as far as `scene.forces` has it. Drag and thermal motion play no part.
+
+    Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
+    the force is along it. Equilibria are sought there, within 20 radii of the focus; rings of
+    equilibria around the axis are not. The forces have no potential, so stability is that of the
+    overdamped motion beta_v dx/dt = F (5.2). The force beside the place is asked too, since the
+    jumps of the sum over a grid are not in its derivative.
+
+    Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
+    component of the force along the line: a bead held on that line. It ends where the component
+    changes sign or the light ends. Against the light it need not end: light that meets a bead
+    before the focus drives it on to the trap from any distance, by a force that falls with the
+    distance squared. The range is then None, and work counts over 20 radii. It is work on that
+    line and no height of a barrier, for work between two places depends on the way.
+
+    Lines are sampled every 0.02 radii. Zeros are bisected on the sign (`scipy.optimize.bisect`,
+    to 1e-14 radii), which holds also where the sum over a grid of rays jumps; maxima are refined
+    with `scipy.optimize.minimize_scalar` to 1e-8 radii; work is by `scipy.integrate.quad` to
+    1e-7, or to `Escape.energy_error` where jumps hinder it.
+    """
+    light_force = _LightForce(scene)
+    bead, r = bead_properties(scene), scene.bead.radius
+    weight = np.array(bead.weight)
+
+    def net_force(points: Array) -> Array:
+        return light_force(points) + weight
+
+    equilibria = tuple(_equilibria(scene, net_force))
+    stable = [place for place in equilibria if place.stable]
+    equilibrium = min(stable, key=lambda place: abs(place.position[2]), default=None)
+    corner_frequencies = None
+    escapes: tuple[Escape, ...] = ()
+    if equilibrium:
+        corner_frequencies = _point(np.diag(equilibrium.stiffness) / (2 * math.pi * bead.drag))
+        escapes = tuple(
+            _escape(scene, net_force, equilibrium.position, name) for name in DIRECTIONS
+        )
+    power = cone(scene).power
+    unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
+    lateral = [_efficiency(light_force, axis, _line(0.0, r), unit) for axis in ("+x", "+y")]
+    return Trap(
+        power_through_pupil=power,
+        fraction_through_pupil=power / total_power(scene.lens, scene.beam) if scene.lit else None,
+        backward_efficiency=_efficiency(light_force, "+z", _line(-REACH, r), unit),
+        lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
+        equilibria=equilibria,
+        equilibrium=equilibrium,
+        corner_frequencies=corner_frequencies,
+        escapes=escapes,
+        evaluator=light(scene).evaluator,
+        force_error=light_force.error,
+        caveat=ray_optics_caveat(scene),
+    )
+
+
+class _LightForce:
+    """Force of a scene's light; keeps the largest estimated error of those it gave, N."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._light = light(scene)
+        self.error = 0.0
+
+    def __call__(self, points: Array) -> Array:
+        field = self._light.field(points)
+        self.error = max(self.error, float(self._light.error_of(points, field).max()))
+        return field.force
+
+
+def _line(start: float, radius: float) -> Array:
+    """Samples from `start` to `REACH`, both in radii; m."""
+    return radius * np.linspace(start, REACH, round((REACH - start) / SPACING) + 1)
+
+
+def _along(force: Force, origin: Point, direction: str) -> Component:
+    """Component along `direction` of the force, at distances (m) from `origin` along it."""
+    start, unit = np.array(origin), np.array(DIRECTIONS[direction])
+
+    def component(distances: Array) -> Array:
+        return force(start + np.multiply.outer(distances, unit)) @ unit
+
+    return component
+
+
+def _opposite(component: Component) -> Component:
+    return lambda distances: -component(distances)
+
+
+def _equilibria(scene: Scene, net_force: Force) -> Iterator[Equilibrium]:
+    """Every change of sign of the force along the axis."""
+    r = scene.bead.radius
+    axial = _along(net_force, FOCUS, "+z")
+    z = _line(-REACH, r)
+    sign = np.sign(axial(z))
+    z, sign = z[sign != 0], sign[sign != 0]
+    for i in np.flatnonzero(np.diff(sign)):
+        rising = sign[i + 1] > 0
+        zero = _end(_opposite(axial) if rising else axial, z[i], z[i + 1], _ZERO * r)
+        place = np.array([[0.0, 0.0, zero]])
+        gradient = light(scene).field(place, gradient=True).force_gradient[0]
+        eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
+        steps = SPACING * r * np.array(list(DIRECTIONS.values()))
+        pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+        yield Equilibrium(
+            position=_point(place[0]),
+            stable=bool(eigenvalues[0] > 0 and pulled_back),
+            stiffness=tuple(_point(-row) for row in gradient),  # type: ignore[arg-type]
+            eigenvalues=_point(eigenvalues),
+            residual=float(np.linalg.norm(net_force(place))),
+        )
+
+
+def _escape(scene: Scene, net_force: Force, origin: Point, direction: str) -> Escape:
+    r = scene.bead.radius
+    pull = _opposite(_along(net_force, origin, direction))
+    distances = _line(0.0, r)
+    let_go = np.flatnonzero(pull(distances[1:]) <= 0)
+    end = None
+    if let_go.size:
+        last = let_go[0]
+        end = _end(pull, distances[last], distances[last + 1], _END * r)
+        distances = np.append(distances[: last + 1], end)
+    force, at = _maximum(pull, distances, _MAXIMUM * r)
+    energy, energy_error, *_ = quad(
+        lambda distance: pull(np.array([distance]))[0],
+        0.0, distances[-1], epsabs=0.0, epsrel=_WORK, limit=50, full_output=1,
+    )  # fmt: skip
+    return Escape(
+        direction=direction,
+        force=force,
+        force_at=at,
+        range=end,
+        energy=energy,
+        energy_error=energy_error,
+        energy_kT=energy / (Boltzmann * scene.medium.temperature),
+    )
+
+
+def _efficiency(
+    light_force: Force, direction: str, coordinates: Array, unit: float
+) -> Efficiency | None:
+    """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
+    pull = _opposite(_along(light_force, FOCUS, direction))
+    tolerance = _MAXIMUM / SPACING * (coordinates[1] - coordinates[0])
+    force, at = _maximum(pull, coordinates, tolerance)
+    return Efficiency(force / unit, at) if force > 0 else None
+
+
+def _maximum(component: Component, distances: Array, tolerance: float) -> tuple[float, float]:
+    """Largest value between the ends of `distances`, and where to within `tolerance`."""
+    values = component(distances)
+    best = int(values.argmax())
+    refined = minimize_scalar(
+        lambda distance: -component(np.array([distance]))[0],
+        bounds=(distances[max(best - 1, 0)], distances[min(best + 1, len(distances) - 1)]),
+        method="bounded",
+        options={"xatol": tolerance},
+    )
+    sampled = float(values[best]), float(distances[best])
+    return max(sampled, (-float(refined.fun), float(refined.x)))
+
+
+def _end(pull: Component, start: float, stop: float, tolerance: float) -> float:
+    """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
+
+    def pulls(distance: float) -> float:
+        return 1.0 if distance == start or pull(np.array([distance]))[0] > 0 else -1.0
+
+    return float(bisect(pulls, start, stop, xtol=tolerance))
+
+
+def _point(values: Array) -> Point:
+    return tuple(float(value) for value in values)  # type: ignore[return-value]
