@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-.PHONY: demo test lint derivation notebooks clean
+.PHONY: demo test lint bench derivation notebooks clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
@@ -16,6 +16,11 @@ lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+
+bench: .venv/.runtime  ## measure the force again: results, figure and what the README quotes
+	$(BIN)/tweezer bench force --out tests/benchmarks/results/force.json \
+		--plot docs/figures/bench-force.png
+	$(BIN)/python -m tests.benchmarks.report
 
 derivation: .venv/.dev  ## derive again and write generated/
 	$(BIN)/python -m derivation

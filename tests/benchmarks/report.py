@@ -1,0 +1,183 @@
+"""The results of the force benchmark as tables, as a figure, and in the README.
+
+`python -m tests.benchmarks.report` writes the README's block from the committed results.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from tests.benchmarks.force import BANDS, STARTS, Results
+from tests.benchmarks.timing import ROOT
+
+COMMITTED = ROOT / "tests/benchmarks/results/force.json"
+README = ROOT / "README.md"
+BLOCK = re.compile(r"<!-- bench-force -->\n.*?<!-- end -->", re.DOTALL)
+
+HEADINGS = ("", "inside", "edge", "outside", "far", STARTS)
+_ROWS = (
+    ("quadrature at 1e-8, µs", "quadrature_us"),
+    ("at its slowest place, µs", "quadrature_at_the_slowest_place_us"),
+    ("its largest error", "quadrature_largest_error"),
+    ("NumPy, 7644 rays, µs", "numpy_us"),
+    ("times slower", "numpy_over_quadrature"),
+    ("grid, 7644 rays, µs", "grid_us"),
+    ("its median error", "grid_median_error"),
+    ("its largest error", "grid_largest_error"),
+    ("map at 1e-7, ns", "map_ns"),
+    ("with the Jacobian, ns", "map_with_jacobian_ns"),
+    ("error, of largest force", "map_largest_error_over_largest_force"),
+)
+
+#: errors below this are drawn here
+_FLOOR = 1e-16
+_STYLES = {
+    "numpy": ("#bb5566", "X", "NumPy sum, 7644 rays"),
+    "grid": ("#ddaa33", "o", "grid, 25 to 1600 squares across"),
+    "quadrature": ("#004488", "s", "quadrature, tolerance 1e-2 to 1e-12"),
+    "map": ("#228833", "D", "map, 1e-5 to 1e-8 of the largest force"),
+}
+
+
+def by_place(results: Results) -> list[list[str]]:
+    """Rows under `HEADINGS`."""
+    figures = [results["headline"]["by_place"][kind] for kind in HEADINGS[1:]]
+    return [
+        [label, *(_cell(key, of[key]) if key in of else "" for of in figures)]
+        for label, key in _ROWS
+    ]
+
+
+def _cell(key: str, value: float) -> str:
+    return f"{value:.1e}" if "error" in key else rounded(value)
+
+
+def apart(results: Results) -> list[tuple[str, str]]:
+    """What does not depend on the kind of place."""
+    figures = results["headline"]
+    starts, first = figures["grid_at_thesis_start_us"], figures["first_force_s"]
+    return [
+        (
+            f"thesis's grid at the starting points of {', '.join(starts)}",
+            f"{', '.join(map(rounded, starts.values()))} µs",
+        ),
+        ("a ray that hits", f"{rounded(figures['ray_that_hits_ns'])} ns"),
+        ("map at 1e-7, made", f"{rounded(figures['map_made_s'])} s"),
+        ("map at 1e-7, loaded", f"{rounded(1e3 * figures['map_loaded_s'])} ms"),
+        (
+            f"first force in a fresh process, caches warm: {', '.join(first)}",
+            f"{', '.join(map(rounded, first.values()))} s",
+        ),
+    ]
+
+
+def rounded(value: float) -> str:
+    """Two digits."""
+    return f"{float(f'{value:.1e}'):g}"
+
+
+def figure(results: Results) -> Figure:
+    """Largest and median error against time per position, a panel for each kind of place."""
+    drawn = Figure(figsize=(11.0, 6.6), layout="constrained")
+    panels = drawn.subplots(2, 3, sharex=True, sharey=True)
+    for axes, kind in zip(panels.flat, results["places"], strict=False):
+        _draw(axes, results["places"][kind])
+        axes.set_title(_title(kind), fontsize=10)
+    for axes in panels[:, 0]:
+        axes.set_ylabel("error, relative to the force")
+    for axes in (*panels[1, :2], panels[0, 2]):
+        axes.set_xlabel("time per position, µs")
+        axes.tick_params(labelbottom=True)
+    _explain(panels[1, 2])
+    return drawn
+
+
+def _title(kind: str) -> str:
+    if kind == STARTS:
+        return "the thesis's three starting points"
+    low, high = BANDS[kind]
+    return f"{kind}: {low:g} to {high:g} radii from the focus"
+
+
+def _draw(axes: Axes, families: dict[str, list[dict[str, Any]]]) -> None:
+    for family, entries in families.items():
+        colour, marker, _ = _STYLES[family]
+        times = [entry["us"] for entry in entries]
+        largest, median = (
+            np.maximum([entry[key] for entry in entries], _FLOOR)
+            for key in ("largest_error", "median_error")
+        )
+        axes.plot(times, largest, color=colour, marker=marker, markersize=5, linewidth=1.2)
+        axes.plot(times, median, color=colour, linewidth=1, linestyle=":")
+    axes.set(xscale="log", yscale="log")
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def _explain(axes: Axes) -> None:
+    axes.axis("off")
+    handles = [
+        Line2D([], [], color=colour, marker=marker, markersize=5, linewidth=1.2, label=label)
+        for colour, marker, label in _STYLES.values()
+    ]
+    handles += [
+        Line2D([], [], color="0.3", linewidth=1.2, label="largest error of the places"),
+        Line2D([], [], color="0.3", linewidth=1, linestyle=":", label="median error"),
+    ]
+    axes.legend(handles=handles, loc="center", frameon=False, fontsize=10)
+
+
+def block(results: Results) -> str:
+    """The README's part, between its markers."""
+    machine = results["machine"]
+    bands = ", ".join(f"{kind} {low:g} to {high:g}" for kind, (low, high) in BANDS.items())
+    explained = (
+        "Time per position on one core, and errors relative to the force there (or to 1e-6 of the "
+        "largest force where it is smaller). Columns: distance from the focus in radii of the "
+        f"990 nm bead ({bands}), and the thesis's three starting points. NumPy is the thesis's "
+        "sum as a user would write it, grid the same sum in tweezer. Where the grid's largest "
+        "error is 1, none of its rays hits."
+    )
+    lines = [
+        "<!-- bench-force -->",
+        *textwrap.wrap(explained, 110),
+        "",
+        *_markdown(HEADINGS, by_place(results)),
+        "",
+        *_markdown(("", ""), apart(results)),
+        "",
+        "![Error against time of the force](docs/figures/bench-force.png)",
+        "",
+        f"`make bench` measures this anew. These are from {machine['processor']}, "
+        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
+        "<!-- end -->",
+    ]
+    return "\n".join(lines)
+
+
+def _markdown(headings: tuple[str, ...], rows: list[Any]) -> list[str]:
+    return [
+        "| " + " | ".join(cells) + " |"
+        for cells in (headings, ["---", *["---:"] * (len(headings) - 1)], *rows)
+    ]
+
+
+def read(path: Path = COMMITTED) -> Results:
+    """Results as they were written."""
+    results: Results = json.loads(path.read_text(encoding="utf-8"))
+    return results
+
+
+if __name__ == "__main__":
+    text = README.read_text(encoding="utf-8")
+    quoted = block(read())
+    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")

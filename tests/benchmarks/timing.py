@@ -1,0 +1,98 @@
+"""How the benchmarks take times, and on what machine."""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import platform
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import version
+from itertools import chain
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+
+
+class Call(NamedTuple):
+    """Something timed."""
+
+    run: Callable[[], object]
+    items: int
+    """how many positions, steps, ... it goes through"""
+
+
+def machine() -> dict[str, str | int | None]:
+    """What the times depend on besides the code."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "system": platform.system(),
+        "python": platform.python_version(),
+        **{name: version(name) for name in ("numpy", "numba", "llvmlite")},
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.machine())
+
+
+def per_item(groups: Sequence[Sequence[Call]], rounds: int) -> Iterator[tuple[float, float]]:
+    """Least and median time per item of each group of calls, s.
+
+    Every round does every call once, so that all of them meet the same conditions. Calls should be
+    short, some 100 us: the least of many short times is what the machine takes when nothing else
+    disturbs it.
+    """
+    calls = list(chain.from_iterable(groups))
+    times = np.empty((rounds, len(calls)))
+    for call in calls:
+        call.run()
+    gc.disable()
+    try:
+        for of_round in times:
+            for i, call in enumerate(calls):
+                start = time.perf_counter_ns()
+                call.run()
+                of_round[i] = 1e-9 * (time.perf_counter_ns() - start)
+    finally:
+        gc.enable()
+    least, median = iter(times.min(axis=0)), iter(np.median(times, axis=0))
+    for group in groups:
+        items = sum(call.items for call in group)
+        yield (
+            float(sum(next(least) for _ in group)) / items,
+            float(sum(next(median) for _ in group)) / items,
+        )
+
+
+def roughly(run: Callable[[], object]) -> float:
+    """Time that a call takes, s, to plan by."""
+    ((least, _),) = per_item([[Call(run, 1)]], 3)
+    return least
+
+
+def in_fresh_process(program: str, environment: dict[str, str]) -> dict[str, float]:
+    """Run a program that prints times as JSON, and among them `"at": time.time()`.
+
+    Returns them, and in place of "at" as "process_s" the time from before the process was started.
+    """
+    start = time.time()
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", program],
+        cwd=ROOT, env={**os.environ, **environment}, stdout=subprocess.PIPE, text=True, check=True,
+    )  # fmt: skip
+    times: dict[str, float] = json.loads(done.stdout)
+    times["process_s"] = times.pop("at") - start
+    return times
