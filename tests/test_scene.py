@@ -304,7 +304,7 @@ def test_json_keeps_any_profile_and_polarisation_bit_for_bit(amplitudes, points,
             "polarisation": "linear",
             "jones": [[a_re, a_im], [b_re, b_im]],
         },
-        optics={"evaluator": "map", "table_range": 2.5},
+        optics={"evaluator": "quadrature", "table_range": 2.5},
     )
     assert math.hypot(*scene.beam.jones[0], *scene.beam.jones[1]) == pytest.approx(1, rel=1e-14)
     assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
