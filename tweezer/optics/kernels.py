@@ -29,6 +29,8 @@ from tweezer.optics.quadrature import (
     DG_OF,
     DISC,
     DQ_OF,
+    ERROR_OF_ARCS,
+    ERROR_OF_RINGS,
     FORCE,
     G_OF,
     KIND,
@@ -70,11 +72,6 @@ _GRAZING = 1.0 - 1e-16
 VANISHING = 3e-7
 #: no estimate of an error is believed below this part of the tolerance
 TRUSTED = 0.01
-#: The error of rings and of arcs is taken as factor * tail^power of their size, tail their largest
-#: last coefficient: Gauss and the trapezoid rule err by the coefficients near twice the last one
-#: they tell. Found by comparison with tighter rules; (along x or azimuth, factor and power)
-_ERROR_OF_RINGS = ((2.5, 1.75), (10.0, 2.0))
-_ERROR_OF_ARCS = ((6.0, 1.6), (1.5, 1.75))
 
 
 @njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
@@ -114,7 +111,7 @@ def _efficiencies(  # type: ignore[no-untyped-def]
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
-    factor, power = (_ERROR_OF_ARCS if kind == ARCS else _ERROR_OF_RINGS)[direction]
+    factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
     return factor * min(tail, 1.0) ** power
 
 
@@ -352,7 +349,7 @@ def _compile(
                         if not due[k]:
                             continue
                         due[k] = False
-                        count = rays_of(place, source, rules, k, full, room, linear)
+                        count = rays_of(place, source, rules, k, full, room, linear, gradient)
                     if by_grid or linear or rules[k, KIND] == DISC:
                         sums = _add_up(
                             room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
@@ -393,7 +390,7 @@ def _compile(
                         errors[k, 0] = errors[k, 1] = 0.0
                         if size > 0.0:
                             kind = int(rules[k, KIND])
-                            along, around = tails(source, rules, k, room, linear)
+                            along, around = tails(source, rules, k, room, size, linear, gradient)
                             if kind == DISC:  # the coefficients fall as its ellipses tell
                                 n, m = LEVELS[int(rules[k, LEVEL])], rules[k, AZIMUTHS]
                                 errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)

@@ -39,9 +39,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: numbers of nodes along x, in the order they are tried; multiples of a processor's vectors
+#: numbers of nodes along x, in the order they are tried; multiples of a processor's vectors. A
+#: tuple, not an array: so the compiler sees that none is negative, and vectorises loops over nodes
 LEVELS = (4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96)
-_LEVELS = np.array(LEVELS)
 #: most nodes in the azimuth
 MOST_AZIMUTHS = 64
 #: most rays of one rule
@@ -49,15 +49,23 @@ MOST_RAYS = 4096
 #: most panels of one place
 MOST_PANELS = 192
 #: a disc of more rays than this costs more than the rings
-LARGEST_DISC = 1200
+LARGEST_DISC = 800
 
 #: coefficients at the end of an expansion that estimate what it leaves out
 TAIL = 4
-#: their parts in the estimate: the earlier ones only stand in where the last two happen to be small
+#: The error of rings and of arcs is taken as factor * tail^power of their size, tail their largest
+#: last coefficient: Gauss and the trapezoid rule err by the coefficients near twice the last one
+#: they tell. Found by comparison with tighter rules; (along x or azimuth, factor and power)
+ERROR_OF_RINGS = ((2.5, 1.75), (10.0, 2.0))
+ERROR_OF_ARCS = ((6.0, 1.6), (1.5, 1.75))
+#: parts of those coefficients in the tail: the earlier ones only stand in where the last two
+#: happen to be small
 _NEAR = (1.0, 1.0, 0.05, 0.05)
 
 #: first row of the half circle in the table of azimuths
 _CIRCLE = 2 + TAIL
+#: nodes along x for each digit of a panel; one more where it has a double zero
+_NODES_PER_DIGIT = 2.6
 #: orders of the zero of the substitution at the ends of a panel
 _ORDERS = (1, 2, 3)
 #: below this delta nodes crowd towards cos(alpha) = 0
@@ -88,6 +96,7 @@ ARCSINE = tuple(
     .convert(kind=Polynomial)
     .coef[::-1]
 )
+_ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
 #: buckets of the width of a ring in cos(theta), for the number of its azimuths
 _WIDTHS = 16
 
@@ -135,7 +144,9 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
     the force.
     """
     nodes, tail = _panel_tables()
-    needed = _needed(series, 1e-3 * tolerance)
+    full = _summed_fast(series)
+    # all of a short series costs no more than a part of it
+    needed = series if full.size == SHORT else _needed(series, 1e-3 * tolerance)
     rounding = 1e-15 * float(np.abs(series).sum())
     left_out = float(np.abs(series[needed.size :]).sum()) + rounding
     disc = np.zeros((len(LEVELS), LEVELS[-1]))
@@ -147,7 +158,7 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
         light = chebyshev.chebval(2 * place - 1, series)
         disc[level, :count] = light * weight * 2 * math.sin(half_angle / 2) ** 2
     return Rule(
-        half_angle, _summed_fast(needed), left_out, _summed_fast(series), rounding, strength,
+        half_angle, _summed_fast(needed), left_out, full, rounding, strength,
         tolerance, nodes, tail, _azimuth_tables(), _harmonics(needed, tolerance), aliased, disc,
     )  # fmt: skip
 
@@ -294,10 +305,10 @@ def _ellipse(re, im):  # type: ignore[no-untyped-def]
 @njit(cache=True, error_model="numpy", nogil=True)
 def _level_of(nodes):  # type: ignore[no-untyped-def]
     """The smallest level of at least that many nodes; the last one if none has."""
-    for level in range(_LEVELS.size):
-        if _LEVELS[level] >= nodes:
+    for level in range(len(LEVELS)):
+        if LEVELS[level] >= nodes:
             return level
-    return _LEVELS.size - 1
+    return len(LEVELS) - 1
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -341,9 +352,9 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     nodes = max(nodes, rule.harmonics[-1] // 2 + 4)
     azimuths = 1
     if place.sin_tilt > 0.0:
-        azimuths = max(math.ceil(decay / rate_azimuth) + 1, 3)
+        azimuths = max(math.ceil(decay / rate_azimuth) + 2, 3)
     level = _level_of(nodes)
-    if nodes > LEVELS[-1] or _LEVELS[level] * (azimuths + 1) > LARGEST_DISC:
+    if nodes > LEVELS[-1] or LEVELS[level] * (azimuths + 1) > LARGEST_DISC:
         return False
     rules[0, KIND] = DISC
     rules[0, LEVEL] = level
@@ -394,6 +405,14 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
         onset = math.sqrt(abs(1.0 - 1.0 / max(inner, 1e-6) ** 2))
         if inner > 1.0:
             critical = math.asin(1.0 / inner)
+    # Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of light that goes round inside without end.
+    # It tells the nodes for each digit on a panel from cos(alpha) = 0 to 1; for a bead of nearly
+    # the medium's index panels grow from grazing instead
+    pole = 1.0 / n_mP**2 - 1.0
+    per_digit = _NODES_PER_DIGIT
+    if pole > _NEARLY_EQUAL:
+        rate = math.acosh(_ellipse(-1.0, pole))
+        per_digit = max(per_digit, math.log(10.0) / (ERROR_OF_RINGS[0][1] * rate))
     count = 0
     both = place.beside or top < 2.0
     for side in range(2):
@@ -422,11 +441,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
             places += 1
             for rim in (first, second):
                 places = _growing_apart(critical, rim, top, cuts, places)
-        # a bead of nearly the medium's index: Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of
-        # light that goes round inside without end, so panels grow from grazing
-        cosine = 1.0 / n_mP**2 - 1.0
-        if cosine > _NEARLY_EQUAL:
-            cosine = 1.0
+        cosine = pole if pole <= _NEARLY_EQUAL else 1.0
         while 0.0 < cosine < 0.7 and places < cuts.size:
             sine = math.sqrt((1.0 - cosine) * (1.0 + cosine)) / max(place.ratio, 1e-3)
             if sine < 1.0:
@@ -492,7 +507,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
             # a panel of a small solid angle needs fewer digits
             share_of_angle = (math.cos(lo) - math.cos(hi)) / (1.0 - math.cos(top))
             wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
-            slope = 3.6 if low == 2 else 2.6
+            slope = per_digit + (1.0 if low == 2 else 0.0)
             rules[count, LEVEL] = _level_of(2.0 + slope * wanted)
             most = _most_azimuths(int(rules[count, LEVEL]))
             rules[count, AZIMUTHS] = min(_azimuths_of(place, rule, lo, hi, cut), most)
@@ -537,8 +552,8 @@ def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def
     level_now, azimuths_now = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     level, azimuths = level_now, azimuths_now
     if ratio_x > 1.0:
-        nodes = _LEVELS[level] * min(max(ratio_x, 1.15), 2.0)
-        level = min(max(_level_of(nodes), level + 1), _LEVELS.size - 1)
+        nodes = LEVELS[level] * min(max(ratio_x, 1.15), 2.0)
+        level = min(max(_level_of(nodes), level + 1), len(LEVELS) - 1)
         if azimuths > _most_azimuths(level):
             level = level_now
     if ratio_azimuth > 1.0:
@@ -551,35 +566,42 @@ def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _most_azimuths(level):  # type: ignore[no-untyped-def]
-    return min(MOST_AZIMUTHS, MOST_RAYS // _LEVELS[level] - 1)
+    return min(MOST_AZIMUTHS, MOST_RAYS // LEVELS[level] - 1)
 
 
 # --- the rays of a rule ---------------------------------------------------------------------------
 
 # rows of the scratch for the rays of one rule, and of the nodes they are made from
 U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
-_WORK_1, _WORK_2, _X, _S, _W, _SHARE = Q_OF, DQ_OF, 10, 11, 12, 13
-_ROWS = 14
+_X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
+_ROWS = 21
+#: rows a power of two apart would all want the same few lines of the processor's cache
+_APART_IN_CACHE = 72
 
 
 @njit(cache=True)
 def scratch():  # type: ignore[no-untyped-def]
     """Room for the largest rule: direction, weight and force of each ray, and more."""
-    return np.empty((_ROWS, 2 * MOST_RAYS))
+    return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def rays_of(place, rule, rules, k, full, rays, both_sides):  # type: ignore[no-untyped-def]
+def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
 
-    Those with u2 >= 0 with twice the weight, or both sides. full: by the full series of the
-    light. Returns how many.
+    Those with u2 >= 0 with twice the weight, or, for `linear` polarisation, both sides; of rings
+    then all azimuths, else as few as do (`_gathered`). full: by the full series of the light.
+    Returns how many.
     """
     if rules[k, KIND] == DISC:
         count = _disc_rays(rule, rules, k, rays)
     else:
-        count = _panel_rays(place, rule, rules, k, rule.full if full else rule.series, rays)
-    if not both_sides:
+        series = rule.full if full else rule.series
+        count = _ring_nodes(place, rule, rules, k, series, rays)
+        if not linear:
+            return _gathered(place, rules, k, gradient, rays)
+        _spread_out(place, rules, k, rays)
+    if not linear:
         return count
     for i in range(count):
         rays[WEIGHT, i] *= 0.5
@@ -593,7 +615,7 @@ def rays_of(place, rule, rules, k, full, rays, both_sides):  # type: ignore[no-u
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
-    n = _LEVELS[level]
+    n = LEVELS[level]
     u1, u2, u3, weight, x, s = rays[U1], rays[U2], rays[U3], rays[WEIGHT], rays[_X], rays[_S]
     rest, radiance = rule.nodes[level, 0, 1], rule.radiance[level]
     circle = rule.azimuth[m, _CIRCLE:]
@@ -614,10 +636,14 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _panel_rays(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
+def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
+    """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
+
+    The azimuth is that from the side of the beam's axis. Returns how many.
+    """
     level, m, pair = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS]), int(rules[k, _PAIR])
     pole, begin, span = rules[k, _POLE], rules[k, _BEGIN], rules[k, _SPAN]
-    n = _LEVELS[level]
+    n = LEVELS[level]
     ratio, delta, beside = place.ratio, place.delta, place.beside
     cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
     x, s, w, share, sine_squared = rays[_X], rays[_S], rays[_W], rays[_SHARE], rays[S_OF]
@@ -656,59 +682,128 @@ def _panel_rays(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
                 s[i] = math.sqrt((1.0 - x[i]) * (1.0 + x[i]))
                 sine_squared[i] = (ratio * s[i]) ** 2
                 w[i] = span * weight[i] * delta * cosh
-    along = cos_tilt * pole
+    nearest, per_q = rays[_NEAREST], rays[_PER_Q]
+    # 1 - cos(theta) = nearest + per_q q, in units of sin^2(theta_m/2); nearest from the sine of
+    # the angle to the axis: the cosine itself would lose a narrow cone to rounding
+    scale = 1.0 / math.sin(0.5 * rule.half_angle) ** 2
+    for i in range(n):
+        sine = s[i] * pole * cos_tilt - x[i] * sin_tilt
+        nearest[i] = scale * sine * sine / (1.0 + x[i] * pole * cos_tilt + s[i] * sin_tilt)
+        per_q[i] = 2.0 * scale * sin_tilt * s[i]
     cut = rules[k, KIND] == ARCS
-    arc, circle = rule.azimuth[m], rule.azimuth[m, _CIRCLE:]
-    u1, u2, u3, ray_weight = rays[U1], rays[U2], rays[U3], rays[WEIGHT]
-    # cosine and sine of the azimuth about the pole, from the side of the beam's axis, and weights
     if cut:
-        rim_cos = math.cos(rule.half_angle)
         for i in range(n):
-            from_pole = s[i] * s[i] / (1.0 + x[i]) if x[i] > 0.0 else 1.0 - x[i]
-            edge = (rim_cos - along + along * from_pole) / (s[i] * sin_tilt)
-            share[i] = _arcsine_of_root(min(max(0.5 * (1.0 - edge), 0.0), 1.0))
+            share[i] = _arcsine_of_root(min(max((2.0 - nearest[i]) / per_q[i], 0.0), 1.0))
             w[i] *= 4.0 * share[i]
-        count = m * n
-        for j in range(m):
-            _sines(share, arc[0, j], n, u2[j * n :])
-            _scaled(w, arc[1, j], n, ray_weight[j * n :])
-        for i in range(count):
-            h = u2[i]  # sine of half the azimuth, 0 to pi/2
-            u3[i] = 1.0 - 2.0 * h * h
-            u2[i] = 2.0 * h * math.sqrt(1.0 - h * h)
+        _arc_nodes(rule.azimuth[m], m, n, rays)
     else:
-        count = (m + 1) * n
-        for j in range(m + 1):
-            u3[j * n : j * n + n] = circle[0, j]
-            u2[j * n : j * n + n] = circle[1, j]
-            _scaled(w, 2.0 * circle[2, j], n, ray_weight[j * n :])
-    for j in range(count // n):
-        _directions(x, s, pole, cos_tilt, sin_tilt, n, u1[j * n :], u2[j * n :], u3[j * n :])
-    _times_radiance(rule.half_angle, series, rays, count)
+        _circle_nodes(rule.azimuth[m], m, n, rays)
+    count = n * (m if cut else m + 1)
+    _times_radiance(series, rays[_Y], rays[WEIGHT], rays, count)
     return count
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _scaled(values, factor, n, out):  # type: ignore[no-untyped-def]
-    for i in range(n):
-        out[i] = factor * values[i]
+def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
+    """q, weight, and the argument of the light's series, of all nodes of arcs."""
+    q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
+    nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
+    for j in range(m):
+        at, place = j * n, azimuth[0, j]
+        for i in range(n):
+            q[at + i] = place * share[i]
+    for i in range(m * n):  # in one long loop: what vectors leave over is slow
+        sine = _sine(q[i])
+        q[i] = sine * sine
+    for j in range(m):
+        at, part = j * n, azimuth[1, j]
+        for i in range(n):
+            y[at + i] = 1.0 - (nearest[i] + per_q[i] * q[at + i])
+            weight[at + i] = part * w[i]
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _sines(angles, factor, n, out):  # type: ignore[no-untyped-def]
-    for i in range(n):
-        out[i] = _sine(factor * angles[i])
+def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
+    """The same of whole rings."""
+    q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
+    nearest, per_q = rays[_NEAREST], rays[_PER_Q]
+    for j in range(m + 1):
+        at = j * n
+        here, part = 0.5 * (1.0 - azimuth[_CIRCLE, j]), 2.0 * azimuth[_CIRCLE + 2, j]
+        for i in range(n):
+            q[at + i] = here
+            y[at + i] = 1.0 - (nearest[i] + per_q[i] * here)
+            weight[at + i] = part * w[i]
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _directions(x, s, pole, cos_tilt, sin_tilt, n, u1, u2, u3):  # type: ignore[no-untyped-def]
-    """From the ring's frame, azimuth in (u3, u2), to the frame of the bead and the beam's axis."""
+def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
+    """Two or three rays for each ring, that exert what all of it does; returns how many.
+
+    All rays of a ring have the same efficiencies, so their force is linear, its gradient
+    quadratic, in u, and that in q. So the ray with q = 0 and that with q = 1, for the gradient
+    also q = 1/2, do for the ring, if their weights have the same sums of 1, q (and q^2).
+    """
+    n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
+    azimuths = m if rules[k, KIND] == ARCS else m + 1
+    weight, q, around = rays[WEIGHT], rays[_Q], rays[_AROUND]
+    one, first, second = rays[_W], rays[_SHARE], rays[_NEAREST]
     for i in range(n):
-        towards = s[i] * u3[i]
-        along = pole * x[i]
-        u1[i] = sin_tilt * along - cos_tilt * towards
-        u3[i] = cos_tilt * along + sin_tilt * towards
-        u2[i] *= s[i]
+        one[i] = first[i] = second[i] = 0.0
+    for j in range(azimuths):
+        total = 0.0
+        for i in range(n):
+            at_q = q[j * n + i]
+            here = weight[j * n + i]
+            times_q = here * at_q
+            one[i] += here
+            first[i] += times_q
+            second[i] += times_q * at_q
+            total += here + times_q
+        around[j] = total
+    for i in range(n):
+        far = first[i]
+        weight[i] = one[i] - far
+        weight[n + i] = far
+    if gradient:
+        for i in range(n):
+            middle = 4.0 * (first[i] - second[i])
+            weight[i] -= 0.5 * middle
+            weight[n + i] -= 0.5 * middle
+            weight[2 * n + i] = middle
+    _aim(place, rules[k, _POLE], 0, n, 1.0, 0.0, rays)
+    _aim(place, rules[k, _POLE], n, n, -1.0, 0.0, rays)
+    if not gradient:
+        return 2 * n
+    _aim(place, rules[k, _POLE], 2 * n, n, 0.0, 1.0, rays)
+    return 3 * n
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
+    """Directions of n rays from `at` on, of one azimuth about the pole."""
+    u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
+    cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
+    for i in range(n):
+        axial, towards = pole * x[i], s[i] * cosine
+        u1[at + i] = sin_tilt * axial - cos_tilt * towards
+        u2[at + i] = s[i] * sine
+        u3[at + i] = cos_tilt * axial + sin_tilt * towards
+
+
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
+    """A ray for each node of rings or arcs."""
+    n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
+    along = rules[k, _POLE]
+    x, s, q = rays[_X], rays[_S], rays[_Q]
+    for j in range(m if rules[k, KIND] == ARCS else m + 1):
+        for i in range(n):
+            at = j * n + i
+            axial, towards = along * x[i], s[i] * (1.0 - 2.0 * q[at])
+            rays[U1, at] = place.sin_tilt * axial - place.cos_tilt * towards
+            rays[U2, at] = 2.0 * s[i] * math.sqrt(q[at] * (1.0 - q[at]))
+            rays[U3, at] = place.cos_tilt * axial + place.sin_tilt * towards
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
@@ -727,10 +822,13 @@ def _exponential(t):  # type: ignore[no-untyped-def]
 def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
     """arcsin(sqrt(q)) from 0 to 1, to rounding: it vectorises."""
     small = min(q, 1.0 - q)
-    value = 0.0
-    for coefficient in ARCSINE:
-        value = value * small + coefficient
-    angle = math.sqrt(small) * value
+    # in two halves: a longer loop is not unrolled, and what holds it then not vectorised
+    high = low = 0.0
+    for coefficient in _ARCSINE_HIGH:
+        high = high * small + coefficient
+    for coefficient in _ARCSINE_LOW:
+        low = low * small + coefficient
+    angle = math.sqrt(small) * (high * small ** len(_ARCSINE_LOW) + low)
     return angle if q <= 0.5 else 0.5 * math.pi - angle
 
 
@@ -745,18 +843,15 @@ def _sine(angle):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _times_radiance(half_angle, series, rays, count):  # type: ignore[no-untyped-def]
+def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
     """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
-    weight, u1, u2, u3 = rays[WEIGHT], rays[U1], rays[U2], rays[U3]
-    # 1 - cos(theta) from the sine: the cosine itself would lose a narrow cone to rounding
-    scale = 1.0 / math.sin(0.5 * half_angle) ** 2
     if series.size == SHORT:
         # of a length known to the compiler: all in registers
         for i in range(count):
-            y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
+            at_y = y[i]
             value = 0.0
             for k in range(SHORT):
-                value = value * y + series[k]
+                value = value * at_y + series[k]
             weight[i] *= value
         return
     value_of, last_of = rays[_WORK_1], rays[_WORK_2]
@@ -766,35 +861,42 @@ def _times_radiance(half_angle, series, rays, count):  # type: ignore[no-untyped
     for k in range(series.size - 1, 0, -1):
         coefficient = series[k]
         for i in range(count):
-            y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
-            here = 2.0 * y * value_of[i] - last_of[i] + coefficient
+            here = 2.0 * y[i] * value_of[i] - last_of[i] + coefficient
             last_of[i] = value_of[i]
             value_of[i] = here
     for i in range(count):
-        y = 1.0 - scale * (u1[i] * u1[i] + u2[i] * u2[i]) / (1.0 + u3[i])
-        weight[i] *= y * value_of[i] - last_of[i] + series[0]
+        weight[i] *= y[i] * value_of[i] - last_of[i] + series[0]
 
 
 @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def tails(rule, rules, k, rays, both_sides):  # type: ignore[no-untyped-def]
-    """Largest of the last coefficients along x, and of the azimuth, of the forces of rule k."""
+def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
+    """Largest of the last coefficients of the forces of rule k along x, and of the azimuth, N.
+
+    size: of the forces, N. Of rings gathered into a few rays the azimuth's are those of the light,
+    in parts of all of it, times the size of the forces.
+    """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
-    n = _LEVELS[level]
+    n = LEVELS[level]
     cut = rules[k, KIND] == ARCS
     azimuths = m if cut else m + 1
-    of_node, of_azimuth, force = rays[_X], rays[_S], rays[FORCE]
+    gathered = rules[k, KIND] != DISC and not linear
+    of_node, of_azimuth, force = rays[_X], rays[_AROUND], rays[FORCE]
     for i in range(n):
         of_node[i] = 0.0
-    for j in range(azimuths):
+    in_azimuth = azimuths
+    if gathered:
+        in_azimuth = 3 if gradient else 2
+    for j in range(in_azimuth):
         at = j * n
         total = 0.0
         for i in range(n):
             of_ray = force[at + i]
-            if both_sides:
+            if linear:
                 of_ray += force[azimuths * n + at + i]
             of_node[i] += of_ray
             total += of_ray
-        of_azimuth[j] = total
+        if not gathered:
+            of_azimuth[j] = total
     tail = rule.tail[level]
     last = rule.azimuth[m, 2:] if cut else rule.azimuth[m, _CIRCLE + 3 :]
     along = around = 0.0
@@ -807,6 +909,11 @@ def tails(rule, rules, k, rays, both_sides):  # type: ignore[no-untyped-def]
         for j in range(azimuths):
             coefficient += last[c, j] * of_azimuth[j]
         around = max(around, _NEAR[c] * abs(coefficient))
+    if gathered:
+        light = 0.0
+        for j in range(azimuths):
+            light += abs(of_azimuth[j])
+        around *= size / light
     return along, around
 
 
