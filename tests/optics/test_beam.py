@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import pytest
 from scipy.integrate import quad
 
 import tweezer
-from tweezer.errors import SceneError
+from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import (
     cone,
     fraction_through_pupil,
@@ -332,6 +333,7 @@ def test_ray_optics_is_for_beads_of_ten_wavelengths_in_the_medium(wavelengths, e
     assert ray_optics_caveat(scene.replace(beam={"power": 0})) is None
 
 
+@pytest.mark.filterwarnings("ignore:beam.profile_intensity. points so uneven")
 def test_the_light_of_every_profile_exerts_a_finite_force():
     for lens in LENSES:
         scenes = [scene_with(profile, lens) for profile in DENSITY]
@@ -340,3 +342,16 @@ def test_the_light_of_every_profile_exerts_a_finite_force():
             force = light(scene).field(np.array([[1e-6, 0.0, 2e-6]])).force
             assert np.isfinite(force).all()
             assert force.any()
+
+
+def test_uneven_points_are_told():
+    smooth = table_of(np.linspace(0, 1, 21), np.exp(-(np.linspace(0, 1, 21) ** 2)))
+    uneven = table_of([0, 0.1, 0.2, 0.9], [0, 1, 1, 0])
+    off = 100 * cone(uneven).deviation
+    assert off > 0.1
+    with pytest.warns(PhysicsWarning, match=f"points so uneven .* up to {off:.2g} % of the peak"):
+        light(uneven)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "the bead is")
+        light(smooth)

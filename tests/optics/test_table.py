@@ -168,9 +168,10 @@ def test_beyond_its_range_the_quadrature_takes_over():
         ours, theirs = getattr(field, name), getattr(beyond, name)
         np.testing.assert_array_equal(ours[outside], theirs[outside])
         assert np.abs(ours - theirs).max() > 0
+    # to rounding: with the gradient the rings are summed by other rays
     largest = np.abs(field.force).max()
     np.testing.assert_allclose(
-        light(scene).field(positions).force, field.force, rtol=0, atol=1e-13 * largest
+        light(scene).field(positions).force, field.force, rtol=0, atol=5e-13 * largest
     )
 
 
@@ -184,7 +185,10 @@ def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
     assert made.certified_error > 1e-8 * made.largest_force
     positions = within(scene, 20_000, np.random.default_rng(85))
     force, zeros = np.empty_like(positions), np.empty((0, 3, 3))
-    made.read(positions, force, np.empty_like(force), zeros, zeros, gradient=False)
+    made.made.read(
+        positions, made.radius, made.strength, force, np.empty_like(force), zeros, zeros,
+        gradient=False,
+    )  # fmt: skip
     assert norm(force - exact(scene, 1e-10).field(positions).force).max() < made.certified_error
 
 

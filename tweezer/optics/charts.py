@@ -280,10 +280,6 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
     results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked for stay
     untouched. Where `outside` (n,) is set, the table does not reach, and the results are 0.
     """
-    return _compile(gradient, moment)
-
-
-def _compile(gradient: bool, moment: bool) -> Kernel:
     components = 3 if moment else 2
     width = ORDER * components
 

@@ -116,6 +116,26 @@ def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
 
 
 # not cached by itself: it calls another file, and is cached with the kernels that call it
+@njit(error_model="numpy", nogil=True)
+def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
+    """Give more nodes to the rules whose error is above `target`, N; whether any is due again."""
+    again = False
+    for k in range(many):
+        if errors[k, 0] + errors[k, 1] <= 2.0 * target:
+            continue
+        # by what factor more digits are wanted than the nodes gave
+        wanted = math.log(max(sizes[k], target) / target)
+        along = around = 0.0
+        if errors[k, 0] > target:
+            along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
+        if errors[k, 1] > target:
+            around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
+        if more_nodes(rules, k, along, around):
+            due[k] = again = True
+    return again
+
+
+# not cached by itself: it calls another file, and is cached with the kernels that call it
 @njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _add_up(  # type: ignore[no-untyped-def]
     room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
@@ -412,24 +432,14 @@ def _compile(
                 whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
                 if error <= source.tolerance * whole:
                     break
-                # what of the light is missing, which rules miss their part, and by how many digits
+                # what of the light is missing, and which rules miss their part
                 again = not full and unknown > 0.1 * source.tolerance * whole
                 if again:
                     full = True
                     for k in range(many):
                         due[k] = True
                 target = source.tolerance * whole / (2 * many)
-                for k in range(many):
-                    if errors[k, 0] + errors[k, 1] > 2.0 * target:
-                        wanted = math.log(max(sizes[k], target) / target)
-                        along = 0.0
-                        if errors[k, 0] > target:
-                            along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
-                        around = 0.0
-                        if errors[k, 1] > target:
-                            around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
-                        if more_nodes(rules, k, along, around):
-                            due[k] = again = True
+                again |= _more_where_missed(rules, many, sizes, errors, target, due)
                 if not again:
                     break
 

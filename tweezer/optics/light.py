@@ -27,6 +27,8 @@ SPEED_OF_LIGHT = 299792458.0
 
 #: an estimated error of so many tolerances is told, beyond what rounding leaves of all the light
 MISSED, ROUNDING = 2.0, 1e-14
+#: a deviation of the light from its table that is told, of the largest radiance
+_UNEVEN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -137,8 +139,9 @@ class Light:
 
     def _read(self, table: Table, positions: Array, field: Field, gradient: bool) -> None:
         """Fill `field` from the table, and beyond its range by the quadrature."""
-        outside = table.read(
-            positions, field.force, field.moment, field.force_gradient, field.moment_gradient,
+        outside = table.made.read(
+            positions, table.radius, table.strength,
+            field.force, field.moment, field.force_gradient, field.moment_gradient,
             gradient=gradient,
         )  # fmt: skip
         field.error[:] = table.certified_error
@@ -157,13 +160,21 @@ def light(scene: Scene) -> Light:
     """The light of `scene`, with the evaluator that its `optics` section names.
 
     The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
-    (`PhysicsWarning`) of what ray optics is worth for a small bead: see `ray_optics_caveat`.
+    (`PhysicsWarning`) of what ray optics is worth for a small bead: see `ray_optics_caveat`. Warns
+    of a beam's table that its series does not follow to 0.1 % of the peak.
     """
     if (caveat := ray_optics_caveat(scene)) is not None:
         _warn_once(caveat)
     dark = _dark(scene)
     if not scene.lit:
         return dark
+    if (off := dark.cone.deviation) > _UNEVEN:
+        warnings.warn(
+            f"beam.profile_intensity: points so uneven that the light summed differs from them by "
+            f"up to {100 * off:.2g} % of the peak",
+            PhysicsWarning,
+            stacklevel=2,
+        )
     if scene.optics.evaluator == "grid":
         rays = grid(scene.lens, scene.beam, scene.medium)
         source = tiles(rays.directions, dark.momentum_per_energy * rays.powers)

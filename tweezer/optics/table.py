@@ -13,12 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from generated import ray
 from tweezer.errors import PhysicsWarning, ResultError
 from tweezer.optics import charts, kernels, quadrature, tabulate
-from tweezer.optics.charts import Array
 from tweezer.optics.tabulate import Made, Progress, build
 
 if TYPE_CHECKING:
@@ -75,26 +73,6 @@ class Table:
     def build_time(self) -> float:
         """s, that it took to make."""
         return self.made.seconds
-
-    def read(
-        self,
-        positions: Array,
-        force: Array,
-        moment: Array,
-        force_gradient: Array,
-        moment_gradient: Array,
-        *,
-        gradient: bool,
-    ) -> NDArray[np.bool_]:
-        """Fill in what the light does at positions (n, 3) m from the focus.
-
-        Force (n, 3) N and moment (n, 3) N m, and if asked their gradients (n, 3, 3) N/m and
-        (n, 3, 3) N. Returns where the table does not reach, (n,); they are 0 there.
-        """
-        return self.made.read(
-            positions, self.radius, self.strength,
-            force, moment, force_gradient, moment_gradient, gradient=gradient,
-        )  # fmt: skip
 
 
 def stored(
