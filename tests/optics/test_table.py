@@ -3,6 +3,7 @@
 The oracle is the quadrature, at a tolerance far below the certificate.
 """
 
+import dataclasses
 import os
 import shutil
 import subprocess
@@ -184,11 +185,7 @@ def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
     assert made.pieces <= 150
     assert made.certified_error > 1e-8 * made.largest_force
     positions = within(scene, 20_000, np.random.default_rng(85))
-    force, zeros = np.empty_like(positions), np.empty((0, 3, 3))
-    made.made.read(
-        positions, made.radius, made.strength, force, np.empty_like(force), zeros, zeros,
-        gradient=False,
-    )  # fmt: skip
+    force = dataclasses.replace(light(scene), source=made).field(positions).force
     assert norm(force - exact(scene, 1e-10).field(positions).force).max() < made.certified_error
 
 

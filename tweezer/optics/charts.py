@@ -270,15 +270,30 @@ def _slope(c, i, y):  # type: ignore[no-untyped-def]
     return low + (5.0 * c[i + 5] + 6.0 * c[i + 6] * y + 7.0 * c[i + 7] * yy) * (yy * yy)
 
 
+class Pieces(NamedTuple):
+    """A table's arrays, and the scale of its scene."""
+
+    half_angle: float
+    """rad, of the cone"""
+    reach: float
+    """radii, distance from the focus up to which it holds"""
+    strength: float
+    """n_m P/c, N, the unit of its forces"""
+    certified: float
+    """N, error of the force"""
+    frames: Array
+    roots: Integers
+    pages: NDArray[np.int32]
+    pieces: Array
+    """as in `tweezer.optics.tabulate.Made`"""
+
+
 @functools.cache
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
     """What reads a table; what a scene does not need is not compiled in.
 
-    It has the signature `(positions, half_angle, reach, radius, strength, frames, roots, index,
-    pieces, force, moment, force_gradient, moment_gradient, outside)`: positions (n, 3) m; cone and
-    range of the table; m and N that its lengths and forces are multiplied by; its arrays; and
-    results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N, of which the ones not asked for stay
-    untouched. Where `outside` (n,) is set, the table does not reach, and the results are 0.
+    It has the signature of `tweezer.optics.kernels.kernel`, with `Pieces` for the source. Where
+    the table does not reach, the results are 0, and the error is infinite.
     """
     components = 3 if moment else 2
     width = ORDER * components
@@ -286,29 +301,29 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
     @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
     def read(  # type: ignore[no-untyped-def]
         positions,
-        half_angle,
-        reach,
+        source,
         radius,
-        strength,
-        frames,
-        roots,
-        index,
-        pieces,
+        n_mP,  # noqa: ARG001
+        jones,  # noqa: ARG001
         force_out,
         moment_out,
         force_gradient_out,
         moment_gradient_out,
-        outside_out,
+        error_out,
     ):
+        half_angle, reach, strength = source.half_angle, source.reach, source.strength
+        pieces = source.pieces
         per_radius, stiffness = 1.0 / radius, strength / radius
         # known only when it runs: a loop of known length would be unrolled, not vectorised
         columns = (pieces.shape[1] - HEAD) // ORDER
-        row, row_x = np.empty(columns), np.empty(columns)
-        value, by_x, by_y = np.zeros(3), np.zeros(3), np.zeros(3)
+        # one piece of memory for each shape: to allot it takes as long as a polynomial
+        rows = np.empty((5, max(columns, 3)))
+        row, row_x, value, by_x, by_y = rows[0], rows[1], rows[2], rows[3], rows[4]
         # all places of a batch are found first: branches that are hard to foretell stay apart from
         # the polynomials
-        batch = np.empty((_BATCH, 3))
-        piece_of, place = np.empty(_BATCH, np.int64), np.empty((_BATCH, 7))
+        size = min(_BATCH, positions.shape[0])
+        batch, place = np.empty((size, 3)), np.empty((size, 7))
+        piece_of = np.empty(size, np.int64)
         for at in range(positions.shape[0]):
             number = at % _BATCH
             if number == 0:
@@ -316,10 +331,13 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                 for i in range(many):
                     for k in range(3):
                         batch[i, k] = positions[at + i, k] * per_radius
-                find(batch[:many], half_angle, reach, frames, roots, index, piece_of, place)
+                find(
+                    batch[:many], half_angle, reach, source.frames, source.roots, source.pages,
+                    piece_of, place,
+                )  # fmt: skip
             piece = piece_of[number]
             if piece == NO_PIECE:
-                outside_out[at] = True
+                error_out[at] = np.inf
                 force_out[at] = 0.0
                 if moment:
                     moment_out[at] = 0.0
@@ -328,7 +346,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                     if moment:
                         moment_gradient_out[at] = 0.0
                 continue
-            outside_out[at] = False
+            error_out[at] = source.certified
             x1, x2, rho = batch[number, 0], batch[number, 1], place[number, 0]
             x, y = place[number, 1], place[number, 2]
             c = pieces[piece]

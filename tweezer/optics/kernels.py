@@ -15,6 +15,7 @@ import hashlib
 import inspect
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numba import literally, njit
@@ -284,6 +285,34 @@ def _add_up(  # type: ignore[no-untyped-def]
         j11, j12, j13, j21, j22, j23, j31, j32, j33,
         k11, k12, k13, k21, k22, k23, k31, k32, k33,
     )  # fmt: skip
+
+
+class Darkness(NamedTuple):
+    """No light."""
+
+    strength: float
+    """0 N"""
+
+
+@njit(cache=True)
+def darkness(  # type: ignore[no-untyped-def]
+    positions,  # noqa: ARG001
+    source,  # noqa: ARG001
+    radius,  # noqa: ARG001
+    n_mP,  # noqa: ARG001
+    jones,  # noqa: ARG001
+    force,
+    moment,
+    force_gradient,
+    moment_gradient,
+    error,
+):
+    """The kernel of `Darkness`: no force, without an error."""
+    force[:] = 0.0
+    moment[:] = 0.0
+    force_gradient[:] = 0.0
+    moment_gradient[:] = 0.0
+    error[:] = 0.0
 
 
 @functools.cache

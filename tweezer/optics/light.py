@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.optics import charts
 from tweezer.optics.beam import Cone, cone, ray_optics_caveat
+from tweezer.optics.charts import Pieces
 from tweezer.optics.culling import Tiles, tiles
-from tweezer.optics.kernels import VANISHING, kernel
+from tweezer.optics.kernels import VANISHING, Darkness, Kernel, darkness, kernel
 from tweezer.optics.quadrature import Rule, rule
 from tweezer.optics.rays import grid
 from tweezer.optics.table import Table, stored
@@ -21,6 +23,7 @@ from tweezer.optics.tabulate import Progress
 from tweezer.scene import NO_MAP, Scene
 
 Array = NDArray[np.float64]
+Source = Tiles | Rule | Pieces | Darkness
 
 SPEED_OF_LIGHT = 299792458.0
 """c, m/s (Table B.1)"""
@@ -95,22 +98,49 @@ class Light:
             np.zeros((gradients, 3, 3)),
             np.full(n, np.nan) if self.evaluator == "grid" else np.zeros(n),
         )
-        if isinstance(self.source, Table):
-            self._read(self.source, positions, field, gradient)
-        elif self.source is not None:
-            compiled = kernel(
-                by_grid=isinstance(self.source, Tiles),
-                light=self.polarisation,
-                denser_medium=self.index_ratio > 1,
-                gradient=gradient,
-                moment=self.torque,
-            )
-            compiled(
-                positions, self.source, self.radius, self.index_ratio, self.jones,
-                field.force, field.moment, field.force_gradient, field.moment_gradient,
-                field.error,
-            )  # fmt: skip
+        compiled, source = self.compiled(gradient=gradient)
+        compiled(
+            positions, source, self.radius, self.index_ratio, self.jones,
+            field.force, field.moment, field.force_gradient, field.moment_gradient, field.error,
+        )  # fmt: skip
+        outside = np.isinf(field.error)
+        if outside.any():
+            beyond = self.beyond.field(positions[outside], gradient=gradient)
+            field.force[outside] = beyond.force
+            field.moment[outside] = beyond.moment
+            if gradient:
+                field.force_gradient[outside] = beyond.force_gradient
+                field.moment_gradient[outside] = beyond.moment_gradient
+            field.error[outside] = beyond.error
         return field
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Source]:
+        """What gives the force, and its data, for a compiled loop: see `kernels.kernel`.
+
+        Where the error that it tells is infinite, a table does not reach: call that of `beyond`.
+        """
+        if self.source is None:
+            return darkness, Darkness(0.0)
+        if isinstance(self.source, Table):
+            made = self.source.made
+            read = charts.kernel(gradient=gradient, moment=made.moment)
+            return read, made.scaled(self.source.strength)
+        compiled = kernel(
+            by_grid=isinstance(self.source, Tiles),
+            light=self.polarisation,
+            denser_medium=self.index_ratio > 1,
+            gradient=gradient,
+            moment=self.torque,
+        )
+        return compiled, self.source
+
+    @functools.cached_property
+    def beyond(self) -> Light:
+        """What gives the force where a table does not reach: the same light by the quadrature.
+
+        Of a light without a table, which reaches everywhere: that light.
+        """
+        return self.by_quadrature(self.tolerance) if self.evaluator == "map" else self
 
     def error_of(self, positions: Array, field: Field) -> Array:
         """Error of the force of `field`, which is this light's at `positions`, (n,) N.
@@ -131,28 +161,6 @@ class Light:
             tolerance,
         )
         return dataclasses.replace(self, source=source)
-
-    @functools.cached_property
-    def _beyond(self) -> Light:
-        """What gives the force where a table does not reach."""
-        return self.by_quadrature(self.tolerance)
-
-    def _read(self, table: Table, positions: Array, field: Field, gradient: bool) -> None:
-        """Fill `field` from the table, and beyond its range by the quadrature."""
-        outside = table.made.read(
-            positions, table.radius, table.strength,
-            field.force, field.moment, field.force_gradient, field.moment_gradient,
-            gradient=gradient,
-        )  # fmt: skip
-        field.error[:] = table.certified_error
-        if outside.any():
-            beyond = self._beyond.field(positions[outside], gradient=gradient)
-            field.force[outside] = beyond.force
-            field.moment[outside] = beyond.moment
-            if gradient:
-                field.force_gradient[outside] = beyond.force_gradient
-                field.moment_gradient[outside] = beyond.moment_gradient
-            field.error[outside] = beyond.error
 
 
 @functools.lru_cache(maxsize=16)

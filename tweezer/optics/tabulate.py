@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from tweezer.errors import TweezerError
 from tweezer.optics import charts
-from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
+from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks, Pieces
 from tweezer.optics.kernels import VANISHING
 
 if TYPE_CHECKING:
@@ -93,30 +93,17 @@ class Made:
     seconds: float
     """time it took to make"""
 
-    def read(
-        self,
-        positions: Array,
-        radius: float,
-        strength: float,
-        force: Array,
-        moment: Array,
-        force_gradient: Array,
-        moment_gradient: Array,
-        *,
-        gradient: bool,
-    ) -> NDArray[np.bool_]:
-        """Fill in force and moment, and if asked their gradients, at positions (n, 3) m.
+    @property
+    def moment(self) -> bool:
+        """Whether the moment (3.25) is tabled."""
+        return self.pieces.shape[1] > HEAD + 2 * ORDER**2
 
-        Returns where the table does not reach, (n,); they are 0 there.
-        """
-        outside = np.empty(len(positions), np.bool_)
-        read = charts.kernel(gradient=gradient, moment=self.pieces.shape[1] > HEAD + 2 * ORDER**2)
-        read(
-            positions, self.half_angle, self.reach, radius, strength,
+    def scaled(self, strength: float) -> Pieces:
+        """For the compiled reader (`charts.kernel`), and light of that strength, N."""
+        return Pieces(
+            self.half_angle, self.reach, strength, self.certified * strength,
             self.frames, self.roots, self.index, self.pieces,
-            force, moment, force_gradient, moment_gradient, outside,
         )  # fmt: skip
-        return outside
 
 
 @dataclass(frozen=True)
@@ -355,7 +342,7 @@ def _packed(draft: _Draft, task: _Task) -> Made:
         roots=roots,
         index=index,
         pieces=np.concatenate([draft.head, powers.swapaxes(1, 2).reshape(len(powers), -1)], axis=1),
-        certified=math.inf,
+        certified=math.nan,
         largest=0.0,
         seconds=0.0,
     )
@@ -424,10 +411,12 @@ def _worst(made: Made, samples: list[_Sample]) -> Array:
     z = np.concatenate([sample.z for sample in samples])
     exact = np.concatenate([sample.force for sample in samples])
     positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
-    force, unasked = np.empty_like(positions), np.empty((0, 3, 3))
-    outside = made.read(
-        positions, 1.0, 1.0, force, np.empty_like(positions), unasked, unasked, gradient=False
-    )
+    force, unasked, error = np.empty_like(positions), np.empty((0, 3, 3)), np.empty(len(rho))
+    charts.kernel(gradient=False, moment=made.moment)(
+        positions, made.scaled(1.0), 1.0, 1.0, np.zeros(4),
+        force, np.empty_like(positions), unasked, unasked, error,
+    )  # fmt: skip
+    outside = np.isinf(error)
     at, places = np.empty(len(rho), np.int64), np.empty((len(rho), 7))
     charts.find(
         positions, made.half_angle, made.reach, made.frames, made.roots, made.index, at, places
