@@ -33,7 +33,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I1", "I2", "I3", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")
@@ -804,3 +804,9 @@ def initial_layer(t, released, force, moment, params, out):
     out[9] = x23
     out[10] = x26
     out[11] = x27
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, force_gradient, moment_gradient, params, out)

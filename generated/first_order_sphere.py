@@ -31,7 +31,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")
@@ -661,3 +661,9 @@ def initial_layer(t, released, force, moment, params, out):
     out[9] = x23
     out[10] = x27
     out[11] = x28
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, force_gradient, moment_gradient, params, out)

@@ -38,7 +38,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = (
     "q1",
     "q2",
@@ -692,3 +692,9 @@ def jacobian(state, force, moment, force_gradient, moment_gradient, params, out)
     out[13, 11] = -x13 * x61 + x7 * (-x179 * x228 + x182 * x229 + x185 * x230)
     out[13, 12] = -x13 * x53 + x7 * (-x186 * x228 + x189 * x229 + x192 * x230)
     out[13, 13] = -edot3 * x13 * x23 + x7 * (-x193 * x228 + x194 * x229 + x195 * x230)
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, params, out)

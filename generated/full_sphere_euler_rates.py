@@ -36,7 +36,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = (
     "q1",
     "q2",
@@ -550,3 +550,9 @@ def jacobian(state, force, moment, force_gradient, moment_gradient, params, out)
     out[13, 11] = -x143 - x17 * x63
     out[13, 12] = -x150 - x17 * x55
     out[13, 13] = -edot3 * x17 * x26 + x11 * (-x127 - x149)
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, params, out)

@@ -11,7 +11,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

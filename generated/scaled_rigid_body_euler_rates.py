@@ -39,7 +39,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = (
     "q1",
     "q2",
@@ -685,3 +685,9 @@ def jacobian(state, force, moment, force_gradient, moment_gradient, params, out)
     out[13, 11] = -x16 * x54 + x7 * (-x181 * x233 + x184 * x234 + x187 * x235)
     out[13, 12] = -x16 * x66 + x7 * (-x188 * x233 + x191 * x234 + x194 * x235)
     out[13, 13] = -edot3 * x16 * x24 + x7 * (-x195 * x233 + x196 * x234 + x197 * x235)
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, params, out)

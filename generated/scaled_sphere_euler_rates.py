@@ -37,7 +37,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "0fa535cff051ecf1764ae116cdbce4b647e621f4bf9de6a75a28dce44f6df53e"
+SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
 STATE = (
     "q1",
     "q2",
@@ -557,3 +557,9 @@ def jacobian(state, force, moment, force_gradient, moment_gradient, params, out)
     out[13, 11] = -x147 - x19 * x65
     out[13, 12] = -x154 - x19 * x56
     out[13, 13] = -edot3 * x28 + x11 * (-x131 - x153)
+
+
+@njit(cache=True)
+def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+    """`rhs`, called alike in every model: with all that any of them takes."""
+    rhs(state, force, moment, params, out)
