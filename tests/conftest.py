@@ -66,7 +66,7 @@ def turning_scene() -> tweezer.Scene:
     return tweezer.load_scene("thesis-990nm").replace(
         beam={"torque": "thesis", "divisions": 20},
         start={"angular_velocity": [300.0, -200.0, 100.0]},
-        simulation={"model": "full", "method": "LSODA", "duration": 0.2e-3, "samples": 21},
+        simulation={"model": "full", "method": "scipy:LSODA", "duration": 0.2e-3, "samples": 21},
     )
 
 

@@ -240,7 +240,7 @@ def test_shipped_scenes_are_the_tables_of_the_thesis(name):
     ]  # fmt: skip
     assert in_scene == pytest.approx(in_thesis, rel=ROUNDING, abs=0)
     assert (scene.start.frame, lens.map, beam.divisions) == ("lens", "tan", 100)
-    assert (simulation.model, simulation.method) == ("scaled", "RK45")
+    assert (simulation.model, simulation.method) == ("scaled", "dormand-prince")
     assert (beam.polarisation, beam.torque) == ("averaged-reflectance", "none")
     assert (beam.profile, scene.optics.evaluator) == ("gaussian", "grid")
     assert scene.name == name

@@ -1,5 +1,6 @@
-from .analysis import Summary, Trap, characterise, summarise
+from .analysis import Summary, Trap, Tuned, Tuning, characterise, summarise, tune
 from .bead import BeadProperties, bead_properties
+from .dynamics import Event, bind, capture, chosen
 from .errors import (
     IntegrationError,
     PhysicsWarning,
@@ -14,6 +15,7 @@ from .simulation import simulate
 
 __all__ = [
     "BeadProperties",
+    "Event",
     "IntegrationError",
     "PhysicsWarning",
     "ResultError",
@@ -21,9 +23,14 @@ __all__ = [
     "SceneError",
     "Summary",
     "Trap",
+    "Tuned",
+    "Tuning",
     "TweezerError",
     "bead_properties",
+    "bind",
+    "capture",
     "characterise",
+    "chosen",
     "load_run",
     "load_scene",
     "optical_force",
@@ -34,4 +41,5 @@ __all__ = [
     "shipped_scenes",
     "simulate",
     "summarise",
+    "tune",
 ]

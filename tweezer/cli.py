@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import importlib
+import math
 import os
 import sys
 import warnings
@@ -80,9 +82,15 @@ def run(
         str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help="full, scaled, overdamped or first-order.")
+        str | None,
+        typer.Option(
+            help="full, scaled, overdamped or first-order; by the tolerance if not given."
+        ),
     ] = None,
-    method: Annotated[str | None, typer.Option(help="RK45, DOP853, Radau, BDF or LSODA.")] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on."),
+    ] = None,
     set: Annotated[
         list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
     ] = None,
@@ -146,6 +154,58 @@ def trap(
         _out.print(f"wrote {written}", highlight=False, soft_wrap=True)
 
 
+@app.command()
+def tune(
+    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    factor: Annotated[
+        list[float] | None, typer.Option(help="A scaling factor a2; from epsilon to 1 if none.")
+    ] = None,
+    duration: Annotated[
+        str | None, typer.Option(help='Time compared over: "1 ms", or seconds.')
+    ] = None,
+    deviation: Annotated[
+        str, typer.Option(help="Deviation from the unscaled bead that is allowed.")
+    ] = "10 nm",
+    method: Annotated[str, typer.Option(help="Method of the scaled runs.")] = "dormand-prince",
+    set: Annotated[
+        list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+) -> None:
+    """Scaled against unscaled response of SCENE for a list of a2: the thesis's search."""
+    described = _described(scene, _settings(set or [], duration=duration))
+    allowed = _metres(deviation)
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    _bind_light(described)
+
+    from tweezer.analysis import tune as compared
+
+    with _progress(f"{described.name} (the first run also compiles)", 1.0) as progress:
+        tuning = compared(described, factor, method=method, progress=progress)
+    table = _table("a2", "off the unscaled bead", "steps", "force calls", "time")
+    for entry in [*tuning.entries, tuning.unscaled]:
+        first = "unscaled" if entry is tuning.unscaled else f"{entry.scaling_factor:.3g}"
+        table.add_row(
+            first, "failed" if entry.deviation is None else f"{1e6 * entry.deviation:.2g} um",
+            f"{entry.steps}", f"{entry.force_calls}", f"{1e3 * entry.seconds:.3g} ms",
+        )  # fmt: skip
+    _out.print(table)
+    most = tuning.most_scaling_within(allowed)
+    found = "none of these a2" if most is None else f"a2 down to {most.scaling_factor:.3g}"
+    _out.print(
+        f"within {deviation}: {found}; the thesis's first guess, epsilon: {tuning.epsilon:.3g}",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+    if out:
+        _write_json(dataclasses.asdict(tuning), out)
+    if plot:
+        from tweezer.plots import tuning_figure
+
+        _write_figure(tuning_figure(tuning, described.name), plot)
+
+
 @app.command("map")
 def force_map(
     scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
@@ -185,6 +245,30 @@ def bench_force(
         for row in rows:
             table.add_row(*row)
         _out.print(table)
+    if out:
+        _write_json(results, out)
+    if plot:
+        _write_figure(report.figure(results), plot)
+
+
+@bench.command("integrate")
+def bench_integrate(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Two motions and few settings: to try it.")
+    ] = False,
+    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+) -> None:
+    """Error against time of the integration: ours, SciPy's, heyoka, the thesis's scaling."""
+    benchmark, report = _benchmark("integrate"), _benchmark("integrate_report")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    with _err.status("integrate") as status:
+        results = benchmark.measure(quick=quick, say=status.update)
+    table = _table(*report.HEADINGS)
+    for row in report.rows(results):
+        table.add_row(*row)
+    _out.print(table)
     if out:
         _write_json(results, out)
     if plot:
@@ -304,7 +388,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     summary = summarise(result)
     attributes = result.attrs
     x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in summary.end)  # no -0.0
-    model: str = scene.simulation.model
+    model: str = attributes["model"]
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
     table = _table(scene.name, "")
@@ -320,17 +404,33 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
         approach = f"{micrometres:.3g} um at {milliseconds:.4g} ms"
     table.add_row("first closest approach", approach)
     table.add_row("largest Reynolds number", f"{summary.largest_reynolds_number:.3g}")
-    table.add_row("model, method", f"{model}; {scene.simulation.method}")
+    table.add_row("model, method", f"{model}; {attributes['method']}")
     largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
     error = float(result["force_error"].max())
     table.add_row("force by", attributes["force_evaluator"])
     if largest > 0:
         share = f"{100 * error / largest:.1g} % of the largest"
         table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
+    table.add_row("error of the integration", _length(attributes["integration_error"]))
+    if model != "full":
+        table.add_row("off the unscaled equations", _length(attributes["model_error"]))
     table.add_row("steps", f"{attributes['steps']}")
     table.add_row("force calls", f"{attributes['force_calls']}")
     table.add_row("time", f"{attributes['wall_time']:.2f} s")
     _out.print(table)
+
+
+def _metres(text: str) -> float:
+    from tweezer.units import to_si
+
+    try:
+        return to_si(text, "m", 0.0)
+    except ValueError as error:
+        raise SceneError(f"--deviation {text!r}: {error}") from None
+
+
+def _length(metres: float) -> str:
+    return "not known" if math.isnan(metres) else f"up to {1e6 * metres:.1g} um at the samples"
 
 
 def _print_trap(scene: Scene, characterised: Trap) -> None:

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from tweezer.analysis import Escape, Trap, summarise
+from tweezer.analysis import Escape, Trap, Tuning, summarise
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force
@@ -250,3 +250,30 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         xlabel="x (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
     axes.set_title("force on the bead centred there; bead and cone to scale; + focus", fontsize=9)
+
+
+def tuning_figure(tuning: Tuning, name: str) -> Figure:
+    """Deviation and force calls of the scaled bead, over its scaling factor."""
+    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    axes = figure.subplots()
+    factors = [entry.scaling_factor for entry in tuning.entries]
+    deviations = np.array([entry.deviation for entry in tuning.entries], np.float64)
+    axes.loglog(factors, 1e6 * deviations, "o-", color="#004488")
+    axes.axvline(tuning.epsilon, color="0.6", linestyle=":")
+    axes.annotate(
+        "\u03b5", (tuning.epsilon, 0.2), xycoords=("data", "axes fraction"), ha="left", va="top",
+        xytext=(3, 0), textcoords="offset points", color="0.4",
+    )  # fmt: skip
+    axes.set_xlabel("scaling factor a\u2082")
+    axes.set_ylabel("off the unscaled bead, \u00b5m", color="#004488")
+    axes.set_title(f"{name}: {1e3 * tuning.duration:.4g} ms of the scaled model", fontsize=10)
+    axes.grid(color="0.9", linewidth=0.6)
+    work = axes.twinx()
+    work.loglog(factors, [entry.force_calls for entry in tuning.entries], "s--", color="#bb5566")
+    work.axhline(tuning.unscaled.force_calls, color="#bb5566", linewidth=1, linestyle=":")
+    work.annotate(
+        "unscaled, exponential", (0.45, tuning.unscaled.force_calls),
+        xycoords=("axes fraction", "data"), ha="center", va="bottom", color="#bb5566", fontsize=8,
+    )  # fmt: skip
+    work.set_ylabel("force calls", color="#bb5566")
+    return figure

@@ -368,9 +368,10 @@ class Optics(Section):
 class Simulation(Section):
     """Model, method, tolerances and output."""
 
-    model: Literal["full", "scaled", "overdamped", "first-order"] = Field(
-        "full",
-        description="full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
+    model: Literal["full", "scaled", "overdamped", "first-order"] | None = Field(
+        None,
+        description="none: the cheapest whose error is below the tolerance; "
+        "full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
         "overdamped: (5.2); first-order: the expansion (4.11) carried to order epsilon",
     )
     scaling_factor: Annotated[float, si("", 1e-12, 1)] | None = Field(
@@ -380,14 +381,24 @@ class Simulation(Section):
         "angular-velocity",
         description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
     )
-    method: Literal["RK45", "DOP853", "Radau", "BDF", "LSODA"] = Field(
-        "LSODA", description="solver of scipy.integrate; RK45 is the thesis's ode45"
+    method: Literal[
+        "auto", "dormand-prince", "dop853", "exponential",
+        "scipy:RK45", "scipy:DOP853", "scipy:Radau", "scipy:BDF", "scipy:LSODA",
+    ] = Field(
+        "auto",
+        description="auto: by stiffness and tolerance; dormand-prince: the thesis's ode45; "
+        "exponential: takes the drag exactly; scipy:...: a solver of scipy.integrate",
+    )  # fmt: skip
+    step: PositiveTime | None = Field(
+        None, description="fixed steps of a compiled method, instead of steps by the tolerances"
     )
     relative_tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
         1e-7, description="relative tolerance of a step"
     )
     position_tolerance: PositiveLength = Field(
-        1e-11, description="absolute tolerance of a step in position; in velocity, this per ms"
+        1e-11,
+        description="absolute tolerance of a step in position; in velocity, this per ms, where the "
+        "method controls velocities: exponential does not",
     )
     orientation_tolerance: Annotated[float, si("", 1e-16, 1)] = Field(
         1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
@@ -395,6 +406,9 @@ class Simulation(Section):
     duration: PositiveTime = Field(description="time simulated")
     samples: Annotated[StrictInt, Field(ge=2, le=10_000_000)] = Field(
         2001, description="evenly spaced times in the output, both ends included"
+    )
+    most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(
+        10**8, description="places at which a run may evaluate the force before it gives up"
     )
     loss_distance: PositiveLength = Field(
         20e-6, description="the run ends as lost this far from the focus"
@@ -404,6 +418,8 @@ class Simulation(Section):
     def _scaled_by(self) -> Self:
         if self.model == "scaled" and self.scaling_factor is None:
             raise _refusal("scaling_factor: missing; the scaled model needs it")
+        if self.step is not None and self.method.startswith("scipy:"):
+            raise _refusal("step: only the compiled methods take fixed steps")
         return self
 
 

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
+import json
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 
 import numpy as np
 import xarray as xr
 
 from tweezer.analysis.derived import derived_quantities
-from tweezer.dynamics import bind, integrate
-from tweezer.errors import PhysicsWarning
+from tweezer.dynamics import (
+    Event,
+    bind,
+    chosen,
+    closest_approach,
+    error_budget,
+    integrate,
+    lens_touched,
+    loss,
+)
+from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import ray_optics_caveat
 from tweezer.scene import Scene
 
@@ -26,35 +36,42 @@ def simulate(
     model: str | None = None,
     method: str | None = None,
     tolerance: float | None = None,
+    events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Release the bead of `scene` and follow it for `duration` (s, or text such as "20 ms").
 
     duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
-    scene's absolute tolerances change in the same ratio. progress: called with the time reached.
+    scene's absolute tolerances change in the same ratio. events: to look for besides the first
+    closest approach, the loss of the bead and its contact with the lens (`tweezer.capture`,
+    `tweezer.Event`). progress: called with the time reached.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
     attributes hold the scene, the versions, the model, the method, what gave the force, steps,
-    force calls, run time and how the run ended. `status` is "complete", "lost", "interrupted" or
-    "failed"; a run that ended early holds what it reached, and a failed one also warns
-    (`PhysicsWarning`).
+    force calls, run time (without that of the errors), how the run ended, the events, and the
+    errors of `error_budget`. `status` is "complete", "lost", "ended" (by an event of yours),
+    "interrupted" or "failed"; a run that ended early holds what it reached, and a failed one also
+    warns (`PhysicsWarning`).
 
-    Raises `SceneError` for arguments that do not make a valid scene.
+    Raises `SceneError` for arguments that do not make a valid scene, and events that are none.
     """
     scene = _adjusted(scene, duration, model, method, tolerance)
+    scene, why = chosen(scene)
     simulation = scene.simulation
     began = time.perf_counter()
     equations = bind(scene)
     times = np.linspace(0.0, simulation.duration, simulation.samples)
-    result = integrate(
-        equations,
-        times,
-        escape=lambda state: float(np.linalg.norm(state[:3])) - simulation.loss_distance,
-        progress=progress,
-    )
-    force_calls = equations.force_calls
+    if not all(isinstance(event, Event) for event in events):
+        raise SceneError("events: must be a list of `tweezer.Event`")
+    looked_for = [
+        *events, loss(simulation.loss_distance), closest_approach(simulation.position_tolerance),
+    ]  # fmt: skip
+    if (lens := lens_touched(scene)) is not None:
+        looked_for.append(lens)
+    result = integrate(equations, times, looked_for, progress)
+    wall_time = time.perf_counter() - began
     motion = equations.motion(result.times, result.states)
     run = xr.Dataset(
         {
@@ -81,14 +98,23 @@ def simulate(
         "scene": scene.model_dump_json(exclude_none=True),
         "model": simulation.model,
         "emitted_module": equations.name,
-        "method": simulation.method,
+        "method": result.method,
         "force_evaluator": equations.light.evaluator,
         "ray_optics_caveat": ray_optics_caveat(scene) or "",
         "status": result.status,
         "message": result.message,
+        "chosen": why,
+        "events": json.dumps(
+            [
+                {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
+                for event in result.events
+            ]
+        ),
         "steps": result.steps,
-        "force_calls": force_calls,
-        "wall_time": time.perf_counter() - began,
+        "rejected_steps": result.rejected,
+        "force_calls": result.force_calls,
+        "wall_time": wall_time,
+        **error_budget(equations, result, motion.position),
         "tweezer_version": version("tweezer"),
         "numpy_version": version("numpy"),
         "scipy_version": version("scipy"),

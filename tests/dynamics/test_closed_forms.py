@@ -12,6 +12,7 @@ from tests.reference.rigid_body import rotation_matrix
 from tweezer.bead import bead_properties
 from tweezer.dynamics import bind, integrate
 
+COMPILED = ["dormand-prince", "dop853", "exponential"]
 TIGHT = {"relative_tolerance": 1e-12, "position_tolerance": 1e-18, "orientation_tolerance": 1e-13}
 
 
@@ -21,11 +22,9 @@ def scene_with(simulation, **sections):
     )
 
 
-def never(state):
-    return -1.0
-
-
-@pytest.mark.parametrize("method", ["RK45", "DOP853", "Radau", "LSODA"])
+@pytest.mark.parametrize(
+    "method", [*COMPILED, "scipy:RK45", "scipy:DOP853", "scipy:Radau", "scipy:LSODA"]
+)
 @pytest.mark.parametrize("model", ["full", "scaled"])
 def test_sedimentation(model, method):
     """Constant force: x = (F/beta)(t - tau (1 - e^(-t/tau))), with tau/a2 for the scaled model."""
@@ -42,7 +41,7 @@ def test_sedimentation(model, method):
     fallen = run["position"].sel(axis="z").values - scene.start_position[2]
     # the start is micrometres away: differences keep 1e-16 of that
     np.testing.assert_allclose(fallen, exact, rtol=1e-6, atol=1e-20)
-    rtol = 1e-6 if method == "LSODA" else 1e-7  # LSODA's dense output is of lower order
+    rtol = 1e-6 if method == "scipy:LSODA" else 1e-7  # LSODA's dense output is of lower order
     np.testing.assert_allclose(
         run["velocity"].sel(axis="z"), -terminal * np.expm1(-t / tau), rtol=rtol, atol=1e-18
     )
@@ -56,7 +55,7 @@ def trap_solution(t, mass, drag, stiffness, x0, v0):
     return (a * np.exp(slow * t) + b * np.exp(fast * t)).real
 
 
-@pytest.mark.parametrize("method", ["DOP853", "Radau", "LSODA"])
+@pytest.mark.parametrize("method", [*COMPILED, "scipy:DOP853", "scipy:Radau", "scipy:LSODA"])
 @pytest.mark.parametrize("damping", ["overdamped", "underdamped"])
 @pytest.mark.parametrize("model", ["full", "scaled"])
 def test_linear_trap(model, damping, method):
@@ -72,7 +71,7 @@ def test_linear_trap(model, damping, method):
     stiffness = critical * (0.3 if damping == "overdamped" else 20)
     equations = in_trap(bind(scene), stiffness)
     times = np.linspace(0, 10 * mass / bead.drag, 60)
-    result = integrate(equations, times, never)
+    result = integrate(equations, times)
     motion = equations.motion(result.times, result.states)
     for axis in range(3):
         x0, v0 = scene.start_position[axis], scene.start.velocity[axis]
@@ -86,7 +85,7 @@ def slow_errors(model, epsilons, v0):
     errors = []
     for epsilon in epsilons:
         scene = scene_with(
-            {"model": model, "method": "DOP853", "samples": 50},
+            {"model": model, "method": "dop853", "samples": 50},
             start={"frame": "focus", "position": [1e-6, 0, 0], "velocity": [v0, 0, 0]},
             forces={"gravity": False, "buoyancy": False},
         )
@@ -95,7 +94,7 @@ def slow_errors(model, epsilons, v0):
         equations = in_trap(bind(scene), stiffness)
         trap_time = bead.drag / stiffness
         times = np.linspace(0, 3 * trap_time, 50)
-        result = integrate(equations, times, never)
+        result = integrate(equations, times)
         x = equations.motion(result.times, result.states).position[:, 0]
         exact = trap_solution(times, bead.mass, bead.drag, stiffness, 1e-6, v0)
         errors.append(np.abs(x - exact)[25:].max() / 1e-6)
@@ -128,7 +127,7 @@ def test_matched_start_carries_the_first_order():
 
 def test_models_agree_on_the_thesis_bead():
     """full, first-order and overdamped, released from rest: one path at this scale."""
-    scene = scene_with({"method": "LSODA", "relative_tolerance": 1e-9, "samples": 50})
+    scene = scene_with({"method": "scipy:LSODA", "relative_tolerance": 1e-9, "samples": 50})
     paths = {
         model: tweezer.simulate(scene, duration=2e-4, model=model)["position"].values
         for model in ("full", "first-order", "overdamped")
@@ -146,7 +145,7 @@ def test_models_agree_on_the_thesis_bead():
 def test_turning_under_a_constant_moment(model, rotation_state):
     """A sphere spins up to M/beta_w with I/beta_w and turns about a fixed axis, past e0 = 0."""
     scene = scene_with(
-        {"model": model, "method": "DOP853", "rotation_state": rotation_state, "samples": 101},
+        {"model": model, "method": "dop853", "rotation_state": rotation_state, "samples": 101},
         beam={"torque": "thesis"},
         forces={"gravity": False, "buoyancy": False},
     )
@@ -156,7 +155,7 @@ def test_turning_under_a_constant_moment(model, rotation_state):
     moment = np.array([0.6, 0, 0.8]) * spin * bead.rotational_drag
     equations = in_trap(bind(scene), 0.0, tuple(moment))
     times = np.linspace(0, 8 / spin, 101)  # more than a turn of 2 pi
-    result = integrate(equations, times, never)
+    result = integrate(equations, times)
     motion = equations.motion(result.times, result.states)
     if model == "overdamped":
         angle, rate = spin * times, np.full_like(times, spin)
@@ -186,14 +185,14 @@ def free_top(moments, omega, turns, samples, rotation_state):
         bead={"moments_of_inertia": list(moments)},
         start={"angular_velocity": list(omega), "orientation": [0.0, 0.6, 0.0, 0.8]},
         simulation={
-            "model": "full", "method": "DOP853", "rotation_state": rotation_state,
+            "model": "full", "method": "dop853", "rotation_state": rotation_state,
             "relative_tolerance": 1e-13, "orientation_tolerance": 1e-13,
         },
     )  # fmt: skip
     bound = bind(scene)
     without_drag = replace(bound.bead, drag=0.0, rotational_drag=0.0, weight=(0.0, 0.0, 0.0))
     equations = type(bound)(scene, bound.module, without_drag, LinearTrap(0.0))
-    result = integrate(equations, np.linspace(0, duration, samples), never)
+    result = integrate(equations, np.linspace(0, duration, samples))
     assert result.status == "complete"
     raw = np.abs(np.linalg.norm(result.states[:, 3:7], axis=1) - 1).max()
     print(f"{turns} turns in {result.steps} steps, |e| - 1 of the solver's states {raw:.1e}")

@@ -1,35 +1,119 @@
-"""Fields of force with closed-form motion, in place of the light of a scene."""
+"""Fields of force with a closed form, in place of the light of a scene."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numba import njit
 
 from tweezer.optics import Field
 
+NO_JONES = np.zeros(4)
 
-@dataclass(frozen=True)
-class LinearTrap:
-    """F = -k q and M = moment, a constant; the interface of `tweezer.optics.Light`."""
+
+class Spring(NamedTuple):
+    """Data of `_spring`."""
 
     stiffness: float
-    constant_moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    m1: float
+    m2: float
+    m3: float
+
+
+class Well(NamedTuple):
+    """Data of `_well`."""
+
+    stiffness: float
+    width: float
+
+
+@njit(cache=True)
+def _spring(p, source, radius, n_mP, jones, force, moment, gradient, moment_gradient, error):
+    for at in range(len(p)):
+        for i in range(3):
+            force[at, i] = -source.stiffness * p[at, i]
+        moment[at, 0], moment[at, 1], moment[at, 2] = source.m1, source.m2, source.m3
+        error[at] = 0.0
+        if len(gradient) > at:
+            moment_gradient[at] = 0.0
+            for i in range(3):
+                for j in range(3):
+                    gradient[at, i, j] = -source.stiffness if i == j else 0.0
+
+
+@njit(cache=True)
+def _well(p, source, radius, n_mP, jones, force, moment, gradient, moment_gradient, error):
+    for at in range(len(p)):
+        squared = p[at, 0] ** 2 + p[at, 1] ** 2 + p[at, 2] ** 2
+        k = source.stiffness * np.exp(-squared / (2 * source.width**2))
+        error[at] = 0.0
+        moment[at] = 0.0
+        for i in range(3):
+            force[at, i] = -k * p[at, i]
+            if len(gradient) > at:
+                moment_gradient[at] = 0.0
+                for j in range(3):
+                    gradient[at, i, j] = k * p[at, i] * p[at, j] / source.width**2
+                    if i == j:
+                        gradient[at, i, j] -= k
+
+
+@dataclass(frozen=True)
+class _InPlaceOfLight:
+    """The interface of `tweezer.optics.Light`, as far as the dynamics use it."""
+
+    radius = 1.0
+    index_ratio = 1.0
+    jones = NO_JONES
+
+    @property
+    def beyond(self):
+        return self
 
     def field(self, positions, *, gradient=False):
         n = len(positions)
         gradients = n if gradient else 0
-        return Field(
-            -self.stiffness * positions,
-            np.tile(self.constant_moment, (n, 1)),
-            np.tile(-self.stiffness * np.eye(3), (gradients, 1, 1)),
-            np.zeros((gradients, 3, 3)),
-            np.zeros(n),
-        )
+        field = Field(
+            np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
+            np.zeros((gradients, 3, 3)), np.zeros(n),
+        )  # fmt: skip
+        kernel, source = self.compiled(gradient=gradient)
+        kernel(
+            positions, source, 1.0, 1.0, NO_JONES, field.force, field.moment,
+            field.force_gradient, field.moment_gradient, field.error,
+        )  # fmt: skip
+        return field
+
+
+@dataclass(frozen=True)
+class LinearTrap(_InPlaceOfLight):
+    """F = -k q and M = moment, a constant."""
+
+    stiffness: float
+    constant_moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def compiled(self, *, gradient):
+        return _spring, Spring(float(self.stiffness), *map(float, self.constant_moment))
+
+
+@dataclass(frozen=True)
+class GaussianWell(_InPlaceOfLight):
+    """F = -k q exp(-q^2/(2 s^2))."""
+
+    stiffness: float
+    width: float
+
+    def compiled(self, *, gradient):
+        return _well, Well(float(self.stiffness), float(self.width))
+
+
+def in_field(equations, field):
+    """`equations` bound again with a field in place of the light."""
+    return type(equations)(equations.scene, equations.module, equations.bead, field)
 
 
 def in_trap(equations, stiffness, moment=(0.0, 0.0, 0.0)):
     """`equations` bound again with a linear trap in place of the light."""
-    return type(equations)(
-        equations.scene, equations.module, equations.bead, LinearTrap(stiffness, moment)
-    )
+    return in_field(equations, LinearTrap(stiffness, moment))

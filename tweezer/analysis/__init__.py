@@ -3,6 +3,7 @@
 from tweezer.analysis.derived import derived_quantities
 from tweezer.analysis.summary import Summary, summarise
 from tweezer.analysis.trap import Efficiency, Equilibrium, Escape, Trap, characterise
+from tweezer.analysis.tune import Tuned, Tuning, tune
 
 __all__ = [
     "Efficiency",
@@ -10,7 +11,10 @@ __all__ = [
     "Escape",
     "Summary",
     "Trap",
+    "Tuned",
+    "Tuning",
     "characterise",
     "derived_quantities",
     "summarise",
+    "tune",
 ]

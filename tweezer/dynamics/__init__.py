@@ -1,6 +1,23 @@
 """Equations of motion of the bead, and their integration in time."""
 
+from tweezer.dynamics.budget import error_budget
+from tweezer.dynamics.choose import chosen
+from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
 
-__all__ = ["EquationsOfMotion", "Integration", "Motion", "bind", "integrate"]
+__all__ = [
+    "EquationsOfMotion",
+    "Event",
+    "Integration",
+    "Motion",
+    "Occurrence",
+    "bind",
+    "capture",
+    "chosen",
+    "closest_approach",
+    "error_budget",
+    "integrate",
+    "lens_touched",
+    "loss",
+]

@@ -1,122 +1,256 @@
-"""Integration in time by SciPy's solvers, one step at a time.
+"""Integration in time: a solver, compiled or SciPy's, followed from piece to piece.
 
-Stepping by hand, rather than through `solve_ivp`, lets a run report progress, stop when the
-bead is lost, and keep what it has when it is interrupted or fails.
+Following by hand, rather than through one call, lets a run report progress, look for events, stop
+when the bead is lost, and keep what it has when it is interrupted or fails.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import BDF, DOP853, LSODA, RK45, Radau
-from scipy.optimize import brentq
 
+from tweezer.dynamics import integrators
+from tweezer.dynamics.choose import method_for
+from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.dynamics.solution import Solver
 from tweezer.errors import IntegrationError
 
 Array = NDArray[np.float64]
 
 SOLVERS: dict[str, Any] = {
-    "RK45": RK45,
-    "DOP853": DOP853,
-    "Radau": Radau,
-    "BDF": BDF,
-    "LSODA": LSODA,
+    "scipy:RK45": RK45,
+    "scipy:DOP853": DOP853,
+    "scipy:Radau": Radau,
+    "scipy:BDF": BDF,
+    "scipy:LSODA": LSODA,
 }
 #: solvers that take the Jacobian of the right-hand side
-IMPLICIT = frozenset({"Radau", "BDF", "LSODA"})
+IMPLICIT = frozenset({"scipy:Radau", "scipy:BDF", "scipy:LSODA"})
 #: solvers that begin each step from the state alone, so that it can be put back on its constraints;
 #: the others carry differences of past states, and their results are put back on output
-ONE_STEP = frozenset({"RK45", "DOP853", "Radau"})
+ONE_STEP = frozenset({"scipy:RK45", "scipy:DOP853", "scipy:Radau"})
+
+#: why a compiled loop gave up
+_FAILURES = {
+    integrators.COLLAPSED: "the step has collapsed: no step meets the tolerances",
+    integrators.NOT_FINITE: "the force or the state is not finite",
+    integrators.EXHAUSTED: "simulation.most_force_calls is spent",
+}
 
 
 @dataclass(frozen=True)
 class Integration:
     """States at those of the times asked for that were reached."""
 
+    method: str
     times: Array
     """(n,) s"""
     states: Array
     """(n, state)"""
     steps: int
+    """up to the end of the run"""
+    rejected: int
+    force_calls: int
+    """all, with those of steps that a compiled method took past an event that ended the run"""
     status: str
-    """"complete", "lost", "interrupted" or "failed" """
+    """"complete", "lost", "ended" by another event, "interrupted" or "failed" """
     message: str
     """what ended the run, if it did not reach the last time"""
+    events: list[Occurrence]
+    """in the order of their times"""
+    step_lengths: Array
+    """s, of a compiled method, up to the end of the run; (0,) of a solver of SciPy's"""
+
+
+class Stepper(Protocol):
+    """What `integrate` follows."""
+
+    def advance(self) -> tuple[Piece | None, int]:
+        """Some more steps, and whether there are more to come: `integrators.REACHED` and so on."""
+
+    @property
+    def steps(self) -> int:
+        """Steps taken."""
+
+    @property
+    def rejected(self) -> int:
+        """Steps that missed the tolerances; 0 where a solver does not tell."""
+
+    @property
+    def force_calls(self) -> int:
+        """Places at which the force was evaluated."""
 
 
 def integrate(
     equations: EquationsOfMotion,
     times: Array,
-    escape: Callable[[Array], float],
+    events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
+    *,
+    tightened: float = 1.0,
+    prescribed: Array | None = None,
 ) -> Integration:
-    """Integrate from times[0] to times[-1], with output at `times` by the solver's dense output.
+    """Integrate from times[0] = 0 to times[-1] by the scene's method, with output at `times`.
 
-    escape: function of the state that becomes positive where the bead is lost, which ends the run;
-    the moment is located on the dense output and is the last time returned.
-    progress: called with the time reached.
-    An interrupt (Ctrl-C) or a failure ends the run early, marked, with what was reached.
+    events: looked for on the dense output; the moment of one that ends the run is the last time
+    returned. progress: called with the time reached. tightened: factor of all tolerances.
+    prescribed: all steps of a compiled method, s, instead of its own. An interrupt (Ctrl-C) or a
+    failure ends the run early, marked, with what was reached.
     """
     simulation = equations.scene.simulation
-    options: dict[str, Any] = {}
-    if simulation.method in IMPLICIT:
-        options["jac"] = equations.jacobian
+    method: str = simulation.method
+    if method == "auto":
+        method, _ = method_for(equations)
+    events = [event.restarted(equations.initial_state) for event in events]
     sampled: list[Array] = [equations.initial_state[None]]
-    reached, steps = 1, 0
+    happened: list[Occurrence] = []
+    lengths: list[Array] = [np.zeros(0)]
+    reached = 1
     status, message = "complete", ""
+    solver: Stepper | None = None
     try:
-        solver = SOLVERS[simulation.method](
-            equations.rhs,
-            times[0],
-            equations.initial_state,
-            times[-1],
-            rtol=simulation.relative_tolerance,
-            atol=equations.absolute_tolerance,
-            **options,
-        )
-        while solver.status == "running":
-            failure = solver.step()
-            if solver.status == "failed":
-                raise IntegrationError(failure or "the solver gave up")
-            steps += 1
-            if escape(solver.y) > 0:
-                end, at_end = _escape(escape, solver)
-                inside = max(reached, int(np.searchsorted(times, end, side="left")))
-                if inside > reached:
-                    sampled.append(solver.dense_output()(times[reached:inside]).T)
-                times = np.append(times[:inside], end)
-                sampled.append(at_end[None])
-                reached = len(times)
-                status, message = "lost", f"the bead left the trap at {end:.6g} s"
-                break
-            last = int(np.searchsorted(times, solver.t, side="right"))
-            if last > reached:
-                sampled.append(solver.dense_output()(times[reached:last]).T)
-                reached = last
-            if progress:
-                progress(float(solver.t))
-            if simulation.method in ONE_STEP:
-                solver.y = equations.on_constraints(solver.y)
+        if method in SOLVERS:
+            solver = SciPySolver(equations, method, float(times[-1]), tightened)
+        else:
+            solver = Solver(
+                equations, method, end=float(times[-1]), tightened=tightened,
+                fixed=simulation.step or 0.0, prescribed=prescribed,
+            )  # fmt: skip
+        why = integrators.FULL
+        while why == integrators.FULL and status == "complete":
+            piece, why = solver.advance()
+            if piece is not None:
+                end = piece.end
+                seen = equations.released(piece)
+                found = [each for event in events for each in _found(event, seen)]
+                for event, each in sorted(found, key=lambda pair: pair[1].certain):
+                    if each.certain > end:
+                        continue
+                    happened.append(each)
+                    if event.terminal:
+                        end = each.certain
+                        status, message = event.ends_as, _ended(event, end)
+                lengths.append(piece.step_lengths(end))
+                last = int(np.searchsorted(times, end, side="right"))
+                if last > reached:
+                    sampled.append(piece.states(times[reached:last]))
+                    reached = last
+                if status != "complete" and times[reached - 1] < end:
+                    times = np.append(times[:reached], end)
+                    sampled.append(piece.states(np.array([end])))
+                    reached += 1
+                if progress:
+                    progress(end)
+            if why in _FAILURES and status == "complete":
+                raise IntegrationError(_FAILURES[why])
     except KeyboardInterrupt:
         status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
     except (IntegrationError, ArithmeticError, np.linalg.LinAlgError) as error:
         status = "failed"
         message = f"failed after {times[reached - 1]:.6g} s: {error}"
-    return Integration(times[:reached], np.concatenate(sampled), steps, status, message)
+    step_lengths = np.concatenate(lengths)
+    steps = solver.steps if solver else 0
+    return Integration(
+        method,
+        times[:reached],
+        np.concatenate(sampled),
+        len(step_lengths) or steps,
+        solver.rejected if solver else 0,
+        solver.force_calls if solver else 0,
+        status,
+        message,
+        sorted(happened, key=lambda event: event.time),
+        step_lengths,
+    )
 
 
-def _escape(escape: Callable[[Array], float], solver: Any) -> tuple[float, Array]:
-    """When `escape` becomes positive within the solver's last step, and the state then."""
-    dense = solver.dense_output()
-    begin, end = solver.t_old, solver.t
-    # rounding can put an end of the step on the other side in the dense output
-    if escape(dense(begin)) >= 0:
-        return begin, dense(begin)
-    if escape(dense(end)) > 0:
-        end = brentq(lambda t: escape(dense(t)), begin, end)
-    return end, dense(end)
+def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:
+    return [(event, each) for each in event.occurrences(piece)]
+
+
+def _ended(event: Event, time: float) -> str:
+    """Message of a run that an event ended."""
+    match event.ends_as:
+        case "lost":
+            return f"the bead left the trap at {time:.6g} s"
+        case "failed":
+            return f"the bead reached the {event.name} at {time:.6g} s"
+    return f"{event.name} at {time:.6g} s"
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One step of a solver of SciPy's."""
+
+    solver: Any
+    begin: float
+    end: float
+
+    @functools.cached_property
+    def dense(self) -> Callable[[Array], Array]:
+        """Made when it is asked for, before the next step: it costs force calls."""
+        return cast(Callable[[Array], Array], self.solver.dense_output())
+
+    def checkpoints(self) -> Array:
+        return np.linspace(self.begin, self.end, 5)
+
+    def states(self, times: Array) -> Array:
+        return np.asarray(self.dense(times)).T
+
+    def step_lengths(self, end: float) -> Array:  # noqa: ARG002
+        return np.zeros(0)
+
+
+class SciPySolver:
+    """A solver of SciPy's bound to equations of motion."""
+
+    rejected = 0
+
+    def __init__(
+        self, equations: EquationsOfMotion, method: str, end: float, tightened: float = 1.0
+    ) -> None:
+        simulation = equations.scene.simulation
+        self._equations = equations
+        self._one_step = method in ONE_STEP
+        self._calls_before = equations.force_calls
+        self._most_calls = simulation.most_force_calls
+        options: dict[str, Any] = {}
+        if method in IMPLICIT:
+            options["jac"] = equations.jacobian
+        self._solver = SOLVERS[method](
+            equations.rhs,
+            0.0,
+            equations.initial_state,
+            end,
+            rtol=simulation.relative_tolerance * tightened,
+            atol=equations.absolute_tolerance * tightened,
+            **options,
+        )
+        self.steps = 0
+
+    @property
+    def force_calls(self) -> int:
+        """Places at which the force was evaluated."""
+        return self._equations.force_calls - self._calls_before
+
+    def advance(self) -> tuple[Piece | None, int]:
+        """One step, and whether there are more to come, as `Solver.advance`."""
+        solver = self._solver
+        if self.force_calls > self._most_calls:
+            return None, integrators.EXHAUSTED
+        failure = solver.step()
+        if solver.status == "failed":
+            raise IntegrationError(failure or "the solver gave up")
+        self.steps += 1
+        piece = _Step(solver, float(solver.t_old), float(solver.t))
+        if self._one_step and self._equations.rotates:
+            piece.dense  # noqa: B018 - of the step as it was taken
+            solver.y = self._equations.on_constraints(solver.y)
+        return piece, integrators.FULL if solver.status == "running" else integrators.REACHED

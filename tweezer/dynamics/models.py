@@ -6,6 +6,7 @@ rotation, which derivatives of the force are needed.
 
 from __future__ import annotations
 
+import functools
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,6 +17,8 @@ from numpy.typing import NDArray
 
 from generated import kinematics
 from tweezer.bead import BeadProperties, bead_properties
+from tweezer.dynamics.events import Piece
+from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.errors import IntegrationError
 from tweezer.optics import Light, light
 from tweezer.scene import Scene
@@ -24,6 +27,10 @@ Array = NDArray[np.float64]
 
 #: rates carry the tolerance of their coordinate per this time (the thesis's unit of time), s
 RATE_TIME = 1e-3
+
+
+#: relaxation times after which nothing is left of the initial layer
+_LAYER = 50.0
 
 
 @dataclass(frozen=True)
@@ -53,12 +60,12 @@ class EquationsOfMotion:
     bead: BeadProperties
     light: Light
     force_calls: int = field(default=0, init=False)
-    """positions at which the light was evaluated so far"""
+    """positions at which `rhs` and `jacobian` evaluated the light so far"""
 
     def __post_init__(self) -> None:
         simulation = self.scene.simulation
         values = _parameter_values(self.bead, simulation.scaling_factor)
-        self._params = np.array([values[name] for name in self.module.PARAMS])
+        self.params = np.array([values[name] for name in self.module.PARAMS])
         self._size = len(self.module.STATE)
         self._rotates = "e0" in self.module.STATE
         self._constrained = "edot0" in self.module.STATE
@@ -67,6 +74,55 @@ class EquationsOfMotion:
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
         self.initial_state = self._initial_state()
         self.absolute_tolerance = self._absolute_tolerance()
+
+    @functools.cached_property
+    def relaxation(self) -> Relaxation:
+        """The linear drag, for the exponential method: what the emitted rates say of it.
+
+        For a bead whose velocities are in the state and whose moments of inertia are equal.
+        """
+        state = self.module.STATE
+        rest = np.zeros(self._size)
+        at = state.index("v1")
+        where = [at, at + 1, at + 2]
+        if self._rotates:
+            rest[state.index("e0")] = 1.0
+            where += [state.index(f"omega{i}") for i in (1, 2, 3)]
+        nothing, none = np.zeros(3), np.zeros((3, 3))
+        rates, moving = np.empty(self._size), np.empty(self._size)
+        self.module.rates(rest, nothing, nothing, none, none, self.params, rates)
+        times = []
+        for i in where:
+            y = rest.copy()
+            y[i] = 1.0
+            self.module.rates(y, nothing, nothing, none, none, self.params, moving)
+            times.append(1.0 / (rates[i] - moving[i]))
+        return Relaxation(np.array(times), rest, at)
+
+    @property
+    def fastest_relaxation(self) -> float:
+        """s, in which the fastest velocity decays: of the model's own inertia, scaled or not."""
+        bead, factor = self.bead, self.scene.simulation.scaling_factor
+        inertias = [bead.mass / bead.drag]
+        if self._rotates:
+            inertias += [moment / bead.rotational_drag for moment in bead.moments_of_inertia]
+        return min(inertias) / (factor if factor and self.name.startswith("scaled") else 1.0)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether the state holds an orientation."""
+        return self._rotates
+
+    @property
+    def stiff(self) -> bool:
+        """Whether the state holds velocities, which the drag stops at once."""
+        return self._inertial
+
+    @property
+    def takes_drag_exactly(self) -> bool:
+        """Whether the exponential method can integrate them."""
+        body = self._rotates and "rigid_body" in self.name
+        return self._inertial and not body and not self._constrained
 
     @property
     def name(self) -> str:
@@ -79,7 +135,7 @@ class EquationsOfMotion:
         Raises `IntegrationError` where it is not finite.
         """
         rates = np.empty(self._size)
-        self.module.rhs(y, *self._rhs_inputs(y), self._params, rates)
+        self.module.rhs(y, *self._rhs_inputs(y), self.params, rates)
         if not np.isfinite(rates).all():
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
@@ -87,7 +143,7 @@ class EquationsOfMotion:
     def jacobian(self, t: float, y: Array) -> Array:  # noqa: ARG002
         """d(rate i)/d(state j), as implicit solvers call it."""
         derivative = np.empty((self._size, self._size))
-        self.module.jacobian(y, *self._jacobian_inputs(y), self._params, derivative)
+        self.module.jacobian(y, *self._jacobian_inputs(y), self.params, derivative)
         return derivative
 
     def on_constraints(self, y: Array) -> Array:
@@ -131,6 +187,16 @@ class EquationsOfMotion:
         if orientation is not None:
             orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
         return Motion(position, velocity, orientation, angular_velocity)
+
+    def released(self, piece: Piece) -> Piece:
+        """A piece of the motion with what the initial layer still adds to its positions.
+
+        Of a model without one, or when it has passed: as it is.
+        """
+        passed = piece.begin > _LAYER * self.bead.relaxation_time
+        if passed or not hasattr(self.module, "initial_layer"):
+            return piece
+        return _Released(piece, self)
 
     def _part(self, states: Array, first: str, length: int) -> Array:
         at = self.module.STATE.index(first)
@@ -191,7 +257,7 @@ class EquationsOfMotion:
     def _release_inputs(self) -> tuple[Array, ...]:
         at = self.light.field(np.array([self.scene.start_position]))
         fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
-        return (self._released(), *fields, self._params)
+        return (self._released(), *fields, self.params)
 
     def _initial_state(self) -> Array:
         released = self._released()
@@ -238,14 +304,44 @@ class EquationsOfMotion:
         return np.array([tolerances[name.rstrip("0123456789")] for name in self.module.STATE])
 
 
+@dataclass(frozen=True)
+class _Released:
+    """See `EquationsOfMotion.released`."""
+
+    piece: Piece
+    equations: EquationsOfMotion
+
+    @property
+    def begin(self) -> float:
+        return self.piece.begin
+
+    @property
+    def end(self) -> float:
+        return self.piece.end
+
+    def checkpoints(self) -> Array:
+        return self.piece.checkpoints()
+
+    def step_lengths(self, end: float) -> Array:
+        return self.piece.step_lengths(end)
+
+    def states(self, times: Array) -> Array:
+        states = self.piece.states(times)
+        states[:, :3] = self.equations.motion(times, states).position
+        return states
+
+
 def bind(scene: Scene) -> EquationsOfMotion:
-    """The equations of motion of `scene`: the smallest emitted model that holds all it needs."""
+    """The equations of motion of `scene`: the smallest emitted model that holds all it needs.
+
+    Of a scene that names no model, the unscaled ones.
+    """
     module = importlib.import_module(f"generated.{_module_name(scene)}")
     return EquationsOfMotion(scene, module, bead_properties(scene), light(scene))
 
 
 def _module_name(scene: Scene) -> str:
-    prefix = scene.simulation.model.replace("-", "_")
+    prefix = (scene.simulation.model or "full").replace("-", "_")
     if not scene.rotates:
         return f"{prefix}_translation"
     if prefix == "overdamped":

@@ -1,0 +1,88 @@
+"""The model and the method of a scene that leaves them open: by stiffness and tolerance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tweezer.bead import bead_properties
+from tweezer.dynamics.models import EquationsOfMotion, bind
+from tweezer.optics import light
+from tweezer.scene import Scene
+
+#: places about the trap at which the stiffness is looked at, and how far from the focus, radii
+_PLACES, _AROUND = 64, 1.5
+#: relative tolerance below which order 8 pays
+_TIGHT = 1e-9
+#: an explicit method of order 8 is stable up to so many relaxation times
+_STABLE = 3.0
+#: steps from which a stiff solver is cheaper than an explicit one
+_STIFF = 3_000
+
+
+def chosen(scene: Scene) -> tuple[Scene, str]:
+    """`scene` with a model and a method, and why these; as it is where it names both.
+
+    With tau the relaxation time of the velocity and k/beta_v the fastest rate of the trap, leaving
+    inertia out puts the bead off by about r tau k/beta_v, the first-order model by its square.
+    The unscaled equations cost the same as those without inertia where the exponential method
+    takes their drag exactly, so the first-order model is chosen only for bodies that it cannot
+    integrate.
+    """
+    reasons = []
+    if scene.simulation.model is None:
+        model, reason = _model(scene)
+        scene = scene.replace(simulation={"model": model})
+        reasons.append(reason)
+    if scene.simulation.method == "auto":
+        method, reason = method_for(bind(scene))
+        scene = scene.replace(simulation={"method": method})
+        reasons.append(reason)
+    return scene, "; ".join(reasons)
+
+
+def _model(scene: Scene) -> tuple[str, str]:
+    bead, simulation = bead_properties(scene), scene.simulation
+    small = bead.relaxation_time * _fastest_rate(scene)
+    start = np.array([scene.start_position])
+    slow = (light(scene).field(start).force[0] + np.array(bead.weight)) / bead.drag
+    off = scene.bead.radius * small
+    off += bead.relaxation_time * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
+    allowed = simulation.position_tolerance
+    exactly = simulation.method == "exponential"
+    if off <= allowed and not scene.rotates and not exactly:
+        return "overdamped", f"overdamped: inertia moves the bead by about {off:.1g} m"
+    full = scene.replace(simulation={"model": "full"})
+    if exactly or bind(full).takes_drag_exactly:
+        return "full", f"full: without inertia the bead would be off by about {off:.1g} m"
+    if off * small <= allowed:
+        return "first-order", f"first-order: off by about {off * small:.1g} m"
+    return "full", f"full: the first-order model would be off by about {off * small:.1g} m"
+
+
+def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
+    """The method that suits the equations, and why."""
+    simulation = equations.scene.simulation
+    if equations.takes_drag_exactly:
+        return "exponential", "exponential: takes the drag exactly"
+    if not equations.stiff:
+        if simulation.relative_tolerance < _TIGHT:
+            return "dop853", "dop853: not stiff, tight tolerance"
+        return "dormand-prince", "dormand-prince: not stiff"
+    if simulation.step is not None:
+        return "dop853", "dop853: of the compiled methods, for a fixed step"
+    steps = simulation.duration / (_STABLE * equations.fastest_relaxation)
+    if steps < _STIFF:
+        return "dop853", f"dop853: about {max(steps, 1):.0f} relaxation times at most"
+    return "scipy:LSODA", f"scipy:LSODA: stiff, {steps:.1g} steps for an explicit method"
+
+
+def _fastest_rate(scene: Scene) -> float:
+    """Largest |dF/dx|/beta_v at the start and about the trap, 1/s."""
+    rng = np.random.default_rng(7)
+    directions = rng.normal(size=(_PLACES, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
+    places = np.vstack([directions * distances, scene.start_position])
+    gradient = light(scene).field(places, gradient=True).force_gradient
+    largest = float(np.linalg.norm(gradient, ord=2, axis=(1, 2)).max())
+    return largest / bead_properties(scene).drag

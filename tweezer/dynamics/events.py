@@ -1,0 +1,238 @@
+"""Events: what is looked for on the dense output of a run, and located there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from tweezer.errors import IntegrationError, SceneError
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+class Piece(Protocol):
+    """Part of a motion: some steps of a solver."""
+
+    @property
+    def begin(self) -> float:
+        """s"""
+
+    @property
+    def end(self) -> float:
+        """s"""
+
+    def checkpoints(self) -> Array:
+        """Ascending times from begin to end, several to a step."""
+
+    def states(self, times: Array) -> Array:
+        """States at ascending times, (n, state); the position comes first."""
+
+    def step_lengths(self, end: float) -> Array:
+        """s, of the steps that begin before `end`; (0,) where they are not kept."""
+
+
+@dataclass(frozen=True)
+class Occurrence:
+    """An event that happened."""
+
+    name: str
+    time: float
+    """s"""
+    state: Array
+    certain: float
+    """s, when it was certain: later than `time` for one that had to last"""
+
+
+@dataclass
+class Event:
+    """Where a function of the motion changes sign.
+
+    value: of times (n,) s and states (n, state), the position first; gives (n,). direction: +1
+    where it rises through 0, -1 where it falls, 0 for both. terminal: the run ends there. once:
+    only the first one counts. hold: s, for which the sign must last for the event to count; it is
+    then told for the time of the change, and ends a run when the time is over.
+    """
+
+    name: str
+    value: Callable[[Array, Array], Array]
+    direction: int = 0
+    terminal: bool = False
+    once: bool = False
+    hold: float = 0.0
+    ends_as: str = "ended"
+    """status of a run that it ends"""
+    _sign: float = field(default=0.0, init=False, repr=False)
+    """of the last value, from piece to piece"""
+    _since: Occurrence | None = field(default=None, init=False, repr=False)
+    _done: bool = field(default=False, init=False, repr=False)
+
+    def restarted(self, state: Array) -> Event:
+        """The same, for a new run from `state`.
+
+        Raises `SceneError` if `value` does not give one finite number for each time.
+        """
+        again = Event(
+            self.name, self.value, self.direction, self.terminal, self.once, self.hold, self.ends_as
+        )
+        try:
+            given = np.asarray(self.value(np.zeros(2), np.array([state, state])), np.float64)
+        except Exception as error:
+            raise SceneError(f"event {self.name!r}: {type(error).__name__}: {error}") from None
+        if given.shape != (2,) or not np.isfinite(given).all():
+            raise SceneError(
+                f"event {self.name!r}: its value must be (n,) finite numbers for n times"
+            )
+        return again
+
+    def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
+        """What happens in a piece; pieces come in the order of time."""
+        if self._done:
+            return
+        times = piece.checkpoints()
+        values = self._values(piece, times)
+        if self._sign == 0.0:  # a run that begins at 0 begins on the side where it goes
+            self._sign = float(np.sign(values[np.flatnonzero(values)[:1]]).sum())
+            if self.hold and self._sign == self.direction:
+                self._since = self._at(piece, piece.begin, piece.begin + self.hold)
+        before = times[0]
+        for time, value in zip(times.tolist(), values.tolist(), strict=True):
+            sign = float(np.sign(value))
+            # a value of 0 belongs to what was before
+            if sign not in (0.0, self._sign):
+                self._sign = sign
+                yield from self._changed(piece, self._root(piece, before, time))
+                if self._done:
+                    return
+            before = time
+        yield from self._held(piece.end)
+
+    def _changed(self, piece: Piece, time: float) -> Iterator[Occurrence]:
+        """What a change of sign means."""
+        begins = self.direction in (0.0, self._sign)
+        if not self.hold:
+            if begins:
+                self._done = self.once
+                yield self._at(piece, time, time)
+            return
+        yield from self._held(time)
+        self._since = self._at(piece, time, time + self.hold) if begins else None
+
+    def _held(self, now: float) -> Iterator[Occurrence]:
+        """The event, if the sign has lasted up to `now` for long enough."""
+        if self._since is not None and now >= self._since.certain:
+            self._done = self.once
+            yield self._since
+            self._since = None
+
+    def _at(self, piece: Piece, time: float, certain: float) -> Occurrence:
+        return Occurrence(self.name, time, piece.states(np.array([time]))[0], certain)
+
+    def _values(self, piece: Piece, times: Array) -> Array:
+        values = np.asarray(self.value(times, piece.states(times)), dtype=np.float64)
+        if not np.isfinite(values).all():
+            raise IntegrationError(f"the value of the event {self.name!r} is not finite")
+        return values
+
+    def _root(self, piece: Piece, begin: float, end: float) -> float:
+        """Where the value is 0 between two times at which its signs differ."""
+
+        def value(time: float) -> float:
+            return float(self._values(piece, np.array([time]))[0])
+
+        first, last = value(begin), value(end)
+        if first * last >= 0:  # a value of rounding alone need not have its sign a second time
+            return begin if abs(first) < abs(last) else end
+        return float(brentq(value, begin, end, xtol=1e-15 * max(end, 1e-300)))
+
+
+@dataclass
+class ClosestApproach(Event):
+    """The first local minimum of the distance to the focus.
+
+    It counts once the distance has risen by more than `rise`, m, above it: a bead at rest wobbles
+    within the tolerance of its position.
+    """
+
+    rise: float = 0.0
+    _lowest: Occurrence | None = field(default=None, init=False, repr=False)
+
+    def restarted(self, state: Array) -> Event:  # noqa: ARG002
+        """The same, for a new run."""
+        return closest_approach(self.rise)
+
+    def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
+        """The minimum, when it counts."""
+        if self._done:
+            return
+        for lowest in super().occurrences(piece):
+            if self._lowest is not None and self._has_risen(piece, lowest.time):
+                break
+            if self._lowest is None or _distance(lowest) < _distance(self._lowest):
+                self._lowest = lowest
+        if self._lowest is not None and self._has_risen(piece, piece.end):
+            self._done = True
+            yield self._lowest
+
+    def _has_risen(self, piece: Piece, before: float) -> bool:
+        """Whether the distance has risen enough since the lowest one."""
+        assert self._lowest is not None
+        times = piece.checkpoints()
+        times = times[(times >= self._lowest.time) & (times <= before)]
+        far = np.linalg.norm(piece.states(times)[:, :3], axis=1)
+        return bool(far.max(initial=0.0) > _distance(self._lowest) + self.rise)
+
+    def _values(self, piece: Piece, times: Array) -> Array:
+        """Change of the distance squared, over a short time about each time."""
+        apart = 1e-3 * np.diff(piece.checkpoints()).min()
+        before = np.maximum(times - apart, piece.begin)
+        after = np.minimum(times + apart, piece.end)
+        squared = [np.sum(piece.states(t)[:, :3] ** 2, axis=1) for t in (before, after)]
+        return np.asarray(squared[1] - squared[0])
+
+
+def _distance(event: Occurrence) -> float:
+    return float(np.linalg.norm(event.state[:3]))
+
+
+def closest_approach(rise: float = 0.0) -> Event:
+    """The first closest approach to the focus (FCA); rise: m, see `ClosestApproach`."""
+    return ClosestApproach("closest approach", lambda times, _: times, direction=1, rise=rise)
+
+
+def loss(distance: float) -> Event:
+    """The bead is as far as `distance`, m, from the focus: the end of a run."""
+    return Event(
+        "loss", lambda _, y: np.linalg.norm(y[:, :3], axis=1) - distance, direction=1,
+        terminal=True, ends_as="lost",
+    )  # fmt: skip
+
+
+def capture(
+    radius: float,
+    time: float,
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    *,
+    terminal: bool = False,
+) -> Event:
+    """The bead comes within `radius`, m, of `centre` and stays for `time`, s."""
+    return Event(
+        "capture",
+        lambda _, y: np.linalg.norm(y[:, :3] - np.array(centre), axis=1) - radius,
+        direction=-1, terminal=terminal, once=True, hold=time,
+    )  # fmt: skip
+
+
+def lens_touched(scene: Scene) -> Event | None:
+    """The bead reaches the lens, a focal length before the focus; None if that is not known."""
+    if scene.lens.focal_length is None:
+        return None
+    nearest = scene.bead.radius - scene.lens.focal_length
+    return Event(
+        "lens", lambda _, y: y[:, 2] - nearest, direction=-1, terminal=True, ends_as="failed"
+    )

@@ -1,0 +1,44 @@
+"""DOP853: order 8, error estimates of order 5 and 3, dense output of order 7.
+
+Hairer, Norsett, Wanner, "Solving ordinary differential equations I", II.5 and II.6. The
+coefficients are read from SciPy's solver.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial import Polynomial
+from scipy.integrate import DOP853 as SOLVER
+
+from tweezer.dynamics.integrators.explicit import Tableau
+
+
+def _dense() -> np.ndarray:
+    """Hairer's nested form, theta (F0 + (1 - theta) (F1 + theta (F2 + ...))), in powers of theta.
+
+    F0 = y1 - y0, F1 = h f0 - F0, F2 = 2 F0 - h (f0 + f1), and the others are h D k.
+    """
+    stages = 16
+    first, last = np.eye(stages)[0], np.eye(stages)[12]
+    change = np.pad(SOLVER.B, (0, stages - 12))
+    nested = [change, first - change, 2 * change - first - last, *SOLVER.D]
+    theta = Polynomial([0.0, 1.0])
+    factor = Polynomial([1.0])
+    powers = np.zeros((7, stages))
+    for number, weights in enumerate(nested):
+        factor = factor * (theta if number % 2 == 0 else 1 - theta)
+        coefficients = np.pad(factor.coef, (0, 8 - factor.coef.size))
+        powers += np.outer(coefficients[1:], weights)
+    return powers
+
+
+DOP853 = Tableau(
+    order=8,
+    estimate=8,
+    a=np.ascontiguousarray(SOLVER.A),
+    b=np.ascontiguousarray(SOLVER.B),
+    error=np.ascontiguousarray(SOLVER.E5),
+    damping=np.ascontiguousarray(SOLVER.E3),
+    extra=np.ascontiguousarray(SOLVER.A_EXTRA),
+    dense=_dense(),
+)

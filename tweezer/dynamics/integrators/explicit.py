@@ -1,0 +1,252 @@
+"""Explicit Runge-Kutta methods with an embedded error estimate and dense output.
+
+A method is a `Tableau`; the loop is the same for all. Hairer, Norsett, Wanner, "Solving ordinary
+differential equations I", II.4-II.6.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import int64, njit, typeof, types
+
+from tweezer.dynamics.integrators.system import (
+    COLLAPSED,
+    DIGEST,
+    EXHAUSTED,
+    FULL,
+    NOT_FINITE,
+    RATES,
+    REACHED,
+    Array,
+    Control,
+    Records,
+    all_finite,
+    by_tolerance,
+    has_collapsed,
+    kernel_signature,
+    next_step,
+    put_on_constraints,
+    rate_of_change,
+    scratch,
+)
+
+#: a step may grow by this factor
+_GROWTH = 5.0
+
+
+class Tableau(NamedTuple):
+    """Coefficients of a method of s stages; row s stands for the rate at the end of the step."""
+
+    order: int
+    """of the solution"""
+    estimate: int
+    """power of the step that the error estimate goes by"""
+    a: Array
+    """(s, s) stages"""
+    b: Array
+    """(s,) weights"""
+    error: Array
+    """(s + 1,) weights of the error estimate"""
+    damping: Array
+    """(s + 1,) weights of a second estimate E3, if the error is E^2/sqrt(E^2 + 0.01 E3^2); or (0,)
+    """
+    extra: Array
+    """(x, s + 1 + x) more stages for the dense output"""
+    dense: Array
+    """(degree, s + 1 + x) weights of the rates in the coefficient of each power of the place in
+    the step, from the first on"""
+
+
+@functools.cache
+def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
+    """The compiled loop for one kind of light.
+
+    It has the signature `(kernel, beyond, rates, system, tableau, control, y, clock, counts,
+    records)` and returns the number of records written and why it stopped. y: (state,) at
+    clock[0], s; clock: (3,) time, step to try (0: found here), error of the last step; counts:
+    (3,) steps, rejected steps, force calls. All three are kept up to date, so that a further call
+    goes on.
+    """
+    digest = DIGEST
+
+    def advance(  # type: ignore[no-untyped-def]
+        kernel, beyond, rates, system, tableau, control, y, clock, counts, records
+    ):
+        _ = digest
+        adaptive = by_tolerance(control)
+        n, stages = y.size, tableau.b.size
+        k = np.zeros((stages + 1 + len(tableau.extra), n))
+        inner, new = np.empty(n), np.empty(n)
+        at = scratch()
+        written = 0
+        rate_of_change(kernel, beyond, rates, system, at, y, k[0])
+        counts[2] += 1
+        if clock[1] == 0.0:
+            clock[1] = control.fixed
+            if adaptive:
+                clock[1] = _first_step(
+                    kernel, beyond, rates, system, at, tableau, control, y, k[0], inner, new
+                )
+                counts[2] += 1
+        rejected = False
+        while True:
+            time, step = clock[0], clock[1]
+            left = control.end - time
+            last = False
+            if control.prescribed.size > 0 and left > 0.0:
+                step = control.prescribed[counts[0]]
+                last = counts[0] == control.prescribed.size - 1
+            if left <= 0.0:
+                return written, REACHED
+            if written == records.begin.size:
+                return written, FULL
+            last |= step >= left * (1.0 - 1e-12)
+            if last:
+                step = left
+            if has_collapsed(step, time):
+                return written, COLLAPSED
+            if counts[2] > control.most_calls:
+                return written, EXHAUSTED
+            for stage in range(1, stages):
+                _combined(y, step, k, tableau.a[stage], stage, inner)
+                rate_of_change(kernel, beyond, rates, system, at, inner, k[stage])
+            _combined(y, step, k, tableau.b, stages, new)
+            rate_of_change(kernel, beyond, rates, system, at, new, k[stages])
+            counts[2] += stages
+            error = _error(tableau, control, y, new, step, k) if adaptive else 0.0
+            if not (all_finite(new) and all_finite(k[stages])):
+                error = np.inf
+                if not adaptive or not all_finite(k[0]):
+                    return written, NOT_FINITE
+            if error > 1.0:
+                rejected = True
+                counts[1] += 1
+                if error == np.inf:
+                    clock[1] = 0.1 * step
+                else:
+                    clock[1] = next_step(step, error, clock[2], tableau.estimate, _GROWTH, rejected)
+                continue
+            for extra in range(len(tableau.extra)):
+                stage = stages + 1 + extra
+                _combined(y, step, k, tableau.extra[extra], stage, inner)
+                rate_of_change(kernel, beyond, rates, system, at, inner, k[stage])
+                counts[2] += 1
+            records.begin[written] = time
+            records.length[written] = step
+            for i in range(n):
+                records.state[written, i] = y[i]
+                for power in range(len(tableau.dense)):
+                    total = 0.0
+                    for stage in range(len(k)):
+                        total += tableau.dense[power, stage] * k[stage, i]
+                    records.shape[written, power, i] = step * total
+            written += 1
+            counts[0] += 1
+            clock[0] = control.end if last else time + step
+            if adaptive:
+                clock[1] = next_step(step, error, clock[2], tableau.estimate, _GROWTH, rejected)
+                clock[2] = error
+            rejected = False
+            for i in range(n):
+                y[i] = new[i]
+                k[0, i] = k[stages, i]
+            if control.orientation >= 0:
+                put_on_constraints(y, control.orientation, control.euler_rates)
+                rate_of_change(kernel, beyond, rates, system, at, y, k[0])
+                counts[2] += 1
+
+    signature = types.Tuple((int64, int64))(
+        types.FunctionType(kernel_signature(source)),
+        types.FunctionType(kernel_signature(beyond)),
+        types.FunctionType(RATES),
+        system,
+        _TABLEAU,
+        _CONTROL,
+        types.float64[::1],
+        types.float64[::1],
+        types.int64[::1],
+        _RECORDS,
+    )
+    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+
+
+@njit(error_model="numpy")
+def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
+    for i in range(y.size):
+        total = 0.0
+        for stage in range(stages):
+            total += weights[stage] * k[stage, i]
+        out[i] = y[i] + step * total
+
+
+@njit(error_model="numpy")
+def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
+    """Root mean square of the error over the tolerances."""
+    squared = damping = 0.0
+    for i in range(y.size):
+        scale = control.absolute[i] + control.relative * max(abs(y[i]), abs(new[i]))
+        of_state = 0.0
+        for stage in range(tableau.error.size):
+            of_state += tableau.error[stage] * k[stage, i]
+        squared += (of_state / scale) ** 2
+        if tableau.damping.size > 0:
+            of_state = 0.0
+            for stage in range(tableau.damping.size):
+                of_state += tableau.damping[stage] * k[stage, i]
+            damping += (of_state / scale) ** 2
+    if squared == 0.0:
+        return 0.0
+    if tableau.damping.size > 0:
+        return step * squared / np.sqrt((squared + 0.01 * damping) * y.size)
+    return step * np.sqrt(squared / y.size)
+
+
+@njit(error_model="numpy")
+def _first_step(  # type: ignore[no-untyped-def]
+    kernel, beyond, rates, system, at, tableau, control, y, rate, inner, new
+):
+    """Hairer's first step: II.4 of the book."""
+    size = speed = 0.0
+    for i in range(y.size):
+        scale = control.absolute[i] + control.relative * abs(y[i])
+        size += (y[i] / scale) ** 2
+        speed += (rate[i] / scale) ** 2
+    size, speed = np.sqrt(size / y.size), np.sqrt(speed / y.size)
+    step = 1e-6 * control.end if size < 1e-5 or speed < 1e-5 else 0.01 * size / speed
+    step = min(step, control.end)
+    for i in range(y.size):
+        inner[i] = y[i] + step * rate[i]
+    rate_of_change(kernel, beyond, rates, system, at, inner, new)
+    change = 0.0
+    for i in range(y.size):
+        scale = control.absolute[i] + control.relative * abs(y[i])
+        change += ((new[i] - rate[i]) / scale) ** 2
+    change = np.sqrt(change / y.size) / step
+    fastest = max(speed, change)
+    if not fastest > 1e-15:
+        return min(max(1e-6 * control.end, 1e-3 * step), control.end)
+    return min(100.0 * step, (0.01 / fastest) ** (1.0 / tableau.estimate), control.end)
+
+
+@njit(cache=True, error_model="numpy")
+def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-def]
+    """States at `times`, ascending, from the steps that hold them: (n, state)."""
+    step = 0
+    for at in range(times.size):
+        while step + 1 < begin.size and times[at] >= begin[step + 1]:
+            step += 1
+        place = (times[at] - begin[step]) / length[step]
+        for i in range(state.shape[1]):
+            total = 0.0
+            for power in range(shape.shape[1] - 1, -1, -1):
+                total = (total + shape[step, power, i]) * place
+            out[at, i] = state[step, i] + total
+
+
+_vector, _matrix = np.zeros(0), np.zeros((0, 0))
+_TABLEAU = typeof(Tableau(0, 0, _matrix, _vector, _vector, _vector, _matrix, _matrix))
+_CONTROL = typeof(Control(0.0, _vector, 0.0, _vector, 0.0, 0, 0, 0))
+_RECORDS = typeof(Records(_vector, _vector, _matrix, np.zeros((0, 0, 0))))

@@ -1,0 +1,366 @@
+"""Exponential Runge-Kutta of stiff order 4 with an embedded estimate: the drag is taken exactly.
+
+The full model is x'' = (u(x) - x')/tau with u = F/beta, and for a sphere, in the inertial frame,
+w' = (m(x) - w)/tau_r: stiff, but linear and constant. Applied to them, with
+u = sum u_k s^k/(k! h^k) in the step from s = 0 to h, the method of Hochbruck and Ostermann (SIAM J.
+Numer. Anal. 43:1069 (2005), five stages) is
+
+    x(s) = x + tau (1 - e^(-s/tau)) v + sum (s^2/tau) phi_(k+2)(-s/tau) (s/h)^k u_k
+    v(s) = e^(-s/tau) v + sum (s/tau) phi_(k+1)(-s/tau) (s/h)^k u_k
+
+(phi_0 = exp, phi_(k+1) = (phi_k - 1/k!)/z; 1/k! - phi_k = -z phi_(k+1) has been put in), where the
+u_k are those of the parabola through the stages at 0, h/2 and h. For h >> tau it goes over into a
+classical method on x' = u; nothing is unstable at any h/tau, and the error is of order 4 whatever
+h/tau is. Krogstad's method, with four stages, has an error tau h^2 beside it: measured, twice as
+large at tau = 1e-3 and h = 0.1 of the trap time. The force at the end of the step, which the next
+one needs anyway, in place of the one at the last stage gives a solution of order 3: their
+difference estimates the error.
+
+What the polynomial does not follow is the initial layer of a bead released off its slow velocity,
+so the first step is tau/2 at most, and steps double until the layer has passed.
+
+The orientation follows by Magnus' expansion, so |e| = 1 by construction: its first term, the angle
+turned, as x above; the second by two Gauss nodes (Iserles, Norsett, Phil. Trans. R. Soc. A 357:983
+(1999)).
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import int64, njit, typeof, types
+
+from tweezer.dynamics.integrators.system import (
+    COLLAPSED,
+    DIGEST,
+    EXHAUSTED,
+    FULL,
+    NOT_FINITE,
+    RATES,
+    REACHED,
+    Array,
+    Control,
+    Records,
+    all_finite,
+    by_tolerance,
+    has_collapsed,
+    kernel_signature,
+    next_step,
+    rate_of_change,
+    scratch,
+)
+
+#: a step may grow by this factor, and by this one for so many tau of the initial layer
+_GROWTH, _GROWTH_IN_LAYER, _LAYER = 4.0, 2.0, 16.0
+#: power of the step that the error estimate goes by
+_ESTIMATE = 4
+#: Taylor's coefficients 1/n!
+_INVERSE_FACTORIALS = tuple(1.0 / math.factorial(n) for n in range(24))
+#: Gauss's nodes of a step
+_GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)
+
+
+class Relaxation(NamedTuple):
+    """The linear part of the equations, and where things stand in the state."""
+
+    times: Array
+    """(3,) or (6,) s: tau of v, and of the angular velocity"""
+    state: Array
+    """(state,) of the emitted module, at rest and unturned: what u and m are evaluated at"""
+    first_rate: int
+    """where the velocities begin in that state"""
+
+
+@njit(error_model="numpy")
+def _phi(z, out):  # type: ignore[no-untyped-def]
+    """phi_0 to phi_4 of z <= 0."""
+    if z > -1.0:
+        for k in range(5):
+            value = 0.0
+            for n in range(18, -1, -1):
+                value = value * z + _INVERSE_FACTORIALS[n + k]
+            out[k] = value
+        return
+    out[0] = math.exp(z)
+    for k in range(4):
+        out[k + 1] = (out[k] - _INVERSE_FACTORIALS[k]) / z
+
+
+@njit(error_model="numpy")
+def _moved(s, part, tau, v, u0, u1, u2, phi):  # type: ignore[no-untyped-def]
+    """Displacement and velocity a time s into a step of which that is the part s/h."""
+    _phi(-s / tau, phi)
+    u1, u2 = part * u1, part * part * u2
+    per_tau = s / tau
+    displacement = s * phi[1] * v + s * per_tau * (phi[2] * u0 + phi[3] * u1 + phi[4] * u2)
+    velocity = phi[0] * v + per_tau * (phi[1] * u0 + phi[2] * u1 + phi[3] * u2)
+    return displacement, velocity
+
+
+@functools.cache
+def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
+    """The compiled loop for one kind of light; as `explicit.loop`, with a `Relaxation`.
+
+    y: (6,) x, v; or (16,) x, angle turned (0), v, w in the inertial frame, and e. The dense output
+    holds u0, u1, u2 of v, w.
+    """
+    digest = DIGEST
+
+    def advance(  # type: ignore[no-untyped-def]
+        kernel, beyond, rates, system, relaxation, control, y, clock, counts, records
+    ):
+        _ = digest
+        adaptive = by_tolerance(control)
+        many = relaxation.times.size
+        turns = many == 6
+        tau = relaxation.times
+        at, phi = scratch(), np.empty(5)
+        place, rate = relaxation.state.copy(), np.empty(relaxation.state.size)
+        u, weights = np.empty((5, many)), np.empty((many, 2, 4))
+        stage, new = np.empty(y.size), np.empty(y.size)
+        written = 0
+        _slow(kernel, beyond, rates, system, relaxation, at, place, rate, y, u[0])
+        counts[2] += 1
+        if clock[1] == 0.0:
+            clock[1] = 0.5 * tau.min()
+            if control.fixed > 0.0:
+                clock[1] = min(clock[1], control.fixed)
+        rejected = False
+        while True:
+            time, step = clock[0], clock[1]
+            left = control.end - time
+            last = False
+            if control.prescribed.size > 0 and left > 0.0:
+                step = control.prescribed[counts[0]]
+                last = counts[0] == control.prescribed.size - 1
+            if left <= 0.0:
+                return written, REACHED
+            if written == records.begin.size:
+                return written, FULL
+            last |= step >= left * (1.0 - 1e-12)
+            if last:
+                step = left
+            if has_collapsed(step, time):
+                return written, COLLAPSED
+            if counts[2] > control.most_calls:
+                return written, EXHAUSTED
+            _weights(step, tau, phi, weights)
+            for number in range(1, 5):
+                _stage(number, weights, y, u, stage)
+                _slow(kernel, beyond, rates, system, relaxation, at, place, rate, stage, u[number])
+            # the parabola through the stages at the begin, the middle and the end
+            for i in range(many):
+                last_stage, middle = u[3, i], u[4, i]
+                u[1, i] = -3.0 * u[0, i] + 4.0 * middle - last_stage
+                u[2, i] = 4.0 * (u[0, i] - 2.0 * middle + last_stage)
+            _to(step, 1.0, tau, y, u[0], u[1], u[2], phi, new)
+            _slow(kernel, beyond, rates, system, relaxation, at, place, rate, new, u[4])
+            counts[2] += 5
+            growth = _GROWTH_IN_LAYER if time < _LAYER * tau.max() else _GROWTH
+            error = 0.0
+            finite = all_finite(u) and all_finite(new)
+            if adaptive:
+                error = _error(control, tau, step, u, y, new, phi)
+            if turns:
+                turned = _turn(step, tau, y, u, phi, new, True)
+                if adaptive:
+                    error = max(error, turned / control.absolute[control.orientation])
+            if not finite:
+                error = np.inf
+                if not adaptive or not all_finite(u[0]):
+                    return written, NOT_FINITE
+            if error > 1.0:
+                rejected = True
+                counts[1] += 1
+                if error == np.inf:
+                    clock[1] = 0.1 * step
+                else:
+                    clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
+                continue
+            records.begin[written] = time
+            records.length[written] = step
+            for i in range(y.size):
+                records.state[written, i] = y[i]
+            for i in range(many):
+                for k in range(3):
+                    records.shape[written, k, i] = u[k, i]
+            written += 1
+            counts[0] += 1
+            clock[0] = control.end if last else time + step
+            if control.fixed > 0.0 and not last:
+                clock[1] = min(growth * step, control.fixed)
+            elif adaptive:
+                clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
+                clock[2] = error
+            rejected = False
+            for i in range(y.size):
+                y[i] = new[i]
+            for i in range(many):
+                u[0, i] = u[4, i]
+
+    signature = types.Tuple((int64, int64))(
+        types.FunctionType(kernel_signature(source)),
+        types.FunctionType(kernel_signature(beyond)),
+        types.FunctionType(RATES),
+        system,
+        _RELAXATION,
+        _CONTROL,
+        types.float64[::1],
+        types.float64[::1],
+        types.int64[::1],
+        _RECORDS,
+    )
+    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+
+
+@njit(error_model="numpy")
+def _weights(step, tau, phi, out):  # type: ignore[no-untyped-def]
+    """For half the step and all of it: tau (1 - e^(-s/tau)), and the displacement by h phi_k of u.
+
+    out: (velocity, half or whole, 4).
+    """
+    for i in range(tau.size):
+        for whole in range(2):
+            part = 1.0 if whole else 0.5
+            if i > 0 and tau[i] == tau[i - 1]:
+                out[i, whole] = out[i - 1, whole]
+                continue
+            s = part * step
+            _phi(-s / tau[i], phi)
+            out[i, whole, 0] = s * phi[1]
+            for k in range(1, 4):
+                out[i, whole, k] = s * step / tau[i] * phi[k + 1]
+
+
+@njit(error_model="numpy")
+def _stage(number, weights, y, u, out):  # type: ignore[no-untyped-def]
+    """Positions, and angles turned, of the stages 2 to 5: at h/2, h/2, h, h/2."""
+    many = len(weights)
+    for i in range(many):
+        half, whole = weights[i, 0], weights[i, 1]
+        if number == 1:
+            moved = 0.5 * half[1] * u[0, i]
+        elif number == 2:
+            moved = (0.5 * half[1] - half[2]) * u[0, i] + half[2] * u[1, i]
+        elif number == 3:
+            moved = (whole[1] - 2.0 * whole[2]) * u[0, i] + whole[2] * (u[1, i] + u[2, i])
+        else:
+            a52 = 0.5 * half[2] - whole[3] + 0.25 * whole[2] - 0.5 * half[3]
+            a54 = 0.25 * half[2] - a52
+            moved = (0.5 * half[1] - 2.0 * a52 - a54) * u[0, i]
+            moved += a52 * (u[1, i] + u[2, i]) + a54 * u[3, i]
+        decay = whole[0] if number == 3 else half[0]
+        out[i] = y[i] + decay * y[many + i] + moved
+
+
+@njit(error_model="numpy")
+def _slow(  # type: ignore[no-untyped-def]
+    kernel, beyond, rates, system, relaxation, at, place, rate, y, out
+):
+    """u, and m, at the position in y: tau times the rates of a bead at rest."""
+    for i in range(3):
+        place[i] = y[i]
+    rate_of_change(kernel, beyond, rates, system, at, place, rate)
+    for i in range(out.size):
+        out[i] = relaxation.times[i] * rate[relaxation.first_rate + i]
+
+
+@njit(error_model="numpy")
+def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
+    """Positions, angles turned and velocities a time s into a step."""
+    many = tau.size
+    for i in range(many):
+        moved, velocity = _moved(s, part, tau[i], y[many + i], u0[i], u1[i], u2[i], phi)
+        out[i] = y[i] + moved
+        out[many + i] = velocity
+
+
+@njit(error_model="numpy")
+def _weight_of_last_stage(step, tau, phi):  # type: ignore[no-untyped-def]
+    """Of u at the last stage: in the displacement, and in what the velocity still brings."""
+    _phi(-step / tau, phi)
+    of_displacement = step * step / tau * abs(4.0 * phi[4] - phi[3])
+    return of_displacement + step * abs(4.0 * phi[3] - phi[2])
+
+
+@njit(error_model="numpy")
+def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
+    """Of the positions, over the tolerances: what the force at the end makes of the last stage."""
+    squared = 0.0
+    for i in range(3):
+        off = _weight_of_last_stage(step, tau[i], phi) * (u[4, i] - u[3, i])
+        scale = control.absolute[i] + control.relative * max(abs(y[i]), abs(new[i]))
+        squared += (off / scale) ** 2
+    return math.sqrt(squared / 3.0)
+
+
+@njit(error_model="numpy")
+def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
+    """Put the orientation a time s into a step into `out`; returns what the angle may be off.
+
+    whole: s is the step. y, out: (16,), e last.
+    """
+    w = np.empty((2, 3))
+    angle = np.empty(3)
+    for i in range(3):
+        k = 3 + i
+        for node in range(2):
+            _, w[node, i] = _moved(
+                _GAUSS[node] * s, _GAUSS[node], tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi
+            )
+        angle[i], _ = _moved(s, 1.0, tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi)
+    by = math.sqrt(3.0) / 12.0 * s * s
+    second = np.empty(3)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        second[i] = -by * (w[0, j] * w[1, k] - w[0, k] * w[1, j])
+        angle[i] += second[i]
+    size = math.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)
+    e0, e1, e2, e3 = y[12], y[13], y[14], y[15]
+    c = math.cos(0.5 * size)
+    over = 0.5 - size * size / 48.0 if size < 1e-4 else math.sin(0.5 * size) / size
+    r1, r2, r3 = over * angle[0], over * angle[1], over * angle[2]
+    out[12] = c * e0 - r1 * e1 - r2 * e2 - r3 * e3
+    out[13] = c * e1 + r1 * e0 + r2 * e3 - r3 * e2
+    out[14] = c * e2 + r2 * e0 + r3 * e1 - r1 * e3
+    out[15] = c * e3 + r3 * e0 + r1 * e2 - r2 * e1
+    # the same rounding, step after step, would add up: one step of Newton to 1/|e|
+    squared = out[12] ** 2 + out[13] ** 2 + out[14] ** 2 + out[15] ** 2
+    for i in range(12, 16):
+        out[i] *= 1.5 - 0.5 * squared
+    out[3] = out[4] = out[5] = 0.0
+    # the next term is smaller than the second by the angle; and what the light may be off
+    bound = math.sqrt(second[0] ** 2 + second[1] ** 2 + second[2] ** 2) * size
+    if whole:
+        for i in range(3, 6):
+            bound += _weight_of_last_stage(s, tau[i], phi) * abs(u[4, i] - u[3, i])
+    return bound
+
+
+@njit(cache=True, error_model="numpy")
+def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-untyped-def]
+    """States as the loop has them at `times`, ascending, from the steps that hold them."""
+    phi = np.empty(5)
+    step, many = 0, tau.size
+    for at in range(times.size):
+        while step + 1 < begin.size and times[at] >= begin[step + 1]:
+            step += 1
+        s = times[at] - begin[step]
+        part = s / length[step]
+        u = np.zeros((3, many))
+        for i in range(many):
+            u[0, i] = shape[step, 0, i]
+            u[1, i] = part * shape[step, 1, i]
+            u[2, i] = part * part * shape[step, 2, i]
+        _to(s, 1.0, tau, state[step], u[0], u[1], u[2], phi, out[at])
+        if many == 6:
+            _turn(s, tau, state[step], u, phi, out[at], False)
+
+
+_vector, _matrix = np.zeros(0), np.zeros((0, 0))
+_RELAXATION = typeof(Relaxation(_vector, _vector, 0))
+_CONTROL = typeof(Control(0.0, _vector, 0.0, _vector, 0.0, 0, 0, 0))
+_RECORDS = typeof(Records(_vector, _vector, _matrix, np.zeros((0, 0, 0))))
