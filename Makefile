@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-.PHONY: demo test lint bench derivation notebooks clean
+.PHONY: demo test lint bench stress derivation notebooks clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
@@ -17,10 +17,16 @@ lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-bench: .venv/.runtime  ## measure the force again: results, figure and what the README quotes
+bench: .venv/.bench  ## measure again: results, figures and what the README quotes
 	$(BIN)/tweezer bench force --out tests/benchmarks/results/force.json \
 		--plot docs/figures/bench-force.png
 	$(BIN)/python -m tests.benchmarks.report
+	$(BIN)/tweezer bench integrate --out tests/benchmarks/results/integrate.json \
+		--plot docs/figures/bench-integrate.png
+	$(BIN)/python -m tests.benchmarks.integrate_report
+
+stress: .venv/.runtime  ## 10,000 random scenes: how they end
+	$(BIN)/python -m tests.stress 10000
 
 derivation: .venv/.dev  ## derive again and write generated/
 	$(BIN)/python -m derivation
@@ -37,6 +43,10 @@ clean:
 .venv/.runtime: pyproject.toml | .venv/bin/python
 	$(PIP) install --quiet --editable .
 	touch $@
+
+.venv/.bench: pyproject.toml | .venv/bin/python
+	$(PIP) install --quiet --editable ".[bench]"
+	touch $@ .venv/.runtime
 
 .venv/.dev: pyproject.toml | .venv/bin/python
 	$(PIP) install --quiet --editable ".[dev]"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import tweezer
-from tests.benchmarks import force, numpy_sum, report
+from tests.benchmarks import force, integrate_report, numpy_sum, report
 from tests.benchmarks.timing import Call, per_item
 from tweezer import cli
 
@@ -120,3 +120,30 @@ def test_needs_a_checkout(command_line, tmp_path, monkeypatch):
     assert done.err.strip().splitlines() == [
         "bench: runs from a checkout of tweezer's sources, which this is not"
     ]
+
+
+def test_quick_run_of_the_integration(command_line, tmp_path):
+    done = command_line(
+        "bench", "integrate", "--quick", "--out", "integrate.json", "--plot", "integrate.png"
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert (tmp_path / "integrate.png").stat().st_size > 10_000
+    results = json.loads((tmp_path / "integrate.json").read_text())
+    well = results["motions"]["gaussian-well"]
+    assert well["solvers_agree_to_um"] < 1e-6
+    errors = {
+        (entry["model"], entry["method"], entry["tolerance"]): entry["during_um"]
+        for entry in well["entries"]
+    }
+    assert errors["full", "exponential", 1e-9] < 1e-6
+    assert errors["full", "exponential", 1e-9] < errors["full", "exponential", 1e-6]
+    # without inertia the bead is off by tau over the trap's time
+    assert errors["first-order", "dop853", 1e-9] < 1e-2 * errors["overdamped", "dop853", 1e-9]
+    assert integrate_report.block(results).startswith("<!-- bench-integrate -->")
+
+
+def test_readme_quotes_the_committed_integration():
+    committed = integrate_report.read()
+    (quoted,) = integrate_report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
+    assert quoted == integrate_report.block(committed)
+    assert not committed["quick"]

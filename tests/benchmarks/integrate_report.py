@@ -1,0 +1,162 @@
+"""The results of the integration benchmark as tables, as a figure, and in the README.
+
+`python -m tests.benchmarks.integrate_report` writes the README's block from the committed results.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from tests.benchmarks.integrate import Results
+from tests.benchmarks.report import README, rounded
+from tests.benchmarks.timing import ROOT
+
+COMMITTED = ROOT / "tests/benchmarks/results/integrate.json"
+BLOCK = re.compile(r"<!-- bench-integrate -->\n.*?<!-- end -->", re.DOTALL)
+
+HEADINGS = ("motion", "model, method", "tolerance", "error before, µm", "in the trap, µm", "ms",
+            "force calls")  # fmt: skip
+_STYLES = {
+    ("full", "exponential"): ("#004488", "o", "unscaled, exponential"),
+    ("first-order", "dop853"): ("#228833", "D", "first order, DOP853"),
+    ("first-order", "dormand-prince"): ("#66ccaa", "d", "first order, Dormand-Prince"),
+    ("overdamped", "dop853"): ("#bbbbbb", "s", "no inertia, DOP853"),
+    ("full", "dormand-prince"): ("#aa3377", "^", "unscaled, Dormand-Prince"),
+    ("full", "dop853"): ("#aa3377", "v", "unscaled, DOP853"),
+    ("full", "scipy:LSODA"): ("#ee6677", "x", "unscaled, SciPy LSODA"),
+    ("full", "scipy:Radau"): ("#ee8866", "+", "unscaled, SciPy Radau"),
+    ("full", "scipy:BDF"): ("#eedd88", "1", "unscaled, SciPy BDF"),
+    ("full", "scipy:RK45"): ("#994455", "2", "unscaled, SciPy RK45"),
+    ("full", "scipy:DOP853"): ("#994455", "3", "unscaled, SciPy DOP853"),
+    ("full", "heyoka"): ("#000000", "*", "unscaled, heyoka"),
+    ("scaled", "dormand-prince"): ("#ddaa33", "P", "thesis's scaling, ε to 1, Dormand-Prince"),
+    ("scaled", "numpy"): ("#bb5566", "X", "NumPy sum, SciPy RK45, thesis's scaling"),
+}
+
+
+def rows(results: Results) -> list[list[str]]:
+    """All entries, under `HEADINGS`."""
+    return [
+        [
+            label, f"{entry['model']}, {entry['method']}", _setting(entry),
+            f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
+            f"{entry['force_calls']}",
+        ]
+        for label, of in results["motions"].items()
+        for entry in of["entries"]
+    ]  # fmt: skip
+
+
+def _setting(entry: dict[str, Any]) -> str:
+    if "scaling_factor" in entry:
+        return f"a2 = {entry['scaling_factor']:.2g}"
+    return f"{entry['tolerance']:.0e}"
+
+
+def figure(results: Results) -> Figure:
+    """Error in the trap against time, and against force calls, a column for each motion."""
+    motions = {label: of for label, of in results["motions"].items() if "quadrature" not in label}
+    drawn = Figure(figsize=(3.4 * len(motions), 7.4), layout="constrained")
+    panels = drawn.subplots(2, len(motions), sharey=True, squeeze=False)
+    for column, (label, of) in enumerate(motions.items()):
+        _draw(panels[0, column], of["entries"], "ms")
+        _draw(panels[1, column], of["entries"], "force_calls")
+        panels[0, column].set_title(label, fontsize=10)
+        panels[0, column].set_xlabel("time, ms")
+        panels[1, column].set_xlabel("force calls")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("largest error in the trap, µm")
+    handles = [
+        Line2D([], [], color=colour, marker=marker, linewidth=1, markersize=5, label=label)
+        for colour, marker, label in _STYLES.values()
+    ]
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    return drawn
+
+
+def _draw(axes: Axes, entries: list[dict[str, Any]], key: str) -> None:
+    for (model, method), (colour, marker, _) in _STYLES.items():
+        named = [e for e in entries if (e["model"], e["method"]) == (model, method) and e[key] > 0]
+        if named:
+            axes.plot(
+                [e[key] for e in named], np.maximum([e["during_um"] for e in named], 1e-10),
+                color=colour, marker=marker, linewidth=1, markersize=5,
+            )  # fmt: skip
+    axes.set(xscale="log", yscale="log")
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def block(results: Results) -> str:
+    """The README's part, between its markers."""
+    explained = (
+        "Each bead is released from rest where the thesis releases it and followed until it rests "
+        "in the trap. Errors: largest distance to the unscaled motion once the bead is within two "
+        "radii of the focus; that motion is known from two solvers, the exponential method and "
+        "SciPy's LSODA. `2e-6 µm` is the fastest run with at most that error in the trap, and "
+        "2e-8 µm before it. Times are of the steps, compiled, steady state, one core. How many "
+        "times slower: the largest ratio, over the tolerances of both, to a run of ours that is no "
+        "less exact."
+    )
+    lines = ["<!-- bench-integrate -->", *textwrap.wrap(explained, 110), ""]
+    table = [
+        ("motion, force", "two solvers agree to, µm", "exponential at 2e-6 µm, ms",
+         "first order at 2e-6 µm, ms", "its least error, µm", "SciPy LSODA, up to times slower",
+         "NumPy, SciPy, scaled: up to times slower", "its error, µm"),
+    ]  # fmt: skip
+    for label, of in results["headline"].items():
+        lsoda, baseline = of.get("scipy:LSODA"), of.get("numpy")
+        table.append(
+            (
+                label, f"{of['solvers_agree_to_um']:.1e}", _or_none(of["full_ms_at_2e-6_um"]),
+                _or_none(of["first-order_ms_at_2e-6_um"]),
+                f"{of['first-order_least_error_um']:.1e}",
+                rounded(lsoda["times_slower"]) if lsoda else "",
+                rounded(baseline["times_slower"]) if baseline else "",
+                f"{baseline['error_um']:.1e}" if baseline else "",
+            )
+        )  # fmt: skip
+    lines += [
+        "| " + " | ".join(cells) + " |"
+        for cells in (table[0], ["---", *["---:"] * (len(table[0]) - 1)], *table[1:])
+    ]
+    left = "; ".join(
+        f"{each['motion']}: {each['model']}, {each['method']} ({each['left_out']})"
+        for each in results["left_out"]
+    )
+    machine = results["machine"]
+    lines += [
+        "",
+        "![Error against time and work of the integration](docs/figures/bench-integrate.png)",
+        "",
+        *textwrap.wrap(f"Left out: {left or 'nothing'}.", 110, break_long_words=False),
+        "",
+        f"`make bench` measures this anew. These are from {machine['processor']}, "
+        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
+        "<!-- end -->",
+    ]
+    return "\n".join(lines)
+
+
+def _or_none(value: float | None) -> str:
+    return "not reached" if value is None else rounded(value)
+
+
+def read() -> Results:
+    """The committed results."""
+    results: Results = json.loads(COMMITTED.read_text(encoding="utf-8"))
+    return results
+
+
+if __name__ == "__main__":
+    text = README.read_text(encoding="utf-8")
+    quoted = block(read())
+    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")

@@ -1,0 +1,121 @@
+"""Random scenes over many decades: each ends finite, or with a typed error.
+
+`python -m tests.stress 10000` prints how they ended; `make stress` calls it. A run whose numbers
+are not finite, or an error that is not tweezer's own, raises and names the scene.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+import warnings
+from collections import Counter
+from typing import Any
+
+import numpy as np
+
+import tweezer
+from tweezer.dynamics import bind, chosen, closest_approach, integrate, lens_touched, loss
+from tweezer.errors import TweezerError
+from tweezer.scene import Scene
+
+#: force calls of one run: what needs more ends as failed, its work spent
+MOST_CALLS = 20_000
+METHODS = ("auto", "auto", "auto", "exponential", "dormand-prince", "dop853", "scipy:LSODA")
+MODELS = (None, None, "full", "scaled", "overdamped", "first-order")
+
+
+def random_changes(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
+    """Changes of a shipped scene, over the range that a user may ask for."""
+
+    def decades(low: float, high: float) -> float:
+        return float(10 ** rng.uniform(np.log10(low), np.log10(high)))
+
+    radius = decades(25e-9, 10e-6)
+    direction = rng.normal(size=3)
+    direction /= np.linalg.norm(direction)
+    if rng.random() < 0.15:
+        direction = np.array([0.0, 0.0, rng.choice([-1.0, 1.0])])  # on the axis
+    distance = rng.choice([0.0, 1.0, 1.0 - 1e-9, rng.uniform(0, 3), decades(1e-3, 30)]) * radius
+    orientation = rng.normal(size=4)
+    if rng.random() < 0.3:
+        orientation[0] = 0.0  # turned by 180 degrees
+    spin = decades(1, 1e7) * rng.normal(size=3) if rng.random() < 0.3 else np.zeros(3)
+    power = 0.0 if rng.random() < 0.05 else decades(1e-6, 10)
+    start = direction * min(distance, 1.5e-3)
+    bead: dict[str, Any] = {"radius": radius, "refractive_index": rng.uniform(1.0, 2.5),
+                            "density": rng.uniform(900, 4000)}  # fmt: skip
+    if spin.any() and rng.random() < 0.3:
+        inertia = 0.4 * bead["density"] * 4 / 3 * np.pi * radius**5
+        bead["moments_of_inertia"] = (inertia * rng.uniform(0.8, 1.2, 3)).tolist()
+    model = MODELS[rng.integers(len(MODELS))]
+    return {
+        "bead": bead,
+        "medium": {"viscosity": decades(1e-5, 1.0)},
+        "beam": {"power": power, "torque": "thesis" if rng.random() < 0.2 else "none"},
+        "start": {
+            "frame": "focus", "position": start.tolist(),
+            "velocity": (decades(1e-9, 1) * rng.normal(size=3)).tolist(),
+            "orientation": orientation.tolist(), "angular_velocity": spin.tolist(),
+        },
+        "optics": {
+            "evaluator": "grid" if rng.random() < 0.1 else "quadrature",
+            "tolerance": 10.0 ** -int(rng.integers(4, 10)),
+        },
+        "simulation": {
+            "model": model, "scaling_factor": decades(1e-5, 1),
+            "method": METHODS[rng.integers(len(METHODS))],
+            "duration": decades(1e-9, 1e-1), "samples": 21,
+            "relative_tolerance": float(10 ** -rng.uniform(3, 10)),
+            "position_tolerance": radius * decades(1e-9, 1e-3),
+            "loss_distance": 2e-3, "most_force_calls": MOST_CALLS,
+            "step": decades(1e-9, 1e-4) if rng.random() < 0.1 else None,
+        },
+    }  # fmt: skip
+
+
+def outcome(changes: dict[str, dict[str, Any]]) -> str:
+    """How a scene ends; raises for what must not happen."""
+    try:
+        scene: Scene = tweezer.load_scene("silica-1um").replace(**changes)
+        scene, _ = chosen(scene)
+        simulation = scene.simulation
+        equations = bind(scene)
+        events = [loss(simulation.loss_distance), closest_approach()]
+        if (lens := lens_touched(scene)) is not None:
+            events.append(lens)
+        run = integrate(equations, np.linspace(0, simulation.duration, simulation.samples), events)
+        motion = equations.motion(run.times, run.states)
+    except TweezerError as error:
+        return f"refused: {str(error).split(':')[0].split('=')[0].strip()}"
+    parts = (run.times, motion.position, motion.velocity, motion.orientation,
+             motion.angular_velocity)  # fmt: skip
+    if not all(np.isfinite(part).all() for part in parts if part is not None):
+        raise AssertionError("a result is not finite")
+    if run.status == "failed":
+        return f"failed: {run.message.partition(': ')[2] or run.message.split(' at ')[0]}"
+    return run.status
+
+
+def outcomes(count: int, seed: int) -> Counter[str]:
+    """How so many random scenes end."""
+    rng = np.random.default_rng(seed)
+    counted: Counter[str] = Counter()
+    for number in range(count):
+        changes = random_changes(rng)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            try:
+                counted[outcome(changes)] += 1
+            except Exception as error:
+                raise AssertionError(f"scene {number} of seed {seed}: {changes}") from error
+        if sys.stderr.isatty() and number % 100 == 0:
+            print(f"\r{number} of {count}", end="", file=sys.stderr)
+    return counted
+
+
+if __name__ == "__main__":
+    began = time.perf_counter()
+    for ended, times in outcomes(int(sys.argv[1]), 20_250).most_common():
+        print(f"{times:8d}  {ended}")
+    print(f"{time.perf_counter() - began:8.0f}  s")
