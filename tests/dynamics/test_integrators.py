@@ -533,3 +533,33 @@ def test_a_scene_that_leaves_all_open_can_be_bound_and_integrated():
         rtol=1e-9, atol=1e-16,
     )  # fmt: skip
     np.testing.assert_allclose(ours.states[:, :3], theirs.y[:3].T, atol=1e-11)
+
+
+# --- nothing a scene does not need ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", COMPILED)
+def test_a_bead_on_the_axis_stays_there(method):
+    """To the last bit."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        start={"frame": "focus", "position": [0, 0, -1e-6]},
+        simulation={"model": "full" if method == "exponential" else "overdamped",
+                    "method": method, "duration": "1 ms", "samples": 11},
+    )  # fmt: skip
+    run = tweezer.simulate(scene)
+    assert not run["position"][:, :2].any()
+    assert "orientation" not in run
+
+
+def test_a_bead_beside_the_light_takes_long_steps():
+    """It only sinks: once the initial layer has passed, a handful for 10 ms."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        start={"frame": "focus", "position": [12e-6, 0, 0]},
+        simulation={"model": "full", "method": "exponential", "duration": "10 ms"},
+    )
+    run = tweezer.simulate(scene)
+    assert not run["optical_force"].any()
+    assert run.attrs["steps"] < 20
+    bead = tweezer.bead_properties(scene)
+    sunk = bead.weight[2] / bead.drag * (10e-3 - bead.relaxation_time)
+    assert float(run["position"][-1, 2]) == pytest.approx(sunk, rel=1e-9)
