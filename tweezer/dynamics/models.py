@@ -193,10 +193,10 @@ class EquationsOfMotion:
 
         Of a model without one, or when it has passed: as it is.
         """
-        passed = piece.begin > _LAYER * self.bead.relaxation_time
-        if passed or not hasattr(self.module, "initial_layer"):
+        if not hasattr(self.module, "initial_layer"):
             return piece
-        return _Released(piece, self)
+        passed = piece.begin > _LAYER * self.bead.relaxation_time
+        return piece if passed else _Released(piece, self)
 
     def _part(self, states: Array, first: str, length: int) -> Array:
         at = self.module.STATE.index(first)

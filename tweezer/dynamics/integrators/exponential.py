@@ -91,8 +91,10 @@ def _phi(z, out):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def _moved(s, part, tau, v, u0, u1, u2, phi):  # type: ignore[no-untyped-def]
-    """Displacement and velocity a time s into a step of which that is the part s/h."""
-    _phi(-s / tau, phi)
+    """Displacement and velocity a time s into a step of which that is the part s/h.
+
+    phi: of -s/tau.
+    """
     u1, u2 = part * u1, part * part * u2
     per_tau = s / tau
     displacement = s * phi[1] * v + s * per_tau * (phi[2] * u0 + phi[3] * u1 + phi[4] * u2)
@@ -273,6 +275,8 @@ def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
     """Positions, angles turned and velocities a time s into a step."""
     many = tau.size
     for i in range(many):
+        if i == 0 or tau[i] != tau[i - 1]:
+            _phi(-s / tau[i], phi)
         moved, velocity = _moved(s, part, tau[i], y[many + i], u0[i], u1[i], u2[i], phi)
         out[i] = y[i] + moved
         out[many + i] = velocity
@@ -280,8 +284,10 @@ def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def _weight_of_last_stage(step, tau, phi):  # type: ignore[no-untyped-def]
-    """Of u at the last stage: in the displacement, and in what the velocity still brings."""
-    _phi(-step / tau, phi)
+    """Of u at the last stage: in the displacement, and in what the velocity still brings.
+
+    phi: of -step/tau.
+    """
     of_displacement = step * step / tau * abs(4.0 * phi[4] - phi[3])
     return of_displacement + step * abs(4.0 * phi[3] - phi[2])
 
@@ -291,6 +297,8 @@ def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
     """Of the positions, over the tolerances: what the force at the end makes of the last stage."""
     squared = 0.0
     for i in range(3):
+        if i == 0 or tau[i] != tau[i - 1]:
+            _phi(-step / tau[i], phi)
         off = _weight_of_last_stage(step, tau[i], phi) * (u[4, i] - u[3, i])
         scale = control.absolute[i] + control.relative * max(abs(y[i]), abs(new[i]))
         squared += (off / scale) ** 2
@@ -308,9 +316,11 @@ def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
     for i in range(3):
         k = 3 + i
         for node in range(2):
+            _phi(-_GAUSS[node] * s / tau[k], phi)
             _, w[node, i] = _moved(
                 _GAUSS[node] * s, _GAUSS[node], tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi
             )
+        _phi(-s / tau[k], phi)
         angle[i], _ = _moved(s, 1.0, tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi)
     by = math.sqrt(3.0) / 12.0 * s * s
     second = np.empty(3)
@@ -336,6 +346,7 @@ def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
     bound = math.sqrt(second[0] ** 2 + second[1] ** 2 + second[2] ** 2) * size
     if whole:
         for i in range(3, 6):
+            _phi(-s / tau[i], phi)
             bound += _weight_of_last_stage(s, tau[i], phi) * abs(u[4, i] - u[3, i])
     return bound
 
