@@ -434,6 +434,16 @@ def test_a_force_that_is_not_finite_fails_and_keeps_what_was_reached(method, fix
     assert np.abs(result.states[-1, :3]).max() > 5e-8
 
 
+def test_fixed_steps_that_are_too_long_fail():
+    """An explicit method at 20 relaxation times grows until its dense output overflows."""
+    scene = scene_with("dop853", step=1.2e-6, velocity=(1e-5, 2e-5, 3e-5))
+    result = integrate(in_trap(bind(scene), 1e-5), np.linspace(0, 1e-4, 501))
+    assert result.status == "failed"
+    assert "not finite" in result.message
+    assert 2 < len(result.times) < 501
+    assert np.isfinite(result.states).all()
+
+
 @pytest.mark.parametrize("method", [*COMPILED, "scipy:RK45"])
 def test_a_run_gives_up_when_its_work_is_spent(method):
     scene = tweezer.load_scene("thesis-990nm").replace(

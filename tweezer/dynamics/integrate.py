@@ -140,11 +140,11 @@ def integrate(
                 lengths.append(piece.step_lengths(end))
                 last = int(np.searchsorted(times, end, side="right"))
                 if last > reached:
-                    sampled.append(piece.states(times[reached:last]))
+                    sampled.append(_finite(piece.states(times[reached:last])))
                     reached = last
                 if status != "complete" and times[reached - 1] < end:
+                    sampled.append(_finite(piece.states(np.array([end]))))
                     times = np.append(times[:reached], end)
-                    sampled.append(piece.states(np.array([end])))
                     reached += 1
                 if progress:
                     progress(end)
@@ -169,6 +169,13 @@ def integrate(
         sorted(happened, key=lambda event: event.time),
         step_lengths,
     )
+
+
+def _finite(states: Array) -> Array:
+    """`states`; a step may end at numbers so large that those within it overflow."""
+    if not np.isfinite(states).all():
+        raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
+    return states
 
 
 def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:
