@@ -139,13 +139,20 @@ def integrate(
                         status, message = event.ends_as, _ended(event, end)
                 lengths.append(piece.step_lengths(end))
                 last = int(np.searchsorted(times, end, side="right"))
-                if last > reached:
-                    sampled.append(_finite(piece.states(times[reached:last])))
-                    reached = last
-                if status != "complete" and times[reached - 1] < end:
-                    sampled.append(_finite(piece.states(np.array([end]))))
-                    times = np.append(times[:reached], end)
-                    reached += 1
+                wanted = times[reached:last]
+                latest = wanted[-1] if wanted.size else times[reached - 1]
+                if status != "complete" and latest < end:
+                    wanted = np.append(wanted, end)
+                    times = np.append(times[:last], end)
+                if wanted.size:
+                    states = piece.states(wanted)
+                    # a step may end at numbers so large that those within it overflow
+                    sound = np.isfinite(states).all(axis=1)
+                    kept = len(wanted) if sound.all() else int(sound.argmin())
+                    sampled.append(states[:kept])
+                    reached += kept
+                    if kept < len(wanted):
+                        raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
                 if progress:
                     progress(end)
             if why in _FAILURES and status == "complete":
@@ -169,13 +176,6 @@ def integrate(
         sorted(happened, key=lambda event: event.time),
         step_lengths,
     )
-
-
-def _finite(states: Array) -> Array:
-    """`states`; a step may end at numbers so large that those within it overflow."""
-    if not np.isfinite(states).all():
-        raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
-    return states
 
 
 def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:
