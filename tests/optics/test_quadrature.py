@@ -324,6 +324,7 @@ RINGED = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:beam.profile_intensity. points so uneven")
 @pytest.mark.parametrize("polarisation", ["circular", "linear"])
 def test_light_too_uneven_for_the_tolerance_ends_and_is_told(polarisation):
     """A thin ring of light takes more nodes than there are."""
