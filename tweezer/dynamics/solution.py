@@ -68,7 +68,6 @@ class Solver:
         tightened: float = 1.0,
     ) -> None:
         simulation = equations.scene.simulation
-        self.method = method
         self._equations = equations
         state = equations.module.STATE
         gradient = "force_gradient" in equations.module.RHS_INPUTS

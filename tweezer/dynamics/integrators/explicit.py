@@ -10,27 +10,21 @@ import functools
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import int64, njit, typeof, types
+from numba import njit, typeof, types
 
 from tweezer.dynamics.integrators.system import (
-    COLLAPSED,
     DIGEST,
-    EXHAUSTED,
-    FULL,
+    GOING_ON,
     NOT_FINITE,
-    RATES,
-    REACHED,
     Array,
-    Control,
-    Records,
     all_finite,
     by_tolerance,
-    has_collapsed,
-    kernel_signature,
     next_step,
     put_on_constraints,
     rate_of_change,
     scratch,
+    signature,
+    step_to_try,
 )
 
 #: a step may grow by this factor
@@ -93,23 +87,10 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 counts[2] += 1
         rejected = False
         while True:
-            time, step = clock[0], clock[1]
-            left = control.end - time
-            last = False
-            if control.prescribed.size > 0 and left > 0.0:
-                step = control.prescribed[counts[0]]
-                last = counts[0] == control.prescribed.size - 1
-            if left <= 0.0:
-                return written, REACHED
-            if written == records.begin.size:
-                return written, FULL
-            last |= step >= left * (1.0 - 1e-12)
-            if last:
-                step = left
-            if has_collapsed(step, time):
-                return written, COLLAPSED
-            if counts[2] > control.most_calls:
-                return written, EXHAUSTED
+            time = clock[0]
+            step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
+            if why != GOING_ON:
+                return written, why
             for stage in range(1, stages):
                 _combined(y, step, k, tableau.a[stage], stage, inner)
                 rate_of_change(kernel, beyond, rates, system, at, inner, k[stage])
@@ -124,10 +105,7 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             if error > 1.0:
                 rejected = True
                 counts[1] += 1
-                if error == np.inf:
-                    clock[1] = 0.1 * step
-                else:
-                    clock[1] = next_step(step, error, clock[2], tableau.estimate, _GROWTH, rejected)
+                clock[1] = next_step(step, error, clock[2], tableau.estimate, _GROWTH, rejected)
                 continue
             for extra in range(len(tableau.extra)):
                 stage = stages + 1 + extra
@@ -158,19 +136,8 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 rate_of_change(kernel, beyond, rates, system, at, y, k[0])
                 counts[2] += 1
 
-    signature = types.Tuple((int64, int64))(
-        types.FunctionType(kernel_signature(source)),
-        types.FunctionType(kernel_signature(beyond)),
-        types.FunctionType(RATES),
-        system,
-        _TABLEAU,
-        _CONTROL,
-        types.float64[::1],
-        types.float64[::1],
-        types.int64[::1],
-        _RECORDS,
-    )
-    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+    typed = signature(source, beyond, system, _TABLEAU)
+    return njit(typed, cache=True, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -248,5 +215,3 @@ def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-
 
 _vector, _matrix = np.zeros(0), np.zeros((0, 0))
 _TABLEAU = typeof(Tableau(0, 0, _matrix, _vector, _vector, _vector, _matrix, _matrix))
-_CONTROL = typeof(Control(0.0, _vector, 0.0, _vector, 0.0, 0, 0, 0))
-_RECORDS = typeof(Records(_vector, _vector, _matrix, np.zeros((0, 0, 0))))

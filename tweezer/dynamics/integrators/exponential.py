@@ -31,26 +31,20 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import int64, njit, typeof, types
+from numba import njit, typeof, types
 
 from tweezer.dynamics.integrators.system import (
-    COLLAPSED,
     DIGEST,
-    EXHAUSTED,
-    FULL,
+    GOING_ON,
     NOT_FINITE,
-    RATES,
-    REACHED,
     Array,
-    Control,
-    Records,
     all_finite,
     by_tolerance,
-    has_collapsed,
-    kernel_signature,
     next_step,
     rate_of_change,
     scratch,
+    signature,
+    step_to_try,
 )
 
 #: a step may grow by this factor, and by this one for so many tau of the initial layer
@@ -132,23 +126,10 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 clock[1] = min(clock[1], control.fixed)
         rejected = False
         while True:
-            time, step = clock[0], clock[1]
-            left = control.end - time
-            last = False
-            if control.prescribed.size > 0 and left > 0.0:
-                step = control.prescribed[counts[0]]
-                last = counts[0] == control.prescribed.size - 1
-            if left <= 0.0:
-                return written, REACHED
-            if written == records.begin.size:
-                return written, FULL
-            last |= step >= left * (1.0 - 1e-12)
-            if last:
-                step = left
-            if has_collapsed(step, time):
-                return written, COLLAPSED
-            if counts[2] > control.most_calls:
-                return written, EXHAUSTED
+            time = clock[0]
+            step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
+            if why != GOING_ON:
+                return written, why
             _weights(step, tau, phi, weights)
             for number in range(1, 5):
                 _stage(number, weights, y, u, stage)
@@ -177,10 +158,7 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             if error > 1.0:
                 rejected = True
                 counts[1] += 1
-                if error == np.inf:
-                    clock[1] = 0.1 * step
-                else:
-                    clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
+                clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
                 continue
             records.begin[written] = time
             records.length[written] = step
@@ -203,19 +181,8 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             for i in range(many):
                 u[0, i] = u[4, i]
 
-    signature = types.Tuple((int64, int64))(
-        types.FunctionType(kernel_signature(source)),
-        types.FunctionType(kernel_signature(beyond)),
-        types.FunctionType(RATES),
-        system,
-        _RELAXATION,
-        _CONTROL,
-        types.float64[::1],
-        types.float64[::1],
-        types.int64[::1],
-        _RECORDS,
-    )
-    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+    typed = signature(source, beyond, system, _RELAXATION)
+    return njit(typed, cache=True, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -371,7 +338,5 @@ def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-unt
             _turn(s, tau, state[step], u, phi, out[at], False)
 
 
-_vector, _matrix = np.zeros(0), np.zeros((0, 0))
+_vector = np.zeros(0)
 _RELAXATION = typeof(Relaxation(_vector, _vector, 0))
-_CONTROL = typeof(Control(0.0, _vector, 0.0, _vector, 0.0, 0, 0, 0))
-_RECORDS = typeof(Records(_vector, _vector, _matrix, np.zeros((0, 0, 0))))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, types
+from numba import njit, typeof, types
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 #: another file (see `tweezer.optics.kernels`)
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
-# how a call of a loop ended
-REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED = range(5)
+# how a call of a loop ended; or that it has not
+REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
 
 #: a step may shrink and grow by these factors, and is aimed at this part of the tolerance
 _SHRINK, _SAFETY = 0.2, 0.9
@@ -180,12 +180,46 @@ def put_on_constraints(y, orientation, euler_rates):  # type: ignore[no-untyped-
 
 
 @njit(error_model="numpy")
+def by_tolerance(control):  # type: ignore[no-untyped-def]
+    """Whether steps are by the tolerances."""
+    return control.fixed == 0.0 and control.prescribed.size == 0
+
+
+@njit(error_model="numpy")
+def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
+    """The next step, whether it is the last one, and why there is none or `GOING_ON`.
+
+    clock, counts: as `explicit.loop` has them. room: for how many records there is.
+    """
+    time, step = clock[0], clock[1]
+    left = control.end - time
+    if left <= 0.0:
+        return step, False, REACHED
+    if room == 0:
+        return step, False, FULL
+    last = False
+    if control.prescribed.size > 0:
+        step = control.prescribed[counts[0]]
+        last = counts[0] == control.prescribed.size - 1
+    last |= step >= left * (1.0 - 1e-12)
+    if last:
+        step = left
+    if not time + step > time:  # lost in the rounding of the time
+        return step, last, COLLAPSED
+    if counts[2] > control.most_calls:
+        return step, last, EXHAUSTED
+    return step, last, GOING_ON
+
+
+@njit(error_model="numpy")
 def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-untyped-def]
     """The step after one of that error, in tolerances: PI control.
 
     before: the error of the last accepted step. order: power of the step that the error goes by.
     Gustafsson, ACM Trans. Math. Softw. 17:533 (1991), with the exponents of Hairer and Wanner.
     """
+    if error == np.inf:
+        return 0.1 * step
     if error > 1.0:
         return step * max(_SHRINK, _SAFETY * error ** (-1.0 / order))
     error = max(error, 1e-10)
@@ -193,13 +227,19 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
     return step * min(max(factor, _SHRINK), 1.0 if rejected else growth)
 
 
-@njit(error_model="numpy")
-def by_tolerance(control):  # type: ignore[no-untyped-def]
-    """Whether steps are by the tolerances."""
-    return control.fixed == 0.0 and control.prescribed.size == 0
-
-
-@njit(error_model="numpy")
-def has_collapsed(step, time):  # type: ignore[no-untyped-def]
-    """Whether a step is lost in the rounding of the time."""
-    return not time + step > time
+def signature(
+    source: types.Type, beyond: types.Type, system: types.Type, method: types.Type
+) -> Any:
+    """Of a loop, for one kind of light; method: the type of what the loop's method is given by."""
+    return types.Tuple((types.int64, types.int64))(
+        types.FunctionType(kernel_signature(source)),
+        types.FunctionType(kernel_signature(beyond)),
+        types.FunctionType(RATES),
+        system,
+        method,
+        typeof(Control(0.0, np.zeros(0), 0.0, np.zeros(0), 0.0, 0, 0, 0)),
+        _vector,
+        _vector,
+        types.int64[::1],
+        typeof(Records(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0, 0)))),
+    )
