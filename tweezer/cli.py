@@ -41,6 +41,13 @@ bench = typer.Typer(
     rich_markup_mode=None,
 )
 app.add_typer(bench, name="bench")
+SceneName = Annotated[str, typer.Argument(help="Shipped scene or TOML file.")]
+Changes = Annotated[
+    list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
+]
+JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
+FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
+
 _out = Console()
 _err = Console(stderr=True)
 
@@ -77,7 +84,7 @@ def scenes() -> None:
 
 @app.command()
 def run(
-    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    scene: SceneName,
     duration: Annotated[
         str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
     ] = None,
@@ -91,9 +98,7 @@ def run(
         str | None,
         typer.Option(help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on."),
     ] = None,
-    set: Annotated[
-        list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
-    ] = None,
+    set: Changes = None,
     out: Annotated[
         Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
     ] = None,
@@ -126,12 +131,10 @@ def run(
 
 @app.command()
 def trap(
-    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
-    set: Annotated[
-        list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+    scene: SceneName,
+    set: Changes = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
 ) -> None:
     """Characterise the trap of SCENE: equilibrium, stiffness, escape, range, efficiencies."""
     described = _described(scene, _settings(set or []))
@@ -156,7 +159,7 @@ def trap(
 
 @app.command()
 def tune(
-    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    scene: SceneName,
     factor: Annotated[
         list[float] | None, typer.Option(help="A scaling factor a2; from epsilon to 1 if none.")
     ] = None,
@@ -167,11 +170,9 @@ def tune(
         str, typer.Option(help="Deviation from the unscaled bead that is allowed.")
     ] = "10 nm",
     method: Annotated[str, typer.Option(help="Method of the scaled runs.")] = "dormand-prince",
-    set: Annotated[
-        list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+    set: Changes = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
 ) -> None:
     """Scaled against unscaled response of SCENE for a list of a2: the thesis's search."""
     described = _described(scene, _settings(set or [], duration=duration))
@@ -208,7 +209,7 @@ def tune(
 
 @app.command("map")
 def force_map(
-    scene: Annotated[str, typer.Argument(help="Shipped scene or TOML file.")],
+    scene: SceneName,
     set: Annotated[
         list[str] | None,
         typer.Option(help='Change the scene: --set "optics.table_tolerance=1e-8".'),
@@ -225,8 +226,8 @@ def force_map(
 
 @bench.command("force")
 def bench_force(
-    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Few places and settings, to see that it runs.")
     ] = False,
@@ -256,8 +257,8 @@ def bench_integrate(
     quick: Annotated[
         bool, typer.Option("--quick", help="Two motions and few settings: to try it.")
     ] = False,
-    out: Annotated[Path | None, typer.Option(help="JSON file to write.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")] = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
 ) -> None:
     """Error against time of the integration: ours, SciPy's, heyoka, the thesis's scaling."""
     benchmark, report = _benchmark("integrate"), _benchmark("integrate_report")
