@@ -88,6 +88,12 @@ def lower(function: Function) -> Block:
     if unknown:
         names = ", ".join(sorted(str(symbol) for symbol in unknown))
         raise ValueError(f"{function.name}: no argument supplies {names}")
+    taken = {str(symbol) for symbol in used}
+    for name, output in zip(function.output_names, outputs, strict=False):
+        if name in taken and str(output) != name:
+            raise ValueError(
+                f"{function.name}: the output {name} would overwrite what it is made of"
+            )
     inputs = tuple(
         (quantity.name, element)
         for argument in function.arguments

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import sympy as sp
 
 from derivation import euler_parameters as ep
+from derivation import langevin as lv
 from derivation import multiscale as ms
 from derivation import ray
 from derivation import rigid_body as rb
@@ -537,6 +539,65 @@ def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> t
     )
 
 
+def _langevin() -> Module:
+    step, tau, kappa = (
+        Argument(each.name, (each,)) for each in (sy.STEP, sy.RELAXATION, sy.TRAP_RATE)
+    )
+
+    def functions(
+        prefix: str,
+        arguments: tuple[Argument, ...],
+        quantities: tuple[Quantity, ...],
+        short: Mapping[sp.Symbol, sp.Expr],
+        doubled: Mapping[sp.Symbol, sp.Expr],
+        reduced: tuple[tuple[Quantity, sp.Expr], ...],
+    ) -> tuple[Function, Function]:
+        names = tuple(each.name for each in quantities)
+        block = Argument("block", quantities, (len(quantities),))
+        return (
+            Function(
+                f"{prefix}_of_a_short_step",
+                "Taylor's series: complete to rounding where h/tau and |kappa| h <= 1/64, and\n"
+                "|kappa| h^2/tau <= 1/4096.",
+                arguments,
+                sp.Matrix([short[each.symbol] for each in quantities]),
+                reduced,
+                names,
+            ),
+            Function(
+                f"{prefix}_of_twice_the_step",
+                "From those of h those of 2 h.",
+                (*arguments, block),
+                sp.Matrix([doubled[each.symbol] for each in quantities]),
+                (),
+                tuple(f"{name}_twice" for name in names),
+            ),
+        )
+
+    inertial = (sy.DISPLACEMENT, sy.FIRST_INTEGRAL, sy.SECOND_INTEGRAL, sy.COVARIANCE_X,
+                sy.COVARIANCE_V)  # fmt: skip
+    return Module(
+        "langevin",
+        "Drag, spring and thermal noise (2.13-2.20) of one coordinate over a step, exactly.",
+        "dx = v dt, dv = ((u - v)/tau - (kappa/tau) x) dt + sqrt(2 (kT/m)/tau) dW; without\n"
+        "inertia dx = (u - kappa x) dt + sqrt(2 D) dW. d is the displacement by a unit of\n"
+        "velocity, without inertia by a unit of u; j its integral, and l that of j.",
+        (),
+        (),
+        (
+            *functions(
+                "inertial", (step, tau, kappa), inertial, lv.SHORT, lv.DOUBLED,
+                ((sy.STEP_IN_TAU, lv.h / lv.tau), (sy.STEP_IN_SWINGS, lv.kappa * lv.h**2 / lv.tau)),
+            ),
+            *functions(
+                "overdamped", (step, kappa), inertial[:2], lv.SHORT_WITHOUT_INERTIA,
+                lv.DOUBLED_WITHOUT_INERTIA, ((sy.STEP_IN_TRAP, lv.kappa * lv.h),),
+            ),
+        ),
+        ("langevin.py",),
+    )  # fmt: skip
+
+
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`."""
     return (
@@ -545,5 +606,6 @@ def catalogue() -> tuple[Module, ...]:
         *_overdamped_models(),
         *_first_order_models(),
         _kinematics(),
+        _langevin(),
         _ray(),
     )

@@ -103,6 +103,20 @@ WEIGHT = _vector(
     "W1 W2 W3", "N", "gravity and buoyancy, one constant force,", "2.11-2.12", INERTIAL
 )
 TIME = _quantity("t", "s", "time since release", "4.8")
+VISCOSITY = _quantity("mu_m", "Pa s", "viscosity of the medium", "2.13", positive=True)
+
+# --- a step with drag and noise ------------------------------------------------------------------
+STEP = _quantity("h", "s", "step", "-", positive=True)
+RELAXATION = _quantity("tau", "s", "relaxation time m/beta_v, epsilon of", "4.6", positive=True)
+TRAP_RATE = _quantity("kappa", "1/s", "stiffness over drag, k/beta_v", "-")
+DISPLACEMENT = _quantity("d", "s", "displacement by a unit of velocity", "-")
+FIRST_INTEGRAL = _quantity("j", "s^2", "integral of d over the step", "-")
+SECOND_INTEGRAL = _quantity("l", "s^3", "integral of j over the step", "-")
+COVARIANCE_X = _quantity("c_xx", "s^2", "variance of the position over kT/m", "2.19")
+COVARIANCE_V = _quantity("c_vv", "1", "variance of the velocity over kT/m", "2.19")
+STEP_IN_TAU = _quantity("p", "1", "h/tau", "-")
+STEP_IN_SWINGS = _quantity("q", "1", "kappa h^2/tau", "-")
+STEP_IN_TRAP = _quantity("g", "1", "kappa h", "-")
 
 # --- one ray -----------------------------------------------------------------------------------
 SINE_SQUARED = _quantity(

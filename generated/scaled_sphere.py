@@ -35,7 +35,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "17799775d729c60a4e6217357c56b40a947a81c7d534992959481cec28b2e88d"
+SOURCE_DIGEST = "cc8749bd5eab78d66c7b7a71ce80f543c0ed578446b344bf28871f77bc5df1bf"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3", "v1", "v2", "v3", "omega1", "omega2", "omega3")
 PARAMS = ("m", "I", "beta_v", "beta_w", "a2", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

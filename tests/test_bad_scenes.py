@@ -232,8 +232,33 @@ BAD_SCENES = {
         {"bead.moments_of_inertia": "[1e-28, 1e-28, 2.1e-28]"},
         "no body has a moment larger than the sum of the other two",
     ),
-    "thermal motion": ({"forces.brownian": "true"},
-                       "forces.brownian = True: thermal motion is not available yet; allowed: fal"),
+    "thermal motion by a method without": (
+        {"forces.brownian": "true", "simulation.method": '"dop853"'},
+        "simulation.method = 'dop853': draws no thermal motion; allowed with forces.brownian: auto",
+    ),
+    "a stochastic method without thermal motion": (
+        {"simulation.method": '"heun"'}, "simulation.method = 'heun': is for forces.brownian = tr"),
+    "thermal torque alone": ({"forces.brownian_torque": "true"},
+                             "forces.brownian_torque = True: needs forces.brownian = true"),
+    "start drawn without thermal motion": (
+        {"start.drawn": '"boltzmann"'}, "start.drawn = 'boltzmann': is for forces.brownian = true"),
+    "ball without a radius": ({"start.drawn": '"ball"', "forces.brownian": "true"},
+                              "start.ball_radius: goes with drawn = 'ball', and with nothing else"),
+    "thermal first order with rotation": (
+        {"forces.brownian": "true", "forces.brownian_torque": "true",
+         "simulation.model": '"first-order"'},
+        "simulation.model = 'first-order': with thermal motion by heun alone, and without rotation",
+    ),
+    "baoab without inertia": (
+        {"forces.brownian": "true", "simulation.model": '"overdamped"',
+         "simulation.method": '"baoab"'},
+        "simulation.method = 'baoab': needs inertia, not model = 'overdamped'",
+    ),
+    "thermal rotation of a body": (
+        {"forces.brownian": "true", "forces.brownian_torque": "true",
+         "bead.moments_of_inertia": "[1e-28, 1e-28, 1e-28]"},
+        "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a sphere",
+    ),
     # profiles of the beam
     "unknown profile": ({"beam.profile": '"gauss"'},
                         "beam.profile = 'gauss': allowed: 'gaussian', 'uniform', 'donut' or"),

@@ -65,7 +65,11 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
         "profile_intensity": ("profile", ("table",)),
         "jones": ("polarisation", ("linear",)),
     },
+    "start": {"ball_radius": ("drawn", ("ball",))},
 }
+
+#: methods of thermal motion
+STOCHASTIC = ("heun", "one-call", "harmonic", "euler-maruyama", "baoab")
 
 #: m, from and to: also the ranges of half a diameter and half a waist
 BEAD_RADIUS = (1e-9, 1e-3)
@@ -310,6 +314,13 @@ class Start(Section):
         "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
     )
     position: Vector = Field(description="centre of the bead, z along the light")
+    drawn: Literal["no", "ball", "boltzmann"] = Field(
+        "no",
+        description="no: where `position` says, as `velocity` says; with thermal motion also ball: "
+        "uniformly within `ball_radius` of `position`; boltzmann: about the stable equilibrium, "
+        "as in a harmonic trap of its stiffness, velocities thermal",
+    )
+    ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
     orientation: Orientation = Field(
         (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
@@ -317,6 +328,12 @@ class Start(Section):
     angular_velocity: AngularVelocity = Field(
         (0.0, 0.0, 0.0), description="angular velocity, body frame"
     )
+
+    @model_validator(mode="after")
+    def _some_ball(self) -> Self:
+        if (self.drawn == "ball") != (self.ball_radius is not None):
+            raise _refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
+        return self
 
     @model_validator(mode="after")
     def _some_orientation(self) -> Self:
@@ -333,16 +350,13 @@ class Forces(Section):
     optical: StrictBool = Field(True, description="the light (3.26)")
     gravity: StrictBool = Field(True, description="gravity (2.11)")
     buoyancy: StrictBool = Field(True, description="buoyancy (2.12)")
-    brownian: StrictBool = Field(False, description="thermal motion (2.16-2.20)")
+    brownian: StrictBool = Field(False, description="thermal motion (2.16, 2.18-2.20)")
+    brownian_torque: StrictBool = Field(
+        False, description="thermal rotation as well (2.17): the orientation is followed"
+    )
     gravitational_acceleration: Acceleration = Field(
         9.80665, description="g, against the light; negative for light that shines downwards"
     )
-
-    @model_validator(mode="after")
-    def _no_noise_yet(self) -> Self:
-        if self.brownian:
-            raise _refusal("brownian = True: thermal motion is not available yet; allowed: false")
-        return self
 
 
 class Optics(Section):
@@ -384,13 +398,19 @@ class Simulation(Section):
     method: Literal[
         "auto", "dormand-prince", "dop853", "exponential",
         "scipy:RK45", "scipy:DOP853", "scipy:Radau", "scipy:BDF", "scipy:LSODA",
+        "heun", "one-call", "harmonic", "euler-maruyama", "baoab",
     ] = Field(
         "auto",
         description="auto: by stiffness and tolerance; dormand-prince: the thesis's ode45; "
-        "exponential: takes the drag exactly; scipy:...: a solver of scipy.integrate",
+        "exponential: takes the drag exactly; scipy:...: a solver of scipy.integrate. With "
+        "thermal motion heun (auto): exponential Heun; one-call: one force a step, for "
+        "distributions; harmonic: the exact motion in the trap's spring; euler-maruyama and "
+        "baoab: for comparison",
     )  # fmt: skip
     step: PositiveTime | None = Field(
-        None, description="fixed steps of a compiled method, instead of steps by the tolerances"
+        None,
+        description="fixed steps of a compiled method, instead of steps by the tolerances; with "
+        "thermal motion the longest step, instead of one by the scene's time scales",
     )
     relative_tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
         1e-7, description="relative tolerance of a step"
@@ -453,6 +473,7 @@ class Scene(Section):
             self._wider_than_a_square()
         if self.optics.evaluator == "map" and self.beam.polarisation == "linear":
             raise _refusal(NO_MAP)
+        self._thermal()
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise _refusal("start.frame = 'lens': needs lens.focal_length")
         x, y, z = self.start_position
@@ -468,6 +489,35 @@ class Scene(Section):
                 f"{self.simulation.loss_distance:.3g} m"
             )
         return self
+
+    def _thermal(self) -> None:
+        """Refuse what does not go with thermal motion, or not without."""
+        method, model = self.simulation.method, self.simulation.model
+        if not self.forces.brownian:
+            if method in STOCHASTIC:
+                raise _refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
+            if self.start.drawn != "no":
+                raise _refusal(f"start.drawn = {self.start.drawn!r}: is for forces.brownian = true")
+            if self.forces.brownian_torque:
+                raise _refusal("forces.brownian_torque = True: needs forces.brownian = true")
+            return
+        if method not in ("auto", *STOCHASTIC):
+            raise _refusal(
+                f"simulation.method = {method!r}: draws no thermal motion; allowed with "
+                f"forces.brownian: auto, {', '.join(STOCHASTIC)}"
+            )
+        if model == "first-order" and (self.rotates or method not in ("auto", "heun")):
+            raise _refusal(
+                "simulation.model = 'first-order': with thermal motion by heun alone, and without "
+                "rotation"
+            )
+        if method == "baoab" and model == "overdamped":
+            raise _refusal("simulation.method = 'baoab': needs inertia, not model = 'overdamped'")
+        if self.rotates and self.bead.moments_of_inertia and model != "overdamped":
+            raise _refusal(
+                "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
+                "sphere; allowed: model = 'overdamped', or no moments"
+            )
 
     def _wider_than_a_square(self) -> None:
         """Refuse a beam that the grid of rays would not see."""
@@ -497,7 +547,8 @@ class Scene(Section):
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
         turned_by_light = self.beam.torque == "thesis" and self.lit
-        return turned_by_light or any(self.start.angular_velocity)
+        turned = turned_by_light or any(self.start.angular_velocity)
+        return turned or self.forces.brownian_torque
 
     @property
     def lit(self) -> bool:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+import math
 import time
 import warnings
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from tweezer.analysis.derived import derived_quantities
 from tweezer.dynamics import (
     Event,
+    Motion,
     bind,
     chosen,
     closest_approach,
@@ -21,12 +25,16 @@ from tweezer.dynamics import (
     integrate,
     lens_touched,
     loss,
+    walk,
 )
-from tweezer.errors import PhysicsWarning, SceneError
-from tweezer.optics import ray_optics_caveat
+from tweezer.errors import IntegrationError, PhysicsWarning, SceneError
+from tweezer.optics import light, ray_optics_caveat
 from tweezer.scene import Scene
 
 AXES = ["x", "y", "z"]
+
+#: steps of thermal motion between two looks at the clock and the keyboard
+_STEPS_AT_ONCE = 100_000
 
 
 def simulate(
@@ -36,15 +44,17 @@ def simulate(
     model: str | None = None,
     method: str | None = None,
     tolerance: float | None = None,
+    seed: int | None = None,
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Release the bead of `scene` and follow it for `duration` (s, or text such as "20 ms").
 
     duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
-    scene's absolute tolerances change in the same ratio. events: to look for besides the first
-    closest approach, the loss of the bead and its contact with the lens (`tweezer.capture`,
-    `tweezer.Event`). progress: called with the time reached.
+    scene's absolute tolerances change in the same ratio. seed: of the thermal motion; 0 if not
+    given. events: to look for besides the first closest approach, the loss of the bead and its
+    contact with the lens (`tweezer.capture`, `tweezer.Event`). progress: called with the time
+    reached.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
@@ -55,9 +65,21 @@ def simulate(
     "interrupted" or "failed"; a run that ended early holds what it reached, and a failed one also
     warns (`PhysicsWarning`).
 
-    Raises `SceneError` for arguments that do not make a valid scene, and events that are none.
+    With thermal motion the run is trajectory 0 of the ensemble of that seed, by fixed steps: there
+    are no tolerances, events or error budget of the integration (NaN), and models without inertia
+    have no velocity.
+
+    Raises `SceneError` for arguments that do not make a valid scene, events that are none, and
+    events or a tolerance with thermal motion, or a seed without.
     """
     scene = _adjusted(scene, duration, model, method, tolerance)
+    if scene.forces.brownian:
+        for name, given in (("events", events), ("tolerance", tolerance)):
+            if given:
+                raise SceneError(f"{name}: not with forces.brownian = true")
+        return _thermal_run(scene, 0 if seed is None else seed, progress)
+    if seed is not None:
+        raise SceneError("seed: is for forces.brownian = true")
     scene, why = chosen(scene)
     simulation = scene.simulation
     began = time.perf_counter()
@@ -73,37 +95,13 @@ def simulate(
     result = integrate(equations, times, looked_for, progress)
     wall_time = time.perf_counter() - began
     motion = equations.motion(result.times, result.states)
-    run = xr.Dataset(
-        {
-            "position": (("time", "axis"), motion.position,
-                         _about("m", "position of the bead's centre from the focus")),
-            "velocity": (("time", "axis"), motion.velocity, _about("m/s", "velocity")),
-        },
-        coords={
-            "time": ("time", result.times, _about("s", "time since release")),
-            "axis": ("axis", AXES, {"long_name": "axis, z along the light"}),
-        },
-    )  # fmt: skip
-    if motion.orientation is not None:
-        run["orientation"] = (("time", "euler_parameter"), motion.orientation,
-                              _about("1", "Euler parameters"))  # fmt: skip
-        run["angular_velocity"] = (("time", "body_axis"), motion.angular_velocity,
-                                   _about("rad/s", "angular velocity, body frame"))  # fmt: skip
-        run = run.assign_coords(
-            euler_parameter=["e0", "e1", "e2", "e3"], body_axis=["P1", "P2", "P3"]
-        )
-    run = run.merge(derived_quantities(scene, run))
+    run = _dataset(scene, result.times, motion)
     run.attrs = {
-        "title": scene.description or scene.name,
-        "scene": scene.model_dump_json(exclude_none=True),
-        "model": simulation.model,
+        **_about_the_run(scene, equations.light.evaluator, why),
         "emitted_module": equations.name,
         "method": result.method,
-        "force_evaluator": equations.light.evaluator,
-        "ray_optics_caveat": ray_optics_caveat(scene) or "",
         "status": result.status,
         "message": result.message,
-        "chosen": why,
         "events": json.dumps(
             [
                 {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
@@ -115,14 +113,99 @@ def simulate(
         "force_calls": result.force_calls,
         "wall_time": wall_time,
         **error_budget(equations, result, motion.position),
+    }
+    if result.status == "failed":
+        warnings.warn(f"{scene.name}: {result.message}", PhysicsWarning, stacklevel=2)
+    return run
+
+
+def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | None) -> xr.Dataset:
+    """Trajectory 0 of the ensemble of that seed."""
+    began = time.perf_counter()
+    bound = walk(scene, seed)
+    scene, samples = bound.scene, len(bound.times)
+    trajectory = np.zeros(1, np.int64)
+    state = bound.start(trajectory)
+    columns = np.empty((1, samples, len(bound.columns)))
+    columns[:, 0] = state[:, :-1]
+    reached, status, message = 1, "complete", ""
+    at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
+    try:
+        while reached < samples and np.isinf(state[0, -1]):
+            last = min(reached + at_once, samples)
+            bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
+            reached = last
+            if progress:
+                progress(float(bound.times[reached - 1]))
+    except KeyboardInterrupt:
+        status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
+    except IntegrationError as error:
+        status, message = "failed", str(error)
+    if np.isfinite(lost := state[0, -1]):
+        status, message = "lost", f"the bead left the trap at {lost:.6g} s"
+        reached = int(np.isfinite(columns[0, :reached, 0]).sum())
+    wall_time = time.perf_counter() - began
+    run = _dataset(scene, bound.times[:reached], bound.motion(columns[0, :reached]))
+    run.attrs = {
+        **_about_the_run(scene, light(scene).evaluator, bound.why),
+        "emitted_module": "langevin",
+        "method": scene.simulation.method,
+        "seed": seed,
+        "step": bound.step,
+        "status": status,
+        "message": message,
+        "events": "[]",
+        "steps": (reached - 1) * bound.per_sample,
+        "rejected_steps": 0,
+        "force_calls": (reached - 1) * bound.per_sample * bound.force_calls,
+        "wall_time": wall_time,
+        "integration_error": math.nan,
+        "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
+    }
+    if status == "failed":
+        warnings.warn(f"{scene.name}: {message}", PhysicsWarning, stacklevel=3)
+    return run
+
+
+def _dataset(scene: Scene, times: NDArray[np.float64], motion: Motion) -> xr.Dataset:
+    """Motion and derived quantities at `times`."""
+    run = xr.Dataset(
+        {
+            "position": (("time", "axis"), motion.position,
+                         _about("m", "position of the bead's centre from the focus")),
+        },
+        coords={
+            "time": ("time", times, _about("s", "time since release")),
+            "axis": ("axis", AXES, {"long_name": "axis, z along the light"}),
+        },
+    )  # fmt: skip
+    if motion.velocity is not None:
+        run["velocity"] = (("time", "axis"), motion.velocity, _about("m/s", "velocity"))
+    if motion.orientation is not None:
+        run["orientation"] = (("time", "euler_parameter"), motion.orientation,
+                              _about("1", "Euler parameters"))  # fmt: skip
+        run = run.assign_coords(euler_parameter=["e0", "e1", "e2", "e3"])
+    if motion.angular_velocity is not None:
+        run["angular_velocity"] = (("time", "body_axis"), motion.angular_velocity,
+                                   _about("rad/s", "angular velocity, body frame"))  # fmt: skip
+        run = run.assign_coords(body_axis=["P1", "P2", "P3"])
+    return run.merge(derived_quantities(scene, run))
+
+
+def _about_the_run(scene: Scene, evaluator: str, why: str) -> dict[str, Any]:
+    """The attributes that every run has alike."""
+    return {
+        "title": scene.description or scene.name,
+        "scene": scene.model_dump_json(exclude_none=True),
+        "model": scene.simulation.model,
+        "force_evaluator": evaluator,
+        "ray_optics_caveat": ray_optics_caveat(scene) or "",
+        "chosen": why,
         "tweezer_version": version("tweezer"),
         "numpy_version": version("numpy"),
         "scipy_version": version("scipy"),
         "numba_version": version("numba"),
     }
-    if result.status == "failed":
-        warnings.warn(f"{scene.name}: {result.message}", PhysicsWarning, stacklevel=2)
-    return run
 
 
 def _adjusted(

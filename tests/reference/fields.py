@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
+from tweezer.dynamics.brownian import propagator
 from tweezer.optics import Field
 
 NO_JONES = np.zeros(4)
@@ -41,6 +43,28 @@ def _spring(p, source, radius, n_mP, jones, force, moment, gradient, moment_grad
             for i in range(3):
                 for j in range(3):
                     gradient[at, i, j] = -source.stiffness if i == j else 0.0
+
+
+class Bowl(NamedTuple):
+    """Data of `_bowl`."""
+
+    stiffness: float
+    quartic: float
+
+
+@njit(cache=True)
+def _bowl(p, source, radius, n_mP, jones, force, moment, gradient, moment_gradient, error):
+    for at in range(len(p)):
+        error[at] = 0.0
+        moment[at] = 0.0
+        if len(gradient) > at:
+            gradient[at] = 0.0
+            moment_gradient[at] = 0.0
+        for i in range(3):
+            squared = p[at, i] ** 2
+            force[at, i] = -(source.stiffness + source.quartic * squared) * p[at, i]
+            if len(gradient) > at:
+                gradient[at, i, i] = -source.stiffness - 3.0 * source.quartic * squared
 
 
 @njit(cache=True)
@@ -109,6 +133,17 @@ class GaussianWell(_InPlaceOfLight):
         return _well, Well(float(self.stiffness), float(self.width))
 
 
+@dataclass(frozen=True)
+class QuarticTrap(_InPlaceOfLight):
+    """F_i = -k q_i - c q_i^3."""
+
+    stiffness: float
+    quartic: float
+
+    def compiled(self, *, gradient):
+        return _bowl, Bowl(float(self.stiffness), float(self.quartic))
+
+
 def in_field(equations, field):
     """`equations` bound again with a field in place of the light."""
     return type(equations)(equations.scene, equations.module, equations.bead, field)
@@ -117,3 +152,16 @@ def in_field(equations, field):
 def in_trap(equations, stiffness, moment=(0.0, 0.0, 0.0)):
     """`equations` bound again with a linear trap in place of the light."""
     return in_field(equations, LinearTrap(stiffness, moment))
+
+
+def walk_in(walk, field, kappa=0.0):
+    """`walk` with a field in place of the light, and a spring of that rate (1/s) taken exactly."""
+    weights = walk.weights
+    if walk.scene.simulation.method not in ("euler-maruyama", "one-call"):
+        tau = walk.plan.tau * ("vx" in walk.columns)
+        rates = np.where(np.arange(len(tau)) < 3, float(kappa), 0.0)
+        shaken = walk.plan.diffusion.copy()
+        if "vx" not in walk.columns:
+            shaken[3:] = 0.0
+        weights = propagator.exact(walk.step, tau, rates, shaken)
+    return dataclasses.replace(walk, light=field, weights=weights)

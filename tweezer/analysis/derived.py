@@ -11,7 +11,7 @@ from tweezer.scene import Scene
 
 
 def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
-    """Derived variables over the `time` of `run`, which holds position and velocity.
+    """Derived variables over the `time` of `run`, which holds position and perhaps velocity.
 
     * optical_force: force of the light (3.26), N
     * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
@@ -23,37 +23,42 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
     * kinetic_energy: of translation and, with a rotation, of rotation, J
     * potential_energy: of gravity and buoyancy, zero at the focus, J
     * total_energy: their sum, J. The force of the light has no potential.
+
+    Without a velocity there is no speed, Reynolds number, kinetic and total energy.
     """
     bead = bead_properties(scene)
     weight = xr.DataArray(np.array(bead.weight), dims="axis")
-    position, velocity = run["position"], run["velocity"]
+    position = run["position"]
     places = np.ascontiguousarray(position.values)
     bound = light(scene)
     field = bound.field(places)
     optical_force = position.copy(data=field.force)
     force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field))
     net_force = optical_force + weight
-    speed = _length(velocity)
-    kinetic = 0.5 * bead.mass * speed**2
-    if "angular_velocity" in run:
-        moments = xr.DataArray(np.array(bead.moments_of_inertia), dims="body_axis")
-        kinetic = kinetic + 0.5 * (moments * run["angular_velocity"] ** 2).sum("body_axis")
     potential = -(weight * position).sum("axis")
-    medium, r = scene.medium, scene.bead.radius
     quantities = {
         "optical_force": (optical_force, "N", "force of the light"),
         "force_error": (force_error, "N", "error of the force of the light"),
         "net_force": (net_force, "N", "net motion force, all forces but drag"),
-        "speed": (speed, "m/s", "speed"),
         "terminal_speed": (_length(net_force) / bead.drag, "m/s", "terminal speed"),
-        "reynolds_number": (
-            2 * medium.density * r / medium.viscosity * speed, "1", "Reynolds number",
-        ),
         "distance": (_length(position), "m", "distance to the focus"),
-        "kinetic_energy": (kinetic, "J", "kinetic energy"),
         "potential_energy": (potential, "J", "energy of gravity and buoyancy, zero at the focus"),
-        "total_energy": (kinetic + potential, "J", "kinetic and potential energy"),
-    }  # fmt: skip
+    }
+    if "velocity" in run:
+        speed = _length(run["velocity"])
+        kinetic = 0.5 * bead.mass * speed**2
+        if "angular_velocity" in run:
+            moments = xr.DataArray(np.array(bead.moments_of_inertia), dims="body_axis")
+            kinetic = kinetic + 0.5 * (moments * run["angular_velocity"] ** 2).sum("body_axis")
+        medium, r = scene.medium, scene.bead.radius
+        quantities |= {
+            "speed": (speed, "m/s", "speed"),
+            "reynolds_number": (
+                2 * medium.density * r / medium.viscosity * speed, "1", "Reynolds number",
+            ),
+            "kinetic_energy": (kinetic, "J", "kinetic energy"),
+            "total_energy": (kinetic + potential, "J", "kinetic and potential energy"),
+        }  # fmt: skip
     return xr.Dataset(
         {
             name: values.drop_attrs().assign_attrs(units=units, long_name=long_name)

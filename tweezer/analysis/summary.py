@@ -30,7 +30,8 @@ class Summary:
     """m: distance to the focus at the first closest approach (FCA); None if there is none"""
     closest_approach_time: float | None
     """s"""
-    largest_reynolds_number: float
+    largest_reynolds_number: float | None
+    """None for thermal motion without inertia"""
     end: tuple[float, float, float]
     """m from the focus"""
 
@@ -54,7 +55,9 @@ def summarise(run: xr.Dataset) -> Summary:
         overshoot=_overshoot(position),
         closest_approach=None if approach is None else float(distance[approach]),
         closest_approach_time=None if approach is None else float(times[approach]),
-        largest_reynolds_number=float(run["reynolds_number"].max()),
+        largest_reynolds_number=(
+            float(run["reynolds_number"].max()) if "reynolds_number" in run else None
+        ),
         end=tuple(float(coordinate) for coordinate in position[-1]),  # type: ignore[arg-type]
     )
 

@@ -3,43 +3,43 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 from scipy.integrate import quad
-from scipy.optimize import bisect, minimize_scalar
+from scipy.optimize import minimize_scalar
 
 from tweezer.bead import bead_properties
+from tweezer.equilibria import (
+    DIRECTIONS,
+    FOCUS,
+    REACH,
+    SPACING,
+    Component,
+    Equilibrium,
+    Force,
+    Point,
+    along,
+    end_of_pull,
+    equilibria,
+    line,
+    nearest_stable,
+    opposite,
+    point,
+)
 from tweezer.optics import cone, light, ray_optics_caveat, total_power
 from tweezer.optics.light import SPEED_OF_LIGHT
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
-Point = tuple[float, float, float]
-Tensor = tuple[Point, Point, Point]
-#: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
-Force = Callable[[Array], Array]
-Component = Callable[[Array], Array]
 
-#: how far lines are searched, in radii, and the distance of samples on them
-REACH, SPACING = 20.0, 0.02
-
-#: to how much a zero, an end of the pull and a maximum are located, in radii
-_ZERO, _END, _MAXIMUM = 1e-14, 1e-10, 1e-8
+#: to how much an end of the pull and a maximum are located, in radii
+_END, _MAXIMUM = 1e-10, 1e-8
 
 #: relative error asked of the work
 _WORK = 1e-7
-
-FOCUS: Point = (0.0, 0.0, 0.0)
-
-DIRECTIONS: dict[str, Point] = {
-    "+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0),
-    "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0),
-    "+z": (0.0, 0.0, 1.0), "-z": (0.0, 0.0, -1.0),
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -50,23 +50,6 @@ class Efficiency:
     """F c/(n_m P), P the power through the pupil"""
     at: float
     """where on that axis, m from the focus"""
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """A place on the beam's axis where light and weight cancel."""
-
-    position: Point
-    """m from the focus"""
-    stable: bool
-    """whether a bead beside it returns: every eigenvalue of dF_i/dx_j has a negative real part, and
-    0.02 radii off it along every axis the force pulls back"""
-    stiffness: Tensor
-    """k_ij = -dF_i/dx_j, N/m, the light's own derivative; not symmetric in general"""
-    eigenvalues: Point
-    """real parts of the eigenvalues of k, rising, N/m; over beta_v the rates of return (5.2)"""
-    residual: float
-    """size of the force left there, N"""
 
 
 @dataclass(frozen=True)
@@ -149,25 +132,24 @@ def characterise(scene: Scene) -> Trap:
     def net_force(points: Array) -> Array:
         return light_force(points) + weight
 
-    equilibria = tuple(_equilibria(scene, net_force))
-    stable = [place for place in equilibria if place.stable]
-    equilibrium = min(stable, key=lambda place: abs(place.position[2]), default=None)
+    places = tuple(equilibria(scene, net_force))
+    equilibrium = nearest_stable(places)
     corner_frequencies = None
     escapes: tuple[Escape, ...] = ()
     if equilibrium:
-        corner_frequencies = _point(np.diag(equilibrium.stiffness) / (2 * math.pi * bead.drag))
+        corner_frequencies = point(np.diag(equilibrium.stiffness) / (2 * math.pi * bead.drag))
         escapes = tuple(
             _escape(scene, net_force, equilibrium.position, name) for name in DIRECTIONS
         )
     power = cone(scene).power
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
-    lateral = [_efficiency(light_force, axis, _line(0.0, r), unit) for axis in ("+x", "+y")]
+    lateral = [_efficiency(light_force, axis, line(0.0, r), unit) for axis in ("+x", "+y")]
     return Trap(
         power_through_pupil=power,
         fraction_through_pupil=power / total_power(scene.lens, scene.beam) if scene.lit else None,
-        backward_efficiency=_efficiency(light_force, "+z", _line(-REACH, r), unit),
+        backward_efficiency=_efficiency(light_force, "+z", line(-REACH, r), unit),
         lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
-        equilibria=equilibria,
+        equilibria=places,
         equilibrium=equilibrium,
         corner_frequencies=corner_frequencies,
         escapes=escapes,
@@ -190,58 +172,15 @@ class _LightForce:
         return field.force
 
 
-def _line(start: float, radius: float) -> Array:
-    """Samples from `start` to `REACH`, both in radii; m."""
-    return radius * np.linspace(start, REACH, round((REACH - start) / SPACING) + 1)
-
-
-def _along(force: Force, origin: Point, direction: str) -> Component:
-    """Component along `direction` of the force, at distances (m) from `origin` along it."""
-    start, unit = np.array(origin), np.array(DIRECTIONS[direction])
-
-    def component(distances: Array) -> Array:
-        return force(start + np.multiply.outer(distances, unit)) @ unit
-
-    return component
-
-
-def _opposite(component: Component) -> Component:
-    return lambda distances: -component(distances)
-
-
-def _equilibria(scene: Scene, net_force: Force) -> Iterator[Equilibrium]:
-    """Every change of sign of the force along the axis."""
-    r = scene.bead.radius
-    axial = _along(net_force, FOCUS, "+z")
-    z = _line(-REACH, r)
-    sign = np.sign(axial(z))
-    z, sign = z[sign != 0], sign[sign != 0]
-    for i in np.flatnonzero(np.diff(sign)):
-        rising = sign[i + 1] > 0
-        zero = _end(_opposite(axial) if rising else axial, z[i], z[i + 1], _ZERO * r)
-        place = np.array([[0.0, 0.0, zero]])
-        gradient = light(scene).field(place, gradient=True).force_gradient[0]
-        eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
-        steps = SPACING * r * np.array(list(DIRECTIONS.values()))
-        pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
-        yield Equilibrium(
-            position=_point(place[0]),
-            stable=bool(eigenvalues[0] > 0 and pulled_back),
-            stiffness=tuple(_point(-row) for row in gradient),  # type: ignore[arg-type]
-            eigenvalues=_point(eigenvalues),
-            residual=float(np.linalg.norm(net_force(place))),
-        )
-
-
 def _escape(scene: Scene, net_force: Force, origin: Point, direction: str) -> Escape:
     r = scene.bead.radius
-    pull = _opposite(_along(net_force, origin, direction))
-    distances = _line(0.0, r)
+    pull = opposite(along(net_force, origin, direction))
+    distances = line(0.0, r)
     let_go = np.flatnonzero(pull(distances[1:]) <= 0)
     end = None
     if let_go.size:
         last = let_go[0]
-        end = _end(pull, distances[last], distances[last + 1], _END * r)
+        end = end_of_pull(pull, distances[last], distances[last + 1], _END * r)
         distances = np.append(distances[: last + 1], end)
     force, at = _maximum(pull, distances, _MAXIMUM * r)
     energy, energy_error, *_ = quad(
@@ -263,7 +202,7 @@ def _efficiency(
     light_force: Force, direction: str, coordinates: Array, unit: float
 ) -> Efficiency | None:
     """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
-    pull = _opposite(_along(light_force, FOCUS, direction))
+    pull = opposite(along(light_force, FOCUS, direction))
     tolerance = _MAXIMUM / SPACING * (coordinates[1] - coordinates[0])
     force, at = _maximum(pull, coordinates, tolerance)
     return Efficiency(force / unit, at) if force > 0 else None
@@ -281,16 +220,3 @@ def _maximum(component: Component, distances: Array, tolerance: float) -> tuple[
     )
     sampled = float(values[best]), float(distances[best])
     return max(sampled, (-float(refined.fun), float(refined.x)))
-
-
-def _end(pull: Component, start: float, stop: float, tolerance: float) -> float:
-    """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
-
-    def pulls(distance: float) -> float:
-        return 1.0 if distance == start or pull(np.array([distance]))[0] > 0 else -1.0
-
-    return float(bisect(pulls, start, stop, xtol=tolerance))
-
-
-def _point(values: Array) -> Point:
-    return tuple(float(value) for value in values)  # type: ignore[return-value]

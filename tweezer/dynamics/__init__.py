@@ -5,6 +5,7 @@ from tweezer.dynamics.choose import chosen
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
+from tweezer.dynamics.walk import Walk, walk
 
 __all__ = [
     "EquationsOfMotion",
@@ -12,6 +13,7 @@ __all__ = [
     "Integration",
     "Motion",
     "Occurrence",
+    "Walk",
     "bind",
     "capture",
     "chosen",
@@ -20,4 +22,5 @@ __all__ = [
     "integrate",
     "lens_touched",
     "loss",
+    "walk",
 ]

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.bead import bead_properties
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.optics import light
 from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
 
 #: places about the trap at which the stiffness is looked at, and how far from the focus, radii
 _PLACES, _AROUND = 64, 1.5
@@ -42,7 +45,7 @@ def chosen(scene: Scene) -> tuple[Scene, str]:
 
 def _model(scene: Scene) -> tuple[str, str]:
     bead, simulation = bead_properties(scene), scene.simulation
-    small = bead.relaxation_time * _fastest_rate(scene)
+    small = bead.relaxation_time * float(rates_of_force(scene).max())
     start = np.array([scene.start_position])
     slow = (light(scene).field(start).force[0] + np.array(bead.weight)) / bead.drag
     off = scene.bead.radius * small
@@ -76,13 +79,13 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
     return "scipy:LSODA", f"scipy:LSODA: stiff, {steps:.1g} steps for an explicit method"
 
 
-def _fastest_rate(scene: Scene) -> float:
-    """Largest |dF/dx|/beta_v at the start and about the trap, 1/s."""
+def rates_of_force(scene: Scene) -> Array:
+    """|dF/dx|/beta_v at places about the trap and at the start, (n,) 1/s."""
     rng = np.random.default_rng(7)
     directions = rng.normal(size=(_PLACES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
     places = np.vstack([directions * distances, scene.start_position])
     gradient = light(scene).field(places, gradient=True).force_gradient
-    largest = float(np.linalg.norm(gradient, ord=2, axis=(1, 2)).max())
-    return largest / bead_properties(scene).drag
+    sizes: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
+    return sizes / bead_properties(scene).drag

@@ -39,12 +39,12 @@ class Motion:
 
     position: Array
     """(n, 3) m from the focus"""
-    velocity: Array
-    """(n, 3) m/s"""
+    velocity: Array | None
+    """(n, 3) m/s; None for thermal motion without inertia, which has none"""
     orientation: Array | None
     """(n, 4) Euler parameters of length 1, or None for a scene without rotation"""
     angular_velocity: Array | None
-    """(n, 3) rad/s, body frame"""
+    """(n, 3) rad/s, body frame; None where the other two are"""
 
 
 @dataclass

@@ -112,9 +112,9 @@ class Solver:
         self._counts = np.zeros(3, np.int64)
         self._call = functools.partial(
             loop,
-            _pointer(kernel, integrators.kernel_signature(of_source)),
-            _pointer(kernel_beyond, integrators.kernel_signature(of_beyond)),
-            _pointer(equations.module.rates, integrators.RATES),
+            pointer(kernel, integrators.kernel_signature(of_source)),
+            pointer(kernel_beyond, integrators.kernel_signature(of_beyond)),
+            pointer(equations.module.rates, integrators.RATES),
             system,
             how,
             self.control,
@@ -183,7 +183,8 @@ class Solver:
 
 
 @functools.cache
-def _pointer(function: Any, signature: Any) -> Pointer:
+def pointer(function: Any, signature: Any) -> Pointer:
+    """A compiled function for a loop, made once."""
     return Pointer(function, signature)
 
 

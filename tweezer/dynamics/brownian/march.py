@@ -1,0 +1,181 @@
+"""The compiled loop over steps and samples, for every scheme and every kind of light.
+
+Beads go in batches: the numbers, the force and the step of a whole batch in turn. The light's
+kernel comes as a function pointer, called once a batch.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit, typeof, types
+from numpy.typing import NDArray
+
+from tweezer.dynamics.brownian import (
+    baoab,
+    batch,
+    euler,
+    first_order,
+    heun,
+    noise,
+    one_call,
+    rotation,
+)
+from tweezer.dynamics.brownian.batch import Plan
+from tweezer.dynamics.brownian.noise import NOISE, fill_normals
+from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.dynamics.integrators.system import kernel_signature
+
+Array = NDArray[np.float64]
+
+#: how beads are stepped
+HEUN, FIRST_ORDER, ONE_CALL, EULER, HARMONIC, BAOAB = range(6)
+#: beads side by side: what they need stays in the first cache
+_BATCH = 64
+
+#: of all that the loop calls in other files (see `tweezer.optics.kernels`)
+_CALLED = hashlib.sha256(
+    "".join(
+        module.DIGEST
+        for module in (baoab, batch, euler, first_order, heun, noise, one_call, rotation)
+    ).encode()
+).hexdigest()
+
+_empty = np.zeros(0)
+_PLAN = typeof(Plan(0, 0.0, 0, 0.0, *[_empty] * 5))
+_WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
+_integers = typeof(np.zeros(0, np.int64))
+_matrix, _tensor = types.float64[:, ::1], types.float64[:, :, :]
+
+
+@functools.cache
+def loop(
+    source: types.Type,
+    beyond: types.Type,
+    system: types.Type,
+    *,
+    scheme: int,
+    inertial: bool,
+    rotates: bool,
+) -> Any:
+    """The compiled loop for one scheme and one kind of light.
+
+    advance(kernel, beyond, system, plan, weights, trajectories, states, sample, out) takes
+    states (n, ...), as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
+    out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1.
+    """
+    called = _CALLED
+    dims = 6 if rotates else 3
+    gradient = scheme == FIRST_ORDER
+
+    def advance(  # type: ignore[no-untyped-def]
+        kernel, beyond, system, plan, weights, trajectories, states, sample, out
+    ):
+        _ = called
+        last = states.shape[1] - 1
+        for begin in range(0, states.shape[0], _BATCH):
+            n = min(_BATCH, states.shape[0] - begin)
+            who = trajectories[begin : begin + n]
+            beads = batch.beads(n, dims, inertial, gradient)
+            x, v, e = beads.x, beads.v, beads.e
+            for i in range(n):
+                _load(states[begin + i], x[i], v[i], e[i])
+            if scheme == BAOAB:
+                batch.slow_velocities(kernel, beyond, system, plan, beads, x, beads.u)
+            for number in range(out.shape[1]):
+                for within in range(plan.per_sample):
+                    at = (sample + number) * plan.per_sample + within
+                    fill_normals(plan.seed, who, at, NOISE, beads.normal)
+                    if scheme == HEUN:
+                        heun.step(kernel, beyond, system, plan, weights, beads)
+                    elif scheme == FIRST_ORDER:
+                        first_order.step(kernel, beyond, system, plan, weights, beads)
+                    elif scheme == ONE_CALL:
+                        one_call.step(kernel, beyond, system, plan, weights, beads)
+                    elif scheme == EULER:
+                        euler.step(kernel, beyond, system, plan, weights, beads)
+                    elif scheme == HARMONIC:
+                        euler.harmonic_step(plan, weights, beads)
+                    else:
+                        baoab.step(kernel, beyond, system, plan, beads)
+                    if rotates:
+                        rotation.turn_by_steps(beads)
+                        if not inertial:
+                            rotation.diffuse(plan, who, at, beads)
+                    for i in range(n):
+                        squared = x[i, 0] * x[i, 0] + x[i, 1] * x[i, 1] + x[i, 2] * x[i, 2]
+                        if not squared < plan.loss * plan.loss:
+                            if not math.isfinite(squared):
+                                return begin + i
+                            if states[begin + i, last] == np.inf:
+                                states[begin + i, last] = (at + 1) * plan.step
+                            _park(x[i], v[i])
+                for i in range(n):
+                    if states[begin + i, last] < np.inf:
+                        out[begin + i, number] = np.nan
+                    elif scheme == ONE_CALL:
+                        _save(beads.ahead[i], v[i], e[i], out[begin + i, number])
+                    else:
+                        _save(x[i], v[i], e[i], out[begin + i, number])
+            for i in range(n):
+                _save(x[i], v[i], e[i], states[begin + i])
+        return -1
+
+    # with types written out, numba looks at nothing when it is called
+    signature = types.int64(
+        types.FunctionType(kernel_signature(source)),
+        types.FunctionType(kernel_signature(beyond)),
+        system, _PLAN, _WEIGHTS, _integers, _matrix, types.int64, _tensor,
+    )  # fmt: skip
+    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+
+
+@njit(error_model="numpy")
+def _load(state, x, v, e):  # type: ignore[no-untyped-def]
+    """x, v, e of a state: place, velocity, orientation, angular velocity (inertial axes)."""
+    at = 0
+    for k in range(3):
+        x[k] = state[at]
+        at += 1
+    if v.size > 0:
+        for k in range(3):
+            v[k] = state[at]
+            at += 1
+    for k in range(e.size):
+        e[k] = state[at]
+        at += 1
+    for k in range(3, v.size):
+        v[k] = state[at]
+        at += 1
+
+
+@njit(error_model="numpy")
+def _save(x, v, e, out):  # type: ignore[no-untyped-def]
+    """The inverse of `_load`."""
+    at = 0
+    for k in range(3):
+        out[at] = x[k]
+        at += 1
+    if v.size > 0:
+        for k in range(3):
+            out[at] = v[k]
+            at += 1
+    for k in range(e.size):
+        out[at] = e[k]
+        at += 1
+    for k in range(3, v.size):
+        out[at] = v[k]
+        at += 1
+
+
+@njit(error_model="numpy")
+def _park(x, v):  # type: ignore[no-untyped-def]
+    """A lost bead is kept at the focus: its samples are no numbers."""
+    for k in range(x.size):
+        x[k] = 0.0
+    for k in range(v.size):
+        v[k] = 0.0

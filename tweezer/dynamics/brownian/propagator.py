@@ -1,0 +1,118 @@
+"""What a step of drag and thermal noise does to each coordinate, from the emitted block."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from generated import langevin
+
+Array = NDArray[np.float64]
+
+#: the longest step of the emitted series, in relaxation times and in 1/|kappa|
+_SHORT = 1 / 64
+
+
+class Weights(NamedTuple):
+    """A step of each coordinate, all (dims,), for a slow velocity u that rises by du over it.
+
+    x gains by_v v + by_u u + by_rise du + noise_x n, and v becomes
+    decay v + v_by_u u + v_by_rise du + noise_xv n + noise_v n', where u is the whole slow velocity
+    at x, spring and all, and du what is beyond the spring.
+    """
+
+    by_v: Array
+    """s"""
+    by_u: Array
+    """s"""
+    by_rise: Array
+    """s"""
+    decay: Array
+    v_by_u: Array
+    v_by_rise: Array
+    kappa: Array
+    """1/s, of the spring that is taken exactly"""
+    noise_x: Array
+    """m, or rad"""
+    noise_xv: Array
+    """m/s, or rad/s: the part of the velocity's noise that goes with the position's"""
+    noise_v: Array
+    """m/s, or rad/s"""
+
+
+def inertial_block(h: float, tau: float, kappa: float) -> Array:
+    """d, j, l, c_xx and c_vv of a step of any length: see `derivation.langevin`."""
+    halvings = _halvings(h / tau, abs(kappa) * h, math.sqrt(abs(kappa) / tau) * h)
+    h = math.ldexp(h, -halvings)
+    block = np.array(langevin.inertial_of_a_short_step(h, tau, kappa))
+    for _ in range(halvings):
+        block = np.array(langevin.inertial_of_twice_the_step(h, tau, kappa, block))
+        h *= 2
+    return block
+
+
+def overdamped_block(h: float, kappa: float) -> Array:
+    """d and j of a step of any length."""
+    halvings = _halvings(abs(kappa) * h)
+    h = math.ldexp(h, -halvings)
+    block = np.array(langevin.overdamped_of_a_short_step(h, kappa))
+    for _ in range(halvings):
+        block = np.array(langevin.overdamped_of_twice_the_step(h, kappa, block))
+        h *= 2
+    return block
+
+
+def _halvings(*sizes: float) -> int:
+    return max(0, math.ceil(math.log2(max(max(sizes) / _SHORT, 1.0))))
+
+
+def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
+    """The exact step; tau = 0 for a coordinate without inertia. All (dims,).
+
+    diffusion: kT/beta, m^2/s or rad^2/s; kT/m is that over tau.
+    """
+    columns = [
+        _inertial(h, *each) if each[0] > 0 else _overdamped(h, *each[1:])
+        for each in zip(tau.tolist(), kappa.tolist(), diffusion.tolist(), strict=True)
+    ]
+    return Weights(*np.array(columns, dtype=np.float64).T.copy())
+
+
+def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
+    d, j, l, c_xx, c_vv = inertial_block(h, tau, kappa).tolist()
+    size = math.sqrt(diffusion / tau)
+    c_xv = d * d / tau
+    return (
+        d, j / tau, l / (tau * h), 1 - d / tau - kappa * j / tau, d / tau, j / (tau * h), kappa,
+        size * math.sqrt(c_xx), size * c_xv / math.sqrt(c_xx),
+        size * math.sqrt(c_vv - c_xv * c_xv / c_xx),
+    )  # fmt: skip
+
+
+def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
+    d, j = overdamped_block(h, kappa).tolist()
+    spread = math.sqrt(diffusion * d * (2 - kappa * d))
+    return 0.0, d, j / h, 0.0, 0.0, 0.0, kappa, spread, 0.0, 0.0
+
+
+def euler_maruyama(h: float, tau: Array, diffusion: Array) -> Weights:
+    """The step of Euler and Maruyama, with the noise of (2.16-2.20): 2 beta kT over h."""
+    inertial = tau > 0
+    none = np.zeros_like(tau)
+    per_tau = np.divide(1.0, tau, out=none.copy(), where=inertial)
+    spread = np.sqrt(2 * diffusion * h)
+    return Weights(
+        by_v=np.where(inertial, h, 0.0),
+        by_u=np.where(inertial, 0.0, h),
+        by_rise=none,
+        decay=np.where(inertial, 1 - h * per_tau, 0.0),
+        v_by_u=h * per_tau,
+        v_by_rise=none,
+        kappa=none,
+        noise_x=np.where(inertial, 0.0, spread),
+        noise_xv=none,
+        noise_v=spread * per_tau,
+    )

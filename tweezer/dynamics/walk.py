@@ -1,0 +1,278 @@
+"""Brownian motion of a scene's bead: the scheme and its step, bound once, and beads taken along."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numba import typeof
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+
+from tweezer.bead import bead_properties
+from tweezer.dynamics.brownian import march, noise, propagator
+from tweezer.dynamics.brownian.batch import Plan
+from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.dynamics.brownian.rotation import LONGEST
+from tweezer.dynamics.choose import rates_of_force
+from tweezer.dynamics.integrators import System, kernel_signature
+from tweezer.dynamics.models import Motion
+from tweezer.dynamics.solution import pointer
+from tweezer.equilibria import Equilibrium, stable_equilibrium
+from tweezer.errors import IntegrationError, SceneError
+from tweezer.optics import Light, light
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: step over the fastest time scale of the force, and for methods that must resolve it, over tau
+_PART, _PART_OF_TAU = 0.2, 0.2
+#: part of the places about the trap where the force changes no faster than the scale it is taken as
+_MOST = 0.9
+#: steps a sample interval may take
+_MOST_PER_SAMPLE = 10**9
+
+_SCHEMES = {
+    "heun": march.HEUN,
+    "one-call": march.ONE_CALL,
+    "harmonic": march.HARMONIC,
+    "euler-maruyama": march.EULER,
+    "baoab": march.BAOAB,
+}
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Brownian motion of a scene's bead, bound: fixed steps, numbers drawn by counter."""
+
+    scene: Scene
+    """with its model and method decided"""
+    seed: int
+    why: str
+    """what chose model, method and step"""
+    step: float
+    """s"""
+    per_sample: int
+    """steps from one sample to the next"""
+    times: Array
+    """(samples,) s"""
+    columns: tuple[str, ...]
+    """of a sample: "x", "y", "z"; for models with inertia "vx", "vy", "vz"; for scenes with a
+    rotation "e0".."e3", and with inertia "wx", "wy", "wz", about the inertial axes"""
+    equilibrium: Equilibrium | None
+    """the stable one nearest the focus"""
+    light: Light
+    plan: Plan
+    weights: Weights
+
+    def start(self, trajectories: Integers) -> Array:
+        """States (n, len(columns) + 1) at times[0] of the trajectories of these numbers (n,).
+
+        The last entry is when a bead was lost, s: infinite for one that is not.
+        """
+        scene, plan = self.scene, self.plan
+        n, inertial, rotates = len(trajectories), "vx" in self.columns, "e0" in self.columns
+        x = np.tile(scene.start_position, (n, 1))
+        v, w = (np.tile(each, (n, 1)) for each in (scene.start.velocity, self._turning()))
+        if scene.start.drawn != "no":
+            drawn = np.empty((n, 9))
+            noise.normals(self.seed, trajectories, 0, noise.START, drawn)
+            if scene.start.drawn == "ball":
+                # the direction of five numbers, its first three: uniform in the unit ball
+                x += scene.start.ball_radius * (
+                    drawn[:, :3] / np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
+                )
+            elif self.equilibrium is not None:
+                x = plan.centre[:3] + drawn[:, :3] * np.sqrt(
+                    plan.diffusion[:3] / (plan.mobility[:3] * np.diag(self.equilibrium.stiffness))
+                )
+                if inertial:
+                    v = drawn[:, 3:6] * np.sqrt(plan.diffusion[:3] / plan.tau[:3])
+                if inertial and rotates:
+                    w = drawn[:, 6:9] * np.sqrt(plan.diffusion[3:] / plan.tau[3:])
+        parts = [x]
+        if inertial:
+            parts.append(v)
+        if rotates:
+            e = np.array(scene.start.orientation)
+            parts.append(np.tile(e / np.linalg.norm(e), (n, 1)))
+            if inertial:
+                parts.append(w)
+        return np.hstack([*parts, np.full((n, 1), np.inf)])
+
+    def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
+        """Take `states`, at times[sample], on to times[sample + out.shape[1]], in place.
+
+        out: (n, s, len(columns)), filled with the samples after `sample`: NaN once a bead is lost.
+        Other threads run meanwhile. The same bit for bit however trajectories are put together,
+        and times cut. Raises `IntegrationError` if a place is not finite.
+        """
+        arguments, advance = self._compiled
+        failed = advance(*arguments, trajectories, states, sample, out)
+        if failed >= 0:
+            raise IntegrationError(
+                f"trajectory {trajectories[failed]}: the force or the place is not finite after "
+                f"{self.times[sample]:.6g} s: the step of {self.step:.3g} s is too long"
+            )
+
+    @property
+    def force_calls(self) -> int:
+        """Places at which a step evaluates the light."""
+        return {"heun": 2, "harmonic": 0}.get(self.scene.simulation.method, 1)
+
+    def motion(self, samples: Array) -> Motion:
+        """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
+        at = {name: i for i, name in enumerate(self.columns)}
+        orientation = samples[:, at["e0"] : at["e0"] + 4] if "e0" in at else None
+        turning = None
+        if orientation is not None and "wx" in at:
+            w = samples[:, at["wx"] : at["wx"] + 3]
+            turning = np.einsum("nji,nj->ni", rotation_matrices(orientation), w)
+        velocity = samples[:, at["vx"] : at["vx"] + 3] if "vx" in at else None
+        return Motion(samples[:, :3], velocity, orientation, turning)
+
+    def _turning(self) -> Array:
+        """The scene's angular velocity, about the inertial axes."""
+        e = np.array(self.scene.start.orientation)
+        return rotation_matrices(e[None] / np.linalg.norm(e))[0] @ self.scene.start.angular_velocity
+
+    @functools.cached_property
+    def _compiled(self) -> tuple[tuple[Any, ...], Any]:
+        """The loop, and what it takes that stays."""
+        bound = self.light
+        scheme = _SCHEMES[self.scene.simulation.method]
+        if self.scene.simulation.model == "first-order":
+            scheme = march.FIRST_ORDER
+        gradient = scheme == march.FIRST_ORDER
+        kernel, source = bound.compiled(gradient=gradient)
+        beyond, source_beyond = bound.beyond.compiled(gradient=gradient)
+        system = System(
+            source, source_beyond, bound.radius, bound.index_ratio, bound.jones, np.zeros(0)
+        )
+        advance = march.loop(
+            typeof(source), typeof(source_beyond), typeof(system), scheme=scheme,
+            inertial="vx" in self.columns, rotates="e0" in self.columns,
+        )  # fmt: skip
+        pointers = (
+            pointer(kernel, kernel_signature(typeof(source))),
+            pointer(beyond, kernel_signature(typeof(source_beyond))),
+        )
+        return (*pointers, system, self.plan, self.weights), advance
+
+
+def walk(scene: Scene, seed: int = 0) -> Walk:
+    """Brownian motion of the bead of `scene`, with numbers of that seed.
+
+    A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
+    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a tenth of
+    the fastest time scale of the force, or `simulation.step` at most.
+
+    Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
+    or what the scene asks for needs a stable equilibrium and there is none.
+    """
+    if not scene.forces.brownian:
+        raise SceneError("forces.brownian = False: there is no thermal motion; allowed: true")
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
+    reasons = []
+    simulation = scene.simulation
+    if simulation.model is None:
+        scene = scene.replace(simulation={"model": "full"})
+        reasons.append("full: inertia is exact at any step")
+    if simulation.method == "auto":
+        scene = scene.replace(simulation={"method": "heun"})
+        reasons.append("heun: exact drag and noise, weak order 2")
+    simulation = scene.simulation
+    bead = bead_properties(scene)
+    inertial = simulation.model in ("full", "scaled")
+    dims = 6 if scene.rotates else 3
+    tau = np.zeros(dims)
+    drags = np.repeat([bead.drag, bead.rotational_drag], 3)[:dims]
+    if inertial:
+        inertias = np.repeat([bead.mass, bead.moments_of_inertia[0]], 3)[:dims]
+        tau = inertias / drags / (simulation.scaling_factor or 1.0)
+    equilibrium = stable_equilibrium(scene)
+    needs_one = simulation.method == "harmonic" or scene.start.drawn == "boltzmann"
+    if equilibrium is None and needs_one:
+        key = "start.drawn" if scene.start.drawn == "boltzmann" else "simulation.method"
+        value = "boltzmann" if scene.start.drawn == "boltzmann" else "harmonic"
+        raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
+    kappa, centre = np.zeros(dims), np.zeros(dims)
+    if equilibrium is not None:
+        kappa[:3] = np.diag(equilibrium.stiffness) / bead.drag
+        centre[:3] = equilibrium.position
+    diffusion = Boltzmann * scene.medium.temperature / drags
+    times = np.linspace(0.0, simulation.duration, simulation.samples)
+    interval = simulation.duration / (simulation.samples - 1)
+    longest, reason = _longest_step(scene, tau, kappa, diffusion)
+    per_sample = max(1, math.ceil(interval / longest * (1 - 1e-12)))
+    if per_sample > _MOST_PER_SAMPLE:
+        raise SceneError(
+            f"simulation.duration = {simulation.duration:g}: {per_sample:.2g} steps of "
+            f"{longest:.2g} s from sample to sample; allowed: {_MOST_PER_SAMPLE:.0g}"
+        )
+    step = interval / per_sample
+    reasons.append(f"steps of {step:.3g} s: {reason}")
+    taken_exactly = kappa
+    if simulation.model == "first-order":
+        taken_exactly = kappa * (1 + kappa * bead.relaxation_time)
+    shaken = diffusion.copy()
+    if not inertial:
+        shaken[3:] = 0.0  # rotational diffusion without inertia is drawn by itself
+    weights = (
+        propagator.euler_maruyama(step, tau, shaken)
+        if simulation.method == "euler-maruyama"
+        else propagator.exact(
+            step, tau, np.zeros(dims) if simulation.method == "one-call" else taken_exactly, shaken
+        )
+    )
+    if simulation.model == "first-order":
+        tau = np.full(dims, bead.relaxation_time)
+    load = np.zeros(dims)
+    load[:3] = bead.weight
+    loss = simulation.loss_distance
+    if scene.lens.focal_length is not None:
+        loss = min(loss, scene.lens.focal_length - scene.bead.radius)
+    plan = Plan(seed, step, per_sample, loss, tau, 1 / drags, load, diffusion, centre)
+    columns = ["x", "y", "z"]
+    if inertial:
+        columns += ["vx", "vy", "vz"]
+    if scene.rotates:
+        columns += ["e0", "e1", "e2", "e3"]
+    if scene.rotates and inertial:
+        columns += ["wx", "wy", "wz"]
+    return Walk(
+        scene, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), equilibrium,
+        light(scene), plan, weights,
+    )  # fmt: skip
+
+
+def _longest_step(scene: Scene, tau: Array, kappa: Array, diffusion: Array) -> tuple[float, str]:
+    """The longest step that suits the scene, s, and what it is by."""
+    simulation = scene.simulation
+    if simulation.step is not None:
+        return simulation.step, "simulation.step"
+    limits = [(math.inf, "from sample to sample")]
+    # not the largest: next to its surface at the focus a bead's force has an infinite derivative
+    rate = max(float(np.quantile(rates_of_force(scene), _MOST)), float(np.abs(kappa).max()))
+    if rate > 0 and simulation.method != "harmonic":
+        part = f"{_PART:g} of "
+        limits.append((_PART / rate, part + "the fastest time scale of the force"))
+        if 4 * tau[0] * rate > 1:  # more spring than drag
+            limits.append((_PART * math.sqrt(tau[0] / rate), part + "the time of a swing"))
+    if tau[0] > 0 and simulation.method in ("euler-maruyama", "baoab"):
+        limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
+    if len(tau) == 6:
+        limits.append((0.1 * LONGEST / diffusion[3], "a small turn"))
+    return min(limits)
+
+
+def rotation_matrices(e: Array) -> Array:
+    """R (A.2) of orientations (n, 4) of length 1, (n, 3, 3): body to inertial axes."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_quat(e, scalar_first=True).as_matrix()

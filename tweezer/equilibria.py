@@ -1,0 +1,123 @@
+"""Where light and weight cancel on the beam's axis, and whether they hold the bead there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import bisect
+
+from tweezer.bead import bead_properties
+from tweezer.optics import light
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+Point = tuple[float, float, float]
+Tensor = tuple[Point, Point, Point]
+#: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
+Force = Callable[[Array], Array]
+Component = Callable[[Array], Array]
+
+#: how far lines are searched, in radii, and the distance of samples on them
+REACH, SPACING = 20.0, 0.02
+
+#: to how much a zero is located, in radii
+_ZERO = 1e-14
+
+FOCUS: Point = (0.0, 0.0, 0.0)
+
+DIRECTIONS: dict[str, Point] = {
+    "+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0),
+    "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0),
+    "+z": (0.0, 0.0, 1.0), "-z": (0.0, 0.0, -1.0),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A place on the beam's axis where light and weight cancel."""
+
+    position: Point
+    """m from the focus"""
+    stable: bool
+    """whether a bead beside it returns: every eigenvalue of dF_i/dx_j has a negative real part, and
+    0.02 radii off it along every axis the force pulls back"""
+    stiffness: Tensor
+    """k_ij = -dF_i/dx_j, N/m, the light's own derivative; not symmetric in general"""
+    eigenvalues: Point
+    """real parts of the eigenvalues of k, rising, N/m; over beta_v the rates of return (5.2)"""
+    residual: float
+    """size of the force left there, N"""
+
+
+def stable_equilibrium(scene: Scene) -> Equilibrium | None:
+    """The stable equilibrium nearest the focus; None if there is none."""
+    bound, weight = light(scene), np.array(bead_properties(scene).weight)
+    every = equilibria(scene, lambda points: bound.field(points).force + weight)
+    return nearest_stable(every)
+
+
+def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
+    """The stable one nearest the focus."""
+    stable = (place for place in every if place.stable)
+    return min(stable, key=lambda place: abs(place.position[2]), default=None)
+
+
+def equilibria(scene: Scene, net_force: Force) -> Iterator[Equilibrium]:
+    """Every change of sign of the force (N, net, of points) along the axis, within 20 radii."""
+    r = scene.bead.radius
+    axial = along(net_force, FOCUS, "+z")
+    z = line(-REACH, r)
+    sign = np.sign(axial(z))
+    z, sign = z[sign != 0], sign[sign != 0]
+    for i in np.flatnonzero(np.diff(sign)):
+        rising = sign[i + 1] > 0
+        zero = end_of_pull(opposite(axial) if rising else axial, z[i], z[i + 1], _ZERO * r)
+        place = np.array([[0.0, 0.0, zero]])
+        gradient = light(scene).field(place, gradient=True).force_gradient[0]
+        eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
+        steps = SPACING * r * np.array(list(DIRECTIONS.values()))
+        pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+        yield Equilibrium(
+            position=point(place[0]),
+            stable=bool(eigenvalues[0] > 0 and pulled_back),
+            stiffness=tuple(point(-row) for row in gradient),  # type: ignore[arg-type]
+            eigenvalues=point(eigenvalues),
+            residual=float(np.linalg.norm(net_force(place))),
+        )
+
+
+def line(start: float, radius: float) -> Array:
+    """Samples from `start` to `REACH`, both in radii; m."""
+    return radius * np.linspace(start, REACH, round((REACH - start) / SPACING) + 1)
+
+
+def along(force: Force, origin: Point, direction: str) -> Component:
+    """Component along `direction` of the force, at distances (m) from `origin` along it."""
+    start, unit = np.array(origin), np.array(DIRECTIONS[direction])
+
+    def component(distances: Array) -> Array:
+        return force(start + np.multiply.outer(distances, unit)) @ unit
+
+    return component
+
+
+def opposite(component: Component) -> Component:
+    """Of the other sign."""
+    return lambda distances: -component(distances)
+
+
+def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
+    """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
+
+    def pulls(distance: float) -> float:
+        return 1.0 if distance == start or pull(np.array([distance]))[0] > 0 else -1.0
+
+    return float(bisect(pulls, start, stop, xtol=tolerance))
+
+
+def point(values: Array) -> Point:
+    """Three numbers as a tuple of Python's."""
+    return tuple(float(value) for value in values)  # type: ignore[return-value]
