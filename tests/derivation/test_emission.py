@@ -99,7 +99,7 @@ def test_check_from_the_command_line(tmp_path):
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "+    F1 = force[0]" in result.stdout
-    assert "1 of 18 modules differ" in result.stderr
+    assert "1 of 19 modules differ" in result.stderr
     rewritten = subprocess.run(command[:-1], cwd=tmp_path, capture_output=True, check=False)
     assert rewritten.returncode == 0
     assert stale.read_bytes() == (emission.GENERATED / stale.name).read_bytes()

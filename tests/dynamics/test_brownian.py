@@ -62,6 +62,13 @@ def followed(bound, n, first=0):
     return out
 
 
+def drawn_for(seed, trajectories, step, many, purpose=noise.NOISE):
+    """So many normal numbers of each trajectory, (n, many)."""
+    out = np.empty((many, len(trajectories)))
+    noise.normals(seed, trajectories, step, purpose, out)
+    return out.T
+
+
 # --- random numbers ------------------------------------------------------------------------------
 
 
@@ -77,8 +84,7 @@ def test_words_are_those_of_numpys_philox():
 
 def test_numbers_are_normal():
     """Kolmogorov-Smirnov, and the tails: each fails for one seed in a million."""
-    drawn = np.empty((200_000, 5))
-    noise.normals(5, np.arange(len(drawn)), 0, noise.NOISE, drawn)
+    drawn = drawn_for(5, np.arange(200_000), 0, 5)
     assert stats.kstest(drawn.ravel(), "norm").pvalue > 1e-6
     for edge in (3.0, 3.6541528853610088, 4.2):  # the last but one is where the ziggurat ends
         for beyond in ((drawn > edge).sum(), (drawn < -edge).sum()):
@@ -90,19 +96,16 @@ def test_numbers_are_normal():
 def test_numbers_of_other_columns_trajectories_steps_and_seeds_are_independent():
     """Correlations of 100,000 pairs: beyond 5/sqrt(100,000) for one seed in 1.7 million each."""
     n = 100_000
-    base, other = np.empty((n, 8)), np.empty((n, 8))
-    noise.normals(5, np.arange(n), 7, noise.NOISE, base)
+    base = drawn_for(5, np.arange(n), 7, 8)
     for seed, shift, step, purpose in ((6, 0, 7, 0), (5, 1, 7, 0), (5, 0, 8, 0), (5, 0, 7, 1)):
-        noise.normals(seed, np.arange(n) + shift, step, purpose, other)
+        other = drawn_for(seed, np.arange(n) + shift, step, 1, purpose)
         assert abs((base[:, 0] * other[:, 0]).mean()) < FAR / math.sqrt(n)
     correlation = np.corrcoef(base.T) - np.eye(8)
     assert np.abs(correlation).max() < FAR / math.sqrt(n)
 
 
 def test_a_number_does_not_depend_on_what_is_drawn_beside_it():
-    wide, narrow = np.empty((100, 12)), np.empty((1, 3))
-    noise.normals(9, np.arange(100), 4, noise.NOISE, wide)
-    noise.normals(9, np.array([42]), 4, noise.NOISE, narrow)
+    wide, narrow = drawn_for(9, np.arange(100), 4, 12), drawn_for(9, np.array([42]), 4, 3)
     assert np.array_equal(wide[42, :3], narrow[0])
 
 
@@ -200,8 +203,7 @@ def test_a_compiled_step_is_that_of_the_weights(model, method, field, sections):
     states = np.hstack([rng.normal(size=(70, dims)) * 1e-8, np.full((70, 1), np.inf)])
     if dims == 6:
         states[:, 3:6] *= 1e4
-    drawn = np.empty((70, dims))
-    noise.normals(one.seed, who, 0, noise.NOISE, drawn)
+    drawn = drawn_for(one.seed, who, 0, dims)
     w = one.weights
     x, v = states[:, :3], states[:, 3:6] if dims == 6 else np.zeros((70, 3))
     moved = x + w.by_v * v + w.noise_x * drawn[:, :3]
@@ -249,8 +251,7 @@ def test_free_bead_spreads_and_forgets_its_velocity(steps_per_tau):
     n = 20_000
     one = bound("full", "heun", TAU / steps_per_tau, samples=9)
     states = one.start(np.arange(n))
-    drawn = np.empty((n, 3))
-    noise.normals(77, np.arange(n), 0, noise.START, drawn)
+    drawn = drawn_for(77, np.arange(n), 0, 3, noise.START)
     states[:, 3:6] = drawn * math.sqrt(KT / BEAD.mass)
     first = states[:, 3:6].copy()
     out = np.empty((n, 8, 6))
@@ -280,8 +281,7 @@ def test_trapped_bead_spreads_as_it_should(model, per_sample, step):
     )  # fmt: skip
     tau = float(one.plan.tau[0]) if model in ("full", "scaled") else 0.0
     states = one.start(np.arange(n))
-    drawn = np.empty((n, 6))
-    noise.normals(5, np.arange(n), 0, noise.START, drawn)
+    drawn = drawn_for(5, np.arange(n), 0, 6, noise.START)
     states[:, :3] = drawn[:, :3] * math.sqrt(KT / STIFFNESS)
     if tau:
         states[:, 3:6] = drawn[:, 3:] * math.sqrt(DIFFUSION / tau)
@@ -396,7 +396,7 @@ def stepped(field, h, tau, x, v, normal):
     """One exponential Heun step of beads (n, 3) with that noise, the spring not exact."""
     weights = propagator.exact(h, np.full(3, tau), np.zeros(3), np.full(3, DIFFUSION))
     beads = batch.beads(len(x), 3, True, False)
-    beads.x[:], beads.v[:], beads.normal[:] = x, v, normal
+    beads.x[:], beads.v[:], beads.normal[:] = x.T, v.T, normal.T
     plan = walk(DARK.replace(simulation={"model": "full"})).plan
     plan = plan._replace(load=np.zeros(3), mobility=np.full(3, 1 / DRAG))
     kernel, source = field.compiled(gradient=False)
@@ -404,7 +404,7 @@ def stepped(field, h, tau, x, v, normal):
 
     system = System(source, source, 1.0, 1.0, np.zeros(4), np.zeros(0))
     heun.step(kernel, kernel, system, plan, weights, beads)
-    return beads.x.copy(), beads.v.copy()
+    return beads.x.T.copy(), beads.v.T.copy()
 
 
 def noise_of(weights, normal):
@@ -545,8 +545,7 @@ def test_jarzynskis_equality_for_a_dragged_trap():
     one = walk_in(bound("full", "harmonic", h), LinearTrap(STIFFNESS), 1 / TRAP)
     who = np.arange(n)
     states = np.hstack([np.zeros((n, 6)), np.full((n, 1), np.inf)])
-    drawn = np.empty((n, 6))
-    noise.normals(21, who, 0, noise.START, drawn)
+    drawn = drawn_for(21, who, 0, 6, noise.START)
     states[:, :3] = drawn[:, :3] * math.sqrt(KT / STIFFNESS)
     states[:, 3:6] = drawn[:, 3:] * math.sqrt(KT / BEAD.mass)
     work, out = np.zeros(n), np.empty((n, 1, 6))

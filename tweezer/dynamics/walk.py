@@ -79,8 +79,9 @@ class Walk:
         x = np.tile(scene.start_position, (n, 1))
         v, w = (np.tile(each, (n, 1)) for each in (scene.start.velocity, self._turning()))
         if scene.start.drawn != "no":
-            drawn = np.empty((n, 9))
-            noise.normals(self.seed, trajectories, 0, noise.START, drawn)
+            numbers = np.empty((9, n))
+            noise.normals(self.seed, trajectories, 0, noise.START, numbers)
+            drawn = numbers.T
             if scene.start.drawn == "ball":
                 # the direction of five numbers, its first three: uniform in the unit ball
                 x += scene.start.ball_radius * (
@@ -102,7 +103,7 @@ class Walk:
             parts.append(np.tile(e / np.linalg.norm(e), (n, 1)))
             if inertial:
                 parts.append(w)
-        return np.hstack([*parts, np.full((n, 1), np.inf)])
+        return np.ascontiguousarray(np.hstack([*parts, np.full((n, 1), np.inf)]))
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
         """Take `states`, at times[sample], on to times[sample + out.shape[1]], in place.

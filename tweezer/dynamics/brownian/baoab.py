@@ -20,19 +20,19 @@ DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 @njit(error_model="numpy")
 def step(kernel, beyond, system, plan, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; u is that at x, before and after."""
-    x, v, u, normal = beads.x, beads.v, beads.u, beads.normal
-    n, dims = x.shape
+    dims, n = beads.x.shape
     h = plan.step
     for k in range(dims):
-        kick = 0.5 * h / plan.tau[k]
-        decay = math.exp(-h / plan.tau[k])
-        spread = math.sqrt(-math.expm1(-2.0 * h / plan.tau[k]) * plan.diffusion[k] / plan.tau[k])
+        tau = plan.tau[k]
+        decay, kick = math.exp(-h / tau), 0.5 * h / tau
+        spread = math.sqrt(-math.expm1(-2.0 * h / tau) * plan.diffusion[k] / tau)
+        x, v, u, normal = beads.x[k], beads.v[k], beads.u[k], beads.normal[k]
         for i in range(n):
-            half = v[i, k] + kick * u[i, k]
-            turned = decay * half + spread * normal[i, k]
-            x[i, k] += 0.5 * h * (half + turned)
-            v[i, k] = turned
-    slow_velocities(kernel, beyond, system, plan, beads, x, u)
-    for i in range(n):
-        for k in range(dims):
-            v[i, k] += 0.5 * h / plan.tau[k] * u[i, k]
+            half = v[i] + kick * u[i]
+            v[i] = decay * half + spread * normal[i]
+            x[i] += 0.5 * h * (half + v[i])
+    slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
+    for k in range(dims):
+        kick, v, u = 0.5 * h / plan.tau[k], beads.v[k], beads.u[k]
+        for i in range(n):
+            v[i] += kick * u[i]

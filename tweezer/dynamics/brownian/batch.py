@@ -39,24 +39,25 @@ class Plan(NamedTuple):
 class Beads(NamedTuple):
     """n beads, and room to move them in. Coordinates are three, and with a rotation three angles.
 
-    The angles are those turned in a step, about the inertial axes; e says what came before.
+    The angles are those turned in a step, about the inertial axes; e says what came before. Beads
+    are along the last axis, so that a step is the same arithmetic on a row of numbers.
     """
 
     x: Array
-    """(n, dims) m, and rad"""
+    """(dims, n) m, and rad"""
     v: Array
-    """(n, dims); (n, 0) without inertia"""
+    """(dims, n); (0, n) without inertia"""
     e: Array
-    """(n, 4); (n, 0) without rotation"""
+    """(n, 4); (0, 4) without rotation"""
     u: Array
-    """(n, dims) slow velocities"""
+    """(dims, n) slow velocities"""
     ahead: Array
-    """(n, dims) where a step of lower order leads"""
+    """(dims, n) where a step of lower order leads"""
     u_ahead: Array
     kick: Array
-    """(n, dims) of the noise, where it depends on the place"""
+    """(dims, n) of the noise, where it depends on the place"""
     normal: Array
-    """(n, dims or twice that)"""
+    """(dims or twice that, n)"""
     position: Array
     force: Array
     moment: Array
@@ -70,9 +71,9 @@ def beads(n, dims, inertial, gradient):  # type: ignore[no-untyped-def]
     """Room for n beads."""
     gradients = n if gradient else 0
     return Beads(
-        np.zeros((n, dims)), np.zeros((n, dims if inertial else 0)),
-        np.zeros((n, 4 if dims == 6 else 0)), np.zeros((n, dims)), np.zeros((n, dims)),
-        np.zeros((n, dims)), np.zeros((n, dims)), np.zeros((n, 2 * dims if inertial else dims)),
+        np.zeros((dims, n)), np.zeros((dims if inertial else 0, n)),
+        np.zeros((n if dims == 6 else 0, 4)), np.zeros((dims, n)), np.zeros((dims, n)),
+        np.zeros((dims, n)), np.zeros((dims, n)), np.zeros((2 * dims if inertial else dims, n)),
         np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
         np.zeros((gradients, 3, 3)), np.zeros(n),
     )  # fmt: skip
@@ -80,12 +81,12 @@ def beads(n, dims, inertial, gradient):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def slow_velocities(kernel, beyond, system, plan, beads, place, out):  # type: ignore[no-untyped-def]
-    """u = (F + W)/beta_v, and M/beta_w, at `place` (n, dims)."""
+    """u = (F + W)/beta_v, and M/beta_w, at `place` (dims, n)."""
     position, error = beads.position, beads.error
-    n, dims = place.shape
-    for i in range(n):
-        for k in range(3):
-            position[i, k] = place[i, k]
+    dims, n = place.shape
+    for k in range(3):
+        for i in range(n):
+            position[i, k] = place[k, i]
     kernel(
         position, system.source, system.radius, system.n_mP, system.jones,
         beads.force, beads.moment, beads.force_gradient, beads.moment_gradient, error,
@@ -98,8 +99,25 @@ def slow_velocities(kernel, beyond, system, plan, beads, place, out):  # type: i
                 beads.force_gradient[i : i + 1], beads.moment_gradient[i : i + 1],
                 error[i : i + 1],
             )  # fmt: skip
-        for k in range(3):
-            out[i, k] = plan.mobility[k] * (beads.force[i, k] + plan.load[k])
-        if dims == 6:
-            for k in range(3):
-                out[i, 3 + k] = plan.mobility[3 + k] * beads.moment[i, k]
+    for k in range(3):
+        mobility, load = plan.mobility[k], plan.load[k]
+        for i in range(n):
+            out[k, i] = mobility * (beads.force[i, k] + load)
+    for k in range(3, dims):
+        for i in range(n):
+            out[k, i] = plan.mobility[k] * beads.moment[i, k - 3]
+
+
+@njit(error_model="numpy")
+def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
+    """What drag, u and noise make of the velocities, in place."""
+    dims, n = beads.x.shape
+    if beads.v.shape[0] == 0:
+        return
+    for k in range(dims):
+        decay, by_u = weights.decay[k], weights.v_by_u[k]
+        shared, own = weights.noise_xv[k], weights.noise_v[k]
+        v, u = beads.v[k], beads.u[k]
+        with_x, alone = beads.normal[k], beads.normal[dims + k]
+        for i in range(n):
+            v[i] = decay * v[i] + by_u * u[i] + shared * with_x[i] + own * alone[i]

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from numba import njit
 
-from tweezer.dynamics.brownian.batch import slow_velocities
+from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
 
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
@@ -28,23 +28,24 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
 @njit(error_model="numpy")
 def harmonic_step(plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads on the spring of the weights."""
-    x = beads.x
-    for i in range(x.shape[0]):
-        for k in range(x.shape[1]):
-            beads.u[i, k] = weights.kappa[k] * (plan.centre[k] - x[i, k])
+    dims, n = beads.x.shape
+    for k in range(dims):
+        kappa, centre, x, u = weights.kappa[k], plan.centre[k], beads.x[k], beads.u[k]
+        for i in range(n):
+            u[i] = kappa * (centre - x[i])
     _move(weights, beads)
 
 
 @njit(error_model="numpy")
 def _move(weights, beads):  # type: ignore[no-untyped-def]
-    x, v, u, normal = beads.x, beads.v, beads.u, beads.normal
-    n, dims = x.shape
-    for i in range(n):
-        for k in range(dims):
-            x[i, k] += weights.by_u[k] * u[i, k] + weights.noise_x[k] * normal[i, k]
-            if v.shape[1] > 0:
-                x[i, k] += weights.by_v[k] * v[i, k]
-                v[i, k] = (
-                    weights.decay[k] * v[i, k] + weights.v_by_u[k] * u[i, k]
-                    + weights.noise_xv[k] * normal[i, k] + weights.noise_v[k] * normal[i, dims + k]
-                )  # fmt: skip
+    dims, n = beads.x.shape
+    for k in range(dims):
+        by_u, spread = weights.by_u[k], weights.noise_x[k]
+        x, u, normal = beads.x[k], beads.u[k], beads.normal[k]
+        for i in range(n):
+            x[i] += by_u * u[i] + spread * normal[i]
+        if beads.v.shape[0] > 0:
+            by_v, v = weights.by_v[k], beads.v[k]
+            for i in range(n):
+                x[i] += by_v * v[i]
+    velocities_after(weights, beads)

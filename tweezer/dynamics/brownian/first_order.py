@@ -22,33 +22,34 @@ DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 @njit(error_model="numpy")
-def _reduced(part, gradient, i, vectors, out):  # type: ignore[no-untyped-def]
-    """out = (1 - part dF_i/dx_j) vectors, of bead i; out may be `vectors`."""
-    x, y, z = vectors[i, 0], vectors[i, 1], vectors[i, 2]
-    for k in range(3):
-        change = gradient[i, k, 0] * x + gradient[i, k, 1] * y + gradient[i, k, 2] * z
-        out[i, k] = vectors[i, k] - part * change
+def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
+    """out = (1 - part dF_i/dx_j) vectors, (3, n); out may be `vectors`."""
+    for i in range(vectors.shape[1]):
+        x, y, z = vectors[0, i], vectors[1, i], vectors[2, i]
+        for k in range(3):
+            change = gradient[i, k, 0] * x + gradient[i, k, 1] * y + gradient[i, k, 2] * z
+            out[k, i] = vectors[k, i] - part * change
 
 
 @njit(error_model="numpy")
 def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
-    x, u, ahead, normal, kick = beads.x, beads.u, beads.ahead, beads.normal, beads.kick
-    tau, mobility, gradient = plan.tau[0], plan.mobility[0], beads.force_gradient
-    n = x.shape[0]
-    slow_velocities(kernel, beyond, system, plan, beads, x, beads.u_ahead)
-    for i in range(n):
-        _reduced(tau * mobility, gradient, i, beads.u_ahead, u)
-        _reduced(0.5 * tau * mobility, gradient, i, normal, kick)
-        for k in range(3):
-            ahead[i, k] = x[i, k] + weights.by_u[k] * u[i, k] + weights.noise_x[k] * kick[i, k]
-    slow_velocities(kernel, beyond, system, plan, beads, ahead, beads.u_ahead)
-    for i in range(n):
-        _reduced(0.5 * tau * mobility, gradient, i, normal, kick)
-        _reduced(tau * mobility, gradient, i, beads.u_ahead, beads.u_ahead)
-        for k in range(3):
-            rise = beads.u_ahead[i, k] - u[i, k] + weights.kappa[k] * (ahead[i, k] - x[i, k])
-            x[i, k] += (
-                weights.by_u[k] * u[i, k] + weights.by_rise[k] * rise
-                + weights.noise_x[k] * kick[i, k]
+    x, u, ahead, u_ahead, kick = beads.x, beads.u, beads.ahead, beads.u_ahead, beads.kick
+    part, gradient = plan.tau[0] * plan.mobility[0], beads.force_gradient
+    n = x.shape[1]
+    slow_velocities(kernel, beyond, system, plan, beads, x, u)
+    _reduced(part, gradient, u, u)
+    _reduced(0.5 * part, gradient, beads.normal, kick)
+    for k in range(3):
+        for i in range(n):
+            ahead[k, i] = x[k, i] + weights.by_u[k] * u[k, i] + weights.noise_x[k] * kick[k, i]
+    slow_velocities(kernel, beyond, system, plan, beads, ahead, u_ahead)
+    _reduced(part, gradient, u_ahead, u_ahead)
+    _reduced(0.5 * part, gradient, beads.normal, kick)
+    for k in range(3):
+        for i in range(n):
+            rise = u_ahead[k, i] - u[k, i] + weights.kappa[k] * (ahead[k, i] - x[k, i])
+            x[k, i] += (
+                weights.by_u[k] * u[k, i] + weights.by_rise[k] * rise
+                + weights.noise_x[k] * kick[k, i]
             )  # fmt: skip

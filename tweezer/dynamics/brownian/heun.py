@@ -13,7 +13,7 @@ from pathlib import Path
 
 from numba import njit
 
-from tweezer.dynamics.brownian.batch import slow_velocities
+from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
 
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
@@ -21,24 +21,28 @@ DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 @njit(error_model="numpy")
 def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
-    x, v, u, ahead, normal = beads.x, beads.v, beads.u, beads.ahead, beads.normal
-    n, dims = x.shape
-    slow_velocities(kernel, beyond, system, plan, beads, x, u)
-    for i in range(n):
-        for k in range(dims):
-            ahead[i, k] = x[i, k] + weights.by_u[k] * u[i, k] + weights.noise_x[k] * normal[i, k]
-    if v.shape[1] > 0:
+    dims, n = beads.x.shape
+    inertial = beads.v.shape[0] > 0
+    slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
+    for k in range(dims):
+        by_u, spread = weights.by_u[k], weights.noise_x[k]
+        x, u, ahead, normal = beads.x[k], beads.u[k], beads.ahead[k], beads.normal[k]
         for i in range(n):
-            for k in range(dims):
-                ahead[i, k] += weights.by_v[k] * v[i, k]
-                v[i, k] = (
-                    weights.decay[k] * v[i, k] + weights.v_by_u[k] * u[i, k]
-                    + weights.noise_xv[k] * normal[i, k] + weights.noise_v[k] * normal[i, dims + k]
-                )  # fmt: skip
-    slow_velocities(kernel, beyond, system, plan, beads, ahead, beads.u_ahead)
-    for i in range(n):
-        for k in range(dims):
-            rise = beads.u_ahead[i, k] - u[i, k] + weights.kappa[k] * (ahead[i, k] - x[i, k])
-            x[i, k] = ahead[i, k] + weights.by_rise[k] * rise
-            if v.shape[1] > 0:
-                v[i, k] += weights.v_by_rise[k] * rise
+            ahead[i] = x[i] + by_u * u[i] + spread * normal[i]
+        if inertial:
+            by_v, v = weights.by_v[k], beads.v[k]
+            for i in range(n):
+                ahead[i] += by_v * v[i]
+    velocities_after(weights, beads)
+    slow_velocities(kernel, beyond, system, plan, beads, beads.ahead, beads.u_ahead)
+    for k in range(dims):
+        kappa, by_rise = weights.kappa[k], weights.by_rise[k]
+        x, u, ahead, u_ahead = beads.x[k], beads.u[k], beads.ahead[k], beads.u_ahead[k]
+        for i in range(n):
+            # of the force beyond the spring
+            u_ahead[i] += kappa * (ahead[i] - x[i]) - u[i]
+            x[i] = ahead[i] + by_rise * u_ahead[i]
+        if inertial:
+            v_by_rise, v = weights.v_by_rise[k], beads.v[k]
+            for i in range(n):
+                v[i] += v_by_rise * u_ahead[i]

@@ -81,9 +81,9 @@ def loop(
             n = min(_BATCH, states.shape[0] - begin)
             who = trajectories[begin : begin + n]
             beads = batch.beads(n, dims, inertial, gradient)
-            x, v, e = beads.x, beads.v, beads.e
+            x = beads.x
             for i in range(n):
-                _load(states[begin + i], x[i], v[i], e[i])
+                _load(states[begin + i], beads, i)
             if scheme == BAOAB:
                 batch.slow_velocities(kernel, beyond, system, plan, beads, x, beads.u)
             for number in range(out.shape[1]):
@@ -107,22 +107,22 @@ def loop(
                         if not inertial:
                             rotation.diffuse(plan, who, at, beads)
                     for i in range(n):
-                        squared = x[i, 0] * x[i, 0] + x[i, 1] * x[i, 1] + x[i, 2] * x[i, 2]
+                        squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
                         if not squared < plan.loss * plan.loss:
                             if not math.isfinite(squared):
                                 return begin + i
                             if states[begin + i, last] == np.inf:
                                 states[begin + i, last] = (at + 1) * plan.step
-                            _park(x[i], v[i])
+                            _park(beads, i)
                 for i in range(n):
                     if states[begin + i, last] < np.inf:
                         out[begin + i, number] = np.nan
                     elif scheme == ONE_CALL:
-                        _save(beads.ahead[i], v[i], e[i], out[begin + i, number])
+                        _save(beads, beads.ahead, i, out[begin + i, number])
                     else:
-                        _save(x[i], v[i], e[i], out[begin + i, number])
+                        _save(beads, x, i, out[begin + i, number])
             for i in range(n):
-                _save(x[i], v[i], e[i], states[begin + i])
+                _save(beads, x, i, states[begin + i])
         return -1
 
     # with types written out, numba looks at nothing when it is called
@@ -135,47 +135,49 @@ def loop(
 
 
 @njit(error_model="numpy")
-def _load(state, x, v, e):  # type: ignore[no-untyped-def]
-    """x, v, e of a state: place, velocity, orientation, angular velocity (inertial axes)."""
-    at = 0
+def _load(state, beads, i):  # type: ignore[no-untyped-def]
+    """Bead i from a state: place, velocity, orientation, angular velocity (inertial axes)."""
+    x, v, e = beads.x, beads.v, beads.e
+    inertial, rotates = v.shape[0] > 0, e.shape[0] > 0
+    at = 3
     for k in range(3):
-        x[k] = state[at]
-        at += 1
-    if v.size > 0:
+        x[k, i] = state[k]
+        if inertial:
+            v[k, i] = state[3 + k]
+    if inertial:
+        at += 3
+    if rotates:
+        for k in range(4):
+            e[i, k] = state[at + k]
+    if rotates and inertial:
         for k in range(3):
-            v[k] = state[at]
-            at += 1
-    for k in range(e.size):
-        e[k] = state[at]
-        at += 1
-    for k in range(3, v.size):
-        v[k] = state[at]
-        at += 1
+            v[3 + k, i] = state[10 + k]
 
 
 @njit(error_model="numpy")
-def _save(x, v, e, out):  # type: ignore[no-untyped-def]
-    """The inverse of `_load`."""
-    at = 0
+def _save(beads, place, i, out):  # type: ignore[no-untyped-def]
+    """The inverse of `_load`, with a place of one's own."""
+    v, e = beads.v, beads.e
+    inertial, rotates = v.shape[0] > 0, e.shape[0] > 0
+    at = 3
     for k in range(3):
-        out[at] = x[k]
-        at += 1
-    if v.size > 0:
+        out[k] = place[k, i]
+        if inertial:
+            out[3 + k] = v[k, i]
+    if inertial:
+        at += 3
+    if rotates:
+        for k in range(4):
+            out[at + k] = e[i, k]
+    if rotates and inertial:
         for k in range(3):
-            out[at] = v[k]
-            at += 1
-    for k in range(e.size):
-        out[at] = e[k]
-        at += 1
-    for k in range(3, v.size):
-        out[at] = v[k]
-        at += 1
+            out[10 + k] = v[3 + k, i]
 
 
 @njit(error_model="numpy")
-def _park(x, v):  # type: ignore[no-untyped-def]
+def _park(beads, i):  # type: ignore[no-untyped-def]
     """A lost bead is kept at the focus: its samples are no numbers."""
-    for k in range(x.size):
-        x[k] = 0.0
-    for k in range(v.size):
-        v[k] = 0.0
+    for k in range(beads.x.shape[0]):
+        beads.x[k, i] = 0.0
+    for k in range(beads.v.shape[0]):
+        beads.v[k, i] = 0.0

@@ -133,24 +133,24 @@ def _normal(word, key, place, step, trajectory, purpose):  # type: ignore[no-unt
 
 @njit(error_model="numpy")
 def fill_normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
-    """Fill `out` (n, m) with normal numbers: row i of trajectories[i], (n,) int64.
+    """Fill `out` (m, n) with normal numbers: column i of trajectories[i], (n,) int64.
 
-    seed, step, purpose: int64. A number depends on its column, but not on how many there are.
+    seed, step, purpose: int64. A number depends on its row, but not on how many there are.
     """
     key, at, why = uint64(seed), uint64(step), uint64(purpose)
-    columns = out.shape[1]
-    for i in range(out.shape[0]):
-        trajectory = uint64(trajectories[i])
-        for first in range(0, columns, 4):
-            place = uint64(first)
+    rows = out.shape[0]
+    for first in range(0, rows, 4):
+        place = uint64(first)
+        for i in range(out.shape[1]):
+            trajectory = uint64(trajectories[i])
             a, b, c, d = philox(key, place, at, trajectory, why)
-            out[i, first] = _normal(a, key, place + uint64(1), at, trajectory, why)
-            if first + 1 < columns:
-                out[i, first + 1] = _normal(b, key, place + uint64(2), at, trajectory, why)
-            if first + 2 < columns:
-                out[i, first + 2] = _normal(c, key, place + uint64(3), at, trajectory, why)
-            if first + 3 < columns:
-                out[i, first + 3] = _normal(d, key, place + uint64(4), at, trajectory, why)
+            out[first, i] = _normal(a, key, place + uint64(1), at, trajectory, why)
+            if first + 1 < rows:
+                out[first + 1, i] = _normal(b, key, place + uint64(2), at, trajectory, why)
+            if first + 2 < rows:
+                out[first + 2, i] = _normal(c, key, place + uint64(3), at, trajectory, why)
+            if first + 3 < rows:
+                out[first + 3, i] = _normal(d, key, place + uint64(4), at, trajectory, why)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from numba import njit
 
-from tweezer.dynamics.brownian.batch import slow_velocities
+from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
 
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
@@ -21,21 +21,21 @@ DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 @njit(error_model="numpy")
 def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; `ahead` is left at x*."""
-    x, v, u, ahead, normal = beads.x, beads.v, beads.u, beads.ahead, beads.normal
-    n, dims = x.shape
-    for i in range(n):
-        for k in range(dims):
-            moved = weights.noise_x[k] * normal[i, k]
-            if v.shape[1] > 0:
-                moved += weights.by_v[k] * v[i, k]
-            ahead[i, k] = x[i, k] + 0.5 * moved
-            x[i, k] += moved
-    slow_velocities(kernel, beyond, system, plan, beads, ahead, u)
-    for i in range(n):
-        for k in range(dims):
-            x[i, k] += weights.by_u[k] * u[i, k]
-            if v.shape[1] > 0:
-                v[i, k] = (
-                    weights.decay[k] * v[i, k] + weights.v_by_u[k] * u[i, k]
-                    + weights.noise_xv[k] * normal[i, k] + weights.noise_v[k] * normal[i, dims + k]
-                )  # fmt: skip
+    dims, n = beads.x.shape
+    for k in range(dims):
+        spread = weights.noise_x[k]
+        x, ahead, normal = beads.x[k], beads.ahead[k], beads.normal[k]
+        for i in range(n):
+            ahead[i] = x[i] + 0.5 * spread * normal[i]
+            x[i] += spread * normal[i]
+        if beads.v.shape[0] > 0:
+            by_v, v = weights.by_v[k], beads.v[k]
+            for i in range(n):
+                ahead[i] += 0.5 * by_v * v[i]
+                x[i] += by_v * v[i]
+    slow_velocities(kernel, beyond, system, plan, beads, beads.ahead, beads.u)
+    for k in range(dims):
+        by_u, x, u = weights.by_u[k], beads.x[k], beads.u[k]
+        for i in range(n):
+            x[i] += by_u * u[i]
+    velocities_after(weights, beads)

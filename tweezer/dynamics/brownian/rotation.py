@@ -44,25 +44,25 @@ def turn(e, i, w1, w2, w3):  # type: ignore[no-untyped-def]
 @njit(error_model="numpy")
 def turn_by_steps(beads):  # type: ignore[no-untyped-def]
     """Turn every bead by the angles of its step, and put these back to 0."""
-    for i in range(beads.x.shape[0]):
-        turn(beads.e, i, beads.x[i, 3], beads.x[i, 4], beads.x[i, 5])
+    for i in range(beads.x.shape[1]):
+        turn(beads.e, i, beads.x[3, i], beads.x[4, i], beads.x[5, i])
         for k in range(3, 6):
-            beads.x[i, k] = 0.0
+            beads.x[k, i] = 0.0
 
 
 @njit(error_model="numpy")
 def diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     """Turn every bead by a step, the one of that number, of free rotational diffusion."""
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)
-    drawn = np.empty((1, 4))
-    for i in range(beads.x.shape[0]):
+    drawn = np.empty((4, 1))
+    for i in range(beads.x.shape[1]):
         attempt = 0
         while True:
             fill_normals(plan.seed, trajectories[i : i + 1], at, TURN + attempt, drawn)
-            w1, w2, w3 = spread * drawn[0, 0], spread * drawn[0, 1], spread * drawn[0, 2]
+            w1, w2, w3 = spread * drawn[0, 0], spread * drawn[1, 0], spread * drawn[2, 0]
             half = 0.5 * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
             # the distribution function of a number is uniform
-            chance = 0.5 * math.erfc(drawn[0, 3] / math.sqrt(2.0))
+            chance = 0.5 * math.erfc(drawn[3, 0] / math.sqrt(2.0))
             if half < 1e-8 or chance * half < math.sin(half):
                 break
             attempt += 1
