@@ -232,6 +232,11 @@ def test_scaled_model_keeps_boltzmann_in_position_and_has_velocities_of_a2_T():
         assert abs(X[1, 1] * BEAD.mass / (a2 * KT) - 1) < 1e-12
 
 
+def test_a_scaling_factor_belongs_to_the_scaled_model_alone():
+    one = bound("full", "heun", TRAP / 10, simulation={"scaling_factor": 1e-3})
+    assert one.plan.tau == pytest.approx(TAU)
+
+
 # --- spreading and relaxing, by sampling ---------------------------------------------------------
 
 

@@ -195,7 +195,9 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     drags = np.repeat([bead.drag, bead.rotational_drag], 3)[:dims]
     if inertial:
         inertias = np.repeat([bead.mass, bead.moments_of_inertia[0]], 3)[:dims]
-        tau = inertias / drags / (simulation.scaling_factor or 1.0)
+        tau = inertias / drags
+        if simulation.model == "scaled" and simulation.scaling_factor:
+            tau = tau / simulation.scaling_factor
     equilibrium = stable_equilibrium(scene)
     needs_one = simulation.method == "harmonic" or scene.start.drawn == "boltzmann"
     if equilibrium is None and needs_one:
