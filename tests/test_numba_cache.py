@@ -86,3 +86,33 @@ def test_a_module_that_changes_under_a_running_program_does_not_spoil_the_cache(
     new_force, _, hits, misses = run(tree)
     assert (hits, misses) == (0, 1)
     assert new_force == pytest.approx(2 * old_force, rel=1e-12)
+
+
+WALK = """
+import numpy as np
+import tweezer
+from tweezer.dynamics import walk
+scene = tweezer.load_scene("silica-1um").replace(
+    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+    start={"position": [0, 0, 0]},
+    simulation={"model": "overdamped", "samples": 2, "duration": 1e-3},
+)
+bound = walk(scene, 1)
+states, out = bound.start(np.arange(1)), np.empty((1, 1, 3))
+bound.advance(states, np.arange(1), 0, out)
+stats = bound._compiled[1].stats
+print(*out[0, 0, :2], sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+"""
+
+
+def test_cache_of_a_walk_follows_the_files_that_it_calls(tree):
+    before = run(tree, WALK)
+    x, _, hits, _ = run(tree, WALK)
+    assert hits > 0
+    assert x == before[0]
+    path = tree / "tweezer" / "dynamics" / "brownian" / "noise.py"
+    text = path.read_text()
+    old = "        return float(fraction) * _WIDTH[layer]"
+    assert old in text
+    path.write_text(text.replace(old, old.replace("return ", "return -")))
+    assert run(tree, WALK)[0] == -x
