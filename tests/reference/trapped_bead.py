@@ -1,0 +1,50 @@
+"""A bead in a harmonic trap, sampled exactly: the linear Langevin equation and nothing else.
+
+    m x'' + beta x' + k x = sqrt(2 kB T beta) white noise        (without m: m = 0)
+
+The state one sample on is a linear map of the state plus a Gaussian vector, both from matrix
+exponentials (C. F. Van Loan, IEEE Trans. Autom. Control 23, 395 (1978)): no step, no error of one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import expm
+
+BOLTZMANN = 1.380649e-23
+
+
+def trapped(time_step, samples, k, drag, mass, temperature, seed, trajectories=1):
+    """Positions (trajectories, samples), m, from thermal equilibrium; mass None: overdamped."""
+    kT = BOLTZMANN * temperature
+    if mass is None:
+        rates, noise = np.array([[-k / drag]]), np.array([[2 * kT / drag]])
+        equilibrium = np.array([kT / k])
+    else:
+        rates = np.array([[0.0, 1.0], [-k / mass, -drag / mass]])
+        noise = np.array([[0.0, 0.0], [0.0, 2 * kT * drag / mass**2]])
+        equilibrium = np.array([kT / k, kT / mass])
+    # each variable in units of its thermal size, so that the matrices are well conditioned
+    size = np.sqrt(equilibrium)
+    rates, noise = rates * size / size[:, None], noise / np.outer(size, size)
+    n = len(size)
+    block = expm(time_step * np.block([[-rates, noise], [np.zeros((n, n)), rates.T]]))
+    step = block[n:, n:].T
+    kick = np.linalg.cholesky(step @ block[:n, n:])
+    rng = np.random.default_rng(seed)
+    state = rng.standard_normal((n, trajectories))
+    positions = np.empty((samples, trajectories))
+    for i in range(samples):
+        positions[i] = state[0]
+        state = step @ state + kick @ rng.standard_normal((n, trajectories))
+    return size[0] * positions.T
+
+
+def double_well(barrier, minima, samples, temperature, seed):
+    """Independent positions (samples,), m, in U = barrier ((x/minima)^2 - 1)^2, by rejection."""
+    rng = np.random.default_rng(seed)
+    x = rng.uniform(-2.5 * minima, 2.5 * minima, 40 * samples)
+    energy = barrier * ((x / minima) ** 2 - 1) ** 2
+    kept = x[rng.random(x.size) < np.exp(-energy / (BOLTZMANN * temperature))]
+    assert kept.size >= samples
+    return kept[:samples]

@@ -1,0 +1,195 @@
+"""Autocovariance, mean squared displacement and power spectrum: of a record, and in theory."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.constants import Boltzmann
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Sokal's window, in statistical inefficiencies
+_WINDOW = 3.0
+#: nearer to critical damping than this, both rates coincide
+_CRITICAL = 1e-5
+
+
+def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
+    """One-sided power spectral density by Bartlett's method.
+
+    positions: (n,) m, one every `step` (s). Returns frequencies (Hz) and densities (m^2/Hz), for
+    the Fourier frequencies between 0 and Nyquist's, both excluded: the periodogram averaged over
+    `segments` equal parts that do not overlap, each less its mean. For a series much longer than
+    its memory each value is, over what is expected, an independent Gamma(segments)/segments.
+    """
+    from scipy.signal import welch
+
+    length = len(positions) // segments
+    frequencies, density = welch(
+        positions, 1 / step, window="boxcar", nperseg=length, noverlap=0, detrend="constant"
+    )
+    inside = slice(1, (length + 1) // 2)
+    return frequencies[inside], density[inside]
+
+
+def autocovariance(positions: Array) -> Array:
+    """Autocovariance (n,) at lags 0 to n-1 of `positions` (n,) about their mean, by FFT.
+
+    Each lag is averaged over the pairs it has. The mean is that of the record, which lowers every
+    value by its variance (`TrappedBead.variance_of_mean`).
+    """
+    return _products(positions) / np.arange(len(positions), 0, -1)
+
+
+def mean_squared_displacement(positions: Array) -> Array:
+    """Mean squared displacement (n,) at lags 0 to n-1 of `positions` (n,), by FFT.
+
+    Averaged over all n - lag pairs, which overlap; unbiased.
+    """
+    n = len(positions)
+    deviations = positions - np.mean(positions)
+    squares = np.concatenate([[0.0], np.cumsum(deviations**2)])
+    lags = np.arange(n)
+    both_ends = squares[n - lags] + squares[n] - squares[lags]
+    return np.maximum(both_ends - 2 * _products(positions), 0.0) / (n - lags)
+
+
+def _products(positions: Array) -> Array:
+    """Sum at lags 0 to n-1 of the products of two deviations from the mean."""
+    from scipy.signal import correlate
+
+    deviations = positions - np.mean(positions)
+    return correlate(deviations, deviations, method="fft")[len(positions) - 1 :]
+
+
+def statistical_inefficiency(series: Array) -> float:
+    """How many samples of `series` (n,) are worth one independent one: 1 + 2 sum rho_j, 1 or more.
+
+    The sum ends at three times itself (A. Sokal's window), and is corrected for the mean of the
+    record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that remembers itself to its
+    end has n.
+    """
+    covariance = autocovariance(series)
+    if covariance[0] <= 0:
+        return 1.0
+    sums = 2 * np.cumsum(covariance / covariance[0]) - 1
+    ends = np.flatnonzero(np.arange(len(sums)) >= _WINDOW * sums)
+    if not ends.size:
+        return float(len(series))
+    window = int(ends[0])
+    return max(float(sums[window]) * (1 + (2 * window + 1) / len(series)), 1.0)
+
+
+def standard_error(series: Array) -> float:
+    """Standard error of the mean of a correlated `series` (n,), by its statistical inefficiency."""
+    return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
+
+
+@dataclass(frozen=True)
+class TrappedBead:
+    """A bead in a harmonic trap: m x'' + beta x' + k x = thermal noise.
+
+    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. The noise is white: what the
+    medium's inertia does to the drag (Basset) is not in it.
+    """
+
+    stiffness: float
+    """k, N/m"""
+    drag: float
+    """beta, kg/s"""
+    temperature: float
+    """T, K"""
+    mass: float | None = None
+    """m, kg"""
+
+    @property
+    def variance(self) -> float:
+        """k_B T/k, m^2: equipartition."""
+        return Boltzmann * self.temperature / self.stiffness
+
+    @property
+    def corner_frequency(self) -> float:
+        """k/(2 pi beta), Hz."""
+        return self.stiffness / (2 * math.pi * self.drag)
+
+    @property
+    def diffusion(self) -> float:
+        """k_B T/beta, m^2/s: Einstein."""
+        return Boltzmann * self.temperature / self.drag
+
+    @property
+    def relaxation_time(self) -> float:
+        """Of the slowest decay, s: beta/k, or 2m/beta where the bead rings."""
+        return 1 / min(rate.real for _, rate in self._decays())
+
+    @property
+    def roll_off(self) -> float:
+        """Frequency above which the spectrum falls, Hz: the corner's, or that of the ringing."""
+        if self.mass is None:
+            return self.corner_frequency
+        return min(self.corner_frequency, math.sqrt(self.stiffness / self.mass) / (2 * math.pi))
+
+    def _decays(self) -> list[tuple[complex, complex]]:
+        """Amplitudes (m^2) and rates (1/s) of the exponentials that make the autocovariance."""
+        if self.mass is None:
+            return [(self.variance, self.stiffness / self.drag)]
+        split = cmath.sqrt(1 - 4 * self.mass * self.stiffness / self.drag**2)
+        if abs(split) < _CRITICAL:
+            split = complex(_CRITICAL)  # the error is of second order
+        fast = self.drag / (2 * self.mass) * (1 + split)
+        slow = self.stiffness / self.mass / fast
+        return [
+            (self.variance * fast / (fast - slow), slow),
+            (-self.variance * slow / (fast - slow), fast),
+        ]
+
+    def autocovariance(self, times: ArrayLike) -> Array:
+        """<x(0) x(t)>, m^2, at `times` (s)."""
+        past = np.abs(np.asarray(times, np.float64))
+        terms = [amplitude * np.exp(-rate * past) for amplitude, rate in self._decays()]
+        return np.real(sum(terms))
+
+    def mean_squared_displacement(self, times: ArrayLike) -> Array:
+        """<(x(t) - x(0))^2>, m^2, at `times` (s)."""
+        return 2 * (self.variance - self.autocovariance(times))
+
+    def spectrum(self, frequencies: ArrayLike) -> Array:
+        """One-sided power spectral density, m^2/Hz, of the motion itself at `frequencies` (Hz).
+
+        The Lorentzian, or with a mass its inertial form (K. Berg-Sorensen and H. Flyvbjerg,
+        Rev. Sci. Instrum. 75, 594 (2004)).
+        """
+        omega = 2 * np.pi * np.asarray(frequencies, np.float64)
+        restoring = self.stiffness - (self.mass or 0.0) * omega**2
+        force = 4 * Boltzmann * self.temperature * self.drag
+        return force / (restoring**2 + (self.drag * omega) ** 2)
+
+    def sampled_spectrum(
+        self, frequencies: ArrayLike, step: float, samples: float = math.inf
+    ) -> Array:
+        """One-sided power spectral density, m^2/Hz, of positions taken every `step` (s).
+
+        All aliases are in it: the sum over them is that over the autocovariance of the samples,
+        which are one or two geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev. E 83,
+        041103 (2011)). With `samples`, the periodogram expected at the Fourier frequencies of a
+        record that long: leakage is then in it too (A. M. Sykulski et al., Biometrika 106, 251
+        (2019)).
+        """
+        turn = 2j * np.pi * np.asarray(frequencies, np.float64) * step
+        density = np.zeros(turn.shape)
+        for amplitude, rate in self._decays():
+            ends = -np.expm1(-rate * step * samples) / samples if math.isfinite(samples) else 0.0
+            z, rest = np.exp(turn - rate * step), -np.expm1(turn - rate * step)
+            density += np.real(amplitude * ((1 + z) / rest - 2 * ends * z / rest**2))
+        return 2 * step * density
+
+    def variance_of_mean(self, step: float, samples: int) -> float:
+        """Variance of the mean of `samples` positions taken every `step` (s), m^2."""
+        lags = np.arange(1, samples)
+        covariance = self.autocovariance(lags * step)
+        return (self.variance + 2 * float((1 - lags / samples) @ covariance)) / samples
