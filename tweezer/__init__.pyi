@@ -1,6 +1,21 @@
-from .analysis import Summary, Trap, Tuned, Tuning, characterise, summarise, tune
+from .analysis import (
+    Calibration,
+    Recording,
+    Summary,
+    Trap,
+    Tuned,
+    Tuning,
+    calibrate,
+    characterise,
+    escape_times,
+    load_recording,
+    potential,
+    summarise,
+    tune,
+)
 from .bead import BeadProperties, bead_properties
 from .dynamics import Event, bind, capture, chosen
+from .ensembles import ensemble
 from .errors import (
     IntegrationError,
     PhysicsWarning,
@@ -15,9 +30,11 @@ from .simulation import simulate
 
 __all__ = [
     "BeadProperties",
+    "Calibration",
     "Event",
     "IntegrationError",
     "PhysicsWarning",
+    "Recording",
     "ResultError",
     "Scene",
     "SceneError",
@@ -28,14 +45,19 @@ __all__ = [
     "TweezerError",
     "bead_properties",
     "bind",
+    "calibrate",
     "capture",
     "characterise",
     "chosen",
+    "ensemble",
+    "escape_times",
+    "load_recording",
     "load_run",
     "load_scene",
     "optical_force",
     "optical_jacobian",
     "optical_torque",
+    "potential",
     "save_run",
     "scene_of",
     "shipped_scenes",

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from tweezer.analysis import Efficiency, Trap
+    from tweezer.analysis import Calibration, Efficiency, Summary, Trap
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
@@ -98,6 +98,7 @@ def run(
         str | None,
         typer.Option(help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on."),
     ] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,
     set: Changes = None,
     out: Annotated[
         Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
@@ -112,7 +113,7 @@ def run(
     out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
     plot = _writable(plot or Path(f"{described.name}.png"), _FIGURE_FORMATS)
     _bind_light(described)
-    result = _simulate_with_progress(described)
+    result = _simulate_with_progress(described, seed)
 
     from tweezer.io import save_run
 
@@ -176,7 +177,7 @@ def tune(
 ) -> None:
     """Scaled against unscaled response of SCENE for a list of a2: the thesis's search."""
     described = _described(scene, _settings(set or [], duration=duration))
-    allowed = _metres(deviation)
+    allowed = _quantity("--deviation", deviation, "m")
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     _bind_light(described)
@@ -205,6 +206,129 @@ def tune(
         from tweezer.plots import tuning_figure
 
         _write_figure(tuning_figure(tuning, described.name), plot)
+
+
+@app.command()
+def ensemble(
+    scene: SceneName,
+    trajectories: Annotated[int, typer.Option(help="How many.")],
+    duration: Annotated[
+        str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Seed of the random numbers.")] = 0,
+    statistics: Annotated[
+        bool, typer.Option("--statistics", help="Gather statistics and keep no trajectory.")
+    ] = False,
+    skip: Annotated[
+        str | None, typer.Option(help='Time left out of the statistics of a trap at rest: "5 ms".')
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="Zarr store of trajectories, or NetCDF file of statistics, to write; SCENE.zarr "
+            "or SCENE-statistics.nc if not given."
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with what is there, if anything is.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(help="Threads; one for each core if not given.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(help="Address of a Dask scheduler whose workers compute, and write OUT."),
+    ] = None,
+    set: Changes = None,
+) -> None:
+    """Release the bead of SCENE many times, each with its own thermal motion.
+
+    Stopped at any time, by Ctrl-C or worse, it goes on with --resume where it was.
+    """
+    described = _described(scene, _settings(set or [], duration=duration))
+    out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
+    _bind_light(described)
+    with (
+        _progress(f"{described.name} (the first run also compiles)", 1.0) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
+    ):
+        from tweezer.ensembles import ensemble as computed
+
+        result = computed(
+            described, trajectories, seed=seed, out=out, statistics=statistics, skip=skip or 0.0,
+            scheduler=scheduler, workers=workers, resume=resume, progress=progress,
+        )  # fmt: skip
+    _print_ensemble(described, result)
+    if result.attrs["status"] == "interrupted":
+        done = f"{result.attrs['trajectories_done']} of {trajectories} trajectories"
+        _complain(f"{described.name}: interrupted after {done}; go on with --resume")
+        raise typer.Exit(_INTERRUPTED)
+    _out.print(f"wrote {out}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def calibrate(
+    recording: Annotated[
+        str, typer.Argument(help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z.")
+    ],
+    temperature: Annotated[
+        str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
+    ] = None,
+    radius: Annotated[
+        str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
+    ] = None,
+    viscosity: Annotated[
+        str | None, typer.Option(help='Of the medium: "1 mPa s"; goes with --radius.')
+    ] = None,
+    density: Annotated[
+        str | None,
+        typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
+    ] = None,
+    skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Stiffness of the trap from a RECORDING of the bead's thermal motion, by several methods."""
+    from tweezer.analysis import calibrate as calibrated
+    from tweezer.analysis import load_recording
+
+    given = {
+        name: _quantity(f"--{name}", text, unit)
+        for name, text, unit in (
+            ("temperature", temperature, "K"),
+            ("radius", radius, "m"),
+            ("viscosity", viscosity, "Pa s"),
+            ("density", density, "kg/m^3"),
+        )
+        if text is not None
+    }
+    skipped = _quantity("--skip", skip, "s")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    loaded = load_recording(recording).since(skipped)
+    if loaded.scene is not None and given:
+        raise ResultError(f"{recording}: its scene has the {', the '.join(given)}; not to be given")
+    if loaded.scene is None and "temperature" not in given:
+        raise ResultError(
+            f"{recording}: needs --temperature, and --radius and --viscosity if known"
+        )
+    if ("radius" in given) != ("viscosity" in given) or ("density" in given) > ("radius" in given):
+        raise ResultError(
+            f"{recording}: --radius and --viscosity go together; --density needs both"
+        )
+    drag = mass = None
+    if "radius" in given:
+        drag = 6 * math.pi * given["viscosity"] * given["radius"]
+    if "density" in given:
+        mass = 4 / 3 * math.pi * given["density"] * given["radius"] ** 3
+    calibration = calibrated(loaded, temperature=given.get("temperature"), drag=drag, mass=mass)
+    _print_calibration(calibration)
+    if out:
+        _write_json(dataclasses.asdict(calibration), out)
+    if plot:
+        from tweezer.plots import calibration_figure
+
+        _write_figure(calibration_figure(loaded, calibration), plot)
 
 
 @app.command("map")
@@ -276,6 +400,37 @@ def bench_integrate(
         _write_figure(report.figure(results), plot)
 
 
+@bench.command("brownian")
+def bench_brownian(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Few schemes, steps and trajectories: to try it.")
+    ] = False,
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Thermal motion: steps a second, bias against step and cost, scaling, memory."""
+    benchmark, report = _benchmark("brownian"), _benchmark("brownian_report")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    with _err.status("brownian") as status:
+        results = benchmark.measure(quick=quick, say=status.update)
+    for headings, *rows in (
+        report.rows(results),
+        report.by_way(results),
+        report.against_numpy(results),
+        report.apart(results),
+    ):
+        table = _table(*headings)
+        for row in rows:
+            table.add_row(*row)
+        _out.print(table)
+    _out.print(f"failed or left out: {report.left_out(results)}")
+    if out:
+        _write_json(results, out)
+    if plot:
+        _write_figure(report.figure(results), plot)
+
+
 def _benchmark(name: str) -> ModuleType:
     """A module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[1]
@@ -336,7 +491,7 @@ def _progress(description: str, total: float) -> Iterator[Callable[[float], None
         yield lambda reached: progress.update(task, completed=reached)
 
 
-def _simulate_with_progress(scene: Scene) -> xr.Dataset:
+def _simulate_with_progress(scene: Scene, seed: int | None) -> xr.Dataset:
     with (
         _progress(
             f"{scene.name} (the first run also compiles)", scene.simulation.duration
@@ -345,7 +500,7 @@ def _simulate_with_progress(scene: Scene) -> xr.Dataset:
     ):
         from tweezer.simulation import simulate
 
-        return simulate(scene, progress=progress)
+        return simulate(scene, seed=seed, progress=progress)
 
 
 def _bind_light(scene: Scene) -> None:
@@ -395,6 +550,30 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     table = _table(scene.name, "")
     table.add_row("outcome", f"{summary.outcome}, {1e3 * summary.outcome_time:.4g} ms")
     table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
+    if scene.forces.brownian:
+        table.add_row("seed of the thermal motion", f"{attributes['seed']}")
+    else:
+        _add_approach(table, summary)
+    table.add_row("model, method", f"{model}; {attributes['method']}")
+    largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
+    error = float(result["force_error"].max())
+    table.add_row("force by", attributes["force_evaluator"])
+    if largest > 0:
+        share = f"{100 * error / largest:.1g} % of the largest"
+        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
+    if scene.forces.brownian:
+        table.add_row("step", f"{attributes['step']:.3g} s")
+    else:
+        table.add_row("error of the integration", _length(attributes["integration_error"]))
+        if model != "full":
+            table.add_row("off the unscaled equations", _length(attributes["model_error"]))
+    table.add_row("steps", f"{attributes['steps']}")
+    table.add_row("force calls", f"{attributes['force_calls']}")
+    table.add_row("time", f"{attributes['wall_time']:.2f} s")
+    _out.print(table)
+
+
+def _add_approach(table: Table, summary: Summary) -> None:
     table.add_row("overshoot past the axis", f"{1e6 * summary.overshoot:.3g} um")
     approach = "none"
     if summary.closest_approach is not None and summary.closest_approach_time is not None:
@@ -405,33 +584,75 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
         approach = f"{micrometres:.3g} um at {milliseconds:.4g} ms"
     table.add_row("first closest approach", approach)
     table.add_row("largest Reynolds number", f"{summary.largest_reynolds_number:.3g}")
-    table.add_row("model, method", f"{model}; {attributes['method']}")
-    largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
-    error = float(result["force_error"].max())
-    table.add_row("force by", attributes["force_evaluator"])
-    if largest > 0:
-        share = f"{100 * error / largest:.1g} % of the largest"
-        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
-    table.add_row("error of the integration", _length(attributes["integration_error"]))
-    if model != "full":
-        table.add_row("off the unscaled equations", _length(attributes["model_error"]))
-    table.add_row("steps", f"{attributes['steps']}")
-    table.add_row("force calls", f"{attributes['force_calls']}")
-    table.add_row("time", f"{attributes['wall_time']:.2f} s")
+
+
+def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
+    attributes = result.attrs
+    table = _table(scene.name, "")
+    done = attributes["trajectories_done"]
+    table.add_row("trajectories", f"{done} of {attributes['trajectories']}")
+    lost = result["trajectories_lost"] if "trajectories_lost" in result else (
+        (result["lost_time"] < math.inf).sum()
+    )  # fmt: skip
+    table.add_row("lost", f"{int(lost)}")
+    table.add_row("samples", f"{attributes['samples']} in {1e3 * attributes['duration']:.4g} ms")
+    if "stationary_mean" in result:
+        mean, error = (1e6 * result[f"stationary_mean{of}"].values for of in ("", "_error"))
+        row = (f"{value:.4f} +- {of:.2g}" for value, of in zip(mean, error, strict=True))
+        table.add_row("mean (x, y, z)", ", ".join(row) + " um from the focus")
+        variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
+        deviation = variance**0.5
+        pairs = zip(1e9 * deviation, 1e9 * error / (2 * deviation), strict=True)
+        row = (f"{value:.4g} +- {of:.2g}" for value, of in pairs)
+        table.add_row("standard deviation (x, y, z)", ", ".join(row) + " nm")
+        table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
+                      f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
+    table.add_row("model, method", f"{attributes['model']}; {attributes['method']}")
+    table.add_row("step", f"{attributes['step']:.3g} s")
     _out.print(table)
 
 
-def _metres(text: str) -> float:
+def _quantity(option: str, text: str, unit: str) -> float:
+    """`text` of `option` in `unit`: with a unit, or a bare number in it."""
     from tweezer.units import to_si
 
     try:
-        return to_si(text, "m", 0.0)
+        try:
+            bare = float(text)
+        except ValueError:
+            return to_si(text, unit, 0.0)
+        return to_si(bare, unit, 0.0)
     except ValueError as error:
-        raise SceneError(f"--deviation {text!r}: {error}") from None
+        raise SceneError(f"{option} {text!r}: {error}") from None
 
 
 def _length(metres: float) -> str:
     return "not known" if math.isnan(metres) else f"up to {1e6 * metres:.1g} um at the samples"
+
+
+def _print_calibration(calibration: Calibration) -> None:
+    for axis in calibration.axes:
+        table = _table(f"{axis.axis}: stiffness by", "pN/um", "+-", "")
+        for estimate in axis.estimates:
+            table.add_row(
+                estimate.method,
+                f"{1e6 * estimate.stiffness:.4g}",
+                f"{1e6 * estimate.uncertainty:.2g}",
+                estimate.caveat and f"not to be trusted: {estimate.caveat}",
+            )
+        _out.print(table)
+        fit, free = axis.fit, axis.free_fit
+        diffusion = 1e12 * free.bead.diffusion
+        relative = (free.drag_uncertainty or 0.0) / free.bead.drag
+        _out.print(
+            f"corner frequency {fit.bead.corner_frequency:.4g} +- "
+            f"{fit.corner_frequency_uncertainty:.2g} Hz, p = {fit.p_value:.2g}; diffusion "
+            f"{diffusion:.4g} +- {diffusion * relative:.2g} um^2/s; {axis.relaxations:.0f} "
+            "relaxation times",
+            highlight=False, soft_wrap=True,
+        )  # fmt: skip
+    if calibration.note:
+        _show_warning(calibration.note)
 
 
 def _print_trap(scene: Scene, characterised: Trap) -> None:

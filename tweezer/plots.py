@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -9,8 +10,20 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
+from scipy.constants import Boltzmann
 
-from tweezer.analysis import Escape, Trap, Tuning, summarise
+from tweezer.analysis import (
+    Calibration,
+    Escape,
+    Recording,
+    Trap,
+    Tuning,
+    mean_squared_displacement,
+    potential,
+    power_spectrum,
+    standard_error,
+    summarise,
+)
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force
@@ -19,7 +32,7 @@ from tweezer.scene import Scene
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
+_MICRO, _MILLI, _PICO, _NANO = 1e6, 1e3, 1e12, 1e9
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
 _LIGHT, _PATH, _MUTED = "#cc3311", "#332288", "#777777"
 
@@ -98,10 +111,12 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
 def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     """Actual and terminal speed (5.2), with the Reynolds number (5.1) on the right."""
     time = _milliseconds(run)
-    axes.plot(time, run["speed"], color=_PATH, lw=1.6, label="actual")
+    fast = 0.0
+    if "speed" in run:  # a bead without inertia has none in thermal motion
+        axes.plot(time, run["speed"], color=_PATH, lw=1.6, label="actual")
+        fast = float(run["speed"].max())
     axes.plot(time, run["terminal_speed"], color=_LIGHT, lw=1.1, ls="--", label="terminal (5.2)")
     _mark_closest_approach(axes, run, "first closest\napproach")
-    fast = float(run["speed"].max())
     if fast > 0:
         axes.set_yscale("log")
         axes.set_ylim(fast * 5e-5, fast * 3)
@@ -120,7 +135,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
     time = summarise(run).closest_approach_time
-    if time is None:
+    if time is None or "seed" in run.attrs:  # thermal motion comes close again and again
         return
     axes.axvline(time * _MILLI, color=_MUTED, lw=0.8, ls=":")
     axes.annotate(
@@ -277,3 +292,141 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     )  # fmt: skip
     work.set_ylabel("force calls", color="#bb5566")
     return figure
+
+
+def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
+    """Trajectory, density, power spectrum, mean squared displacement and potential, with fits.
+
+    Bars are standard errors. Spectra are averaged over bins of frequency for the eye; the fits are
+    of `calibration`.
+    """
+    figure = Figure(figsize=(13.0, 7.2), layout="constrained")
+    axes = figure.subplot_mosaic(
+        [["trajectory", "trajectory", "density"], ["spectrum", "displacement", "potential"]]
+    )
+    _draw_trajectory(axes["trajectory"], recording)
+    _draw_density(axes["density"], recording)
+    _draw_spectrum(axes["spectrum"], recording, calibration)
+    _draw_displacement(axes["displacement"], recording, calibration)
+    _draw_potential(axes["potential"], recording, calibration)
+    drag = "drag fitted"
+    if calibration.drag is not None:
+        drag = f"drag {calibration.drag * _NANO:.3g} nN s/m"
+    figure.suptitle(
+        f"{calibration.name}\n{calibration.temperature:.5g} K · {drag} · "
+        f"{calibration.samples} samples, one every {calibration.step * _MILLI:.3g} ms",
+        fontsize=11,
+    )
+    return figure
+
+
+def _draw_trajectory(axes: Axes, recording: Recording) -> None:
+    """Of a long record, as many samples as the eye can tell apart."""
+    shown = slice(None, None, -(-len(recording.times) // 6000))
+    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
+        about = (positions - positions.mean()) * _NANO
+        axes.plot(
+            recording.times[shown], about[shown], color=_COLOURS[axis], lw=0.5, alpha=0.8,
+            label=axis,
+        )  # fmt: skip
+    axes.margins(x=0)
+    axes.set(xlabel="time (s)", ylabel="from the mean (nm)")
+    axes.legend(frameon=False, ncols=3, fontsize=9, loc="upper right")
+    axes.set_title("trajectory", fontsize=9)
+
+
+def _draw_density(axes: Axes, recording: Recording) -> None:
+    if len(recording.axes) < 2:
+        axes.set_axis_off()
+        return
+    x, y = ((recording.positions[:, i] - recording.positions[:, i].mean()) * _NANO for i in (0, 1))
+    reach = 4 * max(x.std(), y.std()) * np.array([-1, 1])
+    _, _, _, shown = axes.hist2d(
+        x, y, bins=64, range=[reach, reach], density=True, cmap="Blues", rasterized=True
+    )
+    axes.figure.colorbar(shown, ax=axes, label="probability density (1/nm²)", fraction=0.046)
+    axes.set(
+        aspect="equal", xlabel=f"{recording.axes[0]} from the mean (nm)",
+        ylabel=f"{recording.axes[1]} (nm)",
+    )  # fmt: skip
+    axes.set_title("density", fontsize=9)
+
+
+def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        frequencies, density = power_spectrum(positions, recording.step)
+        edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
+        bins = np.digitize(frequencies, edges)
+        counts = np.bincount(bins)
+        kept = counts >= 4
+        at, mean = (
+            np.bincount(bins, values)[kept] / counts[kept] for values in (frequencies, density)
+        )
+        colour = _COLOURS[found.axis]
+        axes.errorbar(
+            at, mean, mean / np.sqrt(counts[kept]), fmt=".", ms=3, lw=0.7, color=colour, alpha=0.6
+        )
+        fitted = frequencies <= found.fit.highest_frequency
+        bead, uncertainty = found.fit.bead, found.fit.corner_frequency_uncertainty
+        curve = bead.sampled_spectrum(frequencies, recording.step)
+        axes.plot(
+            frequencies[fitted], curve[fitted], color=colour, lw=1.4, zorder=3,
+            label=f"{found.axis}: $f_c$ = {bead.corner_frequency:.4g} ± {uncertainty:.2g} Hz, "
+            f"p = {found.fit.p_value:.2g}",
+        )  # fmt: skip
+        axes.plot(frequencies, curve, color=colour, lw=0.8, ls=":", zorder=3)
+        axes.axvline(bead.corner_frequency, color=colour, lw=0.6, ls="--")
+    axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
+    axes.legend(frameon=False, fontsize=8, loc="lower left")
+    form = "Lorentzian" if calibration.mass is None else "inertial form"
+    axes.set_title(f"power spectrum; {form} with its aliases", fontsize=9)
+
+
+def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    step = recording.step
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
+        lags = np.unique(np.geomspace(1, max(longest, 10), 24).astype(int))
+        values = mean_squared_displacement(positions)[lags]
+        errors = [standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags]
+        colour, estimate = _COLOURS[found.axis], found["displacement"]
+        axes.errorbar(
+            lags * step, values * _NANO**2, np.array(errors) * _NANO**2,
+            fmt="o", ms=3, lw=0.8, color=colour, alpha=0.7,
+        )  # fmt: skip
+        bead = dataclasses.replace(found.fit.bead, stiffness=estimate.stiffness)
+        times = np.geomspace(lags[0], lags[-1], 200) * step
+        axes.plot(
+            times, bead.mean_squared_displacement(times) * _NANO**2, color=colour, lw=1.2,
+            label=f"{found.axis}: {_stiffness(estimate.stiffness, estimate.uncertainty)}",
+        )  # fmt: skip
+    axes.set(xscale="log", yscale="log", xlabel="lag (s)", ylabel="displacement² (nm²)")
+    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    axes.set_title("mean squared displacement", fontsize=9)
+
+
+def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    kT = Boltzmann * calibration.temperature
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        well = potential(positions, calibration.temperature)
+        colour = _COLOURS[found.axis]
+        label = "too few independent samples"
+        if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:
+            label = _stiffness(well.stiffness, well.uncertainty)
+            reach = math.sqrt(2 * 4.5 * kT / well.stiffness) * np.linspace(-1, 1, 101)
+            axes.plot(
+                (well.minimum - found.centre + reach) * _NANO, well.stiffness * reach**2 / 2 / kT,
+                color=colour, lw=1.2,
+            )  # fmt: skip
+        axes.errorbar(
+            (well.coordinates - found.centre) * _NANO, well.energy / kT, well.errors / kT,
+            fmt="o", ms=3, lw=0.8, color=colour, alpha=0.7, label=f"{found.axis}: {label}",
+        )  # fmt: skip
+    axes.set(xlabel="from the mean (nm)", ylabel="potential ($k_B T$)")
+    axes.set_ylim(-0.3, 1.3 * axes.get_ylim()[1])
+    axes.legend(frameon=False, fontsize=8, loc="upper center")
+    axes.set_title("potential, from the histogram", fontsize=9)
+
+
+def _stiffness(k: float, uncertainty: float) -> str:
+    return f"k = {k * _MICRO:.4g} ± {uncertainty * _MICRO:.2g} pN/µm"

@@ -1,0 +1,533 @@
+"""Ensembles: the same numbers however they are computed, statistics against NumPy and SciPy."""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import tracemalloc
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.signal
+import scipy.stats
+import xarray as xr
+from filelock import FileLock
+from scipy.constants import Boltzmann
+
+import tweezer
+from tweezer.dynamics.walk import Walk, walk
+from tweezer.ensembles import job, statistics, store
+from tweezer.ensembles.statistics import joined, moments
+
+#: a bead that diffuses freely: no light, no weight
+FREE = tweezer.load_scene("silica-1um").replace(
+    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+    start={"position": [3e-7, 2e-7, -3e-7]},
+    simulation={"model": "overdamped", "duration": "10 ms", "samples": 101},
+)
+#: m^2/s
+DIFFUSION = Boltzmann * FREE.medium.temperature / tweezer.bead_properties(FREE).drag
+#: the same, lost soon: a third of the beads within the 10 ms
+LEAVING = FREE.replace(simulation={"loss_distance": 600e-9})
+#: and with velocities
+INERTIAL = FREE.replace(simulation={"model": "full"})
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Blocks of 8 trajectories, windows of 32 samples: several of both in a small ensemble."""
+    monkeypatch.setattr(job, "_BATCH", 8)
+    monkeypatch.setattr(job, "_WINDOW_NUMBERS", 3 * 8 * 32)
+    monkeypatch.setattr(statistics, "WINDOW", 32)
+
+
+def content(path: Path) -> dict[str, str]:
+    """Digest of every file of a store, or of a file, by name."""
+    files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
+    return {
+        str(file.relative_to(path)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in files
+    }  # fmt: skip
+
+
+def interrupt_after(part: float):
+    """A progress that presses Ctrl-C."""
+
+    def progress(reached: float) -> None:
+        if reached >= part:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+@pytest.mark.parametrize("scene", [LEAVING, INERTIAL], ids=["overdamped", "full"])
+def test_trajectories_are_those_of_one_walk(scene, small, tmp_path):
+    bound = walk(scene, 5)
+    states = bound.start(np.arange(30))
+    expected = np.empty((30, 101, len(bound.columns)))
+    expected[:, 0] = states[:, :-1]
+    rest = np.empty((30, 100, len(bound.columns)))
+    bound.advance(states, np.arange(30), 0, rest)
+    expected[:, 1:] = rest
+    for out in (None, tmp_path / "runs.zarr"):
+        runs = tweezer.ensemble(scene, 30, seed=5, out=out)
+        assert runs["position"].dims == ("trajectory", "time", "axis")
+        np.testing.assert_array_equal(runs["position"], expected[..., :3])
+        np.testing.assert_array_equal(runs["lost_time"], states[:, -1])
+        np.testing.assert_array_equal(runs["time"], np.linspace(0, 10e-3, 101))
+        assert list(runs["axis"].values) == ["x", "y", "z"]
+        assert ("velocity" in runs) == (scene is INERTIAL)
+        assert (runs.attrs["status"], runs.attrs["trajectories_done"]) == ("complete", 30)
+        assert tweezer.scene_of(runs).simulation.model == bound.scene.simulation.model
+    if scene is INERTIAL:
+        np.testing.assert_array_equal(runs["velocity"], expected[..., 3:])
+    else:
+        assert 0 < np.isfinite(runs["lost_time"]).sum() < 30
+    assert [path.name for path in tmp_path.iterdir()] == ["runs.zarr"]
+    opened = xr.open_zarr(out, chunks=None)
+    xr.testing.assert_equal(opened, runs)
+
+
+@pytest.mark.parametrize(("batch", "window"), [(64, 2**14), (64, 7), (8, 32), (16, 1)], ids=str)
+def test_the_same_bits_in_any_blocks_and_windows(batch, window, monkeypatch, tmp_path):
+    expected = tweezer.ensemble(LEAVING, 70, seed=1)
+    monkeypatch.setattr(job, "_BATCH", batch)
+    monkeypatch.setattr(job, "_WINDOW_NUMBERS", 3 * batch * window)
+    runs = tweezer.ensemble(LEAVING, 70, seed=1, out=tmp_path / "runs.zarr")
+    for name in ("position", "lost_time"):
+        assert runs[name].values.tobytes() == expected[name].values.tobytes()
+    chunks = xr.open_zarr(tmp_path / "runs.zarr", chunks=None)["position"].encoding["chunks"]
+    assert chunks == (min(70, batch), min(101, window), 3)
+
+
+@pytest.mark.parametrize("gathered", [False, True])
+def test_the_same_bytes_on_any_threads(gathered, small, tmp_path):
+    contents = []
+    for workers in (1, 2, 5):
+        out = tmp_path / f"{workers}{'.nc' if gathered else '.zarr'}"
+        tweezer.ensemble(LEAVING, 100, seed=2, statistics=gathered, out=out, workers=workers)
+        contents.append(content(out))
+    assert contents[0] == contents[1] == contents[2]
+    assert len(contents[0]) == (1 if gathered else 4 * 13 + 13 + 7)
+
+
+def test_another_seed_is_another_ensemble():
+    first, second = (tweezer.ensemble(FREE, 3, seed=seed)["position"] for seed in (0, 1))
+    assert (first[:, 1:] != second[:, 1:]).all()
+    more = tweezer.ensemble(FREE, 5, seed=0)["position"]
+    np.testing.assert_array_equal(more[:3], first)
+
+
+def test_joined_moments_are_those_of_all():
+    values = np.random.default_rng(0).gamma(2.0, size=(60, 4)) + 100.0
+    values[10:40, 1] = np.nan
+    values[:, 2] = np.nan
+    values[:, 3] = 0.1
+    whole = joined(joined(np.zeros((5, 4)), moments(values[:7], 4)), moments(values[7:], 4))
+    for column in range(3):
+        valid = values[~np.isnan(values[:, column]), column]
+        n, mean, *central = whole[:, column]
+        assert n == len(valid)
+        if n:
+            assert mean == pytest.approx(valid.mean(), rel=1e-15)
+            for order, found in enumerate(central, start=2):
+                expected = len(valid) * scipy.stats.moment(valid, order)
+                assert found == pytest.approx(expected, rel=1e-9, abs=1e-14)
+    np.testing.assert_array_equal(whole[:, 3], [60, 0.1, 0, 0, 0])
+
+
+def brute_force_displacement(x: np.ndarray, lag: int) -> np.ndarray:
+    """Mean-square displacement of windows (n, samples, 3), begun half a lag apart."""
+    starts = range(0, x.shape[1] - lag, max(1, lag // 2))
+    return np.mean([(x[:, i + lag] - x[:, i]) ** 2 for i in starts], axis=0)
+
+
+@pytest.mark.parametrize("scene", [INERTIAL, LEAVING], ids=["held", "lost"])
+def test_statistics_are_numpys_of_the_trajectories(scene, small, monkeypatch):
+    monkeypatch.setattr(statistics, "_TIMES", 51)
+    skipped, length = 6, 30  # 95 samples are left: three windows of 31, less one: 30 is 2*3*5
+    runs = tweezer.ensemble(scene, 50, seed=3)
+    found = tweezer.ensemble(scene, 50, seed=3, statistics=True, skip="0.6 ms")
+    x = runs["position"].values
+    np.testing.assert_array_equal(found["time"], runs["time"][::2])
+    lost = np.isnan(x[..., 0])
+    np.testing.assert_array_equal(found["trajectories_left"], 50 - lost[:, ::2].sum(axis=0))
+    assert found["samples_lost"] == lost.sum()
+    assert found["trajectories_lost"] == np.isfinite(runs["lost_time"]).sum()
+    for name in ("position", "velocity"):
+        if name not in runs:
+            assert f"{name}_mean" not in found
+            continue
+        values = runs[name].values[:, 2::2]  # at the release all are equal
+        n = 50 - lost[:, 2::2].sum(axis=0)[:, None]
+        close = {"rtol": 1e-9, "atol": 0}
+        for key, expected in {
+            "mean": np.nanmean(values, axis=0),
+            "mean_error": np.nanstd(values, axis=0, ddof=1) / np.sqrt(n),
+            "variance": np.nanvar(values, axis=0, ddof=1),
+            "skewness": scipy.stats.skew(values, nan_policy="omit"),
+            "kurtosis": scipy.stats.kurtosis(values, nan_policy="omit"),
+        }.items():
+            np.testing.assert_allclose(
+                found[f"{name}_{key}"][1:], expected, err_msg=key,
+                **{**close, "atol": 1e-9 if key in ("skewness", "kurtosis") else 0},
+            )  # fmt: skip
+    windows = np.concatenate(
+        [x[:, first : first + length] for first in range(skipped, 101 - length + 1, length)]
+    )
+    whole = windows[~np.isnan(windows).any(axis=(1, 2))]
+    assert found["windows"] == len(whole)
+    assert found["windows_lost"] == len(windows) - len(whole)
+    assert len(windows) == 150
+    np.testing.assert_allclose(found["stationary_mean"], whole.mean(axis=(0, 1)), rtol=1e-10)
+    step = 1e-4
+    frequency, power = scipy.signal.periodogram(whole, 1 / step, axis=1)
+    np.testing.assert_allclose(found["frequency"], frequency[1:], rtol=1e-12)
+    np.testing.assert_allclose(found["psd"].T, power.mean(axis=0)[1:], rtol=1e-9)
+    error = power.std(axis=0, ddof=1)[1:] / np.sqrt(len(whole))
+    np.testing.assert_allclose(found["psd_error"].T, error, rtol=1e-9)
+    for i, lag in enumerate(np.rint(found["lag"].values / step).astype(int)):
+        each = brute_force_displacement(whole, lag)
+        np.testing.assert_allclose(found["msd"][:, i], each.mean(axis=0), rtol=1e-9)
+        error = each.std(axis=0, ddof=1) / np.sqrt(len(whole))
+        np.testing.assert_allclose(found["msd_error"][:, i], error, rtol=1e-9)
+    samples = x[:, skipped:][~lost[:, skipped:]]
+    reach = scene.simulation.loss_distance
+    for axis in range(3):
+        expected, edges = np.histogram(samples[:, axis], 2**15, range=(-reach, reach))
+        at = np.searchsorted(edges, found["bin"].values) - 1
+        np.testing.assert_array_equal(found["counts"][:, axis], expected[at])
+        assert expected[at].sum() == len(samples)
+    width = edges[1] - edges[0]
+    np.testing.assert_allclose(found["density"].sum("bin") * width, 1, rtol=1e-12)
+
+
+def jackknife(values: np.ndarray, estimate) -> np.ndarray:
+    """Standard error of `estimate` of `values` along axis 0."""
+    n = len(values)
+    left_out = np.array([estimate(np.delete(values, i, axis=0)) for i in range(n)])
+    return np.sqrt((n - 1) / n * ((left_out - left_out.mean(axis=0)) ** 2).sum(axis=0))
+
+
+def test_errors_are_those_of_the_jackknife(small):
+    """The linearised errors agree with the jackknife's to order 1/n."""
+    runs = tweezer.ensemble(FREE.replace(simulation={"samples": 30}), 200, seed=4)
+    x = runs["position"].values
+    found = tweezer.ensemble(tweezer.scene_of(runs), 200, seed=4, statistics=True)
+    for name, estimate in {
+        "stationary_mean": lambda x: x.mean(axis=(0, 1)),
+        "stationary_variance": lambda x: x.var(axis=(0, 1)),
+    }.items():
+        expected = jackknife(x, estimate)
+        np.testing.assert_allclose(found[f"{name}_error"], expected, rtol=0.02, err_msg=name)
+    at_end = jackknife(x[:, -1], lambda x: x.var(axis=0, ddof=1))
+    np.testing.assert_allclose(found["position_variance_error"][-1], at_end, rtol=0.02)
+    reach = FREE.simulation.loss_distance
+    middle = int(np.argmax(found["counts"][:, 0].values))
+    centre, width = float(found["bin"][middle]), 2 * reach / 2**15
+    within = np.abs(x[..., 0] - centre) < width / 2
+    blocks = within.reshape(25, 8 * 30)  # of equal size
+    expected = blocks.mean(axis=1).std(ddof=1) / 5 / width
+    assert float(found["density_error"][middle, 0]) == pytest.approx(expected, rel=1e-9)
+
+
+def test_free_diffusion():
+    """<dx^2> = 2 D t (Einstein) at all lags, and uniform growth of the variance.
+
+    90 numbers, each within 4.5 of its errors: false alarm below 90 * 7e-6 = 6e-4.
+    """
+    found = tweezer.ensemble(FREE, 4000, seed=7, statistics=True)
+    off = (found["msd"] - 2 * DIFFUSION * found["lag"]) / found["msd_error"]
+    assert np.abs(off).max() < 4.5
+    later = found.isel(time=slice(10, None, 10))
+    off = (later["position_variance"] - 2 * DIFFUSION * later["time"]) / later[
+        "position_variance_error"
+    ]
+    assert np.abs(off).max() < 4.5
+    assert float(found["msd_error"].isel(lag=0).max() / found["msd"].isel(lag=0).min()) < 0.01
+
+
+def test_memory_does_not_grow_with_the_ensemble():
+    peaks = []
+    for trajectories in (8192, 65536):
+        tracemalloc.start()
+        tweezer.ensemble(
+            FREE.replace(simulation={"samples": 11}), trajectories, statistics=True, workers=1
+        )
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.1 * peaks[0] < 50e6
+
+
+@pytest.mark.parametrize("gathered", [False, True])
+@pytest.mark.parametrize("part", [0.0, 0.4])
+def test_an_interrupted_ensemble_is_resumed_to_the_same_bytes(gathered, part, small, tmp_path):
+    suffix = ".nc" if gathered else ".zarr"
+    whole, out = tmp_path / f"whole{suffix}", tmp_path / f"cut{suffix}"
+    kind = {"seed": 6, "statistics": gathered, "workers": 2}
+    tweezer.ensemble(LEAVING, 200, out=whole, **kind)
+    cut = tweezer.ensemble(LEAVING, 200, out=out, progress=interrupt_after(part), **kind)
+    assert cut.attrs["status"] == "interrupted"
+    assert 200 * part <= cut.attrs["trajectories_done"] < 200
+    if not gathered:
+        done = ~np.isnan(cut["lost_time"].values)
+        assert done.sum() == cut.attrs["trajectories_done"]
+    reached = []
+    resumed = tweezer.ensemble(LEAVING, 200, out=out, resume=True, progress=reached.append, **kind)
+    assert (resumed.attrs["status"], resumed.attrs["trajectories_done"]) == ("complete", 200)
+    assert reached[0] >= part
+    assert reached[-1] == pytest.approx(1)
+    assert content(out) == content(whole)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"cut{suffix}", f"whole{suffix}"]
+    again = tweezer.ensemble(LEAVING, 200, out=out, resume=True, **kind)
+    xr.testing.assert_identical(again, resumed)
+
+
+def test_only_what_is_missing_is_computed(small, tmp_path, monkeypatch):
+    out = tmp_path / "runs.zarr"
+    cut = tweezer.ensemble(FREE, 200, out=out, workers=1, progress=interrupt_after(0.5))
+    done = cut.attrs["trajectories_done"]
+    advanced = []
+    sound = Walk.advance
+
+    def counted(self, states, trajectories, sample, out):
+        advanced.append(out.shape[0] * out.shape[1])
+        sound(self, states, trajectories, sample, out)
+
+    monkeypatch.setattr(Walk, "advance", counted)
+    tweezer.ensemble(FREE, 200, out=out, workers=1, resume=True)
+    # a block that was begun goes on from its last window
+    assert (200 - done - 8) * 100 <= sum(advanced) <= (200 - done) * 100
+
+
+def test_an_interrupted_ensemble_in_memory_is_what_was_reached(small):
+    runs = tweezer.ensemble(FREE, 200, workers=1, progress=interrupt_after(0.3))
+    done = ~np.isnan(runs["lost_time"].values)
+    assert runs.attrs["status"] == "interrupted"
+    assert 60 <= done.sum() == runs.attrs["trajectories_done"] < 200
+    assert np.isfinite(runs["position"].values[done]).all()
+    kind = {"statistics": True, "workers": 1}
+    cut = tweezer.ensemble(FREE, 200, progress=interrupt_after(0.3), **kind)
+    fewer = tweezer.ensemble(FREE, cut.attrs["trajectories_done"], **kind)
+    xr.testing.assert_equal(cut, fewer)
+
+
+def test_a_torn_checkpoint_is_not_believed(small, tmp_path):
+    out, part = tmp_path / "runs.zarr", tmp_path / "runs.zarr.part"
+    tweezer.ensemble(FREE, 64, out=tmp_path / "whole.zarr")
+    tweezer.ensemble(FREE, 64, out=out, workers=1, progress=interrupt_after(0.0))
+    good = {"window": 2, "states": walk(FREE).start(np.arange(8))}
+    for index, size in ((6, 400), (7, 0)):
+        store.keep(part / f"{index}.npz", good)
+        torn = (part / f"{index}.npz").read_bytes()[:size]
+        (part / f"{index}.npz").write_bytes(torn)
+    store.keep(part / "5.npz", good)
+    damaged = bytearray((part / "5.npz").read_bytes())
+    damaged[len(damaged) // 2] ^= 1
+    (part / "5.npz").write_bytes(damaged)
+    tweezer.ensemble(FREE, 64, out=out, resume=True)
+    assert content(out) == content(tmp_path / "whole.zarr")
+
+
+FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+TOLD = (
+    r"cut\.(zarr|nc): cannot be written: No space left on device; what was written before is kept"
+)
+
+
+@pytest.mark.parametrize("gathered", [False, True])
+@pytest.mark.parametrize("writes", [0, 3, 20])
+def test_a_full_disk_keeps_what_was_written(gathered, writes, small, tmp_path, monkeypatch):
+    suffix = ".nc" if gathered else ".zarr"
+    whole, out = tmp_path / f"whole{suffix}", tmp_path / f"cut{suffix}"
+    tweezer.ensemble(FREE, 100, statistics=gathered, out=whole)
+    left = iter(range(writes))
+    sound = store.keep
+
+    def full(path, arrays):
+        if next(left, None) is None:
+            raise FULL
+        sound(path, arrays)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tweezer.ensembles.store.keep", full)
+        patch.setattr("tweezer.ensembles.workers.keep", full)
+        with pytest.raises(tweezer.ResultError, match=TOLD):
+            tweezer.ensemble(FREE, 100, statistics=gathered, out=out)
+    tweezer.ensemble(FREE, 100, statistics=gathered, out=out, resume=True)
+    assert content(out) == content(whole)
+
+
+def test_a_chunk_half_written_is_written_again(small, tmp_path, monkeypatch):
+    """Zarr's own remains of a write that a kill cut short are removed as well."""
+    tweezer.ensemble(FREE, 100, out=tmp_path / "whole.zarr")
+    out = tmp_path / "cut.zarr"
+    tweezer.ensemble(FREE, 100, out=out, progress=interrupt_after(0.2), workers=1)
+
+    def half(path, value, exclusive=False):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.with_suffix(".1.partial").write_bytes(b"half a ch")
+        raise FULL
+
+    with monkeypatch.context() as patch:
+        patch.setattr("zarr.storage._local._put", half)
+        with pytest.raises(tweezer.ResultError, match=TOLD):
+            tweezer.ensemble(FREE, 100, out=out, resume=True)
+    assert list(out.rglob("*.partial"))
+    tweezer.ensemble(FREE, 100, out=out, resume=True)
+    assert content(out) == content(tmp_path / "whole.zarr")
+
+
+@pytest.mark.parametrize(
+    ("changes", "complaint"),
+    [({"trajectories": 0}, "trajectories = 0: must be a whole number"),
+     ({"trajectories": 2.5}, "trajectories = 2.5: must be a whole number"),
+     ({"seed": -1}, "seed = -1: must be a whole number"),
+     ({"workers": 0}, "workers = 0: must be a whole number"),
+     ({"duration": "3 kg"}, "simulation.duration = '3 kg'"),
+     ({"skip": "1 ms"}, "skip = '1 ms': only for statistics"),
+     ({"statistics": True, "skip": "1 m"}, "skip = '1 m': "),
+     ({"statistics": True, "skip": "9.95 ms"}, "must leave at least 2 of 101 samples"),
+     ({"statistics": True, "skip": -1.0}, "skip = -1.0: "),
+     ({"scheduler": "tcp://127.0.0.1:1"}, "out: missing"),
+     ({"scheduler": "tcp://127.0.0.1:1", "workers": 2, "out": "a.zarr"}, "workers = 2: not with"),
+     ({"trajectories": 10**6}, "trajectories take 2.42 GB, too much to hold in memory"),
+     ({"scene": FREE.replace(forces={"brownian": False})}, "forces.brownian = False")],
+)  # fmt: skip
+def test_bad_arguments_are_refused(changes, complaint, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = {"scene": FREE, "trajectories": 3, **changes}
+    with pytest.raises(tweezer.SceneError) as refused:
+        tweezer.ensemble(**arguments)
+    assert complaint in str(refused.value)
+    assert "\n" not in str(refused.value)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
+    monkeypatch.setattr("tweezer.ensembles.workers._PATIENCE", 0.5)
+    with pytest.raises(tweezer.SceneError, match=r"scheduler = 'tcp://127\.0\.0\.1:1': not reach"):
+        tweezer.ensemble(FREE, 3, scheduler="tcp://127.0.0.1:1", out=tmp_path / "a.zarr")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("gathered", [False, True])
+def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
+    out = tmp_path / ("a.nc" if gathered else "a.zarr")
+    kind = {"out": out, "statistics": gathered}
+    for progress in (interrupt_after(0.0), None):  # begun, and complete
+        tweezer.ensemble(FREE, 50, **kind, resume=progress is None, progress=progress)
+        before = content(tmp_path)
+        with pytest.raises(tweezer.ResultError, match="exists, or is begun"):
+            tweezer.ensemble(FREE, 50, **kind)
+        for scene, trajectories, seed, complaint in (
+            (INERTIAL, 50, 0, "made of another scene"),
+            (FREE.replace(simulation={"step": "20 us"}), 50, 0, "made of another scene"),
+            (FREE, 51, 0, "made with trajectories 50, which cannot be resumed with 51"),
+            (FREE, 50, 1, "made with seed 0, which cannot be resumed with 1"),
+        ):
+            with pytest.raises(tweezer.ResultError, match=complaint):
+                tweezer.ensemble(scene, trajectories, seed=seed, **kind, resume=True)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(job, "FORMAT", 0)
+            with pytest.raises(tweezer.ResultError, match="format 1, which cannot be"):
+                tweezer.ensemble(FREE, 50, **kind, resume=True)
+        assert content(tmp_path) == before
+
+
+def test_what_is_no_ensemble_is_left_alone(tmp_path):
+    (tmp_path / "a.nc").write_text("not a file of statistics")
+    (tmp_path / "a.zarr").mkdir()
+    (tmp_path / "a.zarr" / "notes.txt").write_text("not a store")
+    before = content(tmp_path)
+    for name, gathered in (("a.nc", True), ("a.zarr", False)):
+        with pytest.raises(tweezer.ResultError, match="not "):
+            tweezer.ensemble(FREE, 3, out=tmp_path / name, statistics=gathered, resume=True)
+        with pytest.raises(tweezer.ResultError, match="must end in"):
+            tweezer.ensemble(FREE, 3, out=tmp_path / name, statistics=not gathered)
+    with pytest.raises(tweezer.ResultError, match="no such folder"):
+        tweezer.ensemble(FREE, 3, out=tmp_path / "none" / "b.zarr")
+    assert content(tmp_path) == before
+
+
+def test_a_failed_ensemble_keeps_what_was_written(small, tmp_path, monkeypatch):
+    whole, out = tmp_path / "whole.zarr", tmp_path / "cut.zarr"
+    tweezer.ensemble(FREE, 80, out=whole)
+    sound = Walk.advance
+
+    def fails_later(self, states, trajectories, sample, out):
+        if 40 in trajectories and sample > 50:
+            raise tweezer.IntegrationError("trajectory 40: the force is not finite")
+        sound(self, states, trajectories, sample, out)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Walk, "advance", fails_later)
+        with pytest.raises(tweezer.IntegrationError, match="trajectory 40"):
+            tweezer.ensemble(FREE, 80, out=out, workers=1)
+    done = ~np.isnan(xr.open_zarr(out, chunks=None)["lost_time"].values)
+    assert done[:40].all()
+    assert not done[40:48].any()
+    tweezer.ensemble(FREE, 80, out=out, resume=True)
+    assert content(out) == content(whole)
+
+
+def test_two_processes_do_not_work_on_one_store(small, tmp_path):
+    out = tmp_path / "a.zarr"
+    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(0.0), workers=1)
+    with (
+        FileLock(tmp_path / "a.zarr.part" / "lock"),
+        pytest.raises(tweezer.ResultError, match="another process is at work on it"),
+    ):
+        tweezer.ensemble(FREE, 50, out=out, resume=True)
+
+
+SHORT = [
+    "silica-1um", "--trajectories", "200",
+    *(argument for change in (
+        "forces.brownian=true", "forces.optical=false", "simulation.model=overdamped",
+        "simulation.samples=51") for argument in ("--set", change)),
+]  # fmt: skip
+
+
+def test_command(command_line):
+    outcome = command_line("ensemble", *SHORT, "--seed", "3", "--duration", "2 ms")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.splitlines()[-1] == "wrote silica-1um.zarr"
+    assert "200 of 200" in outcome.out
+    runs = xr.open_zarr("silica-1um.zarr", chunks=None)
+    expected = tweezer.ensemble(tweezer.scene_of(runs), 200, seed=3)
+    np.testing.assert_array_equal(runs["position"], expected["position"])
+    assert float(runs["time"][-1]) == 2e-3
+
+
+def test_command_of_statistics(command_line):
+    arguments = ["ensemble", *SHORT, "--statistics", "--skip", "1 ms", "--workers", "1"]
+    outcome = command_line(*arguments)
+    assert (outcome.code, outcome.err) == (0, "")
+    found = tweezer.load_run("silica-1um-statistics.nc")
+    variance, error = (float(found[f"stationary_variance{of}"][2]) for of in ("", "_error"))
+    deviation = 1e9 * variance**0.5
+    assert f"{deviation:.4g} +- {deviation * error / variance / 2:.2g}" in outcome.out
+    assert f"{int(found['windows'])} of" in outcome.out
+    again = command_line(*arguments)
+    assert (again.code, len(again.err.splitlines())) == (2, 1)
+    assert "exists, or is begun" in again.err
+    assert command_line(*arguments, "--resume").out == outcome.out
+
+
+def test_an_interrupted_command_is_resumed(command_line, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("rich.progress.Progress.update", interrupt_update)
+        outcome = command_line("ensemble", *SHORT)
+    assert outcome.code == 130
+    (line,) = outcome.err.splitlines()
+    assert line.startswith("silica-1um: interrupted after ")
+    assert line.endswith(" of 200 trajectories; go on with --resume")
+    assert command_line("ensemble", *SHORT, "--resume").code == 0
+    assert [path.name for path in Path().iterdir()] == ["silica-1um.zarr"]
+
+
+def interrupt_update(self, task, completed):
+    raise KeyboardInterrupt

@@ -1,0 +1,12 @@
+"""Many Brownian trajectories of one scene: written to a Zarr store, or their statistics.
+
+Trajectories are computed in blocks, a block in windows of time. While an ensemble is at work, what
+it goes on from lies beside its output, in OUT.part: the states at the end of the last window of
+every block begun and, of statistics, what was gathered in that block and in all blocks before.
+These files are replaced whole, after the samples they stand for were written; so whenever a process
+dies, what is read next is sound. A window computed again gives the same bytes.
+"""
+
+from tweezer.ensembles.ensemble import ensemble
+
+__all__ = ["ensemble"]

@@ -1,0 +1,189 @@
+"""Many Brownian trajectories of one scene."""
+
+from __future__ import annotations
+
+import functools
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from tweezer.dynamics.walk import Walk, walk
+from tweezer.ensembles.job import Job
+from tweezer.ensembles.store import (
+    Gathered,
+    Joined,
+    Trajectories,
+    at_work,
+    refuse_another,
+)
+from tweezer.ensembles.workers import cluster, threads
+from tweezer.errors import ResultError, SceneError
+from tweezer.scene import Scene
+from tweezer.units import to_si
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+Array = NDArray[np.float64]
+
+#: blocks begun for each worker
+_AHEAD = 4
+#: s between reports of progress
+_TICK = 0.2
+#: bytes of trajectories that are held in memory, at most
+_MEMORY = 2**31
+
+
+def ensemble(
+    scene: Scene,
+    trajectories: int,
+    *,
+    duration: float | str | None = None,
+    seed: int = 0,
+    out: str | Path | None = None,
+    statistics: bool = False,
+    skip: float | str = 0.0,
+    scheduler: str | Client | None = None,
+    workers: int | None = None,
+    resume: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Release the bead of `scene` so many times, each with its own thermal motion.
+
+    duration: s, or text such as "20 ms", in place of the scene's. seed: of the random numbers;
+    trajectory i of a seed is the same however many there are. out: the file to write, a Zarr store
+    of trajectories or a NetCDF file of statistics; in memory if not given. statistics: gather these
+    and keep no trajectory. skip: s or text, time from the release that only the moments over time
+    see. scheduler: address of a Dask scheduler, or a `distributed.Client`; its workers must see the
+    file system of `out`, which is then needed. Without it, workers: threads on this machine, by
+    default as many as its cores. resume: go on with what is at `out`, if anything is. progress:
+    called with the part done.
+
+    Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
+    velocity in m/s if the model has one, orientation and angular_velocity if the scene has a
+    rotation, all NaN once a bead is lost, and lost_time (trajectory), s, infinite if never; NaN
+    there tells of a trajectory not yet computed. They are read from the store when they are used;
+    `xarray.open_zarr` opens it. Every chunk has a checksum.
+
+    Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to
+    10,000 times, of position_..., velocity_..., angular_velocity_...; and of the positions from
+    `skip` on their stationary_mean and stationary_variance (axis), counts and density (bin, axis),
+    the mean-square displacement msd (axis, lag) and the one-sided spectrum psd (axis, frequency) of
+    windows of at most 2^14 samples (Bartlett's method, mean removed; of instantaneous positions,
+    so aliased). X_error is the standard error of X: over the trajectories; for stationary
+    statistics, msd and psd over windows, taken as independent, which they are if windows are much
+    longer than the trap's relaxation; for the density over blocks of trajectories. Samples after a
+    loss are in none of them, nor in spectra and displacements the windows with a loss; both are
+    counted.
+
+    The numbers do not depend on workers, interruptions, or, for trajectories, on blocks and
+    windows. The attributes hold the scene, the seed, the versions, the step and why it was chosen;
+    in what is returned also status, "complete" or "interrupted", and trajectories_done.
+
+    Raises `SceneError` for arguments that are not valid, and for a scene without thermal motion;
+    `ResultError` if `out` exists and is not to be gone on with, was made from anything else, or
+    cannot be written: what was written is kept; `IntegrationError` if a force is not finite.
+    """
+    if duration is not None:
+        scene = scene.replace(simulation={"duration": duration})
+    _check(scene, trajectories, out, statistics, skip, scheduler, workers)
+    bound = walk(scene, seed)
+    skipped = _skipped(skip, bound.times) if statistics else None
+    job = Job.of(bound, trajectories, skipped, None if out is None else Path(out).absolute())
+    run = functools.partial(_run, job, bound, scheduler, workers, progress)
+    if job.out is None:
+        return run()
+    refuse_another(job, bound, resume)
+    with at_work(job):
+        return run()
+
+
+def _check(
+    scene: Scene,
+    trajectories: int,
+    out: str | Path | None,
+    statistics: bool,
+    skip: float | str,
+    scheduler: str | Client | None,
+    workers: int | None,
+) -> None:
+    for name, value in (
+        ("trajectories", trajectories),
+        ("workers", 1 if workers is None else workers),
+    ):
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value < 2**63:
+            raise SceneError(f"{name} = {value!r}: must be a whole number, at least 1")
+    if skip and not statistics:
+        raise SceneError(f"skip = {skip!r}: only for statistics")
+    if scheduler is not None and workers is not None:
+        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+    if scheduler is not None and out is None:
+        raise SceneError("out: missing; the workers of a scheduler write there")
+    if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
+        raise ResultError(f"{out}: must end in {suffix}")
+    needed = 24 * trajectories * scene.simulation.samples
+    if out is None and not statistics and needed > _MEMORY:
+        raise SceneError(
+            f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "
+            "hold in memory: name a Zarr store, or gather statistics"
+        )
+
+
+def _skipped(skip: float | str, times: Array) -> int:
+    """The first sample not before `skip`."""
+    try:
+        seconds = to_si(skip, "s", 0.0)
+    except ValueError as error:
+        raise SceneError(f"skip = {skip!r}: {error}") from None
+    skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))
+    if skipped > len(times) - 2:
+        raise SceneError(f"skip = {skip!r}: must leave at least 2 of {len(times)} samples")
+    return skipped
+
+
+def _run(
+    job: Job,
+    bound: Walk,
+    scheduler: str | Client | None,
+    workers: int | None,
+    progress: Callable[[float], None] | None,
+) -> xr.Dataset:
+    """Compute what is missing."""
+    if scheduler is None:
+        opened = threads(job, bound, workers or numba.config.NUMBA_NUM_THREADS)
+    else:
+        opened = cluster(job, scheduler)
+    with opened as pool:
+        output = Trajectories(job, bound) if job.skipped is None else Joined(job, bound)
+        queue = deque(output.missing)
+        parts = dict.fromkeys(queue, 0.0)
+        left = sum(job.share(index) for index in queue)
+        flying: dict[Future[Gathered | None], int] = {}
+        try:
+            while queue or flying:
+                while queue and len(flying) + output.waiting < _AHEAD * pool.width():
+                    index = queue.popleft()
+                    flying[pool.submit(index, output.arrays, parts)] = index
+                for future in wait(flying, _TICK, FIRST_COMPLETED).done:
+                    index = flying.pop(future)
+                    output.take(index, future.result())
+                    parts[index] = job.share(index)
+                if progress:
+                    progress(1 - left + sum(parts.values()))
+        except KeyboardInterrupt:
+            pool.stop()
+            for future in wait(flying).done:
+                if not future.cancelled() and future.exception() is None:
+                    output.take(flying[future], future.result())
+            return output.finish(complete=False)
+        except BaseException:
+            pool.stop()
+            raise
+        return output.finish(complete=True)

@@ -1,0 +1,364 @@
+"""Running statistics of an ensemble, in memory that neither trajectories nor time enlarge.
+
+What is averaged is held as [n, mean, M2, ...], M_p the sum of (x - mean)^p, and joined by the
+formulas of Pebay (Sandia report SAND2008-6212): nothing cancels, and sums joined in the same order
+give the same bits.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.fft import prev_fast_len
+
+Array = NDArray[np.float64]
+
+#: samples of the longest window of a spectrum
+WINDOW = 2**14
+#: most times at which moments are kept
+_TIMES = 10_000
+#: bins from -loss_distance to +loss_distance: no bead is further away and not lost
+_BINS = 2**15
+#: lags of the mean-square displacement for each decade
+_LAGS = 10
+#: numbers worked on at a time, which a processor's cache holds
+_CACHED = 2**16
+
+
+def moments(values: Array, order: int) -> Array:
+    """[n, mean, M2, ... M_order] (order + 1, ...) of `values` (n, ...) along axis 0, NaN left
+    out.
+    """
+    whole = np.empty((order + 1, *values.shape[1:]))
+    valid = ~np.isnan(values)
+    where: Any = True if valid.all() else valid
+    whole[0] = valid.sum(axis=0)
+    near = np.nan_to_num(np.fmin.reduce(values))  # so that equal values have no variance
+    off = values - near
+    mean = off.sum(axis=0, where=where) / np.maximum(whole[0], 1)
+    whole[1] = near + mean
+    off -= mean
+    power = off.copy()
+    for p in range(2, order + 1):
+        power *= off
+        power.sum(axis=0, where=where, out=whole[p])
+    return whole
+
+
+def joined(a: Array, b: Array) -> Array:
+    """The `moments` of the values of both, to order 2 or 4; zeros are those of no values."""
+    na, nb = a[0], b[0]
+    n = np.maximum(na + nb, 1)
+    fa, fb = na / n, nb / n
+    apart = b[1] - a[1]
+    whole = a + b
+    whole[1] = a[1] + apart * fb
+    whole[2] += apart**2 * na * fb
+    if len(a) > 3:
+        whole[3] += apart**3 * na * fb * (fa - fb) + 3 * apart * (fa * b[2] - fb * a[2])
+        whole[4] += (
+            apart**4 * na * fb * (fa**2 - fa * fb + fb**2)
+            + 6 * apart**2 * (fa**2 * b[2] + fb**2 * a[2])
+            + 4 * apart * (fa * b[3] - fb * a[3])
+        )
+    return whole
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Which statistics are gathered of which samples."""
+
+    times: Array
+    """(samples,) s, evenly spaced"""
+    quantities: dict[str, slice]
+    """columns of a sample by name: "position" and, where there are any, "velocity" and
+    "angular_velocity" """
+    skipped: int
+    """samples at the beginning that only the moments over time see"""
+    reach: float
+    """m, of the histogram"""
+
+    @property
+    def window(self) -> int:
+        """Samples of a window: what is left after `skipped` in equal parts of at most WINDOW, less
+        a few, for fast transforms.
+        """
+        left = len(self.times) - self.skipped
+        return int(prev_fast_len(left // math.ceil(left / WINDOW), real=True))
+
+    @property
+    def cuts(self) -> list[int]:
+        """The samples where windows begin, and the end."""
+        end = len(self.times)
+        before = range(0, self.skipped, WINDOW)
+        within = range(self.skipped, end - self.window + 1, self.window)
+        return sorted({*before, *within, within[-1] + self.window, end})
+
+    @property
+    def every(self) -> int:
+        """Moments are kept at every so many samples."""
+        return math.ceil(len(self.times) / _TIMES)
+
+    @property
+    def lags(self) -> NDArray[np.int64]:
+        """Samples, evenly spaced in the logarithm, to half a window."""
+        most = self.window // 2
+        number = 1 + math.ceil(_LAGS * math.log10(most)) if most > 1 else 1
+        return np.unique(np.geomspace(1, most, number).round().astype(np.int64))
+
+
+class Statistics:
+    """What is gathered of some trajectories."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        kept, lags = -(-len(plan.times) // plan.every), len(plan.lags)
+        self.moments = {
+            name: np.zeros((5, kept, columns.stop - columns.start))
+            for name, columns in plan.quantities.items()
+        }
+        self.moments |= {
+            # over windows: the average u of x, v of x^2, and uv
+            "average": np.zeros((3, 3, 3)),
+            "msd": np.zeros((3, 3, lags)),
+            "psd": np.zeros((3, 3, plan.window // 2)),
+        }
+        self.sums = {
+            "counts": np.zeros((_BINS, 3)),
+            # over blocks: squares of their counts, counts times samples, samples squared
+            "counts_squared": np.zeros((_BINS, 3)),
+            "counts_samples": np.zeros((_BINS, 3)),
+            "samples_squared": np.zeros(1),
+            "samples": np.zeros(1),
+            "blocks": np.zeros(1),
+            "windows_lost": np.zeros(1),
+            "samples_lost": np.zeros(1),
+            "trajectories_lost": np.zeros(1),
+            "trajectories": np.zeros(1),
+        }
+
+    def arrays(self) -> dict[str, Array]:
+        """All of it, by name."""
+        return self.moments | self.sums
+
+    @classmethod
+    def of(cls, plan: Plan, arrays: Mapping[str, Array]) -> Self:
+        """Made of `arrays`, as `Statistics.arrays` gave them."""
+        made = cls(plan)
+        for group in (made.moments, made.sums):
+            group.update((name, arrays[name]) for name in group)
+        return made
+
+    def add(self, first: int, samples: Array) -> None:
+        """Add a window `samples` (trajectories, samples, columns) that begins with sample `first`.
+
+        Only those of the same trajectories may be added to one `Statistics`, each once.
+        """
+        plan = self.plan
+        self._add_moments(-(-first // plan.every), samples[:, -first % plan.every :: plan.every])
+        position = samples[..., plan.quantities["position"]]
+        lost = np.isnan(position[..., 0])
+        self.sums["samples_lost"] += lost.sum()
+        if first < plan.skipped:
+            return
+        self._count(position[~lost] if lost.any() else position.reshape(-1, 3))
+        if samples.shape[1] == plan.window:
+            whole = ~lost[:, -1]
+            self.sums["windows_lost"] += (~whole).sum()
+            if whole.any():
+                self._add_windows(position[whole])
+
+    def _add_moments(self, first: int, samples: Array) -> None:
+        """Set the moments from the kept time of number `first` on."""
+        length = max(1, _CACHED // samples[:, 0].size)
+        for i in range(0, samples.shape[1], length):
+            some = np.ascontiguousarray(samples[:, i : i + length])
+            found = moments(some.reshape(len(some), -1), 4).reshape(5, -1, some.shape[2])
+            for name, columns in self.plan.quantities.items():
+                self.moments[name][:, first + i : first + i + some.shape[1]] = found[..., columns]
+
+    def _count(self, position: Array) -> None:
+        """Add `position` (n, 3) to the histogram."""
+        for axis in range(3):
+            bins = ((position[:, axis] / self.plan.reach + 1) * (_BINS / 2)).astype(np.int64)
+            self.sums["counts"][:, axis] += np.bincount(
+                np.clip(bins, 0, _BINS - 1), minlength=_BINS
+            )
+        self.sums["samples"] += len(position)
+
+    def _add_windows(self, position: Array) -> None:
+        """Add windows (n, window, 3) without a loss."""
+        step = self.plan.times[1] - self.plan.times[0]
+        together = max(1, _CACHED // position[0].size)
+        for i in range(0, len(position), together):
+            some = np.ascontiguousarray(position[i : i + together].swapaxes(1, 2))
+            mean, square = some.mean(axis=2), np.square(some).mean(axis=2)
+            for name, values in {
+                "average": np.stack([mean, square, mean * square], axis=2),
+                "msd": _msd(some, self.plan.lags),
+                "psd": _psd(some - mean[..., None], step),
+            }.items():
+                self.moments[name] = joined(self.moments[name], moments(values, 2))
+
+    def close(self, lost_time: Array) -> None:
+        """All windows of these trajectories were added: they are a block."""
+        sums = self.sums
+        sums["counts_squared"] = sums["counts"] ** 2
+        sums["counts_samples"] = sums["counts"] * sums["samples"]
+        sums["samples_squared"] = sums["samples"] ** 2
+        sums["blocks"] += 1
+        sums["trajectories"] += len(lost_time)
+        sums["trajectories_lost"] += np.isfinite(lost_time).sum()
+
+    def join(self, other: Statistics) -> None:
+        """Add those of other trajectories, closed."""
+        for name, values in other.moments.items():
+            self.moments[name] = joined(self.moments[name], values)
+        for name, values in other.sums.items():
+            self.sums[name] = self.sums[name] + values
+
+    def dataset(self, about: dict[str, tuple[str, str]]) -> xr.Dataset:
+        """The statistics as `tweezer.ensemble` describes them.
+
+        about: dimension and unit of every quantity, by name.
+        """
+        plan = self.plan
+        times = plan.times[:: plan.every]
+        step = plan.times[1] - plan.times[0]
+        dataset = xr.Dataset(
+            coords={
+                "time": ("time", times, _about("s", "time since release")),
+                "axis": ("axis", ["x", "y", "z"], {"long_name": "axis, z along the light"}),
+                "lag": ("lag", plan.lags * step, _about("s", "lag")),
+                "frequency": (
+                    "frequency", np.fft.rfftfreq(plan.window, step)[1:], _about("Hz", "frequency"),
+                ),
+            }
+        )  # fmt: skip
+        with np.errstate(divide="ignore", invalid="ignore"):
+            for name in plan.quantities:
+                dimension, unit = about[name]
+                self._put_moments(dataset, name, ("time", dimension), unit)
+            self._put_averages(dataset)
+            self._put_histogram(dataset)
+            for name, dimension, unit, long_name in (
+                ("msd", "lag", "m^2", "mean-square displacement"),
+                ("psd", "frequency", "m^2/Hz", "one-sided power spectral density"),
+            ):
+                count, mean, m2 = self.moments[name]
+                _put(dataset, name, ("axis", dimension), mean, _error(count, m2), unit, long_name)
+        left = self.moments["position"][0, :, 0]
+        dataset["trajectories_left"] = ("time", left, _about("1", "trajectories not yet lost"))
+        for name, long_name in (
+            ("trajectories", "trajectories"),
+            ("trajectories_lost", "trajectories lost before the end"),
+            ("samples_lost", "samples after a loss, in none of the statistics"),
+            ("windows_lost", "windows not used, because the bead was lost in or before them"),
+        ):
+            dataset[name] = ((), self.sums[name][0], _about("1", long_name))
+        dataset["windows"] = ((), self.moments["psd"][0].max(), _about("1", "windows used"))
+        return dataset
+
+    def _put_moments(
+        self, dataset: xr.Dataset, name: str, dimensions: tuple[str, str], unit: str
+    ) -> None:
+        count, mean, m2, m3, m4 = self.moments[name]
+        count, mean = np.where(count > 0, [count, mean], np.nan)
+        variance, fourth = m2 / (count - 1), m4 / count
+        of_mean = np.sqrt(variance / count)
+        of_variance = np.sqrt((fourth - variance**2 * (count - 3) / (count - 1)) / count)
+        over = f"of the {name.replace('_', ' ')} over the trajectories"
+        square = f"({unit})^2" if "/" in unit else f"{unit}^2"
+        _put(dataset, f"{name}_mean", dimensions, mean, of_mean, unit, f"mean {over}")
+        _put(dataset, f"{name}_variance", dimensions, variance, of_variance, square,
+             f"variance {over}")  # fmt: skip
+        dataset[f"{name}_skewness"] = (
+            dimensions, m3 / count / (m2 / count) ** 1.5, _about("1", f"skewness {over}"),
+        )  # fmt: skip
+        dataset[f"{name}_kurtosis"] = (
+            dimensions, fourth / (m2 / count) ** 2 - 3, _about("1", f"excess kurtosis {over}"),
+        )  # fmt: skip
+
+    def _put_averages(self, dataset: xr.Dataset) -> None:
+        """Of all samples of the windows; the errors from how the windows scatter."""
+        count, (u, v, uv), (u2, v2, _) = self.moments["average"].swapaxes(1, 2)
+        n = count[0]
+        mean_error2 = u2 / (n - 1) / n
+        variance = v - u**2 + mean_error2
+        covariance = (uv - u * v) * n / (n - 1)
+        error2 = (v2 / (n - 1) + 4 * u**2 * u2 / (n - 1) - 4 * u * covariance) / n
+        mean = np.where(n > 0, u, np.nan)
+        _put(dataset, "stationary_mean", ("axis",), mean, np.sqrt(mean_error2), "m",
+             "mean of the position over trajectories and time")  # fmt: skip
+        _put(dataset, "stationary_variance", ("axis",), variance,
+             np.sqrt(np.maximum(error2, 0)), "m^2",
+             "variance of the position over trajectories and time")  # fmt: skip
+
+    def _put_histogram(self, dataset: xr.Dataset) -> None:
+        """Density by bins, from the first to the last that is not empty.
+
+        The error is that of a ratio, from how the blocks scatter (Cochran, Sampling Techniques,
+        2.11).
+        """
+        sums, width = self.sums, 2 * self.plan.reach / _BINS
+        filled = np.flatnonzero(sums["counts"].any(axis=1))
+        held = slice(filled[0], filled[-1] + 1) if len(filled) else slice(0)
+        counts, squared, mixed = (
+            sums[name][held] for name in ("counts", "counts_squared", "counts_samples")
+        )
+        samples, blocks = sums["samples"], sums["blocks"]
+        part = counts / samples
+        scatter = squared - 2 * part * mixed + part**2 * sums["samples_squared"]
+        error = np.sqrt(np.maximum(scatter, 0) * blocks / (blocks - 1)) / samples
+        centres = (np.arange(_BINS)[held] + 0.5) * width - self.plan.reach
+        dataset.coords["bin"] = ("bin", centres, _about("m", "centre of the bin"))
+        dataset["counts"] = (("bin", "axis"), counts, _about("1", "samples in the bin"))
+        _put(dataset, "density", ("bin", "axis"), part / width, error / width, "1/m",
+             "probability density of the position")  # fmt: skip
+
+
+def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
+    """Mean-square displacement (..., lags) within windows (..., samples).
+
+    Over displacements that begin half a lag apart: those between tell little more.
+    """
+    displaced = np.empty((*position.shape[:-1], len(lags)))
+    for j, lag in enumerate(lags):
+        between = max(1, lag // 2)
+        step = position[..., lag::between] - position[..., :-lag:between]
+        displaced[..., j] = np.einsum("...t,...t->...", step, step) / step.shape[-1]
+    return displaced
+
+
+def _psd(position: Array, step: float) -> Array:
+    """Periodogram (..., frequencies but 0) of windows (..., samples) of mean 0, one-sided."""
+    samples = position.shape[-1]
+    amplitude = np.fft.rfft(position)[..., 1:]
+    power = np.square(amplitude.real)
+    power += np.square(amplitude.imag)
+    power *= 2 * step / samples
+    if samples % 2 == 0:
+        power[..., -1] /= 2  # the only one that is its own negative
+    return power
+
+
+def _error(count: Array, m2: Array) -> Array:
+    return np.sqrt(m2 / (count - 1) / count)
+
+
+def _put(
+    dataset: xr.Dataset, name: str, dimensions: tuple[str, ...], value: Array, error: Array,
+    unit: str, long_name: str,
+) -> None:  # fmt: skip
+    dataset[name] = (dimensions, value, _about(unit, long_name))
+    dataset[f"{name}_error"] = (dimensions, error, _about(unit, f"standard error: {long_name}"))
+
+
+def _about(units: str, long_name: str) -> dict[str, str]:
+    return {"units": units, "long_name": long_name}
