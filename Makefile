@@ -24,6 +24,9 @@ bench: .venv/.bench  ## measure again: results, figures and what the README quot
 	$(BIN)/tweezer bench integrate --out tests/benchmarks/results/integrate.json \
 		--plot docs/figures/bench-integrate.png
 	$(BIN)/python -m tests.benchmarks.integrate_report
+	$(BIN)/tweezer bench brownian --out tests/benchmarks/results/brownian.json \
+		--plot docs/figures/bench-brownian.png
+	$(BIN)/python -m tests.benchmarks.brownian_report
 
 stress: .venv/.runtime  ## 10,000 random scenes: how they end
 	$(BIN)/python -m tests.stress 10000

@@ -7,11 +7,20 @@ import time
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh_tridiagonal
 
 import tweezer
-from tests.benchmarks import force, integrate_report, numpy_sum, report
+from tests.benchmarks import (
+    brownian,
+    brownian_report,
+    force,
+    integrate_report,
+    numpy_sum,
+    report,
+)
 from tests.benchmarks.timing import Call, per_item
 from tweezer import cli
+from tweezer.dynamics.brownian import propagator
 
 
 @pytest.fixture(scope="module")
@@ -147,3 +156,135 @@ def test_readme_quotes_the_committed_integration():
     (quoted,) = integrate_report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
     assert quoted == integrate_report.block(committed)
     assert not committed["quick"]
+
+
+@pytest.fixture(scope="module")
+def stiff_trap():
+    """kappa tau = 0.1, in units of its own."""
+    return brownian.Trap(
+        tweezer.load_scene("silica-1um"), stiffness=0.1, mass=1.0, drag=1.0, tau=1.0, kT=2.0
+    )
+
+
+def inertial_euler_maruyama(trap, step):
+    """<x^2> and <v^2> over their true values, by hand from the stationary covariance; step: tau."""
+    slow = trap.kappa * step * trap.tau
+    v2 = 1 / (1 - step / 2 - slow * (1 - 3 * step / 4 + slow * step / 4))
+    return v2 * (1 - step / 2 + slow * step / 2), v2
+
+
+def test_quick_run_of_brownian_motion(command_line, tmp_path):
+    done = command_line(
+        "bench", "brownian", "--quick", "--out", "brownian.json", "--plot", "brownian.png"
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert (tmp_path / "brownian.png").stat().st_size > 10_000
+    results = json.loads((tmp_path / "brownian.json").read_text())
+    assert brownian_report.block(results).startswith("<!-- bench-brownian -->")
+    committed = brownian_report.read()
+    assert results.keys() == committed.keys()
+    assert results["headline"].keys() == committed["headline"].keys()
+    assert all(each["steps_per_s"] > 0 for each in results["rates"] + results["cores"])
+    entries = {
+        (name, brownian.way_of(entry), entry["step_trap_times"]): entry
+        for name, of in results["wells"].items()
+        for entry in of
+    }
+    # seeds are fixed; for others five standard errors would fail once in a million
+    for name in (brownian.GAUSSIAN, brownian.MILD):
+        entry = entries[name, brownian.DEFAULT, 0.2]
+        assert abs(entry["x2_bias"]) < 0.003 + 5 * entry["x2_error"]
+        assert abs(entry["v2_bias"]) < 0.001 + 5 * entry["v2_error"]
+    harmonic = entries[brownian.HARMONIC, brownian.DEFAULT, 0.8]
+    for key in ("x2", "v2", "corner"):
+        assert abs(harmonic[f"{key}_bias"]) < 1e-6
+    # overdamped Euler-Maruyama: <x^2> is 1/(1 - kappa h/2) times the true one, x' = (1 - kappa h) x
+    euler = brownian.Way("overdamped", "euler-maruyama")
+    entry = entries[brownian.HARMONIC, euler, 0.2]
+    assert entry["x2_bias"] == pytest.approx(0.1 / 0.9, rel=1e-3)
+    assert entry["corner_bias"] == pytest.approx(-math.log(0.8) / 0.2 - 1, abs=3e-3)
+    (entry,) = (
+        each
+        for (name, way, _), each in entries.items()
+        if (name, way) == (brownian.MILD, brownian.Way("full", "euler-maruyama"))
+    )
+    trap = brownian.trap_of_scene()
+    x2, v2 = inertial_euler_maruyama(trap, 1.9)
+    # the well's stiffness is 15 per cent above the trap's, on the average
+    assert entry["x2_bias"] == pytest.approx(x2 - 1, abs=0.2 * (x2 - 1) + 5 * entry["x2_error"])
+    assert entry["v2_bias"] == pytest.approx(v2 - 1, rel=0.05)
+
+
+def test_readme_quotes_the_committed_brownian_motion():
+    committed = brownian_report.read()
+    (quoted,) = brownian_report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
+    assert quoted == brownian_report.block(committed)
+    assert not committed["quick"]
+
+
+@pytest.mark.parametrize("step", [0.1, 0.5, 1.0, 1.8])
+def test_moments_of_euler_maruyama(stiff_trap, step):
+    x2, v2 = inertial_euler_maruyama(stiff_trap, step)
+    biases = brownian.euler_maruyama_bias(stiff_trap, step)
+    assert biases == pytest.approx((x2 - 1, v2 - 1), rel=1e-9)
+    weights = propagator.euler_maruyama(step, np.array([1.0]), np.array([2.0]))
+    moments = brownian.linear_moments(weights._replace(kappa=np.array([0.1])), [0, 1])
+    assert moments[1] == pytest.approx(2.0 * v2, rel=1e-9)
+    assert moments[2] == pytest.approx(moments[0], rel=1e-9)
+    # x' = x + h v, and <x v> = -h <v^2>/2
+    assert moments[3] == pytest.approx(moments[0] - step**2 * moments[1] / 2, rel=1e-9)
+
+
+def test_needed_step_has_the_bias():
+    trap = brownian.trap_of_scene()
+    step = brownian.euler_maruyama_step(trap, 1e-3)
+    assert inertial_euler_maruyama(trap, step)[0] - 1 == pytest.approx(1e-3, rel=1e-3)
+
+
+def test_numpy_euler_maruyama(stiff_trap):
+    """Against its stationary covariance; five standard errors fail once in a million seeds."""
+    rng = np.random.default_rng(4)
+    x, v = np.zeros((30_000, 3)), np.zeros((30_000, 3))
+    brownian.numpy_euler_maruyama(lambda x: -0.1 * x, x, v, 0.5, 300, stiff_trap, rng)
+    for values, true, ratio in zip(
+        (x, v), (20.0, 2.0), inertial_euler_maruyama(stiff_trap, 0.5), strict=True
+    ):
+        error = math.sqrt(2 / values.size)
+        assert np.mean(values**2) / (true * ratio) == pytest.approx(1, abs=5 * error)
+
+
+def test_autocorrelation_in_a_harmonic_trap(stiff_trap):
+    """Uhlenbeck and Ornstein, Phys. Rev. 36:823 (1930)."""
+    times = np.array([0.0, 0.3, 2.0, 15.0])
+    root = math.sqrt(1 - 4 * 0.1)
+    slow, fast = (1 - root) / 2, (1 + root) / 2
+    expected = (fast * np.exp(-slow * times) - slow * np.exp(-fast * times)) / root
+    np.testing.assert_allclose(
+        brownian.autocorrelation(stiff_trap, 0.0, times), expected, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("quartic", [0.0, *brownian.QUARTICS])
+def test_autocorrelation_in_a_quartic_trap(quartic):
+    """Its last decay is the gap of the Schroedinger operator of the motion without inertia."""
+    trap = brownian.trap_of_scene()
+    before, after = brownian.autocorrelation(trap, quartic, np.array([5.0, 5.5]) / trap.kappa)
+    x, dx = np.linspace(-9, 9, 4001, retstep=True)
+    slope, curvature = x + quartic * x**3, 1 + 3 * quartic * x**2
+    levels = eigh_tridiagonal(
+        2 / dx**2 + slope**2 / 4 - curvature / 2, np.full(4000, -1 / dx**2),
+        select="i", select_range=(0, 1), eigvals_only=True,
+    )  # fmt: skip
+    # inertia changes rates by kappa tau
+    assert 2 * math.log(before / after) == pytest.approx(levels[1] - levels[0], rel=2e-3)
+
+
+def test_control_variates():
+    """What goes along is taken off; five standard errors fail once in a million seeds."""
+    rng = np.random.default_rng(2)
+    controls = [rng.normal(size=2000) for _ in range(2)]
+    rest = 0.1 * rng.normal(size=2000)
+    values = 0.3 + 2 * controls[0] - controls[1] + rest
+    mean, error = brownian._controlled(values, controls)
+    assert error == pytest.approx(0.1 / math.sqrt(2000), rel=0.1)
+    assert mean == pytest.approx(0.3, abs=5 * error)

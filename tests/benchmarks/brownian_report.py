@@ -1,0 +1,310 @@
+"""The results of the benchmark of Brownian motion as tables, as a figure, and in the README.
+
+`python -m tests.benchmarks.brownian_report` writes the README's block from the committed results.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from tests.benchmarks.brownian import HARMONIC, MILD, STEP, Results, Way, way_of
+from tests.benchmarks.report import README, rounded
+from tests.benchmarks.timing import ROOT
+
+COMMITTED = ROOT / "tests/benchmarks/results/brownian.json"
+BLOCK = re.compile(r"<!-- bench-brownian -->\n.*?<!-- end -->", re.DOTALL)
+
+_STYLES = {
+    Way("full", "heun", spring=True): ("#004488", "o", "-"),
+    Way("full", "heun"): ("#6699cc", "o", ":"),
+    Way("full", "one-call"): ("#997700", "D", "-"),
+    Way("full", "euler-maruyama"): ("#bb5566", "X", "-"),
+    Way("full", "baoab"): ("#aa3377", "P", "-"),
+    Way("overdamped", "heun", spring=True): ("#228833", "s", "--"),
+    Way("overdamped", "heun"): ("#99bb88", "s", ":"),
+    Way("overdamped", "one-call"): ("#eecc66", "d", "--"),
+    Way("overdamped", "euler-maruyama"): ("#ee99aa", "x", "--"),
+    Way("first-order", "heun", spring=True): ("#555555", "^", "--"),
+}
+
+#: ways that must resolve the relaxation time
+_RESOLVING = (Way("full", "euler-maruyama"), Way("full", "baoab"))
+
+
+def rows(results: Results) -> list[list[str]]:
+    """All biases; the first row is that of the headings."""
+    table = [
+        ["well", "scheme", "step, trap times", "bias of ⟨x²⟩, %", "of ⟨v²⟩, %",
+         "of the corner frequency, %", "force calls a trap time", "µs a trap time"],
+    ]  # fmt: skip
+    table += [
+        [
+            name, way_of(entry).label, f"{entry['step_trap_times']:.3g}",
+            *(_bias(entry, key) for key in ("x2", "v2", "corner")),
+            f"{entry['force_calls_per_trap_time']:.3g}", rounded(entry["us_per_trap_time"]),
+        ]
+        for name, entries in results["wells"].items()
+        for entry in entries
+    ]  # fmt: skip
+    return table
+
+
+def _bias(entry: dict[str, Any], key: str) -> str:
+    """In per cent, with its standard error to one digit."""
+    if f"{key}_bias" not in entry:
+        return ""
+    value, error = 100 * entry[f"{key}_bias"], 100 * entry[f"{key}_error"]
+    if error < 1e-4:
+        return f"{value:z.3f}"
+    digits = max(0, -math.floor(math.log10(error)))
+    return f"{value:z.{digits}f} ± {error:.{digits}f}"
+
+
+def by_way(results: Results) -> list[list[str]]:
+    """Rates, and biases at the step of the headline; the first row is that of the headings."""
+    names = [name for name in results["wells"] if name != HARMONIC]
+    found = {
+        (way_of(entry), name): entry
+        for name, entries in results["wells"].items()
+        for entry in entries
+        if entry["step_trap_times"] == STEP
+    }
+    table = [
+        [f"bias at a step of {STEP:g} trap times, %", "million steps a second",
+         *(f"⟨x²⟩, {name}" for name in names), f"corner frequency, {MILD}"],
+    ]  # fmt: skip
+    rates = {(each["model"], each["method"]): each["steps_per_s"] for each in results["rates"]}
+    for way in (*_STYLES, Way("full", "harmonic"), Way("overdamped", "harmonic")):
+        biases = [_bias(found.get((way, name), {}), "x2") for name in names]
+        corner = _bias(found.get((way, MILD), {}), "corner")
+        table.append([way.label, rounded(1e-6 * rates[way[:2]]), *biases, corner])
+    return table
+
+
+def against_numpy(results: Results) -> list[list[str]]:
+    """What Euler-Maruyama costs for the same error; the first row is that of the headings."""
+    table = [
+        ["ours: scheme, well, step in trap times", "⟨x²⟩ wrong by, %",
+         "Euler-Maruyama's step, relaxation times", "its ⟨v²⟩ wrong by, %", "times fewer steps",
+         "times cheaper than NumPy: closed form", "table", "sum over 7644 rays",
+         "than compiled, table"],
+    ]  # fmt: skip
+    for each in results["headline"]["cheaper"]:
+        cheaper = each["times_cheaper"]
+        table.append(
+            [
+                f"{each['method']}, {each['well']}, {each['step_trap_times']:g}",
+                rounded(100 * each["bias"]), rounded(each["euler_maruyama_step_relaxation_times"]),
+                rounded(100 * each["euler_maruyama_v2_bias"]), rounded(each["times_fewer_steps"]),
+                *(rounded(cheaper[by]["numpy"]) for by in ("closed form", "table", "ray sum")),
+                rounded(cheaper["table"]["euler-maruyama"]),
+            ]
+        )  # fmt: skip
+    return table
+
+
+def apart(results: Results) -> list[list[str]]:
+    """Ensembles, and the first step; the first row is that of the headings."""
+    lines = [["ensembles of statistics; first step", ""]]
+    for key, what in (
+        ("two_threads_over_one", "two threads over one"),
+        ("two_dask_workers_over_one", "two Dask workers over one"),
+    ):
+        value = results["headline"][key]
+        lines.append([f"{what}, times as fast", f"{value:.2f}" if value else "not taken"])
+    lines += [
+        [f"memory at its peak, {of['trajectories']:,} trajectories", f"{of['peak_mb']:.0f} MB"]
+        for of in results["memory"]
+    ]
+    fresh = results["fresh_process"]
+    for key, what in (
+        ("empty_cache", "bound and a step, all compiled"),
+        ("warm_cache", "the same, compiled before"),
+    ):
+        if key in fresh:
+            seconds = fresh[key]["bind_s"] + fresh[key]["first_step_s"]
+            lines.append([f"a first process: {what}", f"{rounded(seconds)} s"])
+    return lines
+
+
+def left_out(results: Results) -> str:
+    """What failed or was not taken, steps in trap times, in a sentence."""
+    steps: dict[tuple[str, str], list[str]] = {}
+    for each in results["left_out"]:
+        at = steps.setdefault((each["why"], each["what"]), [])
+        if "step_trap_times" in each:
+            at.append(f"{each['step_trap_times']:.3g}")
+    told: dict[str, list[str]] = {}
+    for (why, what), at in steps.items():
+        told.setdefault(why, []).append(f"{what}{' at ' if at else ''}{', '.join(at)}")
+    return "; ".join(f"{why} ({'; '.join(what)})" for why, what in told.items()) or "nothing"
+
+
+def figure(results: Results) -> Figure:
+    """Rates; biases in the mild well against step and cost, with their sampling floor."""
+    drawn = Figure(figsize=(13.0, 8.0), layout="constrained")
+    panels = drawn.subplots(2, 3)
+    entries = results["wells"][MILD]
+    _draw_rates(panels[0, 0], results["rates"])
+    for axes, key, what in (
+        (panels[0, 1], "x2", "⟨x²⟩"), (panels[1, 0], "v2", "⟨v²⟩"),
+        (panels[1, 1], "corner", "the corner frequency"),
+    ):  # fmt: skip
+        _draw(axes, entries, key, "step_trap_times")
+        axes.set(xlabel="step, trap times", ylabel=f"|relative bias of {what}|")
+    _draw(panels[0, 2], entries, "x2", "us_per_trap_time")
+    _draw_baseline(panels[0, 2], results)
+    panels[0, 2].set(
+        xlabel="time of a trajectory, µs a trap time", ylabel="|relative bias of ⟨x²⟩|"
+    )
+    panels[0, 1].set_title(f"well: {MILD}", fontsize=10)
+    panels[0, 2].legend(fontsize=8, frameon=False, loc="upper right")
+    _draw_scaling(panels[1, 2], results)
+    handles = [
+        Line2D([], [], color=colour, marker=marker, linestyle=style, linewidth=1, label=way.label)
+        for way, (colour, marker, style) in _STYLES.items()
+    ]
+    handles += [
+        Line2D([], [], color="0.4", marker="o", linestyle="", markerfacecolor="white",
+               label="below two standard errors, which is where it is drawn"),
+        Line2D([], [], color="0.4", linestyle="--", linewidth=1,
+               label="sampling floor: two standard errors, median"),
+    ]  # fmt: skip
+    drawn.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    return drawn
+
+
+def _draw_rates(axes: Axes, rates: list[dict[str, Any]]) -> None:
+    labels = [f"{each['model']}, {each['method']}" for each in rates]
+    axes.barh(labels, [1e-6 * each["steps_per_s"] for each in rates], color="#6699cc")
+    axes.invert_yaxis()
+    axes.set(xlabel="million trajectory-steps a second, one core, 3-D, table")
+    axes.grid(axis="x", color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> None:
+    """Size of the bias; where it is within two standard errors of 0, hollow, at these.
+
+    Dashed: the median of two standard errors of what takes steps longer than tau.
+    """
+    floor: dict[float, list[float]] = {}
+    for way, (colour, marker, style) in _STYLES.items():
+        own = sorted(
+            (e for e in entries if way_of(e) == way and f"{key}_bias" in e),
+            key=lambda e: e[against],
+        )
+        if not own:
+            continue
+        at = np.array([e[against] for e in own])
+        bias = np.array([abs(e[f"{key}_bias"]) for e in own])
+        twice = np.array([2 * e[f"{key}_error"] for e in own])
+        lost = bias < twice
+        shown = np.where(lost, twice, bias)
+        axes.plot(at, shown, color=colour, linestyle=style, linewidth=1)
+        for of, face in ((~lost, colour), (lost, "white")):
+            axes.plot(
+                at[of], shown[of], color=colour, marker=marker, linestyle="", markersize=6,
+                markerfacecolor=face,
+            )  # fmt: skip
+        if way not in _RESOLVING:
+            for step, of in zip(at, twice, strict=True):
+                floor.setdefault(step, []).append(of)
+    if against == "step_trap_times":
+        steps = sorted(floor)
+        axes.plot(
+            steps, [np.median(floor[step]) for step in steps], color="0.4", linestyle="--",
+            linewidth=1,
+        )  # fmt: skip
+    axes.set(xscale="log", yscale="log")
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def _draw_baseline(axes: Axes, results: Results) -> None:
+    """Euler and Maruyama's method in a harmonic trap, whose bias is known, as a user writes it."""
+    line, trap = results["baseline"]["euler_maruyama_harmonic"], results["trap"]
+    steps = np.array(line["steps_relaxation_times"]) * trap["relaxation_time_s"]
+    for name, style in (("table", "-"), ("closed form", ":")):
+        ns = results["baseline"]["ns_per_step"][name]["numpy"]
+        axes.plot(
+            1e-3 * ns * trap["trap_time_s"] / steps, line["x2_bias"], color="black",
+            linewidth=1, linestyle=style, label=f"Euler-Maruyama in NumPy, {name}",
+        )  # fmt: skip
+
+
+def _draw_scaling(axes: Axes, results: Results) -> None:
+    axes.axis("off")
+    lines = [
+        *(
+            (f"{each['kind']}: {each['count']}", f"{1e-6 * each['steps_per_s']:.1f} M steps/s",
+             f"{each['times_one']:.2f} times")
+            for each in results["cores"]
+        ),
+        *(
+            (f"{each['trajectories']:,} trajectories", f"{each['peak_mb']:.0f} MB at the peak", "")
+            for each in results["memory"]
+        ),
+    ]  # fmt: skip
+    table = axes.table(
+        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.42, 0.36, 0.22]
+    )
+    table.auto_set_font_size(False)
+    table.set_fontsize(8)
+    table.scale(1.0, 1.5)
+    axes.set_title("ensembles of statistics: full, heun", fontsize=10, y=0.85)
+
+
+def block(results: Results) -> str:
+    """The README's part, between its markers."""
+    trap = results["trap"]
+    explained = (
+        f"Thermal motion of the bead of `{results['scene']}` (trap time "
+        f"{1e6 * trap['trap_time_s']:.0f} µs, relaxation time "
+        f"{1e9 * trap['relaxation_time_s']:.0f} ns). Rates: 3-D, table force, steady state. "
+        "Biases: relative, in wells of the trap's stiffness where the truth is a quadrature, ± one "
+        "standard error. The corner frequency is that of the fall of the autocorrelation, against "
+        "the inertial motion. One-call places are for distributions, not for spectra. "
+        "Euler-Maruyama, of the inertial equations in NumPy, takes the step at which its ⟨x²⟩ is "
+        "as wrong as ours may be: the largest bias from a step of "
+        f"{STEP:g} on, with two standard errors. The sum over rays is the thesis's, in NumPy."
+    )
+    lines = ["<!-- bench-brownian -->", *textwrap.wrap(explained, 110), ""]
+    for headings, *cells in (by_way(results), against_numpy(results), apart(results)):
+        lines += [
+            "| " + " | ".join(row) + " |"
+            for row in (headings, ["---", *["---:"] * (len(headings) - 1)], *cells)
+        ]
+        lines.append("")
+    machine = results["machine"]
+    lines += [
+        "![Brownian motion: rates, bias against step and cost](docs/figures/bench-brownian.png)",
+        "",
+        *textwrap.wrap(f"Failed or left out: {left_out(results)}.", 110, break_long_words=False),
+        "",
+        f"`make bench` measures this anew. These are from {machine['processor']}, "
+        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
+        "<!-- end -->",
+    ]
+    return "\n".join(lines)
+
+
+def read() -> Results:
+    """The committed results."""
+    results: Results = json.loads(COMMITTED.read_text(encoding="utf-8"))
+    return results
+
+
+if __name__ == "__main__":
+    text = README.read_text(encoding="utf-8")
+    quoted = block(read())
+    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")
