@@ -244,6 +244,14 @@ BAD_SCENES = {
         {"start.drawn": '"boltzmann"'}, "start.drawn = 'boltzmann': is for forces.brownian = true"),
     "ball without a radius": ({"start.drawn": '"ball"', "forces.brownian": "true"},
                               "start.ball_radius: goes with drawn = 'ball', and with nothing else"),
+    "ball that reaches beyond the loss": (
+        {"start.drawn": '"ball"', "start.ball_radius": '"50 um"', "forces.brownian": "true"},
+        "must be nearer than simulation.loss_distance",
+    ),
+    "spring that should turn the bead": (
+        {"forces.brownian": "true", "simulation.method": '"harmonic"', "beam.torque": '"thesis"'},
+        "simulation.method = 'harmonic': a spring exerts no torque; allowed: beam.torque = 'none'",
+    ),
     "thermal first order with rotation": (
         {"forces.brownian": "true", "forces.brownian_torque": "true",
          "simulation.model": '"first-order"'},

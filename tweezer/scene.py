@@ -314,11 +314,12 @@ class Start(Section):
         "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
     )
     position: Vector = Field(description="centre of the bead, z along the light")
-    drawn: Literal["no", "ball", "boltzmann"] = Field(
+    drawn: Literal["no", "equilibrium", "ball", "boltzmann"] = Field(
         "no",
-        description="no: where `position` says, as `velocity` says; with thermal motion also ball: "
-        "uniformly within `ball_radius` of `position`; boltzmann: about the stable equilibrium, "
-        "as in a harmonic trap of its stiffness, velocities thermal",
+        description="no: where `position` says, as `velocity` says; with thermal motion also "
+        "equilibrium: at the stable equilibrium nearest the focus; ball: uniformly within "
+        "`ball_radius` of `position`; boltzmann: about the equilibrium, as in a harmonic trap of "
+        "its stiffness, velocities thermal, `orientation` as it says",
     )
     ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
     velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
@@ -477,14 +478,20 @@ class Scene(Section):
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise _refusal("start.frame = 'lens': needs lens.focal_length")
         x, y, z = self.start_position
-        if self.lens.focal_length is not None and z <= self.bead.radius - self.lens.focal_length:
+        ball = self.start.ball_radius or 0.0
+        lens = -math.inf
+        if self.lens.focal_length is not None:
+            lens = self.bead.radius - self.lens.focal_length
+        if z - ball <= lens:
             raise _refusal(
                 f"start.position = {list(self.start.position)}: the bead must start beyond the "
                 "lens, by more than its radius"
             )
-        if math.hypot(x, y, z) >= self.simulation.loss_distance:
+        distance = math.hypot(x, y, z) + ball
+        if distance >= self.simulation.loss_distance:
+            to = "and its ball reach to" if ball else "is"
             raise _refusal(
-                f"start.position = {list(self.start.position)}: is {math.hypot(x, y, z):.3g} m "
+                f"start.position = {list(self.start.position)}: {to} {distance:.3g} m "
                 "from the focus; must be nearer than simulation.loss_distance = "
                 f"{self.simulation.loss_distance:.3g} m"
             )
@@ -510,6 +517,11 @@ class Scene(Section):
             raise _refusal(
                 "simulation.model = 'first-order': with thermal motion by heun alone, and without "
                 "rotation"
+            )
+        if method == "harmonic" and self.beam.torque != "none" and self.lit:
+            raise _refusal(
+                "simulation.method = 'harmonic': a spring exerts no torque; allowed: "
+                "beam.torque = 'none'"
             )
         if method == "baoab" and model == "overdamped":
             raise _refusal("simulation.method = 'baoab': needs inertia, not model = 'overdamped'")

@@ -495,10 +495,24 @@ def test_baoab_moves_too_easily_at_long_steps():
     assert measured == pytest.approx(half / math.tanh(half), rel=0.02)
 
 
+def test_a_compiled_baoab_step_is_kick_drift_noise_drift_kick():
+    h = 0.7 * TAU
+    one = walk_in(bound("full", "baoab", h), LinearTrap(STIFFNESS))
+    who = np.arange(70)
+    rng = np.random.default_rng(9)
+    x, v = rng.normal(size=(70, 3)) * 1e-8, rng.normal(size=(70, 3)) * 1e-4
+    states, out = np.hstack([x, v, np.full((70, 1), np.inf)]), np.empty((70, 1, 6))
+    one.advance(states, who, 0, out)
+    kT_over_m, decay = KT / BEAD.mass, math.exp(-h / TAU)
+    v = v - 0.5 * h * STIFFNESS / BEAD.mass * x
+    x = x + 0.5 * h * v
+    v = decay * v + math.sqrt((1 - decay**2) * kT_over_m) * drawn_for(one.seed, who, 0, 3)
+    x = x + 0.5 * h * v
+    v = v - 0.5 * h * STIFFNESS / BEAD.mass * x
+    np.testing.assert_allclose(out[:, 0], np.hstack([x, v]), rtol=1e-11, atol=1e-22)
+
+
 def test_baoab_samples_a_harmonic_position_exactly():
-    one = walk_in(bound("full", "baoab", 0.5 * TAU, samples=2, per_sample=1), LinearTrap(1e-2))
-    trap = DRAG / 1e-2
-    assert one.step < trap
     one = walk_in(bound("full", "baoab", 0.5 * TAU, samples=120, per_sample=20), LinearTrap(1e-2))
     x = followed(one, 3000)[:, 40:, :3]
     of_each = (x**2).mean(axis=(1, 2)) * 1e-2 / KT
@@ -696,6 +710,44 @@ def test_evaluators_agree_along_a_path():
     assert np.linalg.norm(ends["grid"] - ends["quadrature"]) < 1e-8
 
 
+# --- a scene bound as it is ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["full", "scaled", "overdamped", "first-order"])
+def test_the_spring_taken_exactly_is_that_of_the_scene(model):
+    """By `characterise`, and for first order the rate of the slow decay, kappa (1 + kappa tau)."""
+    scene = REAL.replace(simulation={"model": model, "scaling_factor": 0.1})
+    one = walk(scene)
+    stiffness = np.diag(tweezer.characterise(scene).equilibrium.stiffness)
+    kappa = stiffness / DRAG
+    if model == "first-order":
+        kappa = kappa * (1 + kappa * TAU)
+        slow = (1 - np.sqrt(1 - 4 * stiffness / DRAG * TAU)) / (2 * TAU)
+        np.testing.assert_allclose(kappa, slow, rtol=3 * (stiffness.max() / DRAG * TAU) ** 2)
+    np.testing.assert_allclose(one.weights.kappa, kappa, rtol=1e-12)
+    tau = {"full": TAU, "scaled": TAU / 0.1}.get(model, 0.0)
+    expected = propagator.exact(one.step, np.full(3, tau), kappa, np.full(3, DIFFUSION))
+    for name in propagator.Weights._fields:
+        np.testing.assert_allclose(getattr(one.weights, name), getattr(expected, name), rtol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["harmonic", "heun", "one-call"])
+def test_a_bead_stays_about_the_equilibrium_of_the_scene(method):
+    """Mean and variance of independent places; the well's anharmonicity is below 0.3 %."""
+    n = 20_000
+    scene = REAL.replace(
+        start={"drawn": "equilibrium"}, optics={"table_tolerance": 1e-6},
+        simulation={"model": "overdamped", "method": method, "duration": 5e-3, "samples": 2},
+    )  # fmt: skip
+    one = walk(scene, 3)
+    place = np.array(one.equilibrium.position)
+    assert np.array_equal(one.start(np.arange(2))[:, :3], np.array([place, place]))
+    x = followed(one, n)[:, -1] - place
+    variance = KT / np.diag(one.equilibrium.stiffness)
+    assert np.all(np.abs(x.mean(axis=0)) < FAR * np.sqrt(variance / n) + 2e-3 * np.sqrt(variance))
+    assert np.all(np.abs(x.var(axis=0) / variance - 1) < FAR * math.sqrt(2 / n) + 3e-3)
+
+
 # --- ends and refusals ---------------------------------------------------------------------------
 
 
@@ -711,6 +763,31 @@ def test_a_lost_bead_is_no_number_from_then_on():
         assert np.isnan(out[i, after]).all()
         assert np.isfinite(out[i, ~after]).all()
         assert (np.linalg.norm(out[i, ~after], axis=1) < 3e-7).all()
+
+
+def test_a_bead_is_lost_at_the_plane_of_the_lens_and_nowhere_near_it():
+    """f = 6 um: sideways a bead may go 20 um, towards the lens to z = r - f."""
+    lens = {"map": "tan", "radius": "5 um", "focal_length": "6 um", "numerical_aperture": None}
+    base = {"lens": lens, "simulation": {"loss_distance": 20e-6}}
+    aside = bound("overdamped", "heun", 1e-4, start={"position": [8e-6, 0, 0]}, **base)
+    states = aside.start(np.arange(20))
+    aside.advance(states, np.arange(20), 0, np.empty((20, 1, 3)))
+    assert np.isinf(states[:, -1]).all()
+    near = bound("overdamped", "heun", 1e-2, start={"position": [0, 0, -5.49e-6]}, **base)
+    states, out = near.start(np.arange(200)), np.empty((200, 1, 3))
+    near.advance(states, np.arange(200), 0, out)
+    lost = np.isfinite(states[:, -1])
+    assert 20 < lost.sum() < 180
+    assert (out[~lost, 0, 2] > 0.5e-6 - 6e-6).all()
+
+
+@pytest.mark.parametrize("model", ["full", "overdamped"])
+def test_a_step_turns_the_bead_no_further_than_its_rotation_allows(model):
+    diffusion = KT / BEAD.rotational_drag
+    one = bound(model, "heun", 10.0, per_sample=1, forces={"brownian_torque": True})
+    allowed = 0.25 if model == "overdamped" else 0.002
+    assert one.step * diffusion <= allowed
+    assert "rotational diffusion" in one.why
 
 
 def test_steps_that_are_too_long_end_in_losses():

@@ -176,8 +176,11 @@ def calibrate(
         if value is not None and not 0 < value < math.inf:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
     given = TrappedBead(math.nan, math.nan if drag is None else drag, temperature, mass)
+    wrong = []
+    if recording.scene is not None and recording.scene.simulation.method == "one-call":
+        wrong.append("simulated by one-call: displacements from step to step are not the bead's")
     axes = tuple(
-        _calibrated(axis, positions, recording.step, given)
+        _calibrated(axis, positions, recording.step, given, wrong)
         for axis, positions in zip(recording.axes, recording.positions.T, strict=True)
     )
     samples = len(recording.times)
@@ -194,7 +197,10 @@ def _inertia(scene: Scene, mass: float) -> float | None:
     return mass if model == "full" else None
 
 
-def _calibrated(axis: str, positions: Array, step: float, given: TrappedBead) -> AxisCalibration:
+def _calibrated(
+    axis: str, positions: Array, step: float, given: TrappedBead, wrong: list[str]
+) -> AxisCalibration:
+    """The trap along one axis; wrong: what speaks against all that comes of how the bead moves."""
     positions = np.ascontiguousarray(positions)
     free, fit = _fit_spectrum(positions, step, given)
     bead, known = fit.bead, not math.isnan(given.drag)
@@ -215,7 +221,7 @@ def _calibrated(axis: str, positions: Array, step: float, given: TrappedBead) ->
         general.append(
             f"temperature and drag contradict the diffusion, that of {ratio:.3g} times this drag"
         )
-    of_model = list(general)
+    of_model = [*general, *wrong]
     if free.p_value < _IMPROBABLE:
         of_model.append(f"the spectrum is not that of a trapped bead (p = {free.p_value:.1g})")
 

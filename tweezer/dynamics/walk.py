@@ -16,7 +16,7 @@ from tweezer.bead import bead_properties
 from tweezer.dynamics.brownian import march, noise, propagator
 from tweezer.dynamics.brownian.batch import Plan
 from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.dynamics.brownian.rotation import LONGEST
+from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.choose import rates_of_force
 from tweezer.dynamics.integrators import System, kernel_signature
 from tweezer.dynamics.models import Motion
@@ -34,7 +34,7 @@ _PART, _PART_OF_TAU = 0.2, 0.2
 #: part of the places about the trap where the force changes no faster than the scale it is taken as
 _MOST = 0.9
 #: steps a sample interval may take
-_MOST_PER_SAMPLE = 10**9
+_MOST_PER_SAMPLE = 10**6
 
 _SCHEMES = {
     "heun": march.HEUN,
@@ -87,6 +87,8 @@ class Walk:
                 x += scene.start.ball_radius * (
                     drawn[:, :3] / np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
                 )
+            elif scene.start.drawn == "equilibrium":
+                x = np.tile(plan.centre[:3], (n, 1))
             elif self.equilibrium is not None:
                 x = plan.centre[:3] + drawn[:, :3] * np.sqrt(
                     plan.diffusion[:3] / (plan.mobility[:3] * np.diag(self.equilibrium.stiffness))
@@ -169,8 +171,9 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
-    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a tenth of
-    the fastest time scale of the force, or `simulation.step` at most.
+    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a fifth of
+    the fastest time scale of the force at most, or `simulation.step`; with a rotation, no longer
+    than that allows (`tweezer.dynamics.brownian.rotation`).
 
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
@@ -199,11 +202,13 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
     equilibrium = stable_equilibrium(scene)
-    needs_one = simulation.method == "harmonic" or scene.start.drawn == "boltzmann"
-    if equilibrium is None and needs_one:
-        key = "start.drawn" if scene.start.drawn == "boltzmann" else "simulation.method"
-        value = "boltzmann" if scene.start.drawn == "boltzmann" else "harmonic"
-        raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
+    if equilibrium is None:
+        for key, value, needing in (
+            ("simulation.method", simulation.method, ("harmonic",)),
+            ("start.drawn", scene.start.drawn, ("equilibrium", "boltzmann")),
+        ):
+            if value in needing:
+                raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
     kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
         kappa[:3] = np.diag(equilibrium.stiffness) / bead.drag
@@ -216,7 +221,8 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
             f"simulation.duration = {simulation.duration:g}: {per_sample:.2g} steps of "
-            f"{longest:.2g} s from sample to sample; allowed: {_MOST_PER_SAMPLE:.0g}"
+            f"{longest:.2g} s from sample to sample; allowed: {_MOST_PER_SAMPLE:.0g}. More "
+            "simulation.samples?"
         )
     step = interval / per_sample
     reasons.append(f"steps of {step:.3g} s: {reason}")
@@ -237,10 +243,13 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         tau = np.full(dims, bead.relaxation_time)
     load = np.zeros(dims)
     load[:3] = bead.weight
-    loss = simulation.loss_distance
+    lens = -math.inf
     if scene.lens.focal_length is not None:
-        loss = min(loss, scene.lens.focal_length - scene.bead.radius)
-    plan = Plan(seed, step, per_sample, loss, tau, 1 / drags, load, diffusion, centre)
+        lens = scene.bead.radius - scene.lens.focal_length
+    plan = Plan(
+        seed, step, per_sample, simulation.loss_distance, lens, tau, 1 / drags, load, diffusion,
+        centre,
+    )  # fmt: skip
     columns = ["x", "y", "z"]
     if inertial:
         columns += ["vx", "vy", "vz"]
@@ -257,20 +266,21 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
 def _longest_step(scene: Scene, tau: Array, kappa: Array, diffusion: Array) -> tuple[float, str]:
     """The longest step that suits the scene, s, and what it is by."""
     simulation = scene.simulation
-    if simulation.step is not None:
-        return simulation.step, "simulation.step"
     limits = [(math.inf, "from sample to sample")]
+    if len(tau) == 6:
+        part = LONGEST_WITH_INERTIA if tau[0] > 0 else LONGEST
+        limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
+    if simulation.step is not None:
+        return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
     rate = max(float(np.quantile(rates_of_force(scene), _MOST)), float(np.abs(kappa).max()))
     if rate > 0 and simulation.method != "harmonic":
-        part = f"{_PART:g} of "
-        limits.append((_PART / rate, part + "the fastest time scale of the force"))
+        some = f"{_PART:g} of "
+        limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
-            limits.append((_PART * math.sqrt(tau[0] / rate), part + "the time of a swing"))
+            limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
     if tau[0] > 0 and simulation.method in ("euler-maruyama", "baoab"):
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
-    if len(tau) == 6:
-        limits.append((0.1 * LONGEST / diffusion[3], "a small turn"))
     return min(limits)
 
 

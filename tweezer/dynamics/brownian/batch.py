@@ -24,8 +24,10 @@ class Plan(NamedTuple):
     per_sample: int
     loss: float
     """m, distance from the focus at which a bead is lost"""
+    lens: float
+    """m, z at which a bead touches the lens, and is lost"""
     tau: Array
-    """(dims,) s; 0 without inertia"""
+    """(dims,) s; 0 where inertia is left out"""
     mobility: Array
     """(dims,) 1/beta_v, and 1/beta_w"""
     load: Array

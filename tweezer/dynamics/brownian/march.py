@@ -46,7 +46,7 @@ _CALLED = hashlib.sha256(
 ).hexdigest()
 
 _empty = np.zeros(0)
-_PLAN = typeof(Plan(0, 0.0, 0, 0.0, *[_empty] * 5))
+_PLAN = typeof(Plan(0, 0.0, 0, 0.0, 0.0, *[_empty] * 5))
 _WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
 _integers = typeof(np.zeros(0, np.int64))
 _matrix, _tensor = types.float64[:, ::1], types.float64[:, :, :]
@@ -108,7 +108,7 @@ def loop(
                             rotation.diffuse(plan, who, at, beads)
                     for i in range(n):
                         squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
-                        if not squared < plan.loss * plan.loss:
+                        if not squared < plan.loss * plan.loss or x[2, i] <= plan.lens:
                             if not math.isfinite(squared):
                                 return begin + i
                             if states[begin + i, last] == np.inf:

@@ -1,10 +1,13 @@
 """A sphere's orientation under drag and thermal torque (2.17): |e| = 1 by construction.
 
-The angular velocity of a sphere in the inertial frame follows the same equation as its velocity,
-so a step turns it by an angle known exactly, with noise of 2 beta_w kT (L_C = 2 r/sqrt(3) times
-that of the force). Without inertia the diffusion itself is exact: an angle w is drawn from
-N(0, 2 D_r h) and accepted with probability sin(|w|/2)/(|w|/2), up to D_r h = 1/4; the turn of a
-constant torque commutes with it.
+With inertia, the angular velocity of a sphere in the inertial frame follows the same equation as
+its velocity, so a step turns it by an angle known exactly, with noise of 2 beta_w kT
+(L_C = 2 r/sqrt(3) times that of the force). A finite turn by that angle is not the product of its
+parts: the axis diffuses faster than it should by about D_r h/6, which bounds the step.
+
+Without inertia the diffusion itself is exact: an angle w is drawn from N(0, 2 D_r h) and accepted
+with probability sin(|w|/2)/(|w|/2), up to D_r h = 1/4; the turn of a constant torque commutes with
+it.
 """
 
 from __future__ import annotations
@@ -20,8 +23,8 @@ from tweezer.dynamics.brownian.noise import TURN, fill_normals
 
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
-#: longest step of the exact diffusion, over 1/D_r
-LONGEST = 0.25
+#: longest step of the exact diffusion, and of a turn with inertia, over 1/D_r
+LONGEST, LONGEST_WITH_INERTIA = 0.25, 0.002
 
 
 @njit(error_model="numpy")
