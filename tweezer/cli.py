@@ -415,7 +415,6 @@ def bench_brownian(
     with _err.status("brownian") as status:
         results = benchmark.measure(quick=quick, say=status.update)
     for headings, *rows in (
-        report.rows(results),
         report.by_way(results),
         report.against_numpy(results),
         report.apart(results),

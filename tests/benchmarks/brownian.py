@@ -684,7 +684,7 @@ def _cores(
                     Client(
                         stack.enter_context(
                             LocalCluster(
-                                n_workers=count, threads_per_worker=1, dashboard_address=None,
+                                n_workers=count, threads_per_worker=1, dashboard_address=":0",
                                 local_directory=folder,
                             )
                         )
@@ -742,7 +742,10 @@ def headline(results: Results) -> Results:
     for _, of in itertools.groupby(
         results["baseline"]["compared"], lambda each: (each["method"], each["well"])
     ):
-        at_step, *longer = (each for each in of if each["bias"] < GOOD)
+        good = [each for each in of if each["bias"] < GOOD]
+        if not good:
+            continue
+        at_step, *longer = good
         best = max([at_step, *longer], key=lambda each: each["times_cheaper"]["table"]["numpy"])
         cheaper += [at_step] if best is at_step else [at_step, best]
     return {

@@ -40,24 +40,6 @@ _STYLES = {
 _RESOLVING = (Way("full", "euler-maruyama"), Way("full", "baoab"))
 
 
-def rows(results: Results) -> list[list[str]]:
-    """All biases; the first row is that of the headings."""
-    table = [
-        ["well", "scheme", "step, trap times", "bias of ⟨x²⟩, %", "of ⟨v²⟩, %",
-         "of the corner frequency, %", "force calls a trap time", "µs a trap time"],
-    ]  # fmt: skip
-    table += [
-        [
-            name, way_of(entry).label, f"{entry['step_trap_times']:.3g}",
-            *(_bias(entry, key) for key in ("x2", "v2", "corner")),
-            f"{entry['force_calls_per_trap_time']:.3g}", rounded(entry["us_per_trap_time"]),
-        ]
-        for name, entries in results["wells"].items()
-        for entry in entries
-    ]  # fmt: skip
-    return table
-
-
 def _bias(entry: dict[str, Any], key: str) -> str:
     """In per cent, with its standard error to one digit."""
     if f"{key}_bias" not in entry:
@@ -122,7 +104,10 @@ def apart(results: Results) -> list[list[str]]:
         value = results["headline"][key]
         lines.append([f"{what}, times as fast", f"{value:.2f}" if value else "not taken"])
     lines += [
-        [f"memory at its peak, {of['trajectories']:,} trajectories", f"{of['peak_mb']:.0f} MB"]
+        [
+            f"memory at its peak, {of['trajectories']:,} trajectories of 5 samples",
+            f"{of['peak_mb']:.0f} MB",
+        ]
         for of in results["memory"]
     ]
     fresh = results["fresh_process"]
