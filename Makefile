@@ -28,7 +28,7 @@ bench: .venv/.bench  ## measure again: results, figures and what the README quot
 		--plot docs/figures/bench-brownian.png
 	$(BIN)/python -m tests.benchmarks.brownian_report
 
-stress: .venv/.runtime  ## 10,000 random scenes: how they end
+stress: .venv/.runtime  ## 10,000 random scenes, and 2,000 with thermal motion: how they end
 	$(BIN)/python -m tests.stress 10000
 
 derivation: .venv/.dev  ## derive again and write generated/

@@ -15,14 +15,25 @@ from typing import Any
 import numpy as np
 
 import tweezer
-from tweezer.dynamics import bind, chosen, closest_approach, integrate, lens_touched, loss
-from tweezer.errors import TweezerError
+from tweezer.dynamics import (
+    bind,
+    chosen,
+    closest_approach,
+    integrate,
+    lens_touched,
+    loss,
+    walk,
+)
+from tweezer.errors import IntegrationError, TweezerError
 from tweezer.scene import Scene
 
 #: force calls of one run: what needs more ends as failed, its work spent
 MOST_CALLS = 20_000
 METHODS = ("auto", "auto", "auto", "exponential", "dormand-prince", "dop853", "scipy:LSODA")
 MODELS = (None, None, "full", "scaled", "overdamped", "first-order")
+STOCHASTIC = ("auto", "auto", "one-call", "harmonic", "euler-maruyama", "baoab")
+#: thermal beads of a scene
+BEADS = 4
 
 
 def random_changes(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
@@ -97,16 +108,61 @@ def outcome(changes: dict[str, dict[str, Any]]) -> str:
     return run.status
 
 
-def outcomes(count: int, seed: int) -> Counter[str]:
+def thermal_changes(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
+    """The same with thermal motion, and steps of any length."""
+    changes = random_changes(rng)
+    if rng.random() < 0.7:
+        changes["bead"].pop("moments_of_inertia", None)
+    changes["medium"]["temperature"] = float(rng.uniform(50, 5000))
+    changes["forces"] = {"brownian": True, "brownian_torque": bool(rng.random() < 0.3)}
+    drawn = ("no", "no", "equilibrium", "boltzmann", "ball")[rng.integers(5)]
+    changes["start"] |= {"drawn": drawn}
+    if drawn == "ball":
+        changes["start"]["ball_radius"] = changes["bead"]["radius"] * rng.uniform(0.1, 3)
+    changes["simulation"] |= {
+        "method": STOCHASTIC[rng.integers(len(STOCHASTIC))],
+        "step": float(10 ** rng.uniform(-9, -2)) if rng.random() < 0.5 else None,
+    }
+    return changes
+
+
+def thermal_outcome(changes: dict[str, dict[str, Any]]) -> str:
+    """How a scene with thermal motion ends; raises for what must not happen."""
+    who = np.arange(BEADS)
+    try:
+        bound = walk(tweezer.load_scene("silica-1um").replace(**changes), 1)
+        # as many samples as the calls allow
+        calls = BEADS * bound.per_sample * max(bound.force_calls, 1)
+        samples = min(len(bound.times) - 1, MOST_CALLS // calls)
+        if samples == 0:
+            return "not followed: too many steps from sample to sample"
+        states = bound.start(who)
+        out = np.empty((BEADS, samples, len(bound.columns)))
+        bound.advance(states, who, 0, out)
+    except IntegrationError:
+        return "failed: a place is not finite"
+    except TweezerError as error:
+        return f"refused: {str(error).split(':')[0].split('=')[0].strip()}"
+    lost = bound.times[1 : samples + 1] >= states[:, -1:] * (1 - 1e-9)
+    if np.isfinite(out[lost]).any() or not np.isfinite(out[~lost]).all():
+        raise AssertionError("a sample of a bead that is there is not finite")
+    if "e0" in bound.columns:
+        at = bound.columns.index("e0")
+        if np.abs(np.linalg.norm(out[~lost][:, at : at + 4], axis=1) - 1).max(initial=0) > 1e-12:
+            raise AssertionError("|e| is not 1")
+    return "lost" if lost.any() else "complete"
+
+
+def outcomes(count: int, seed: int, *, thermal: bool = False) -> Counter[str]:
     """How so many random scenes end."""
     rng = np.random.default_rng(seed)
     counted: Counter[str] = Counter()
     for number in range(count):
-        changes = random_changes(rng)
+        changes = thermal_changes(rng) if thermal else random_changes(rng)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
-                counted[outcome(changes)] += 1
+                counted[thermal_outcome(changes) if thermal else outcome(changes)] += 1
             except Exception as error:
                 raise AssertionError(f"scene {number} of seed {seed}: {changes}") from error
         if sys.stderr.isatty() and number % 100 == 0:
@@ -116,6 +172,9 @@ def outcomes(count: int, seed: int) -> Counter[str]:
 
 if __name__ == "__main__":
     began = time.perf_counter()
-    for ended, times in outcomes(int(sys.argv[1]), 20_250).most_common():
-        print(f"{times:8d}  {ended}")
+    scenes = int(sys.argv[1])
+    for many, thermal in ((scenes, False), (scenes // 5, True)):
+        print(f"{many} scenes{' with thermal motion' if thermal else ''}")
+        for ended, times in outcomes(many, 20_250, thermal=thermal).most_common():
+            print(f"{times:8d}  {ended}")
     print(f"{time.perf_counter() - began:8.0f}  s")
