@@ -49,14 +49,14 @@ def process():
         yield start
 
 
-def at_work(out: Path) -> dict[Path, int]:
-    """The files that an ensemble at work writes, and when they were written."""
+def written(out: Path) -> set[tuple[Path, int]]:
+    """The files that an ensemble at work has written, and when."""
     part = out.with_name(f"{out.name}.part")
-    written = {}
+    found = set()
     with contextlib.suppress(FileNotFoundError):  # one may go while it is looked at
-        for path in (*out.rglob("*"), *part.glob("*.npz"), part / "lock"):
-            written[path] = path.stat().st_mtime_ns
-    return written
+        for path in (*out.rglob("*"), *part.glob("*.npz"), out.with_name(f"{out.name}.lock")):
+            found.add((path, path.stat().st_mtime_ns))
+    return found
 
 
 def wait_for(condition) -> None:
@@ -66,9 +66,10 @@ def wait_for(condition) -> None:
         time.sleep(0.002)
 
 
-def has_written(process, out: Path, before: dict[Path, int]) -> bool:
-    """Whether some of the files at work changed, or will no more."""
-    return len(at_work(out).items() - before.items()) > 3 or not process.is_alive()
+def has_written(process, out: Path, number: int, seen: set[tuple[Path, int]]) -> bool:
+    """Whether so many files were written beside those `seen` before, or no more will be."""
+    seen |= written(out)
+    return len(seen) >= number or not process.is_alive()
 
 
 @pytest.mark.parametrize("gathered", [False, True])
@@ -76,10 +77,7 @@ def test_killed_at_random_and_resumed(gathered, process, tmp_path):
     suffix = ".nc" if gathered else ".zarr"
     whole = tmp_path / f"whole{suffix}"
     finished = process(whole, gathered)
-    wait_for(functools.partial(has_written, finished, whole, {}))
-    began = time.monotonic()
     finished.join()
-    took = time.monotonic() - began
     assert finished.exitcode == 0
     expected = content(whole)
     draw = np.random.default_rng(20 + gathered)
@@ -88,12 +86,11 @@ def test_killed_at_random_and_resumed(gathered, process, tmp_path):
         stores += 1
         out = tmp_path / f"{stores}{suffix}"
         while not out.exists() or out.with_name(f"{out.name}.part").exists():  # until all is done
-            before = at_work(out)
+            before = written(out)
             going = process(out, gathered)
             if kills < KILLS:
-                if draw.random() < 0.8:  # else while it begins
-                    wait_for(functools.partial(has_written, going, out, before))
-                going.join(draw.uniform(0, took / 3))
+                number = len(before) + draw.integers(1, 40)  # the first is the lock
+                wait_for(functools.partial(has_written, going, out, number, before))
                 going.kill()
             going.join()
             assert going.exitcode in (0, -signal.SIGKILL)

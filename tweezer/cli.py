@@ -597,18 +597,22 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("samples", f"{attributes['samples']} in {1e3 * attributes['duration']:.4g} ms")
     if "stationary_mean" in result:
         mean, error = (1e6 * result[f"stationary_mean{of}"].values for of in ("", "_error"))
-        row = (f"{value:.4f} +- {of:.2g}" for value, of in zip(mean, error, strict=True))
+        row = map(_with_error, (f"{value:.4f}" for value in mean), error)
         table.add_row("mean (x, y, z)", ", ".join(row) + " um from the focus")
         variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
         deviation = variance**0.5
-        pairs = zip(1e9 * deviation, 1e9 * error / (2 * deviation), strict=True)
-        row = (f"{value:.4g} +- {of:.2g}" for value, of in pairs)
+        error = 1e9 * error / (2 * deviation)
+        row = map(_with_error, (f"{1e9 * value:.4g}" for value in deviation), error)
         table.add_row("standard deviation (x, y, z)", ", ".join(row) + " nm")
         table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
                       f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
     table.add_row("model, method", f"{attributes['model']}; {attributes['method']}")
     table.add_row("step", f"{attributes['step']:.3g} s")
     _out.print(table)
+
+
+def _with_error(value: str, error: float) -> str:
+    return value if math.isnan(error) else f"{value} +- {error:.2g}"
 
 
 def _quantity(option: str, text: str, unit: str) -> float:

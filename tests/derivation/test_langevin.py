@@ -42,7 +42,7 @@ def test_a_step_of_2h_from_one_of_h(name):
     assert is_zero(lv.twice(lv.CLOSED[name]) - closed(lv.DOUBLED[name]))
 
 
-@pytest.mark.parametrize("name", (lv.d, lv.j), ids=str)
+@pytest.mark.parametrize("name", [lv.d, lv.j], ids=str)
 def test_a_step_of_2h_without_inertia(name):
     rate, E = sp.Symbol("kappa", positive=True), sp.Symbol("E", positive=True)
     d = (1 - E) / rate

@@ -3,8 +3,10 @@
 Trajectories are computed in blocks, a block in windows of time. While an ensemble is at work, what
 it goes on from lies beside its output, in OUT.part: the states at the end of the last window of
 every block begun and, of statistics, what was gathered in that block and in all blocks before.
-These files are replaced whole, after the samples they stand for were written; so whenever a process
-dies, what is read next is sound. A window computed again gives the same bytes.
+These files are replaced whole, after the samples they stand for were written, and name the ensemble
+they are of; so whenever a process dies, what is read next is sound. A window computed again gives
+the same bytes. The process at work holds OUT.lock, and Dask workers go on as long as the file of
+its run is in OUT.part.
 """
 
 from tweezer.ensembles.ensemble import ensemble

@@ -21,7 +21,6 @@ from tweezer.ensembles.store import (
     Joined,
     Trajectories,
     at_work,
-    refuse_another,
 )
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
@@ -67,9 +66,10 @@ def ensemble(
     called with the part done.
 
     Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
-    velocity in m/s if the model has one, orientation and angular_velocity if the scene has a
-    rotation, all NaN once a bead is lost, and lost_time (trajectory), s, infinite if never; NaN
-    there tells of a trajectory not yet computed. They are read from the store when they are used;
+    velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
+    inertia, angular_velocity (trajectory, time, body_axis) in rad/s if the scene has a rotation,
+    all NaN once a bead is lost, and lost_time (trajectory), s, infinite if never; NaN there tells
+    of a trajectory not yet computed. They are read from the store when they are used;
     `xarray.open_zarr` opens it. Every chunk has a checksum.
 
     Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to
@@ -81,11 +81,13 @@ def ensemble(
     statistics, msd and psd over windows, taken as independent, which they are if windows are much
     longer than the trap's relaxation; for the density over blocks of trajectories. Samples after a
     loss are in none of them, nor in spectra and displacements the windows with a loss; both are
-    counted.
+    counted. An error that one trajectory, window or block cannot tell is NaN, as its comment says,
+    and so are skewness and kurtosis where all are equal. There are no msd and psd for the method
+    "one-call", whose displacements from step to step are not those of the motion.
 
     The numbers do not depend on workers, interruptions, or, for trajectories, on blocks and
     windows. The attributes hold the scene, the seed, the versions, the step and why it was chosen;
-    in what is returned also status, "complete" or "interrupted", and trajectories_done.
+    in what is returned also status, "complete" or "interrupted" (Ctrl-C), and trajectories_done.
 
     Raises `SceneError` for arguments that are not valid, and for a scene without thermal motion;
     `ResultError` if `out` exists and is not to be gone on with, was made from anything else, or
@@ -93,20 +95,24 @@ def ensemble(
     """
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
-    _check(scene, trajectories, out, statistics, skip, scheduler, workers)
+    _check(trajectories, out, statistics, skip, scheduler, workers)
     bound = walk(scene, seed)
+    needed = 8 * len(bound.columns) * trajectories * len(bound.times)
+    if out is None and not statistics and needed > _MEMORY:
+        raise SceneError(
+            f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "
+            "hold in memory: name a Zarr store, or gather statistics"
+        )
     skipped = _skipped(skip, bound.times) if statistics else None
     job = Job.of(bound, trajectories, skipped, None if out is None else Path(out).absolute())
     run = functools.partial(_run, job, bound, scheduler, workers, progress)
     if job.out is None:
         return run()
-    refuse_another(job, bound, resume)
-    with at_work(job):
+    with at_work(job, bound, resume):
         return run()
 
 
 def _check(
-    scene: Scene,
     trajectories: int,
     out: str | Path | None,
     statistics: bool,
@@ -128,12 +134,6 @@ def _check(
         raise SceneError("out: missing; the workers of a scheduler write there")
     if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
         raise ResultError(f"{out}: must end in {suffix}")
-    needed = 24 * trajectories * scene.simulation.samples
-    if out is None and not statistics and needed > _MEMORY:
-        raise SceneError(
-            f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "
-            "hold in memory: name a Zarr store, or gather statistics"
-        )
 
 
 def _skipped(skip: float | str, times: Array) -> int:
@@ -172,17 +172,31 @@ def _run(
                     index = queue.popleft()
                     flying[pool.submit(index, output.arrays, parts)] = index
                 for future in wait(flying, _TICK, FIRST_COMPLETED).done:
-                    index = flying.pop(future)
-                    output.take(index, future.result())
+                    index, gathered = flying[future], future.result()
+                    if gathered is None:
+                        raise ResultError(f"{job.out}: a worker does not find {job.part}")
+                    output.take(index, gathered)
+                    del flying[future]
                     parts[index] = job.share(index)
                 if progress:
                     progress(1 - left + sum(parts.values()))
         except KeyboardInterrupt:
             pool.stop()
-            for future in wait(flying).done:
-                if not future.cancelled() and future.exception() is None:
+            ended, others = wait(flying, pool.patience)
+            for future in others:
+                future.cancel()
+            failed = None
+            for future in sorted(ended, key=flying.__getitem__):
+                if future.cancelled():
+                    continue
+                if error := future.exception():
+                    failed = failed or error
+                else:
                     output.take(flying[future], future.result())
-            return output.finish(complete=False)
+            reached = output.finish(complete=False)
+            if failed:
+                raise failed from None
+            return reached
         except BaseException:
             pool.stop()
             raise

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
+import json
 import math
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -19,10 +21,10 @@ Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: of the files; those of another number cannot be resumed
-FORMAT = 1
+FORMAT = 2
 #: trajectories a block is a multiple of, and the most; blocks aimed at, so that all cores work
 _BATCH, _MOST, _BLOCKS = 64, 1024, 16
-#: numbers of all samples in one window of a block, and steps, at most
+#: numbers held of all samples in one window of a block, 25 MB, and steps, at most
 _WINDOW_NUMBERS, _WINDOW_STEPS = 3 * _BATCH * WINDOW, 2**27
 
 #: columns of a sample, dimension, unit and name of every quantity
@@ -30,11 +32,12 @@ QUANTITIES = {
     "position": (("x", "y", "z"), "axis", "m", "position of the bead's centre from the focus"),
     "velocity": (("vx", "vy", "vz"), "axis", "m/s", "velocity"),
     "orientation": (("e0", "e1", "e2", "e3"), "euler_parameter", "1", "Euler parameters"),
-    "angular_velocity": (("wx", "wy", "wz"), "axis", "rad/s", "angular velocity, inertial axes"),
+    "angular_velocity": (("wx", "wy", "wz"), "body_axis", "rad/s", "angular velocity, body frame"),
 }
 COORDINATES = {
     "axis": ["x", "y", "z"],
     "euler_parameter": ["e0", "e1", "e2", "e3"],
+    "body_axis": ["P1", "P2", "P3"],
 }
 
 
@@ -43,7 +46,7 @@ class Job:
     """All that a worker needs to know."""
 
     scene: str
-    """JSON, with model and step decided"""
+    """JSON, with model and method decided"""
     seed: int
     trajectories: int
     block: int
@@ -53,13 +56,18 @@ class Job:
     skipped: int | None
     """samples; None if trajectories are written"""
     out: Path | None
+    found: Attributes
+    """`found_of` the process that began it"""
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
-        """Divided so that a window of a block is some seconds' work, and its samples 25 MB."""
+        """Divided so that a window of a block is some seconds' work, and what is held of it 25 MB:
+        of trajectories all columns, for statistics the position.
+        """
         samples = len(bound.times)
+        width = len(bound.columns) if skipped is None else 3
         if skipped is None:
-            most = min(_WINDOW_NUMBERS // len(bound.columns), _WINDOW_STEPS // bound.per_sample)
+            most = min(_WINDOW_NUMBERS // width, _WINDOW_STEPS // bound.per_sample)
             window = max(1, min(samples, most // _BATCH))
             cuts = [*range(0, samples, window), samples]
         else:
@@ -67,13 +75,15 @@ class Job:
             window, cuts = plan.window, plan.cuts
         batches = min(
             _MOST // _BATCH,
-            _WINDOW_NUMBERS // (_BATCH * window * len(bound.columns)),
+            _WINDOW_NUMBERS // (_BATCH * window * width),
             _WINDOW_STEPS // (_BATCH * window * bound.per_sample),
             math.ceil(trajectories / (_BATCH * _BLOCKS)),
         )
         block = _BATCH * max(1, batches)
         scene = bound.scene.model_dump_json(exclude_none=True)
-        return cls(scene, bound.seed, trajectories, block, tuple(cuts), skipped, out)
+        return cls(
+            scene, bound.seed, trajectories, block, tuple(cuts), skipped, out, found_of(bound)
+        )
 
     @property
     def blocks(self) -> int:
@@ -106,15 +116,22 @@ class Job:
         return self.part / "total.npz"
 
     @property
-    def stop(self) -> Path:
-        """Tells the workers of a cluster to stop, by being there."""
-        return self.part / "stop"
+    def lock(self) -> Path:
+        """Held by the process at work."""
+        assert self.out is not None
+        return self.out.with_name(self.out.name + ".lock")
 
 
 def plan_of(bound: Walk, skipped: int) -> Plan:
-    """The statistics of all quantities that can be averaged."""
+    """The statistics of all quantities that can be averaged.
+
+    Without displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
+    """
     quantities = {name: at for name, at in columns_of(bound).items() if name != "orientation"}
-    return Plan(bound.times, quantities, skipped, bound.scene.simulation.loss_distance)
+    simulation = bound.scene.simulation
+    return Plan(
+        bound.times, quantities, skipped, simulation.loss_distance, simulation.method != "one-call"
+    )
 
 
 def columns_of(bound: Walk) -> dict[str, slice]:
@@ -125,6 +142,17 @@ def columns_of(bound: Walk) -> dict[str, slice]:
             first = bound.columns.index(columns[0])
             found[name] = slice(first, first + len(columns))
     return found
+
+
+def found_of(bound: Walk) -> Attributes:
+    """What every process finds by itself, and all that work together must find alike."""
+    coefficients = b"".join(np.asarray(each).tobytes() for each in (*bound.plan, *bound.weights))
+    return {
+        "step": float(bound.step),
+        "steps_per_sample": int(bound.per_sample),
+        **{f"{name}_version": version(name) for name in ("tweezer", "numpy", "scipy", "numba")},
+        "coefficients": hashlib.sha256(coefficients).hexdigest()[:16],
+    }
 
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
@@ -138,12 +166,15 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "samples": len(bound.times),
         "model": bound.scene.simulation.model or "",
         "method": bound.scene.simulation.method,
-        "step": float(bound.step),
-        "steps_per_sample": int(bound.per_sample),
         "chosen": bound.why,
         "samples_skipped": job.skipped or 0,
         "trajectories_per_block": job.block,
         "samples_per_window": max(b - a for a, b in itertools.pairwise(job.cuts)),
         "format": FORMAT,
-        **{f"{name}_version": version(name) for name in ("tweezer", "numpy", "scipy", "numba")},
+        **{key: value for key, value in job.found.items() if key != "coefficients"},
     }
+
+
+def identity_of(job: Job, bound: Walk) -> str:
+    """Digest of `attributes_of`."""
+    return hashlib.sha256(json.dumps(attributes_of(job, bound)).encode()).hexdigest()

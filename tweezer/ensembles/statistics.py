@@ -83,6 +83,8 @@ class Plan:
     """samples at the beginning that only the moments over time see"""
     reach: float
     """m, of the histogram"""
+    displacements: bool
+    """whether those from sample to sample are right, and so msd and psd"""
 
     @property
     def window(self) -> int:
@@ -126,9 +128,10 @@ class Statistics:
         self.moments |= {
             # over windows: the average u of x, v of x^2, and uv
             "average": np.zeros((3, 3, 3)),
-            "msd": np.zeros((3, 3, lags)),
-            "psd": np.zeros((3, 3, plan.window // 2)),
         }
+        if plan.displacements:
+            self.moments["msd"] = np.zeros((3, 3, lags))
+            self.moments["psd"] = np.zeros((3, 3, plan.window // 2))
         self.sums = {
             "counts": np.zeros((_BINS, 3)),
             # over blocks: squares of their counts, counts times samples, samples squared
@@ -155,33 +158,39 @@ class Statistics:
             group.update((name, arrays[name]) for name in group)
         return made
 
-    def add(self, first: int, samples: Array) -> None:
-        """Add a window `samples` (trajectories, samples, columns) that begins with sample `first`.
+    def add_piece(self, first: int, samples: Array) -> None:
+        """Add `samples` (trajectories, samples, columns) from sample `first` on to the moments over
+        the trajectories.
 
         Only those of the same trajectories may be added to one `Statistics`, each once.
         """
+        every = self.plan.every
+        kept, samples = -(-first // every), samples[:, -first % every :: every]
+        if not samples.size:
+            return
+        length = max(1, _CACHED // samples[:, 0].size)
+        for i in range(0, samples.shape[1], length):
+            some = np.ascontiguousarray(samples[:, i : i + length])
+            found = moments(some.reshape(len(some), -1), 4).reshape(5, -1, some.shape[2])
+            at = slice(kept + i, kept + i + some.shape[1])
+            for name, columns in self.plan.quantities.items():
+                self.moments[name][:, at] = found[..., columns]
+
+    def add_window(self, first: int, position: Array) -> None:
+        """Add the `position` (trajectories, samples, 3) in a window that begins with sample `first`
+        to all the rest.
+        """
         plan = self.plan
-        self._add_moments(-(-first // plan.every), samples[:, -first % plan.every :: plan.every])
-        position = samples[..., plan.quantities["position"]]
         lost = np.isnan(position[..., 0])
         self.sums["samples_lost"] += lost.sum()
         if first < plan.skipped:
             return
         self._count(position[~lost] if lost.any() else position.reshape(-1, 3))
-        if samples.shape[1] == plan.window:
+        if position.shape[1] == plan.window:
             whole = ~lost[:, -1]
             self.sums["windows_lost"] += (~whole).sum()
             if whole.any():
                 self._add_windows(position[whole])
-
-    def _add_moments(self, first: int, samples: Array) -> None:
-        """Set the moments from the kept time of number `first` on."""
-        length = max(1, _CACHED // samples[:, 0].size)
-        for i in range(0, samples.shape[1], length):
-            some = np.ascontiguousarray(samples[:, i : i + length])
-            found = moments(some.reshape(len(some), -1), 4).reshape(5, -1, some.shape[2])
-            for name, columns in self.plan.quantities.items():
-                self.moments[name][:, first + i : first + i + some.shape[1]] = found[..., columns]
 
     def _count(self, position: Array) -> None:
         """Add `position` (n, 3) to the histogram."""
@@ -199,11 +208,11 @@ class Statistics:
         for i in range(0, len(position), together):
             some = np.ascontiguousarray(position[i : i + together].swapaxes(1, 2))
             mean, square = some.mean(axis=2), np.square(some).mean(axis=2)
-            for name, values in {
-                "average": np.stack([mean, square, mean * square], axis=2),
-                "msd": _msd(some, self.plan.lags),
-                "psd": _psd(some - mean[..., None], step),
-            }.items():
+            found = {"average": np.stack([mean, square, mean * square], axis=2)}
+            if self.plan.displacements:
+                found["msd"] = _msd(some, self.plan.lags)
+                found["psd"] = _psd(some - mean[..., None], step)
+            for name, values in found.items():
                 self.moments[name] = joined(self.moments[name], moments(values, 2))
 
     def close(self, lost_time: Array) -> None:
@@ -216,12 +225,11 @@ class Statistics:
         sums["trajectories"] += len(lost_time)
         sums["trajectories_lost"] += np.isfinite(lost_time).sum()
 
-    def join(self, other: Statistics) -> None:
-        """Add those of other trajectories, closed."""
-        for name, values in other.moments.items():
-            self.moments[name] = joined(self.moments[name], values)
-        for name, values in other.sums.items():
-            self.sums[name] = self.sums[name] + values
+    def join(self, other: Statistics) -> Statistics:
+        """Those of these trajectories and of others, closed."""
+        moments = {name: joined(self.moments[name], other.moments[name]) for name in self.moments}
+        sums = {name: self.sums[name] + other.sums[name] for name in self.sums}
+        return Statistics.of(self.plan, moments | sums)
 
     def dataset(self, about: dict[str, tuple[str, str]]) -> xr.Dataset:
         """The statistics as `tweezer.ensemble` describes them.
@@ -230,29 +238,25 @@ class Statistics:
         """
         plan = self.plan
         times = plan.times[:: plan.every]
-        step = plan.times[1] - plan.times[0]
         dataset = xr.Dataset(
             coords={
                 "time": ("time", times, _about("s", "time since release")),
                 "axis": ("axis", ["x", "y", "z"], {"long_name": "axis, z along the light"}),
-                "lag": ("lag", plan.lags * step, _about("s", "lag")),
-                "frequency": (
-                    "frequency", np.fft.rfftfreq(plan.window, step)[1:], _about("Hz", "frequency"),
-                ),
             }
-        )  # fmt: skip
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
             for name in plan.quantities:
                 dimension, unit = about[name]
                 self._put_moments(dataset, name, ("time", dimension), unit)
             self._put_averages(dataset)
             self._put_histogram(dataset)
-            for name, dimension, unit, long_name in (
-                ("msd", "lag", "m^2", "mean-square displacement"),
-                ("psd", "frequency", "m^2/Hz", "one-sided power spectral density"),
-            ):
-                count, mean, m2 = self.moments[name]
-                _put(dataset, name, ("axis", dimension), mean, _error(count, m2), unit, long_name)
+            if plan.displacements:
+                self._put_displacements(dataset)
+            else:
+                dataset.attrs["comment"] = (
+                    "msd and psd left out: the method's displacements from step to step are not "
+                    "those of the motion"
+                )
         left = self.moments["position"][0, :, 0]
         dataset["trajectories_left"] = ("time", left, _about("1", "trajectories not yet lost"))
         for name, long_name in (
@@ -262,7 +266,7 @@ class Statistics:
             ("windows_lost", "windows not used, because the bead was lost in or before them"),
         ):
             dataset[name] = ((), self.sums[name][0], _about("1", long_name))
-        dataset["windows"] = ((), self.moments["psd"][0].max(), _about("1", "windows used"))
+        dataset["windows"] = ((), self.moments["average"][0].max(), _about("1", "windows used"))
         return dataset
 
     def _put_moments(
@@ -275,9 +279,10 @@ class Statistics:
         of_variance = np.sqrt((fourth - variance**2 * (count - 3) / (count - 1)) / count)
         over = f"of the {name.replace('_', ' ')} over the trajectories"
         square = f"({unit})^2" if "/" in unit else f"{unit}^2"
-        _put(dataset, f"{name}_mean", dimensions, mean, of_mean, unit, f"mean {over}")
+        _put(dataset, f"{name}_mean", dimensions, mean, of_mean, unit, f"mean {over}",
+             "trajectories")  # fmt: skip
         _put(dataset, f"{name}_variance", dimensions, variance, of_variance, square,
-             f"variance {over}")  # fmt: skip
+             f"variance {over}", "trajectories")  # fmt: skip
         dataset[f"{name}_skewness"] = (
             dimensions, m3 / count / (m2 / count) ** 1.5, _about("1", f"skewness {over}"),
         )  # fmt: skip
@@ -295,10 +300,24 @@ class Statistics:
         error2 = (v2 / (n - 1) + 4 * u**2 * u2 / (n - 1) - 4 * u * covariance) / n
         mean = np.where(n > 0, u, np.nan)
         _put(dataset, "stationary_mean", ("axis",), mean, np.sqrt(mean_error2), "m",
-             "mean of the position over trajectories and time")  # fmt: skip
+             "mean of the position over trajectories and time", "windows")  # fmt: skip
         _put(dataset, "stationary_variance", ("axis",), variance,
              np.sqrt(np.maximum(error2, 0)), "m^2",
-             "variance of the position over trajectories and time")  # fmt: skip
+             "variance of the position over trajectories and time", "windows")  # fmt: skip
+
+    def _put_displacements(self, dataset: xr.Dataset) -> None:
+        plan = self.plan
+        step = plan.times[1] - plan.times[0]
+        frequency = np.fft.rfftfreq(plan.window, step)[1:]
+        dataset.coords["lag"] = ("lag", plan.lags * step, _about("s", "lag"))
+        dataset.coords["frequency"] = ("frequency", frequency, _about("Hz", "frequency"))
+        for name, dimension, unit, long_name in (
+            ("msd", "lag", "m^2", "mean-square displacement"),
+            ("psd", "frequency", "m^2/Hz", "one-sided power spectral density"),
+        ):
+            count, mean, m2 = self.moments[name]
+            error = np.sqrt(m2 / (count - 1) / count)
+            _put(dataset, name, ("axis", dimension), mean, error, unit, long_name, "windows")
 
     def _put_histogram(self, dataset: xr.Dataset) -> None:
         """Density by bins, from the first to the last that is not empty.
@@ -315,12 +334,13 @@ class Statistics:
         samples, blocks = sums["samples"], sums["blocks"]
         part = counts / samples
         scatter = squared - 2 * part * mixed + part**2 * sums["samples_squared"]
-        error = np.sqrt(np.maximum(scatter, 0) * blocks / (blocks - 1)) / samples
+        scatter *= blocks / np.where(blocks > 1, blocks - 1, np.nan)
+        error = np.sqrt(np.maximum(scatter, 0)) / samples
         centres = (np.arange(_BINS)[held] + 0.5) * width - self.plan.reach
         dataset.coords["bin"] = ("bin", centres, _about("m", "centre of the bin"))
         dataset["counts"] = (("bin", "axis"), counts, _about("1", "samples in the bin"))
         _put(dataset, "density", ("bin", "axis"), part / width, error / width, "1/m",
-             "probability density of the position")  # fmt: skip
+             "probability density of the position", "blocks of trajectories")  # fmt: skip
 
 
 def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
@@ -348,16 +368,16 @@ def _psd(position: Array, step: float) -> Array:
     return power
 
 
-def _error(count: Array, m2: Array) -> Array:
-    return np.sqrt(m2 / (count - 1) / count)
-
-
 def _put(
     dataset: xr.Dataset, name: str, dimensions: tuple[str, ...], value: Array, error: Array,
-    unit: str, long_name: str,
+    unit: str, long_name: str, over: str,
 ) -> None:  # fmt: skip
+    """Put in `value` and its `error`, from how those `over` which it was taken scatter."""
     dataset[name] = (dimensions, value, _about(unit, long_name))
     dataset[f"{name}_error"] = (dimensions, error, _about(unit, f"standard error: {long_name}"))
+    for key in (name, f"{name}_error"):
+        if np.isnan(dataset[key]).all():
+            dataset[key].attrs["comment"] = f"not known: takes at least 2 {over}"
 
 
 def _about(units: str, long_name: str) -> dict[str, str]:

@@ -44,11 +44,11 @@ _JOINED = 16
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
 
 
-def refuse_another(job: Job, bound: Walk, resume: bool) -> None:
-    """Raise `ResultError` unless the ensemble at `job.out`, if there is one, is this one."""
+def _begun(job: Job, bound: Walk, resume: bool) -> bool:
+    """Whether there is an ensemble at `job.out`. Raises `ResultError` unless it is this one."""
     made = _made(job)
     if made is None:
-        return
+        return False
     if not resume:
         raise ResultError(f"{job.out}: exists, or is begun; resume it, or name another file")
     for key, value in attributes_of(job, bound).items():
@@ -59,6 +59,7 @@ def refuse_another(job: Job, bound: Walk, resume: bool) -> None:
                 f"{job.out}: made with {key.replace('_', ' ')} {made.get(key)}, which cannot be "
                 f"resumed with {value}"
             )
+    return True
 
 
 def _made(job: Job) -> Attributes | None:
@@ -77,24 +78,36 @@ def _made(job: Job) -> Attributes | None:
 
 
 @contextlib.contextmanager
-def at_work(job: Job) -> Iterator[None]:
-    """Hold the folder beside the output, where no other process then works."""
+def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
+    """Hold the folder beside the output, where no other process then works.
+
+    Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be gone on with.
+    """
     assert job.out is not None
     if not job.out.parent.is_dir():
         raise ResultError(f"{job.out}: no such folder: {job.out.parent}")
     with telling(job):
-        job.part.mkdir(exist_ok=True)
-        lock = FileLock(job.part / "lock")
+        lock = FileLock(job.lock)
         try:
             lock.acquire(timeout=0)
         except Timeout:
             raise ResultError(f"{job.out}: another process is at work on it") from None
     try:
+        begun = _begun(job, bound, resume)
+        with telling(job):
+            job.part.mkdir(exist_ok=True)
+            for path in job.part.iterdir():  # of an ensemble no longer there, or its workers
+                if path.is_dir():
+                    shutil.rmtree(path, ignore_errors=True)
+                elif not begun or path.suffix == ".run":
+                    path.unlink(missing_ok=True)
         yield
     finally:
+        with contextlib.suppress(OSError):
+            job.part.rmdir()  # if nothing is in it
+        with contextlib.suppress(OSError):
+            job.lock.unlink()  # while it is held: who waits for it sees that it is gone
         lock.release()
-        if job.part.exists() and {path.name for path in job.part.iterdir()} <= {"lock"}:
-            shutil.rmtree(job.part)
 
 
 @contextlib.contextmanager
@@ -122,10 +135,11 @@ def _read(path: Path) -> dict[str, Any]:
         return dict(arrays)
 
 
-def kept(path: Path) -> dict[str, Any] | None:
-    """What `keep` wrote, if it is there and whole."""
+def kept(path: Path, identity: str) -> dict[str, Any] | None:
+    """What `keep` wrote, if it is there, whole, and of the ensemble of this identity."""
     try:
-        return _read(path)
+        arrays = _read(path)
+        return arrays if str(arrays["identity"]) == identity else None
     except _UNREADABLE:
         return None
 
@@ -133,15 +147,6 @@ def kept(path: Path) -> dict[str, Any] | None:
 def stored(job: Job) -> Samples:
     """The arrays of the store."""
     return dict(zarr.open_group(job.out, mode="r+").arrays())
-
-
-def _emptied(folder: Path) -> None:
-    """Remove what an ensemble that is no longer there has left."""
-    for path in folder.iterdir():
-        if path.is_dir():
-            shutil.rmtree(path)
-        elif path.name != "lock":
-            path.unlink()
 
 
 class Trajectories:
@@ -180,9 +185,10 @@ class Trajectories:
             )  # fmt: skip
         else:
             if complete:
-                for torn in job.out.rglob("*.partial"):  # of a process that was killed
-                    torn.unlink()
-                shutil.rmtree(job.part)
+                with contextlib.suppress(OSError):
+                    for torn in job.out.rglob("*.partial"):  # of a process that was killed
+                        torn.unlink(missing_ok=True)
+                shutil.rmtree(job.part, ignore_errors=True)
             dataset = xr.open_zarr(job.out, chunks=None)
         done = int((~np.isnan(self.arrays["lost_time"][:])).sum())
         return _ended(dataset, complete, done)
@@ -209,7 +215,6 @@ class Trajectories:
 
     def _create(self, out: Path) -> None:
         """The store before any sample."""
-        _emptied(self.job.part)
         whole = self.job.part / "new"
         group = zarr.create_group(whole, attributes=attributes_of(self.job, self.bound))
         for name, dimensions, shape, attributes in self._variables():
@@ -237,21 +242,22 @@ class Joined:
 
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.attributes = job, attributes_of(job, bound)
-        self.joined = Statistics(plan_of(bound, job.skipped or 0))
+        self.plan = plan_of(bound, job.skipped or 0)
+        #: the blocks joined and their statistics, which an interruption finds together
+        self.joined = 0, Statistics(self.plan)
         self.later: dict[int, Gathered] = {}
-        self.next = self.written = 0
+        self.written = 0
         if job.out is not None:
             if job.out.exists():
-                self.next = job.blocks
+                self.joined = job.blocks, self.joined[1]
             elif job.total.exists():
                 begun = _read(job.total)
-                self.joined = Statistics.of(self.joined.plan, begun)
-                self.next = self.written = int(begun["next"])
+                self.written = int(begun["next"])
+                self.joined = self.written, Statistics.of(self.plan, begun)
             else:
                 with telling(job):
-                    _emptied(job.part)
                     self._write()
-        self.missing = range(self.next, job.blocks)
+        self.missing = range(self.joined[0], job.blocks)
 
     @property
     def waiting(self) -> int:
@@ -259,41 +265,48 @@ class Joined:
         return len(self.later)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Block `index` is done, unless it has gathered nothing."""
-        if gathered is None:
+        """Block `index` is done, unless it has gathered nothing; it may be told twice."""
+        if gathered is None or index < self.joined[0]:
             return
         self.later[index] = gathered
-        while self.next in self.later:
-            self.joined.join(Statistics.of(self.joined.plan, self.later.pop(self.next)))
-            self.next += 1
-        if self.job.out is not None and self.next >= self.written + _JOINED:
+        while self.joined[0] in self.later:
+            blocks, statistics = self.joined
+            statistics = statistics.join(Statistics.of(self.plan, self.later[blocks]))
+            self.joined = blocks + 1, statistics
+            del self.later[blocks]
+        if self.job.out is not None and self.joined[0] >= self.written + _JOINED:
             with telling(self.job):
                 self._write()
 
     def _write(self) -> None:
         """What is joined; and then remove what it was joined from."""
+        blocks, statistics = self.joined
         attributes = json.dumps(self.attributes)
-        keep(self.job.total, self.joined.arrays() | {"next": self.next, "attributes": attributes})
-        for index in range(self.written, self.next):
+        keep(self.job.total, statistics.arrays() | {"next": blocks, "attributes": attributes})
+        for index in range(self.written, blocks):
             self.job.checkpoint(index).unlink(missing_ok=True)
-        self.written = self.next
+        self.written = blocks
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """Statistics of what there is, written if that is all."""
+        """Statistics of what there is, also behind a gap; written if that is all."""
         job = self.job
         if job.out is not None and job.out.exists():
             dataset = load_run(job.out)
         else:
             units = {name: (dimension, unit) for name, (_, dimension, unit, _) in
                      QUANTITIES.items()}  # fmt: skip
-            dataset = self.joined.dataset(units).assign_attrs(self.attributes)
+            blocks, statistics = self.joined
+            for index in sorted(self.later):
+                if index >= blocks:
+                    statistics = statistics.join(Statistics.of(self.plan, self.later[index]))
+            dataset = statistics.dataset(units).assign_attrs(self.attributes)
             if job.out is not None:
                 with telling(job):
                     self._write()
                     if complete:
                         save_run(dataset, job.part / job.out.name).replace(job.out)
         if complete and job.out is not None:
-            shutil.rmtree(job.part)
+            shutil.rmtree(job.part, ignore_errors=True)
         return _ended(dataset, complete, int(dataset["trajectories"]))
 
 

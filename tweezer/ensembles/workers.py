@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import platform
 import threading
+import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.walk import Walk, walk
-from tweezer.ensembles.job import Job, columns_of, plan_of
+from tweezer.ensembles.job import Job, columns_of, found_of, identity_of, plan_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
     Gathered,
@@ -34,7 +37,7 @@ Array = NDArray[np.float64]
 
 #: samples computed, and steps, between two looks at whether to stop
 _PIECE_SAMPLES, _PIECE_STEPS = 2**17, 2**22
-#: s to wait for a scheduler
+#: s to wait for a scheduler, and for its workers to stop
 _PATIENCE = 10
 
 
@@ -48,6 +51,8 @@ class Pool:
     """blocks computed at a time"""
     stop: Callable[[], None]
     """blocks then end, unfinished, soon"""
+    patience: float | None = None
+    """s to wait for that; None for as long as it takes"""
 
 
 @contextlib.contextmanager
@@ -80,13 +85,22 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
             except (OSError, ValueError) as error:
                 reason = " ".join(str(error).split())
                 raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
-        job.stop.unlink(missing_ok=True)
         executor = client.get_executor(pure=False)
+        run = job.part / f"{uuid.uuid4().hex}.run"
+        with telling(job):
+            run.touch()
+
+        def stop() -> None:
+            with contextlib.suppress(OSError):
+                run.unlink(missing_ok=True)
+
+        stack.callback(stop)
         try:
             yield Pool(
-                lambda index, *_: executor.submit(_block_there, job, index),
+                lambda index, *_: executor.submit(_block_there, job, run, index),
                 lambda: max(1, sum(client.nthreads().values())),
-                job.stop.touch,
+                stop,
+                _PATIENCE,
             )
         except KilledWorker:
             raise TweezerError(f"{job.out}: workers died too often; it can be resumed") from None
@@ -94,9 +108,16 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
             raise TweezerError(f"{job.out}: the scheduler is gone; it can be resumed") from None
 
 
-def _block_there(job: Job, index: int) -> Gathered | None:
-    """`_block` in another process."""
-    return _block(job, index, _bound(job.scene, job.seed), None, job.stop.exists, {})
+def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
+    """`_block` in another process, as long as the file `run` is there."""
+    bound = _bound(job.scene, job.seed)
+    for key, value in found_of(bound).items():
+        if value != job.found[key]:
+            raise TweezerError(
+                f"{job.out}: worker {platform.node()} computes with another "
+                f"{key.replace('_', ' ')}: {value}, not {job.found[key]}"
+            )
+    return _block(job, index, bound, None, lambda: not run.exists(), {})
 
 
 @functools.lru_cache(maxsize=2)
@@ -116,53 +137,68 @@ def _block(
 
     parts: is told the part of the ensemble that is done of this block.
     """
+    if stopped():
+        return None
     members = job.members(index)
     trajectories = np.arange(members.start, members.stop)
-    statistics = None
+    identity = identity_of(job, bound)
+    width, statistics = len(bound.columns), None
     if job.skipped is not None:
+        width = 3
         statistics = Statistics(plan_of(bound, job.skipped))
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
-    if job.out is not None and (begun := kept(job.checkpoint(index))):
+    if job.out is not None and (begun := kept(job.checkpoint(index), identity)):
         window, states = int(begun["window"]), begun["states"]
         if statistics:
             statistics = Statistics.of(statistics.plan, begun)
     windows = len(job.cuts) - 1
     for i in range(window, windows):
-        samples = np.empty((len(trajectories), job.cuts[i + 1] - job.cuts[i], len(bound.columns)))
-        for reached in _advance(bound, states, trajectories, job.cuts[i], samples):
+        first, end = job.cuts[i], job.cuts[i + 1]
+        samples = np.empty((len(trajectories), end - first, width))
+        for at, piece in _advance(bound, states, trajectories, first, end):
             if stopped():
                 return None
+            reached = at + piece.shape[1]
+            samples[:, at - first : reached - first] = piece[..., :width]
+            if statistics:
+                statistics.add_piece(at, piece)
             parts[index] = job.share(index) * reached / job.cuts[-1]
         if statistics:
-            statistics.add(job.cuts[i], samples)
+            statistics.add_window(first, samples)
             if i == windows - 1:
                 statistics.close(states[:, -1])
         with telling(job):
             if arrays is not None:
-                within = slice(job.cuts[i], job.cuts[i + 1])
                 for name, columns in columns_of(bound).items():
-                    arrays[name][members, within] = samples[..., columns]
+                    arrays[name][members, first:end] = samples[..., columns]
                 if i == windows - 1:
                     arrays["lost_time"][members] = states[:, -1]
             if job.out is not None:
-                begun = {"window": i + 1, "states": states}
+                begun = {"identity": identity, "window": i + 1, "states": states}
                 keep(job.checkpoint(index), begun | (statistics.arrays() if statistics else {}))
     return statistics.arrays() if statistics else {}
 
 
 def _advance(
-    bound: Walk, states: Array, trajectories: NDArray[np.int64], first: int, samples: Array
-) -> Iterator[int]:
-    """Fill `samples`, of which the first is sample `first`; how many are done, piece by piece."""
-    begin = 0
+    bound: Walk, states: Array, trajectories: NDArray[np.int64], first: int, end: int
+) -> Iterator[tuple[int, Array]]:
+    """Samples `first` to `end` in pieces: the number of the first, (trajectories, n, columns)."""
+    n, width = len(trajectories), len(bound.columns)
     if first == 0:
-        samples[:, 0] = states[:, :-1]
-        begin = 1
-    most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // len(trajectories))
-    for at in range(begin, samples.shape[1], most):
-        piece = np.empty((len(trajectories), min(most, samples.shape[1] - at), samples.shape[2]))
-        bound.advance(states, trajectories, first + at - 1, piece)
-        samples[:, at : at + piece.shape[1]] = piece
-        yield first + at + piece.shape[1]
+        yield 0, _in_the_body(bound, states[:, None, :-1].copy())
+    most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // n)
+    for at in range(max(1, first), end, most):
+        piece = np.empty((n, min(most, end - at), width))
+        bound.advance(states, trajectories, at - 1, piece)
+        yield at, _in_the_body(bound, piece)
+
+
+def _in_the_body(bound: Walk, samples: Array) -> Array:
+    """`samples` (..., columns) of a walk, the angular velocity turned to the body's axes."""
+    held = ~np.isnan(samples[..., 0])
+    if "wx" in bound.columns and held.any():
+        columns = columns_of(bound)["angular_velocity"]
+        samples[held, columns] = bound.motion(samples[held]).angular_velocity
+    return samples
