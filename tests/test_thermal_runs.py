@@ -135,6 +135,35 @@ def test_a_seed_without_thermal_motion_is_refused():
         tweezer.simulate(SCENE.replace(forces={"brownian": False}), seed=1)
 
 
+def test_pylake_and_calibrate_find_the_stiffness_of_the_trap_in_a_run():
+    """From force to trajectory to spectrum: within 4 uncertainties, but for one seed in 16,000."""
+    from lumicks import pylake
+
+    rate = 78125.0
+    samples = 2**16 + 1
+    run = tweezer.simulate(
+        SCENE.replace(
+            start={"drawn": "boltzmann"},
+            simulation={"duration": (samples - 1) / rate, "samples": samples},
+        ),
+        seed=8,
+    )
+    trap = tweezer.characterise(SCENE).equilibrium
+    ours = tweezer.calibrate(run)
+    for axis in range(3):
+        k = trap.stiffness[axis][axis]
+        for method in ("power spectrum", "equipartition", "displacement", "autocorrelation"):
+            found = ours.axes[axis][method]
+            assert not found.caveat
+            assert abs(found.stiffness - k) < 4 * found.uncertainty
+        theirs = pylake.calibrate_force(
+            run["position"].values[1:, axis] * 1e6, 2e6 * SCENE.bead.radius,
+            SCENE.medium.temperature - 273.15, viscosity=SCENE.medium.viscosity, sample_rate=rate,
+            fast_sensor=True, fit_range=(10, 8000), num_points_per_block=100,
+        )  # fmt: skip
+        assert abs(1e-3 * theirs.stiffness - k) < 4e-3 * theirs.stiffness_std_err
+
+
 def test_command_line(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     arguments = [
