@@ -130,9 +130,13 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
     columns[:, 0] = state[:, :-1]
     reached, status, message = 1, "complete", ""
     at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
+    calls = bound.per_sample * bound.force_calls
+    affordable = scene.simulation.most_force_calls // max(calls, 1)
     try:
         while reached < samples and np.isinf(state[0, -1]):
-            last = min(reached + at_once, samples)
+            if reached > affordable:
+                raise IntegrationError("simulation.most_force_calls is spent")
+            last = min(reached + at_once, samples, affordable + 1)
             bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
             reached = last
             if progress:
@@ -140,7 +144,7 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
     except KeyboardInterrupt:
         status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
     except IntegrationError as error:
-        status, message = "failed", str(error)
+        status, message = "failed", f"failed after {bound.times[reached - 1]:.6g} s: {error}"
     if np.isfinite(lost := state[0, -1]):
         status, message = "lost", f"the bead left the trap at {lost:.6g} s"
         reached = int(np.isfinite(columns[0, :reached, 0]).sum())
@@ -157,7 +161,7 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
         "events": "[]",
         "steps": (reached - 1) * bound.per_sample,
         "rejected_steps": 0,
-        "force_calls": (reached - 1) * bound.per_sample * bound.force_calls,
+        "force_calls": (reached - 1) * calls,
         "wall_time": wall_time,
         "integration_error": math.nan,
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
