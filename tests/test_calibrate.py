@@ -1,5 +1,6 @@
 """Calibration: theory against matrix exponentials, estimates against exact synthetic records."""
 
+import contextlib
 import dataclasses
 import math
 
@@ -447,3 +448,66 @@ def test_a_fit_is_the_best_of_its_neighbours():
     dk, db = 0.01 * fit.stiffness_uncertainty, 0.01 * fit.drag_uncertainty
     around = [likelihood(k + i * dk, drag + j * db) for i in (-1, 0, 1) for j in (-1, 0, 1)]
     assert max(around) - likelihood(k, drag) < 1e-5
+
+
+def good_record(samples=20_000):
+    return trapped(1e-4, samples, K, DRAG, None, T, 77)[0]
+
+
+@pytest.mark.parametrize("known", [{}, {"drag": DRAG}])
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (
+            lambda x, s: np.append(x[:-200], x[-200:] + np.linspace(0, 100, 200) * s),
+            "deviations off",
+        ),
+        (lambda x, s: np.append(x[:-40], x[-40:] + np.linspace(0, 20, 40) * s), "deviations off"),
+        (lambda x, s: np.where(np.arange(x.size) == 9_000, 40 * s, x), "sample 9001 is"),
+        (lambda x, s: np.where(np.arange(x.size) < 5_000, x, 0.0), "the same number"),
+    ],
+    ids=["escape", "short escape", "spike", "stuck"],
+)
+def test_what_is_far_off_spoils_every_estimate_and_is_told(spoil, said, known):
+    x = good_record()
+    spoilt = record(spoil(x, x.std()), 1e-4)
+    found = tweezer.calibrate(spoilt, temperature=T, **known).axes[0]
+    assert all(said in estimate.caveat for estimate in found.estimates)
+
+
+@pytest.mark.parametrize("x", [np.tile([1e-8, -1e-8], 500), np.linspace(0, 1e-6, 1000) ** 2 * 1e6])
+def test_what_no_bead_does_is_refused_or_not_trusted(x):
+    for known in ({}, {"drag": DRAG}, {"drag": DRAG, "mass": 1e-15}):
+        estimates = ()
+        with contextlib.suppress(tweezer.ResultError):
+            estimates = tweezer.calibrate(record(x, 1e-4), temperature=T, **known).axes[0].estimates
+        assert all(estimate.caveat for estimate in estimates)
+
+
+@pytest.mark.parametrize("temperature", [20.0, 1e-300, 1e5])
+def test_a_temperature_that_no_medium_has_is_refused(temperature):
+    with pytest.raises(tweezer.ResultError, match="must be from 50 to 5000 K"):
+        tweezer.calibrate(record(good_record(200), 1e-4), temperature=temperature)
+
+
+@pytest.mark.parametrize(
+    "positions", [[], np.zeros((3, 4)), [1.0, np.nan, 2.0], [1e-9, 1e-9]], ids=str
+)
+def test_potential_refuses_what_is_no_row_of_positions(positions):
+    with pytest.raises(tweezer.ResultError, match="positions"):
+        tweezer.potential(positions, T)
+
+
+@pytest.mark.parametrize(
+    ("times", "positions", "radius"),
+    [
+        (np.arange(5.0), np.zeros((2, 9, 3)), 1e-6),
+        (np.arange(5.0), np.zeros((0, 5, 3)), 1e-6),
+        (np.arange(5.0), np.zeros((2, 5)), 1e-6),
+        (np.arange(5.0), np.full((2, 5, 3), np.nan), 1e-6),
+        (np.arange(5.0), np.zeros((2, 5, 3)), np.nan),
+    ],
+)
+def test_escape_times_refuse_arrays_that_do_not_fit(times, positions, radius):
+    with pytest.raises(tweezer.ResultError):
+        tweezer.escape_times(times, positions, radius)

@@ -194,7 +194,7 @@ def test_an_interrupt_from_outside(tmp_path):
 
 
 def test_an_interrupt_before_the_first_step_writes_nothing(command_line, monkeypatch):
-    def interrupted(scene):
+    def interrupted(scene, seed):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli, "_simulate_with_progress", interrupted)

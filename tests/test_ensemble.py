@@ -617,6 +617,7 @@ def test_a_chunk_half_written_is_written_again(small, tmp_path):
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [({"trajectories": 0}, "trajectories = 0: must be a whole number"),
+     ({"trajectories": 10**12}, "trajectories = 1000000000000: must be a whole number from 1"),
      ({"trajectories": 2.5}, "trajectories = 2.5: must be a whole number"),
      ({"seed": -1}, "seed = -1: must be a whole number"),
      ({"workers": 0}, "workers = 0: must be a whole number"),
@@ -800,3 +801,26 @@ def test_an_interrupted_command_is_resumed(command_line, monkeypatch):
 
 def interrupt_update(self, task, completed):
     raise KeyboardInterrupt
+
+
+def test_the_error_of_the_variance_keeps_its_digits_far_from_the_focus():
+    """A bead held 20,000 standard deviations off: as one at the focus."""
+    rng = np.random.default_rng(6)
+    x = 5e-9 * rng.normal(size=(64, 400, 3))
+    states = {}
+    for offset in (0.0, 1e-4):
+        plan = statistics.Plan(
+            np.arange(400) * 1e-4, {"position": slice(0, 3)}, 0, 1.0, (offset, offset, offset), True
+        )
+        gathered = statistics.Statistics(plan)
+        gathered.add_piece(0, x + offset)
+        gathered.add_window(0, x + offset)
+        gathered.close(np.full(64, np.inf))
+        dataset = gathered.dataset({"position": ("axis", "m")})
+        states[offset] = dataset
+        np.testing.assert_allclose(
+            dataset["stationary_mean"], offset, atol=5 * float(dataset["stationary_mean_error"][0])
+        )
+    for name in ("stationary_variance", "stationary_variance_error"):
+        np.testing.assert_allclose(states[1e-4][name], states[0.0][name], rtol=1e-6)
+    assert (states[0.0]["stationary_variance_error"] > 0).all()

@@ -174,7 +174,10 @@ def rows(count=150, **changed):
      ("a.csv", rows(l60="0.0584,1"), "sample 59: its time breaks the even step of 0.001 s"),
      ("a.csv", rows().replace("0.058,2e-9\n", ""), "sample 59: its time breaks the even step"),
      ("a.csv", "t,x\n" + "".join(f"{i},1\n" for i in range(150)), "x does not change"),
-     ("a.nc", "t,x", "not an HDF5 or NetCDF 4 file"),
+     ("a.nc", "t,x", "not an HDF5 or NetCDF 4 file, or damaged"),
+     ("a.csv", rows(l1="t,x [um],x [nm]"), "two columns for x"),
+     ("a.csv", rows(l1="t,time,x"), "two columns for t"),
+     ("a.csv", "t,x\n" + "".join(f"{i},{i % 7}\n" for i in range(150)), "Is its unit missing?"),
      ("a.xlsx", "t,x", "must end in .csv, .tsv, .txt, .h5, .hdf5, .nc")],
 )  # fmt: skip
 def test_bad_tables_are_refused_in_one_line(command_line, name, text, complaint):
@@ -258,7 +261,7 @@ def test_command_with_inertia_and_without_a_drag(command_line, positions):
      (["--temperature", "20 s"], "--temperature '20 s': has the wrong unit"),
      ([*KNOWN, "--skip", "-1"], "--skip '-1': must be from 0"),
      ([*KNOWN, "--skip", "10 s"], "mine.csv: has 0 samples"),
-     (["--temperature", "0"], "mine.csv: temperature = 0.0: must be positive"),
+     (["--temperature", "0"], "--temperature '0': must be from 50 to 5000 K"),
      ([*KNOWN, "--out", "k.nc"], "k.nc: must end in .json")],
 )  # fmt: skip
 def test_bad_options_are_refused_in_one_line(command_line, positions, options, complaint):

@@ -246,6 +246,7 @@ def ensemble(
     Stopped at any time, by Ctrl-C or worse, it goes on with --resume where it was.
     """
     described = _described(scene, _settings(set or [], duration=duration))
+    skipped = _quantity("--skip", skip, "s") if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     _bind_light(described)
     with (
@@ -255,7 +256,7 @@ def ensemble(
         from tweezer.ensembles import ensemble as computed
 
         result = computed(
-            described, trajectories, seed=seed, out=out, statistics=statistics, skip=skip or 0.0,
+            described, trajectories, seed=seed, out=out, statistics=statistics, skip=skipped,
             scheduler=scheduler, workers=workers, resume=resume, progress=progress,
         )  # fmt: skip
     _print_ensemble(described, result)
@@ -293,12 +294,12 @@ def calibrate(
     from tweezer.analysis import load_recording
 
     given = {
-        name: _quantity(f"--{name}", text, unit)
-        for name, text, unit in (
-            ("temperature", temperature, "K"),
-            ("radius", radius, "m"),
-            ("viscosity", viscosity, "Pa s"),
-            ("density", density, "kg/m^3"),
+        name: _quantity(f"--{name}", text, unit, low, high)
+        for name, text, unit, low, high in (
+            ("temperature", temperature, "K", 50, 5000),
+            ("radius", radius, "m", 1e-9, 1e-3),
+            ("viscosity", viscosity, "Pa s", 1e-12, 1e9),
+            ("density", density, "kg/m^3", 1e-6, 1e6),
         )
         if text is not None
     }
@@ -611,11 +612,15 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
     _out.print(table)
 
 
+def _determined(value: float, uncertainty: float) -> str:
+    return f"{value:.4g} +- {uncertainty:.2g}" if uncertainty < value else "not determined, in"
+
+
 def _with_error(value: str, error: float) -> str:
     return value if math.isnan(error) else f"{value} +- {error:.2g}"
 
 
-def _quantity(option: str, text: str, unit: str) -> float:
+def _quantity(option: str, text: str, unit: str, low: float = 0.0, high: float = math.inf) -> float:
     """`text` of `option` in `unit`: with a unit, or a bare number in it."""
     from tweezer.units import to_si
 
@@ -623,8 +628,8 @@ def _quantity(option: str, text: str, unit: str) -> float:
         try:
             bare = float(text)
         except ValueError:
-            return to_si(text, unit, 0.0)
-        return to_si(bare, unit, 0.0)
+            return to_si(text, unit, low, high)
+        return to_si(bare, unit, low, high)
     except ValueError as error:
         raise SceneError(f"{option} {text!r}: {error}") from None
 
@@ -646,12 +651,11 @@ def _print_calibration(calibration: Calibration) -> None:
         _out.print(table)
         fit, free = axis.fit, axis.free_fit
         diffusion = 1e12 * free.bead.diffusion
-        relative = (free.drag_uncertainty or 0.0) / free.bead.drag
         _out.print(
-            f"corner frequency {fit.bead.corner_frequency:.4g} +- "
-            f"{fit.corner_frequency_uncertainty:.2g} Hz, p = {fit.p_value:.2g}; diffusion "
-            f"{diffusion:.4g} +- {diffusion * relative:.2g} um^2/s; {axis.relaxations:.0f} "
-            "relaxation times",
+            "corner frequency "
+            f"{_determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty)} Hz; "
+            f"diffusion {_determined(diffusion, 1e12 * axis.diffusion_uncertainty)} um^2/s; "
+            f"p = {free.p_value:.2g}",
             highlight=False, soft_wrap=True,
         )  # fmt: skip
     if calibration.note:

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
-from scipy.linalg import cholesky, inv, solve_triangular
+from scipy.linalg import LinAlgWarning, cholesky, inv, solve_triangular
 from scipy.optimize import least_squares, minimize
 from scipy.special import chdtri, ndtr
 
@@ -45,6 +45,11 @@ _FORGOTTEN = 20.0
 #: relative uncertainty above; a spectrum whose p-value is below; two numbers further apart, in
 #: standard uncertainties; a start further from the mean, in standard deviations
 _RELAXATIONS, _UNCERTAIN, _IMPROBABLE, _APART, _FAR = 30.0, 0.3, 1e-3, 4.0, 6.0
+
+#: K, which a medium may have
+_TEMPERATURES = (50.0, 5000.0)
+#: standard deviation of a Gaussian over the median of the distance to its middle
+_DEVIATION_PER_MEDIAN = 1.4826
 
 #: bins of a histogram: how far from the mean they reach and how wide they may be, in standard
 #: deviations; the independent samples that one needs, and that those at two deviations should have
@@ -106,6 +111,12 @@ class AxisCalibration:
     """corner frequency and diffusion both fitted: the drag is k_B T/D"""
     relaxations: float
     """the record, in relaxation times of `fit`"""
+
+    @property
+    def diffusion_uncertainty(self) -> float:
+        """Standard uncertainty of k_B T/beta of `free_fit`, m^2/s."""
+        bead = self.free_fit.bead
+        return bead.diffusion * (self.free_fit.drag_uncertainty or 0.0) / bead.drag
 
     def __getitem__(self, method: str) -> Estimate:
         return next(estimate for estimate in self.estimates if estimate.method == method)
@@ -175,17 +186,35 @@ def calibrate(
     for name, value in {"temperature": temperature, "drag": drag, "mass": mass}.items():
         if value is not None and not 0 < value < math.inf:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
+    coldest, hottest = _TEMPERATURES
+    if not coldest <= temperature <= hottest:
+        raise ResultError(
+            f"{recording.name}: temperature = {temperature:g}: must be from {coldest:g} to "
+            f"{hottest:g} K"
+        )
     given = TrappedBead(math.nan, math.nan if drag is None else drag, temperature, mass)
     wrong = []
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
         wrong.append("simulated by one-call: displacements from step to step are not the bead's")
-    axes = tuple(
-        _calibrated(axis, positions, recording.step, given, wrong)
-        for axis, positions in zip(recording.axes, recording.positions.T, strict=True)
-    )
+    axes = []
+    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
+        try:
+            with warnings.catch_warnings(action="error", category=LinAlgWarning):
+                axes.append(_calibrated(axis, positions, recording.step, given, wrong))
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning) as error:
+            raise ResultError(
+                f"{recording.name}: {axis}: no trapped bead fits this: {str(error).strip()}"
+            ) from None
     samples = len(recording.times)
     return Calibration(
-        recording.name, temperature, drag, mass, samples, recording.step, recording.note, axes
+        recording.name,
+        temperature,
+        drag,
+        mass,
+        samples,
+        recording.step,
+        recording.note,
+        tuple(axes),
     )
 
 
@@ -212,10 +241,18 @@ def _calibrated(
         general.append(
             f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
         )
-    rest = positions[len(positions) // 2 :]
-    away = abs(positions[0] - rest.mean()) / rest.std()
-    if away > _FAR:
+    # by the median, which what is far off does not move
+    off = np.abs(positions - np.median(positions))
+    spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
+    farthest = int(off.argmax())
+    if spread == 0:
+        general.append("more than half of its samples are the same number")
+    elif off[0] > _FAR * spread:
+        away = off[0] / spread
         general.append(f"it starts {away:.2g} standard deviations off: leave out the beginning")
+    elif off[farthest] > _FAR * spread:
+        away = off[farthest] / spread
+        general.append(f"sample {farthest + 1} is {away:.2g} standard deviations off")
     if 2 * (free.log_likelihood - fit.log_likelihood) > _APART**2:  # S. S. Wilks
         ratio = free.bead.drag / bead.drag
         general.append(
@@ -253,10 +290,12 @@ def _calibrated(
 
 
 def _judged(estimate: Estimate) -> Estimate:
-    relative = estimate.uncertainty / abs(estimate.stiffness)
-    if relative <= _UNCERTAIN:
+    size = abs(estimate.stiffness)
+    if 0 < estimate.uncertainty <= _UNCERTAIN * size:
         return estimate
-    caveat = f"not determined: uncertain by {100 * relative:.2g} %"
+    caveat = "not determined"
+    if size > 0 and estimate.uncertainty > 0:
+        caveat += f": uncertain by {100 * estimate.uncertainty / size:.2g} %"
     return dataclasses.replace(estimate, caveat="; ".join(filter(None, [caveat, estimate.caveat])))
 
 
@@ -355,7 +394,8 @@ def _equipartition(positions: Array, step: float, bead: TrappedBead) -> tuple[fl
     squares = (positions - positions.mean()) ** 2
     missing = bead.variance_of_mean(step, len(positions)) / bead.variance
     relative = standard_error(squares) / squares.mean()
-    variance = squares.mean() / (1 - missing)
+    # a record that shows nothing of the relaxation leaves rounding
+    variance = squares.mean() / max(1 - missing, 1 / len(positions))
     # the mean of 1/variance is larger than 1/(the mean variance)
     k = Boltzmann * bead.temperature / (variance * (1 + relative**2))
     return k, k * relative
@@ -487,10 +527,13 @@ def potential(positions: ArrayLike, temperature: float) -> Potential:
     one if a Gaussian would still leave 20 independent samples in those two away, but not wider than
     a half. Those with fewer than 10 independent samples are left out; how many are independent is
     told for each by the statistical inefficiency of being in it. The curvature is corrected for the
-    width of the bins (Sheppard). Its error is that of the mean over the record of its influence
+    width of the bins (Sheppard). Raises `ResultError` for positions that are no such row, or do not
+    change. The curvature's error is that of the mean over the record of its influence
     function, so that it has the correlation between bins in it.
     """
     x = np.asarray(positions, np.float64)
+    if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
+        raise ResultError("positions: must be a row of finite numbers, not all the same")
     kT, centre, deviation = Boltzmann * temperature, x.mean(), x.std()
     independent = x.size / statistical_inefficiency((x - centre) ** 2)
     width = min(max(_COUNTS_AT_TWO / (_DENSITY_AT_TWO * independent), _NARROWEST), _WIDEST)
@@ -583,12 +626,19 @@ def escape_times(
     score test against Weibull's distribution. Survival: E. L. Kaplan and P. Meier,
     J. Am. Stat. Assoc. 53, 457 (1958), with log-log limits (`scipy.stats.ecdf`).
 
-    Raises `ResultError` if a bead starts outside.
+    Raises `ResultError` if a bead starts outside, or for arrays of other shapes.
     """
     from scipy.stats import CensoredData, ecdf
 
     t = np.asarray(times, np.float64)
-    away = np.linalg.norm(np.asarray(positions, np.float64) - np.asarray(centre), axis=-1)
+    places = np.asarray(positions, np.float64)
+    if places.ndim != 3 or 0 in places.shape or t.shape != places.shape[1:2]:
+        raise ResultError(
+            f"positions {places.shape}: must be (trajectories, n, axes), with times {t.shape} (n,)"
+        )
+    if np.isnan(places[:, 0]).any() or not radius > 0:
+        raise ResultError("every trajectory needs a place at the first time, and the radius a size")
+    away = np.linalg.norm(places - np.asarray(centre), axis=-1)
     outside = ~(away <= radius)
     if outside[:, 0].any():
         start = int(np.argmax(outside[:, 0]))

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 LEAST_SAMPLES = 100
 #: how far a time may be from an even grid, in its steps: tables round their times
 _UNEVEN = 0.1
+#: m, which a recording may extend over
+_EXTENTS = (1e-15, 1e-3)
 
 _AXES = ("x", "y", "z")
 _TABLES, _BINARIES = (".csv", ".tsv", ".txt"), (".h5", ".hdf5", ".nc")
@@ -72,6 +74,11 @@ class Recording:
         for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
             if extent <= 0:
                 self._refuse(f"{axis} does not change: nothing to calibrate")
+            if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
+                self._refuse(
+                    f"{axis} extends over {extent:.3g} m; must be from {_EXTENTS[0]:g} to "
+                    f"{_EXTENTS[1]:g} m. Is its unit missing?"
+                )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
         place = "" if sample is None else f"sample {sample + 1}: "
@@ -115,17 +122,26 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
         with xr.open_dataset(
             path, engine="h5netcdf", phony_dims="sort", decode_times=False
         ) as dataset:
-            if "scene" in dataset.attrs:
+            if "scene" in dataset.attrs and "position" in dataset:
                 return _of_run(dataset, str(path))
             return _of_columns(path, _binary_columns(path, dataset))
-    except OSError as error:
-        raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file: {error}") from None
+    except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
+        raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {error}") from None
 
 
 def _of_run(run: xr.Dataset, name: str) -> Recording:
-    if "scene" not in run.attrs or "position" not in run or run["position"].dims[0] != "time":
+    if "scene" not in run.attrs or "position" not in run:
         raise ResultError(f"{name}: not a run: it has no scene or no position over time")
-    scene = scene_of(run)
+    if run["position"].dims != ("time", "axis") or not {"time", "axis"} <= set(run.coords):
+        raise ResultError(f"{name}: not a run: its position is not over time and axis")
+    for quantity, unit in (("position", "m"), ("time", "s")):
+        if run[quantity].attrs.get("units", unit) != unit:
+            raise ResultError(f"{name}: not a run: its {quantity} is not in {unit}")
+    try:
+        scene = scene_of(run)
+    except ValueError as error:
+        reason = str(error).splitlines()[0]
+        raise ResultError(f"{name}: not a run: its scene is none: {reason}") from None
     positions = run["position"].values
     there = int(np.isfinite(positions).all(axis=1).cumprod().sum())
     note = ""
@@ -152,17 +168,24 @@ def _text_columns(path: Path) -> dict[str, Array]:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             heading = file.readline()
             delimiter = next((mark for mark in ";\t" if mark in heading), ",")
-            scales = {}  # by index and column
+            scales: dict[tuple[int, str], float] = {}  # by index and column
             for index, text in enumerate(heading.split(delimiter)):
-                match = _HEADING.fullmatch(text.strip("# \r\n"))
+                match = _HEADING.fullmatch(text.strip('# "\r\n'))
                 if match and (column := _column(match["name"])):
+                    if column in (known for _, known in scales):
+                        raise ResultError(f"{path}: two columns for {column}")
                     scales[index, column] = _scale(path, match["name"], match["unit"])
             if not scales:
                 return {}
             wanted = [index for index, _ in scales]
             with warnings.catch_warnings(action="ignore", category=UserWarning):  # of no rows
                 table = np.loadtxt(
-                    file, delimiter=delimiter, usecols=wanted, comments=None, ndmin=2
+                    file,
+                    delimiter=delimiter,
+                    usecols=wanted,
+                    comments=None,
+                    ndmin=2,
+                    quotechar='"',
                 )
     except ValueError as error:
         raise ResultError(f"{path}: {_bad_line(path, delimiter, wanted) or error}") from None
@@ -184,7 +207,7 @@ def _bad_line(path: Path, delimiter: str, wanted: list[int]) -> str | None:
             for index in wanted:
                 text = row[index] if index < len(row) else ""
                 try:
-                    float(text)
+                    float(text.replace("_", "no digit"))
                 except ValueError:
                     return f"line {rows.line_num}: {text!r} is not a number"
     return None
@@ -198,6 +221,8 @@ def _binary_columns(path: Path, dataset: xr.Dataset) -> dict[str, Array]:
             continue
         if variable.ndim != 1 or variable.dtype.kind not in "fiu":
             raise ResultError(f"{path}: {name}: must be a one-dimensional array of numbers")
+        if column in columns:
+            raise ResultError(f"{path}: two columns for {column}")
         scale = _scale(path, str(name), variable.attrs.get("units"))
         columns[column] = scale * variable.values.astype(np.float64)
     if len({len(values) for values in columns.values()}) > 1:

@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 _AHEAD = 4
 #: s between reports of progress
 _TICK = 0.2
+#: trajectories of an ensemble
+_MOST = 10**9
 #: bytes of trajectories that are held in memory, at most
 _MEMORY = 2**31
 
@@ -124,8 +126,8 @@ def _check(
         ("trajectories", trajectories),
         ("workers", 1 if workers is None else workers),
     ):
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value < 2**63:
-            raise SceneError(f"{name} = {value!r}: must be a whole number, at least 1")
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST:
+            raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
     if skip and not statistics:
         raise SceneError(f"skip = {skip!r}: only for statistics")
     if scheduler is not None and workers is not None:

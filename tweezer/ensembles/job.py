@@ -130,7 +130,12 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
     quantities = {name: at for name, at in columns_of(bound).items() if name != "orientation"}
     simulation = bound.scene.simulation
     return Plan(
-        bound.times, quantities, skipped, simulation.loss_distance, simulation.method != "one-call"
+        bound.times,
+        quantities,
+        skipped,
+        simulation.loss_distance,
+        tuple(bound.plan.centre[:3]) if bound.equilibrium else bound.scene.start_position,
+        simulation.method != "one-call",
     )
 
 

@@ -83,6 +83,8 @@ class Plan:
     """samples at the beginning that only the moments over time see"""
     reach: float
     """m, of the histogram"""
+    origin: tuple[float, ...]
+    """m, near where the beads are: averages are taken from there, so that squares keep digits"""
     displacements: bool
     """whether those from sample to sample are right, and so msd and psd"""
 
@@ -206,7 +208,8 @@ class Statistics:
         step = self.plan.times[1] - self.plan.times[0]
         together = max(1, _CACHED // position[0].size)
         for i in range(0, len(position), together):
-            some = np.ascontiguousarray(position[i : i + together].swapaxes(1, 2))
+            some = (position[i : i + together] - self.plan.origin).swapaxes(1, 2)
+            some = np.ascontiguousarray(some)
             mean, square = some.mean(axis=2), np.square(some).mean(axis=2)
             found = {"average": np.stack([mean, square, mean * square], axis=2)}
             if self.plan.displacements:
@@ -298,7 +301,7 @@ class Statistics:
         variance = v - u**2 + mean_error2
         covariance = (uv - u * v) * n / (n - 1)
         error2 = (v2 / (n - 1) + 4 * u**2 * u2 / (n - 1) - 4 * u * covariance) / n
-        mean = np.where(n > 0, u, np.nan)
+        mean = np.where(n > 0, u + self.plan.origin, np.nan)
         _put(dataset, "stationary_mean", ("axis",), mean, np.sqrt(mean_error2), "m",
              "mean of the position over trajectories and time", "windows")  # fmt: skip
         _put(dataset, "stationary_variance", ("axis",), variance,

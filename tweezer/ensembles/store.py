@@ -166,7 +166,10 @@ class Trajectories:
                 with telling(job):
                     self._create(job.out)
             self.arrays = stored(job)
-        missing = np.isnan(self.arrays["lost_time"][:])
+        try:
+            missing = np.isnan(self.arrays["lost_time"][:])
+        except _UNREADABLE as error:
+            raise ResultError(f"{job.out}: damaged: {error}") from None
         self.missing = [i for i in range(job.blocks) if missing[job.members(i)].any()]
 
     def take(self, index: int, gathered: Gathered | None) -> None:
