@@ -114,6 +114,18 @@ COVARIANCE = Equation(
     sp.Matrix([[c_xx, d**2 / tau], [d**2 / tau, c_vv]]),
 )
 
+#: what a step makes of v, of the whole slow velocity at its begin (u less kappa x), and of how much
+#: u rises over it: in the position's gain, and in the velocity
+STEP_WEIGHTS = {
+    "by_v": d,
+    "by_u": j / tau,
+    "by_rise": l / (tau * h),
+    "decay": e_vv,
+    "v_by_u": d / tau,
+    "v_by_rise": j / (tau * h),
+    "c_xv": COVARIANCE.rhs[0, 1],
+}
+
 # --- a step of 2 h from one of h -----------------------------------------------------------------
 DOUBLED = {
     d: e_xx * d + d * e_vv,
@@ -164,8 +176,10 @@ def _cut(series: sp.Expr) -> sp.Expr:
 SHORT = _series()
 
 # --- without inertia: dx = (u - kappa x) dt + sqrt(2 D) dW ----------------------------------------
-#: int e^(-kappa s) ds, and its integral; Var x = D d (1 + e_x)
+#: d = int e^(-kappa s) ds, and j its integral
 e_x = 1 - kappa * d
+#: as `STEP_WEIGHTS`; spread = Var x/D
+STEP_WEIGHTS_WITHOUT_INERTIA = {"by_u": d, "by_rise": j / h, "spread": d * (1 + e_x)}
 DOUBLED_WITHOUT_INERTIA = {d: d + e_x * d, j: j + h * d + e_x * j}
 SHORT_WITHOUT_INERTIA = {
     d: h * sp.horner(sum((-g) ** n / sp.factorial(n + 1) for n in range(ORDER)), g),

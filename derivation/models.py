@@ -551,7 +551,8 @@ def _langevin() -> Module:
         short: Mapping[sp.Symbol, sp.Expr],
         doubled: Mapping[sp.Symbol, sp.Expr],
         reduced: tuple[tuple[Quantity, sp.Expr], ...],
-    ) -> tuple[Function, Function]:
+        weights: Mapping[str, sp.Expr],
+    ) -> tuple[Function, ...]:
         names = tuple(each.name for each in quantities)
         block = Argument("block", quantities, (len(quantities),))
         return (
@@ -572,6 +573,14 @@ def _langevin() -> Module:
                 (),
                 tuple(f"{name}_twice" for name in names),
             ),
+            Function(
+                f"{prefix}_step",
+                "What a step makes of its begin: see `derivation.langevin`.",
+                (*arguments, block),
+                sp.Matrix(list(weights.values())),
+                (),
+                tuple(weights),
+            ),
         )
 
     inertial = (sy.DISPLACEMENT, sy.FIRST_INTEGRAL, sy.SECOND_INTEGRAL, sy.COVARIANCE_X,
@@ -588,10 +597,12 @@ def _langevin() -> Module:
             *functions(
                 "inertial", (step, tau, kappa), inertial, lv.SHORT, lv.DOUBLED,
                 ((sy.STEP_IN_TAU, lv.h / lv.tau), (sy.STEP_IN_SWINGS, lv.kappa * lv.h**2 / lv.tau)),
+                lv.STEP_WEIGHTS,
             ),
             *functions(
                 "overdamped", (step, kappa), inertial[:2], lv.SHORT_WITHOUT_INERTIA,
                 lv.DOUBLED_WITHOUT_INERTIA, ((sy.STEP_IN_TRAP, lv.kappa * lv.h),),
+                lv.STEP_WEIGHTS_WITHOUT_INERTIA,
             ),
         ),
         ("langevin.py",),

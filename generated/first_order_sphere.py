@@ -31,7 +31,7 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "cc8749bd5eab78d66c7b7a71ce80f543c0ed578446b344bf28871f77bc5df1bf"
+SOURCE_DIGEST = "3954b8d18f7f0fe4973219b00c0b139728fad45518e1587c6ff96eb023b9e683"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("m", "I", "beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment", "force_gradient", "moment_gradient")

@@ -38,7 +38,7 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "cc8749bd5eab78d66c7b7a71ce80f543c0ed578446b344bf28871f77bc5df1bf"
+SOURCE_DIGEST = "3954b8d18f7f0fe4973219b00c0b139728fad45518e1587c6ff96eb023b9e683"
 STATE = (
     "q1",
     "q2",

@@ -1,7 +1,7 @@
 """Drag, spring and thermal noise (2.13-2.20) of one coordinate over a step, exactly.
 
 Made by `python -m derivation` from derivation/langevin.py; do not edit.
-SymPy 1.14.0. 373 operations, 13 temporaries.
+SymPy 1.14.0. 389 operations, 17 temporaries.
 
 dx = v dt, dv = ((u - v)/tau - (kappa/tau) x) dt + sqrt(2 (kT/m)/tau) dW; without
 inertia dx = (u - kappa x) dt + sqrt(2 D) dW. d is the displacement by a unit of
@@ -10,7 +10,7 @@ velocity, without inertia by a unit of u; j its integral, and l that of j.
 
 from numba import njit
 
-SOURCE_DIGEST = "cc8749bd5eab78d66c7b7a71ce80f543c0ed578446b344bf28871f77bc5df1bf"
+SOURCE_DIGEST = "3954b8d18f7f0fe4973219b00c0b139728fad45518e1587c6ff96eb023b9e683"
 
 
 @njit(cache=True)
@@ -208,6 +208,34 @@ def inertial_of_twice_the_step(h, tau, kappa, block):
 
 
 @njit(cache=True)
+def inertial_step(h, tau, kappa, block):
+    """What a step makes of its begin: see `derivation.langevin`.
+
+    h: step [s]
+    tau: relaxation time m/beta_v, epsilon of [s]
+    kappa: stiffness over drag, k/beta_v [1/s]
+    block: (5) d, j, l, c_xx, c_vv
+    Returns by_v, by_u, by_rise, decay, v_by_u, v_by_rise, c_xv.
+    12 operations, 4 temporaries.
+    """
+    d = block[0]
+    j = block[1]
+    l = block[2]
+    x0 = 1.0 / tau
+    x1 = j * x0
+    x2 = 1.0 / h
+    x3 = d * x0
+    by_v = d
+    by_u = x1
+    by_rise = l * x0 * x2
+    decay = -kappa * x1 - x3 + 1.0
+    v_by_u = x3
+    v_by_rise = x1 * x2
+    c_xv = (d * d) * x0
+    return by_v, by_u, by_rise, decay, v_by_u, v_by_rise, c_xv
+
+
+@njit(cache=True)
 def overdamped_of_a_short_step(h, kappa):
     """Taylor's series: complete to rounding where h/tau and |kappa| h <= 1/64, and
     |kappa| h^2/tau <= 1/4096.
@@ -270,3 +298,21 @@ def overdamped_of_twice_the_step(h, kappa, block):
     d_twice = d * x0 + d
     j_twice = d * h + j * x0 + j
     return d_twice, j_twice
+
+
+@njit(cache=True)
+def overdamped_step(h, kappa, block):
+    """What a step makes of its begin: see `derivation.langevin`.
+
+    h: step [s]
+    kappa: stiffness over drag, k/beta_v [1/s]
+    block: (2) d, j
+    Returns by_u, by_rise, spread.
+    4 operations, 0 temporaries.
+    """
+    d = block[0]
+    j = block[1]
+    by_u = d
+    by_rise = j / h
+    spread = d * (-d * kappa + 2.0)
+    return by_u, by_rise, spread

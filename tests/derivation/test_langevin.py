@@ -95,3 +95,38 @@ def test_no_flux_at_boltzmanns_distribution():
 def test_arm_of_the_thermal_torque():
     """L_C of (2.17), which the thesis leaves without a value."""
     assert sp.simplify(lv.ARM_OF_TORQUE.rhs - 2 * lv.r / sp.sqrt(3)) == 0
+
+
+def test_a_step_solves_the_equation_for_a_velocity_that_rises_evenly():
+    """x' = v, v' = (u_0 + a s - v)/tau - kappa x/tau, from any x and v; a h is the rise."""
+    x, v, u, a = sp.symbols("x v u a", real=True)
+    w = {name: closed(weight) for name, weight in lv.STEP_WEIGHTS.items()}
+    rise, tau, kappa = a * lv.h, lv.BY_RATES[lv.tau], lv.BY_RATES[lv.kappa]
+    X = x + w["by_v"] * v + w["by_u"] * u + w["by_rise"] * rise
+    V = w["decay"] * v + w["v_by_u"] * u + w["v_by_rise"] * rise
+    assert is_zero(lv.over_time(X) - V)
+    slow_now = u + kappa * x + rise  # u is less kappa x at the begin
+    assert is_zero(lv.over_time(V) - (slow_now - V - kappa * X) / tau)
+    begin = {lv.h: 0, lv.E_slow: 1, lv.E_fast: 1}
+    assert is_zero(sp.expand(X).subs(begin) - x)
+    assert is_zero(sp.expand(V).subs(begin) - v)
+
+
+def test_a_step_without_inertia_solves_its_equation():
+    """x' = u_0 + a s - kappa x, and (Var x)' = 2 D - 2 kappa Var x."""
+    x, u, a = sp.symbols("x u a", real=True)
+    rate, E = sp.Symbol("kappa", positive=True), sp.Symbol("E", positive=True)
+    d = (1 - E) / rate
+    closed_forms = {lv.d: d, lv.j: (lv.h - d) / rate, lv.kappa: rate}
+    w = {
+        name: sp.sympify(weight).subs(lv.kappa, rate).subs(closed_forms)
+        for name, weight in lv.STEP_WEIGHTS_WITHOUT_INERTIA.items()
+    }
+
+    def change(expression):
+        return expression.diff(lv.h) - rate * E * expression.diff(E)
+
+    X = x + w["by_u"] * u + sp.expand(w["by_rise"] * lv.h) * a
+    assert is_zero(change(X) - (u + rate * x + a * lv.h - rate * X))
+    assert is_zero(change(w["spread"]) - (2 - 2 * rate * w["spread"]))
+    assert w["spread"].subs(E, 1) == 0
