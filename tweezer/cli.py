@@ -96,7 +96,10 @@ def run(
     ] = None,
     method: Annotated[
         str | None,
-        typer.Option(help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on."),
+        typer.Option(
+            help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on; with thermal "
+            "motion auto, heun, one-call, harmonic, euler-maruyama or baoab."
+        ),
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,
     set: Changes = None,

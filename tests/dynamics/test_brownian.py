@@ -18,6 +18,7 @@ import tweezer
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_field, walk_in
 from tweezer.dynamics import bind, integrate, walk
 from tweezer.dynamics.brownian import batch, heun, noise, propagator
+from tweezer.dynamics.integrators import System
 from tweezer.errors import IntegrationError, SceneError
 
 #: five standard deviations: one seed in 1.7 million
@@ -405,8 +406,6 @@ def stepped(field, h, tau, x, v, normal):
     plan = walk(DARK.replace(simulation={"model": "full"})).plan
     plan = plan._replace(load=np.zeros(3), mobility=np.full(3, 1 / DRAG))
     kernel, source = field.compiled(gradient=False)
-    from tweezer.dynamics.integrators import System
-
     system = System(source, source, 1.0, 1.0, np.zeros(4), np.zeros(0))
     heun.step(kernel, kernel, system, plan, weights, beads)
     return beads.x.T.copy(), beads.v.T.copy()

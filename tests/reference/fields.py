@@ -157,7 +157,7 @@ def in_trap(equations, stiffness, moment=(0.0, 0.0, 0.0)):
 def walk_in(walk, field, kappa=0.0):
     """`walk` with a field in place of the light, and a spring of that rate (1/s) taken exactly."""
     weights = walk.weights
-    if walk.scene.simulation.method not in ("euler-maruyama", "one-call"):
+    if walk.scene.simulation.method in ("heun", "harmonic"):
         tau = walk.plan.tau * ("vx" in walk.columns)
         rates = np.where(np.arange(len(tau)) < 3, float(kappa), 0.0)
         shaken = walk.plan.diffusion.copy()

@@ -24,7 +24,7 @@ from tweezer.dynamics.solution import pointer
 from tweezer.equilibria import Equilibrium, stable_equilibrium
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.optics import Light, light
-from tweezer.scene import Scene
+from tweezer.scene import Scene, Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -74,37 +74,35 @@ class Walk:
 
         The last entry is when a bead was lost, s: infinite for one that is not.
         """
-        scene, plan = self.scene, self.plan
-        n, inertial, rotates = len(trajectories), "vx" in self.columns, "e0" in self.columns
-        x = np.tile(scene.start_position, (n, 1))
-        v, w = (np.tile(each, (n, 1)) for each in (scene.start.velocity, self._turning()))
-        if scene.start.drawn != "no":
-            numbers = np.empty((9, n))
+        start, plan, n = self.scene.start, self.plan, len(trajectories)
+        inertial, rotates = "vx" in self.columns, "e0" in self.columns
+        numbers = np.empty((9, n))
+        if start.drawn in ("ball", "boltzmann"):
             noise.normals(self.seed, trajectories, 0, noise.START, numbers)
-            drawn = numbers.T
-            if scene.start.drawn == "ball":
-                # the direction of five numbers, its first three: uniform in the unit ball
-                x += scene.start.ball_radius * (
-                    drawn[:, :3] / np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
-                )
-            elif scene.start.drawn == "equilibrium":
-                x = np.tile(plan.centre[:3], (n, 1))
-            elif self.equilibrium is not None:
-                x = plan.centre[:3] + drawn[:, :3] * np.sqrt(
-                    plan.diffusion[:3] / (plan.mobility[:3] * np.diag(self.equilibrium.stiffness))
-                )
-                if inertial:
-                    v = drawn[:, 3:6] * np.sqrt(plan.diffusion[:3] / plan.tau[:3])
-                if inertial and rotates:
-                    w = drawn[:, 6:9] * np.sqrt(plan.diffusion[3:] / plan.tau[3:])
+        drawn = numbers.T
+        thermal = start.drawn == "boltzmann"
+
+        x = np.tile(self.scene.start_position, (n, 1))
+        if start.drawn == "ball":
+            # the direction of five numbers, its first three: uniform in the unit ball
+            direction = drawn[:, :3] / np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
+            x += start.ball_radius * direction
+        elif start.drawn != "no":
+            x = np.tile(plan.centre[:3], (n, 1))
+        if thermal and self.equilibrium is not None:
+            rate = plan.mobility[:3] * np.diag(self.equilibrium.stiffness)
+            x += drawn[:, :3] * np.sqrt(plan.diffusion[:3] / rate)
         parts = [x]
         if inertial:
-            parts.append(v)
+            speed = np.sqrt(plan.diffusion / plan.tau)
+            parts.append(drawn[:, 3:6] * speed[:3] if thermal else np.tile(start.velocity, (n, 1)))
         if rotates:
-            e = np.array(scene.start.orientation)
-            parts.append(np.tile(e / np.linalg.norm(e), (n, 1)))
+            e = np.array(start.orientation)
+            e /= np.linalg.norm(e)
+            parts.append(np.tile(e, (n, 1)))
             if inertial:
-                parts.append(w)
+                w = rotation_matrices(e[None])[0] @ start.angular_velocity
+                parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
         return np.ascontiguousarray(np.hstack([*parts, np.full((n, 1), np.inf)]))
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
@@ -137,11 +135,6 @@ class Walk:
             turning = np.einsum("nji,nj->ni", rotation_matrices(orientation), w)
         velocity = samples[:, at["vx"] : at["vx"] + 3] if "vx" in at else None
         return Motion(samples[:, :3], velocity, orientation, turning)
-
-    def _turning(self) -> Array:
-        """The scene's angular velocity, about the inertial axes."""
-        e = np.array(self.scene.start.orientation)
-        return rotation_matrices(e[None] / np.linalg.norm(e))[0] @ self.scene.start.angular_velocity
 
     @functools.cached_property
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
@@ -226,19 +219,7 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         )
     step = interval / per_sample
     reasons.append(f"steps of {step:.3g} s: {reason}")
-    taken_exactly = kappa
-    if simulation.model == "first-order":
-        taken_exactly = kappa * (1 + kappa * bead.relaxation_time)
-    shaken = diffusion.copy()
-    if not inertial:
-        shaken[3:] = 0.0  # rotational diffusion without inertia is drawn by itself
-    weights = (
-        propagator.euler_maruyama(step, tau, shaken)
-        if simulation.method == "euler-maruyama"
-        else propagator.exact(
-            step, tau, np.zeros(dims) if simulation.method == "one-call" else taken_exactly, shaken
-        )
-    )
+    weights = _weights(simulation, step, tau, kappa, diffusion, bead.relaxation_time)
     if simulation.model == "first-order":
         tau = np.full(dims, bead.relaxation_time)
     load = np.zeros(dims)
@@ -261,6 +242,24 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         scene, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), equilibrium,
         light(scene), plan, weights,
     )  # fmt: skip
+
+
+def _weights(
+    simulation: Simulation, step: float, tau: Array, kappa: Array, diffusion: Array, epsilon: float
+) -> Weights:
+    """A step of the method; epsilon: m/beta_v (4.6), of the bead itself."""
+    # rotational diffusion without inertia is drawn by itself
+    shaken = np.where((tau > 0) | (np.arange(len(tau)) < 3), diffusion, 0.0)
+    match simulation.method:
+        case "euler-maruyama":
+            return propagator.euler_maruyama(step, tau, shaken)
+        case "baoab":
+            return propagator.baoab(step, tau, shaken)
+        case "one-call":
+            kappa = np.zeros_like(kappa)
+    if simulation.model == "first-order":
+        kappa = kappa * (1 + kappa * epsilon)
+    return propagator.exact(step, tau, kappa, shaken)
 
 
 def _longest_step(scene: Scene, tau: Array, kappa: Array, diffusion: Array) -> tuple[float, str]:

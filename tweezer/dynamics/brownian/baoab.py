@@ -6,33 +6,25 @@ the bead moves (h/2 tau) coth(h/2 tau) times too easily, and at long steps it is
 
 from __future__ import annotations
 
-import hashlib
-import math
-from pathlib import Path
-
 from numba import njit
 
 from tweezer.dynamics.brownian.batch import slow_velocities
 
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
-
 
 @njit(error_model="numpy")
-def step(kernel, beyond, system, plan, beads):  # type: ignore[no-untyped-def]
+def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; u is that at x, before and after."""
     dims, n = beads.x.shape
-    h = plan.step
     for k in range(dims):
-        tau = plan.tau[k]
-        decay, kick = math.exp(-h / tau), 0.5 * h / tau
-        spread = math.sqrt(-math.expm1(-2.0 * h / tau) * plan.diffusion[k] / tau)
+        drift, kick = weights.by_v[k], weights.v_by_u[k]
+        decay, spread = weights.decay[k], weights.noise_v[k]
         x, v, u, normal = beads.x[k], beads.v[k], beads.u[k], beads.normal[k]
         for i in range(n):
             half = v[i] + kick * u[i]
             v[i] = decay * half + spread * normal[i]
-            x[i] += 0.5 * h * (half + v[i])
+            x[i] += drift * (half + v[i])
     slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
     for k in range(dims):
-        kick, v, u = 0.5 * h / plan.tau[k], beads.v[k], beads.u[k]
+        kick, v, u = weights.v_by_u[k], beads.v[k], beads.u[k]
         for i in range(n):
             v[i] += kick * u[i]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -11,8 +9,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 class Plan(NamedTuple):

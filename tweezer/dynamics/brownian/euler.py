@@ -8,14 +8,9 @@ the trap's spring for the force, it is the propagator of Norrelykke and Flyvbjer
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
-
 from numba import njit
 
 from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
-
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 @njit(error_model="numpy")

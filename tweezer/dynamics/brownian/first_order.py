@@ -11,14 +11,9 @@ drift D div(1 - tau Du) which the flux implies.
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
-
 from numba import njit
 
 from tweezer.dynamics.brownian.batch import slow_velocities
-
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 @njit(error_model="numpy")

@@ -8,14 +8,9 @@ and Platen 1992, 15.1) with the spring exact.
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
-
 from numba import njit
 
 from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
-
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 
 @njit(error_model="numpy")

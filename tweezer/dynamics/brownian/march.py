@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import hashlib
+import inspect
 import math
 from typing import Any
 
@@ -26,9 +27,9 @@ from tweezer.dynamics.brownian import (
     rotation,
 )
 from tweezer.dynamics.brownian.batch import Plan
-from tweezer.dynamics.brownian.noise import NOISE, fill_normals
+from tweezer.dynamics.brownian.noise import NOISE, normals
 from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.dynamics.integrators.system import kernel_signature
+from tweezer.dynamics.integrators import exponential, kernel_signature
 
 Array = NDArray[np.float64]
 
@@ -40,8 +41,18 @@ _BATCH = 64
 #: of all that the loop calls in other files (see `tweezer.optics.kernels`)
 _CALLED = hashlib.sha256(
     "".join(
-        module.DIGEST
-        for module in (baoab, batch, euler, first_order, heun, noise, one_call, rotation)
+        inspect.getsource(module)
+        for module in (
+            baoab,
+            batch,
+            euler,
+            exponential,
+            first_order,
+            heun,
+            noise,
+            one_call,
+            rotation,
+        )
     ).encode()
 ).hexdigest()
 
@@ -71,6 +82,8 @@ def loop(
     called = _CALLED
     dims = 6 if rotates else 3
     gradient = scheme == FIRST_ORDER
+    # an angle without inertia is drawn by itself, and BAOAB's position has no noise of its own
+    rows = 2 * dims if inertial and scheme != BAOAB else dims if inertial else 3
 
     def advance(  # type: ignore[no-untyped-def]
         kernel, beyond, system, plan, weights, trajectories, states, sample, out
@@ -81,7 +94,7 @@ def loop(
             n = min(_BATCH, states.shape[0] - begin)
             who = trajectories[begin : begin + n]
             beads = batch.beads(n, dims, inertial, gradient)
-            x = beads.x
+            x, normal = beads.x, beads.normal[:rows]
             for i in range(n):
                 _load(states[begin + i], beads, i)
             if scheme == BAOAB:
@@ -89,7 +102,7 @@ def loop(
             for number in range(out.shape[1]):
                 for within in range(plan.per_sample):
                     at = (sample + number) * plan.per_sample + within
-                    fill_normals(plan.seed, who, at, NOISE, beads.normal)
+                    normals(plan.seed, who, at, NOISE, normal)
                     if scheme == HEUN:
                         heun.step(kernel, beyond, system, plan, weights, beads)
                     elif scheme == FIRST_ORDER:
@@ -101,7 +114,7 @@ def loop(
                     elif scheme == HARMONIC:
                         euler.harmonic_step(plan, weights, beads)
                     else:
-                        baoab.step(kernel, beyond, system, plan, beads)
+                        baoab.step(kernel, beyond, system, plan, weights, beads)
                     if rotates:
                         rotation.turn_by_steps(beads)
                         if not inertial:

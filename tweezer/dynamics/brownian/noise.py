@@ -9,9 +9,7 @@ further ones come from counters of their own.
 
 from __future__ import annotations
 
-import hashlib
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,8 +17,6 @@ from llvmlite import ir
 from numba import int64, njit, types, uint64
 from numba.extending import intrinsic
 from numpy.typing import NDArray
-
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2
@@ -131,8 +127,8 @@ def _normal(word, key, place, step, trajectory, purpose):  # type: ignore[no-unt
     return _at_the_edge(word, key, place, step, trajectory, purpose)
 
 
-@njit(error_model="numpy")
-def fill_normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
+@njit(cache=True, error_model="numpy", nogil=True)
+def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
     """Fill `out` (m, n) with normal numbers: column i of trajectories[i], (n,) int64.
 
     seed, step, purpose: int64. A number depends on its row, but not on how many there are.
@@ -151,9 +147,3 @@ def fill_normals(seed, trajectories, step, purpose, out):  # type: ignore[no-unt
                 out[first + 2, i] = _normal(c, key, place + uint64(3), at, trajectory, why)
             if first + 3 < rows:
                 out[first + 3, i] = _normal(d, key, place + uint64(4), at, trajectory, why)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
-    """As `fill_normals`, for a call from Python."""
-    fill_normals(seed, trajectories, step, purpose, out)

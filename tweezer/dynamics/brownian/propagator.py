@@ -82,20 +82,19 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
 
 
 def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
-    d, j, l, c_xx, c_vv = inertial_block(h, tau, kappa).tolist()
+    block = inertial_block(h, tau, kappa)
+    *weights, c_xv = langevin.inertial_step(h, tau, kappa, block)
+    c_xx, c_vv = block[3:].tolist()
     size = math.sqrt(diffusion / tau)
-    c_xv = d * d / tau
     return (
-        d, j / tau, l / (tau * h), 1 - d / tau - kappa * j / tau, d / tau, j / (tau * h), kappa,
-        size * math.sqrt(c_xx), size * c_xv / math.sqrt(c_xx),
+        *weights, kappa, size * math.sqrt(c_xx), size * c_xv / math.sqrt(c_xx),
         size * math.sqrt(c_vv - c_xv * c_xv / c_xx),
     )  # fmt: skip
 
 
 def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
-    d, j = overdamped_block(h, kappa).tolist()
-    spread = math.sqrt(diffusion * d * (2 - kappa * d))
-    return 0.0, d, j / h, 0.0, 0.0, 0.0, kappa, spread, 0.0, 0.0
+    by_u, by_rise, spread = langevin.overdamped_step(h, kappa, overdamped_block(h, kappa))
+    return 0.0, by_u, by_rise, 0.0, 0.0, 0.0, kappa, math.sqrt(diffusion * spread), 0.0, 0.0
 
 
 def euler_maruyama(h: float, tau: Array, diffusion: Array) -> Weights:
@@ -115,4 +114,21 @@ def euler_maruyama(h: float, tau: Array, diffusion: Array) -> Weights:
         noise_x=np.where(inertial, 0.0, spread),
         noise_xv=none,
         noise_v=spread * per_tau,
+    )
+
+
+def baoab(h: float, tau: Array, diffusion: Array) -> Weights:
+    """The parts of a step of BAOAB: by_v half a drift, v_by_u half a kick, and what drag leaves."""
+    none = np.zeros_like(tau)
+    return Weights(
+        by_v=np.full_like(tau, 0.5 * h),
+        by_u=none,
+        by_rise=none,
+        decay=np.exp(-h / tau),
+        v_by_u=0.5 * h / tau,
+        v_by_rise=none,
+        kappa=none,
+        noise_x=none,
+        noise_xv=none,
+        noise_v=np.sqrt(-np.expm1(-2 * h / tau) * diffusion / tau),
     )

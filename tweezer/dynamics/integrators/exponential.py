@@ -273,6 +273,27 @@ def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy")
+def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
+    """out = exp(w/2) e, (4,): an orientation turned by an angle about inertial axes (A.2).
+
+    out may be `e`.
+    """
+    size = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+    c = math.cos(0.5 * size)
+    over = 0.5 - size * size / 48.0 if size < 1e-4 else math.sin(0.5 * size) / size
+    r1, r2, r3 = over * w1, over * w2, over * w3
+    e0, e1, e2, e3 = e[0], e[1], e[2], e[3]
+    out[0] = c * e0 - r1 * e1 - r2 * e2 - r3 * e3
+    out[1] = c * e1 + r1 * e0 + r2 * e3 - r3 * e2
+    out[2] = c * e2 + r2 * e0 + r3 * e1 - r1 * e3
+    out[3] = c * e3 + r3 * e0 + r1 * e2 - r2 * e1
+    # the same rounding, step after step, would add up: one step of Newton to 1/|e|
+    squared = out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2
+    for i in range(4):
+        out[i] *= 1.5 - 0.5 * squared
+
+
+@njit(error_model="numpy")
 def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
     """Put the orientation a time s into a step into `out`; returns what the angle may be off.
 
@@ -296,18 +317,7 @@ def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
         second[i] = -by * (w[0, j] * w[1, k] - w[0, k] * w[1, j])
         angle[i] += second[i]
     size = math.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)
-    e0, e1, e2, e3 = y[12], y[13], y[14], y[15]
-    c = math.cos(0.5 * size)
-    over = 0.5 - size * size / 48.0 if size < 1e-4 else math.sin(0.5 * size) / size
-    r1, r2, r3 = over * angle[0], over * angle[1], over * angle[2]
-    out[12] = c * e0 - r1 * e1 - r2 * e2 - r3 * e3
-    out[13] = c * e1 + r1 * e0 + r2 * e3 - r3 * e2
-    out[14] = c * e2 + r2 * e0 + r3 * e1 - r1 * e3
-    out[15] = c * e3 + r3 * e0 + r1 * e2 - r2 * e1
-    # the same rounding, step after step, would add up: one step of Newton to 1/|e|
-    squared = out[12] ** 2 + out[13] ** 2 + out[14] ** 2 + out[15] ** 2
-    for i in range(12, 16):
-        out[i] *= 1.5 - 0.5 * squared
+    turn(angle[0], angle[1], angle[2], y[12:], out[12:])
     out[3] = out[4] = out[5] = 0.0
     # the next term is smaller than the second by the angle; and what the light may be off
     bound = math.sqrt(second[0] ** 2 + second[1] ** 2 + second[2] ** 2) * size
