@@ -16,6 +16,7 @@ from tests.benchmarks import (
     force,
     integrate_report,
     numpy_sum,
+    readme,
     report,
 )
 from tests.benchmarks.timing import Call, per_item
@@ -25,7 +26,7 @@ from tweezer.dynamics.brownian import propagator
 
 @pytest.fixture(scope="module")
 def committed():
-    return report.read()
+    return readme.committed("force")
 
 
 def shape(value):
@@ -100,7 +101,7 @@ def test_places_are_where_they_say():
 
 
 def test_readme_quotes_the_committed_results(committed):
-    (quoted,) = report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
+    quoted = readme.quoted("force")
     assert quoted == report.block(committed)
     assert not committed["quick"]
     (times,) = re.findall(r"\| quadrature at 1e-8, µs \|(.*)\|", quoted)
@@ -152,8 +153,8 @@ def test_quick_run_of_the_integration(command_line, tmp_path):
 
 
 def test_readme_quotes_the_committed_integration():
-    committed = integrate_report.read()
-    (quoted,) = integrate_report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
+    committed = readme.committed("integrate")
+    quoted = readme.quoted("integrate")
     assert quoted == integrate_report.block(committed)
     assert not committed["quick"]
 
@@ -181,7 +182,7 @@ def test_quick_run_of_brownian_motion(command_line, tmp_path):
     assert (tmp_path / "brownian.png").stat().st_size > 10_000
     results = json.loads((tmp_path / "brownian.json").read_text())
     assert brownian_report.block(results).startswith("<!-- bench-brownian -->")
-    committed = brownian_report.read()
+    committed = readme.committed("brownian")
     assert results.keys() == committed.keys()
     assert results["headline"].keys() == committed["headline"].keys()
     assert all(each["steps_per_s"] > 0 for each in results["rates"] + results["cores"])
@@ -216,8 +217,8 @@ def test_quick_run_of_brownian_motion(command_line, tmp_path):
 
 
 def test_readme_quotes_the_committed_brownian_motion():
-    committed = brownian_report.read()
-    (quoted,) = brownian_report.BLOCK.findall(report.README.read_text(encoding="utf-8"))
+    committed = readme.committed("brownian")
+    quoted = readme.quoted("brownian")
     assert quoted == brownian_report.block(committed)
     assert not committed["quick"]
 

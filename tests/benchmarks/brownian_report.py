@@ -5,9 +5,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-import re
 import textwrap
 from typing import Any
 
@@ -16,12 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from tests.benchmarks import readme
 from tests.benchmarks.brownian import HARMONIC, MILD, STEP, Results, Way, way_of
-from tests.benchmarks.report import README, rounded
-from tests.benchmarks.timing import ROOT
-
-COMMITTED = ROOT / "tests/benchmarks/results/brownian.json"
-BLOCK = re.compile(r"<!-- bench-brownian -->\n.*?<!-- end -->", re.DOTALL)
+from tests.benchmarks.report import rounded
 
 _STYLES = {
     Way("full", "heun", spring=True): ("#004488", "o", "-"),
@@ -263,33 +258,16 @@ def block(results: Results) -> str:
         "as wrong as ours may be: the largest bias from a step of "
         f"{STEP:g} on, with two standard errors. The sum over rays is the thesis's, in NumPy."
     )
-    lines = ["<!-- bench-brownian -->", *textwrap.wrap(explained, 110), ""]
+    lines = [*textwrap.wrap(explained, 110), ""]
     for headings, *cells in (by_way(results), against_numpy(results), apart(results)):
-        lines += [
-            "| " + " | ".join(row) + " |"
-            for row in (headings, ["---", *["---:"] * (len(headings) - 1)], *cells)
-        ]
-        lines.append("")
-    machine = results["machine"]
+        lines += [*readme.markdown(headings, cells), ""]
     lines += [
         "![Brownian motion: rates, bias against step and cost](docs/figures/bench-brownian.png)",
         "",
         *textwrap.wrap(f"Failed or left out: {left_out(results)}.", 110, break_long_words=False),
-        "",
-        f"`make bench` measures this anew. These are from {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
-        "<!-- end -->",
     ]
-    return "\n".join(lines)
-
-
-def read() -> Results:
-    """The committed results."""
-    results: Results = json.loads(COMMITTED.read_text(encoding="utf-8"))
-    return results
+    return readme.block("brownian", lines, results["machine"])
 
 
 if __name__ == "__main__":
-    text = README.read_text(encoding="utf-8")
-    quoted = block(read())
-    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")
+    readme.quote("brownian", block(readme.committed("brownian")))

@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import textwrap
 from typing import Any
 
@@ -15,12 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from tests.benchmarks import readme
 from tests.benchmarks.integrate import Results
-from tests.benchmarks.report import README, rounded
-from tests.benchmarks.timing import ROOT
-
-COMMITTED = ROOT / "tests/benchmarks/results/integrate.json"
-BLOCK = re.compile(r"<!-- bench-integrate -->\n.*?<!-- end -->", re.DOTALL)
+from tests.benchmarks.report import rounded
 
 HEADINGS = ("motion", "model, method", "tolerance", "error before, µm", "in the trap, µm", "ms",
             "force calls")  # fmt: skip
@@ -106,7 +101,7 @@ def block(results: Results) -> str:
         "times slower: the largest ratio, over the tolerances of both, to a run of ours that is no "
         "less exact."
     )
-    lines = ["<!-- bench-integrate -->", *textwrap.wrap(explained, 110), ""]
+    lines = [*textwrap.wrap(explained, 110), ""]
     table = [
         ("motion, force", "two solvers agree to, µm", "exponential at 2e-6 µm, ms",
          "first order at 2e-6 µm, ms", "its least error, µm", "SciPy LSODA, up to times slower",
@@ -124,39 +119,23 @@ def block(results: Results) -> str:
                 f"{baseline['error_um']:.1e}" if baseline else "",
             )
         )  # fmt: skip
-    lines += [
-        "| " + " | ".join(cells) + " |"
-        for cells in (table[0], ["---", *["---:"] * (len(table[0]) - 1)], *table[1:])
-    ]
+    lines += readme.markdown(table[0], table[1:])
     left = "; ".join(
         f"{each['motion']}: {each['model']}, {each['method']} ({each['left_out']})"
         for each in results["left_out"]
     )
-    machine = results["machine"]
     lines += [
         "",
         "![Error against time and work of the integration](docs/figures/bench-integrate.png)",
         "",
         *textwrap.wrap(f"Left out: {left or 'nothing'}.", 110, break_long_words=False),
-        "",
-        f"`make bench` measures this anew. These are from {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
-        "<!-- end -->",
     ]
-    return "\n".join(lines)
+    return readme.block("integrate", lines, results["machine"])
 
 
 def _or_none(value: float | None) -> str:
     return "not reached" if value is None else rounded(value)
 
 
-def read() -> Results:
-    """The committed results."""
-    results: Results = json.loads(COMMITTED.read_text(encoding="utf-8"))
-    return results
-
-
 if __name__ == "__main__":
-    text = README.read_text(encoding="utf-8")
-    quoted = block(read())
-    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")
+    readme.quote("integrate", block(readme.committed("integrate")))

@@ -5,10 +5,7 @@
 
 from __future__ import annotations
 
-import json
-import re
 import textwrap
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,12 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from tests.benchmarks import readme
 from tests.benchmarks.force import BANDS, STARTS, Results
-from tests.benchmarks.timing import ROOT
-
-COMMITTED = ROOT / "tests/benchmarks/results/force.json"
-README = ROOT / "README.md"
-BLOCK = re.compile(r"<!-- bench-force -->\n.*?<!-- end -->", re.DOTALL)
 
 HEADINGS = ("", "inside", "edge", "outside", "far", STARTS)
 _ROWS = (
@@ -138,7 +131,6 @@ def _explain(axes: Axes) -> None:
 
 def block(results: Results) -> str:
     """The README's part, between its markers."""
-    machine = results["machine"]
     bands = ", ".join(f"{kind} {low:g} to {high:g}" for kind, (low, high) in BANDS.items())
     explained = (
         "Time per position on one core, and errors relative to the force there (or to 1e-6 of the "
@@ -148,36 +140,16 @@ def block(results: Results) -> str:
         "error is 1, none of its rays hits."
     )
     lines = [
-        "<!-- bench-force -->",
         *textwrap.wrap(explained, 110),
         "",
-        *_markdown(HEADINGS, by_place(results)),
+        *readme.markdown(HEADINGS, by_place(results)),
         "",
-        *_markdown(("", ""), apart(results)),
+        *readme.markdown(("", ""), apart(results)),
         "",
         "![Error against time of the force](docs/figures/bench-force.png)",
-        "",
-        f"`make bench` measures this anew. These are from {machine['processor']}, "
-        f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
-        "<!-- end -->",
     ]
-    return "\n".join(lines)
-
-
-def _markdown(headings: tuple[str, ...], rows: list[Any]) -> list[str]:
-    return [
-        "| " + " | ".join(cells) + " |"
-        for cells in (headings, ["---", *["---:"] * (len(headings) - 1)], *rows)
-    ]
-
-
-def read(path: Path = COMMITTED) -> Results:
-    """Results as they were written."""
-    results: Results = json.loads(path.read_text(encoding="utf-8"))
-    return results
+    return readme.block("force", lines, results["machine"])
 
 
 if __name__ == "__main__":
-    text = README.read_text(encoding="utf-8")
-    quoted = block(read())
-    README.write_text(BLOCK.sub(lambda _: quoted, text), encoding="utf-8")
+    readme.quote("force", block(readme.committed("force")))
