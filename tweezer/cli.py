@@ -52,6 +52,8 @@ _out = Console()
 _err = Console(stderr=True)
 
 _FIGURE_FORMATS = ("pdf", "png", "svg")
+#: of many files, in a folder
+_STORES = ("zarr",)
 _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
 
 
@@ -251,6 +253,7 @@ def ensemble(
     described = _described(scene, _settings(set or [], duration=duration))
     skipped = _quantity("--skip", skip, "s") if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
+    out = _writable(out, ("nc",) if statistics else _STORES)
     _bind_light(described)
     with (
         _progress(f"{described.name} (the first run also compiles)", 1.0) as progress,
@@ -470,7 +473,7 @@ def _writable(path: Path, formats: tuple[str, ...]) -> Path:
     if not os.access(path.parent, os.W_OK):
         raise ResultError(f"{path}: cannot be written: no permission to write in {path.parent}")
     try:
-        if path.is_dir():
+        if path.is_dir() and formats != _STORES:
             raise ResultError(f"{path}: is a folder")
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
