@@ -17,15 +17,12 @@ lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
-bench: .venv/.bench  ## measure again: results, figures and what the README quotes
-	$(BIN)/tweezer bench force --out tests/benchmarks/results/force.json \
-		--plot docs/figures/bench-force.png
+bench: .venv/.bench  ## measure again: results, figures and what the documentation quotes
+	$(BIN)/tweezer bench force --out tests/benchmarks/results/force.json
 	$(BIN)/python -m tests.benchmarks.report
-	$(BIN)/tweezer bench integrate --out tests/benchmarks/results/integrate.json \
-		--plot docs/figures/bench-integrate.png
+	$(BIN)/tweezer bench integrate --out tests/benchmarks/results/integrate.json
 	$(BIN)/python -m tests.benchmarks.integrate_report
-	$(BIN)/tweezer bench brownian --out tests/benchmarks/results/brownian.json \
-		--plot docs/figures/bench-brownian.png
+	$(BIN)/tweezer bench brownian --out tests/benchmarks/results/brownian.json
 	$(BIN)/python -m tests.benchmarks.brownian_report
 
 stress: .venv/.runtime  ## 10,000 random scenes, and 2,000 with thermal motion: how they end

@@ -1,4 +1,4 @@
-"""The benchmarks run, compare like with like, and the README quotes what was committed."""
+"""The benchmarks run, compare like with like, and the documentation quotes what was committed."""
 
 import json
 import math
@@ -16,7 +16,7 @@ from tests.benchmarks import (
     force,
     integrate_report,
     numpy_sum,
-    readme,
+    pages,
     report,
 )
 from tests.benchmarks.timing import Call, per_item
@@ -26,7 +26,7 @@ from tweezer.dynamics.brownian import propagator
 
 @pytest.fixture(scope="module")
 def committed():
-    return readme.committed("force")
+    return pages.committed("force")
 
 
 def shape(value):
@@ -100,8 +100,8 @@ def test_places_are_where_they_say():
             assert len(positions) == (1 if kind == force.STARTS else force.FULL.places)
 
 
-def test_readme_quotes_the_committed_results(committed):
-    quoted = readme.quoted("force")
+def test_page_quotes_the_committed_results(committed):
+    quoted = pages.quoted("force")
     assert quoted == report.block(committed)
     assert not committed["quick"]
     (times,) = re.findall(r"\| quadrature at 1e-8, µs \|(.*)\|", quoted)
@@ -152,9 +152,9 @@ def test_quick_run_of_the_integration(command_line, tmp_path):
     assert integrate_report.block(results).startswith("<!-- bench-integrate -->")
 
 
-def test_readme_quotes_the_committed_integration():
-    committed = readme.committed("integrate")
-    quoted = readme.quoted("integrate")
+def test_page_quotes_the_committed_integration():
+    committed = pages.committed("integrate")
+    quoted = pages.quoted("integrate")
     assert quoted == integrate_report.block(committed)
     assert not committed["quick"]
 
@@ -182,7 +182,7 @@ def test_quick_run_of_brownian_motion(command_line, tmp_path):
     assert (tmp_path / "brownian.png").stat().st_size > 10_000
     results = json.loads((tmp_path / "brownian.json").read_text())
     assert brownian_report.block(results).startswith("<!-- bench-brownian -->")
-    committed = readme.committed("brownian")
+    committed = pages.committed("brownian")
     assert results.keys() == committed.keys()
     assert results["headline"].keys() == committed["headline"].keys()
     assert all(each["steps_per_s"] > 0 for each in results["rates"] + results["cores"])
@@ -216,9 +216,9 @@ def test_quick_run_of_brownian_motion(command_line, tmp_path):
     assert entry["v2_bias"] == pytest.approx(v2 - 1, rel=0.05)
 
 
-def test_readme_quotes_the_committed_brownian_motion():
-    committed = readme.committed("brownian")
-    quoted = readme.quoted("brownian")
+def test_page_quotes_the_committed_brownian_motion():
+    committed = pages.committed("brownian")
+    quoted = pages.quoted("brownian")
     assert quoted == brownian_report.block(committed)
     assert not committed["quick"]
 

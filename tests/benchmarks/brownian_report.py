@@ -1,6 +1,6 @@
-"""The results of the benchmark of Brownian motion as tables, as a figure, and in the README.
+"""The results of the benchmark of Brownian motion as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.brownian_report` writes the README's block from the committed results.
+`python -m tests.benchmarks.brownian_report` writes the block and the figure from the committed results.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tests.benchmarks import readme
+from tests.benchmarks import pages
 from tests.benchmarks.brownian import HARMONIC, MILD, STEP, Results, Way, way_of
 from tests.benchmarks.report import rounded
 
@@ -245,7 +245,7 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
 
 
 def block(results: Results) -> str:
-    """The README's part, between its markers."""
+    """Its part of the page, between its markers."""
     trap = results["trap"]
     explained = (
         f"Thermal motion of the bead of `{results['scene']}` (trap time "
@@ -260,14 +260,14 @@ def block(results: Results) -> str:
     )
     lines = [*textwrap.wrap(explained, 110), ""]
     for headings, *cells in (by_way(results), against_numpy(results), apart(results)):
-        lines += [*readme.markdown(headings, cells), ""]
+        lines += [*pages.markdown(headings, cells), ""]
     lines += [
-        "![Brownian motion: rates, bias against step and cost](docs/figures/bench-brownian.png)",
+        "![Brownian motion: rates, bias against step and cost](figures/bench-brownian.png)",
         "",
         *textwrap.wrap(f"Failed or left out: {left_out(results)}.", 110, break_long_words=False),
     ]
-    return readme.block("brownian", lines, results["machine"])
+    return pages.block("brownian", lines, results["machine"])
 
 
 if __name__ == "__main__":
-    readme.quote("brownian", block(readme.committed("brownian")))
+    pages.renew("brownian", block, figure)

@@ -1,6 +1,6 @@
-"""The results of the integration benchmark as tables, as a figure, and in the README.
+"""The results of the integration benchmark as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.integrate_report` writes the README's block from the committed results.
+`python -m tests.benchmarks.integrate_report` writes the block and the figure from the committed results.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tests.benchmarks import readme
+from tests.benchmarks import pages
 from tests.benchmarks.integrate import Results
 from tests.benchmarks.report import rounded
 
@@ -91,7 +91,7 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str) -> None:
 
 
 def block(results: Results) -> str:
-    """The README's part, between its markers."""
+    """Its part of the page, between its markers."""
     explained = (
         "Each bead is released from rest where the thesis releases it and followed until it rests "
         "in the trap. Errors: largest distance to the unscaled motion once the bead is within two "
@@ -119,18 +119,18 @@ def block(results: Results) -> str:
                 f"{baseline['error_um']:.1e}" if baseline else "",
             )
         )  # fmt: skip
-    lines += readme.markdown(table[0], table[1:])
+    lines += pages.markdown(table[0], table[1:])
     left = "; ".join(
         f"{each['motion']}: {each['model']}, {each['method']} ({each['left_out']})"
         for each in results["left_out"]
     )
     lines += [
         "",
-        "![Error against time and work of the integration](docs/figures/bench-integrate.png)",
+        "![Error against time and work of the integration](figures/bench-integrate.png)",
         "",
         *textwrap.wrap(f"Left out: {left or 'nothing'}.", 110, break_long_words=False),
     ]
-    return readme.block("integrate", lines, results["machine"])
+    return pages.block("integrate", lines, results["machine"])
 
 
 def _or_none(value: float | None) -> str:
@@ -138,4 +138,4 @@ def _or_none(value: float | None) -> str:
 
 
 if __name__ == "__main__":
-    readme.quote("integrate", block(readme.committed("integrate")))
+    pages.renew("integrate", block, figure)

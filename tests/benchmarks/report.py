@@ -1,6 +1,6 @@
-"""The results of the force benchmark as tables, as a figure, and in the README.
+"""The results of the force benchmark as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.report` writes the README's block from the committed results.
+`python -m tests.benchmarks.report` writes the block and the figure from the committed results.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tests.benchmarks import readme
+from tests.benchmarks import pages
 from tests.benchmarks.force import BANDS, STARTS, Results
 
 HEADINGS = ("", "inside", "edge", "outside", "far", STARTS)
@@ -130,7 +130,7 @@ def _explain(axes: Axes) -> None:
 
 
 def block(results: Results) -> str:
-    """The README's part, between its markers."""
+    """Its part of the page, between its markers."""
     bands = ", ".join(f"{kind} {low:g} to {high:g}" for kind, (low, high) in BANDS.items())
     explained = (
         "Time per position on one core, and errors relative to the force there (or to 1e-6 of the "
@@ -142,14 +142,14 @@ def block(results: Results) -> str:
     lines = [
         *textwrap.wrap(explained, 110),
         "",
-        *readme.markdown(HEADINGS, by_place(results)),
+        *pages.markdown(HEADINGS, by_place(results)),
         "",
-        *readme.markdown(("", ""), apart(results)),
+        *pages.markdown(("", ""), apart(results)),
         "",
-        "![Error against time of the force](docs/figures/bench-force.png)",
+        "![Error against time of the force](figures/bench-force.png)",
     ]
-    return readme.block("force", lines, results["machine"])
+    return pages.block("force", lines, results["machine"])
 
 
 if __name__ == "__main__":
-    readme.quote("force", block(readme.committed("force")))
+    pages.renew("force", block, figure)

@@ -1,15 +1,19 @@
-"""The README's blocks of measured figures, each between markers of its benchmark's name."""
+"""Measured figures in the documentation: each block stands between markers of its own name."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
+
+from matplotlib.figure import Figure
 
 from tests.benchmarks.timing import ROOT
 
-README = ROOT / "README.md"
+BENCHMARKS = ROOT / "docs/benchmarks.md"
+FIGURES = ROOT / "docs/figures"
 Results = dict[str, Any]
 
 
@@ -27,7 +31,7 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
 
 
 def block(name: str, lines: Iterable[str], machine: Results) -> str:
-    """A benchmark's part of the README: its lines, and where they are from."""
+    """A benchmark's part of its page: its lines, and where they are from."""
     return "\n".join(
         [
             f"<!-- bench-{name} -->",
@@ -40,16 +44,28 @@ def block(name: str, lines: Iterable[str], machine: Results) -> str:
     )
 
 
-def quoted(name: str) -> str:
-    """What stands in the README of a benchmark, markers and all."""
-    (text,) = _between(name).findall(README.read_text(encoding="utf-8"))
+def quoted(name: str, page: Path = BENCHMARKS) -> str:
+    """What stands on a page of a benchmark, markers and all."""
+    (text,) = _between(name).findall(page.read_text(encoding="utf-8"))
     return str(text)
 
 
-def quote(name: str, text: str) -> None:
+def quote(name: str, text: str, page: Path = BENCHMARKS) -> None:
     """Put a block in the place of the one that stands there."""
-    whole = README.read_text(encoding="utf-8")
-    README.write_text(_between(name).sub(lambda _: text, whole), encoding="utf-8")
+    whole = page.read_text(encoding="utf-8")
+    page.write_text(_between(name).sub(lambda _: text, whole), encoding="utf-8")
+
+
+def renew(
+    name: str,
+    written: Callable[[Results], str],
+    drawn: Callable[[Results], Figure],
+    page: Path = BENCHMARKS,
+) -> None:
+    """Write a benchmark's block and draw its figure again, from the committed results."""
+    results = committed(name)
+    quote(name, written(results), page)
+    drawn(results).savefig(FIGURES / f"bench-{name}.png", dpi=150)
 
 
 def _between(name: str) -> re.Pattern[str]:
