@@ -37,12 +37,12 @@ from tweezer.units import (
     PositiveLength,
     PositiveTime,
     Power,
+    Quantity,
     Speed,
     Temperature,
     Viscosity,
     complex_number,
     entries,
-    si,
     to_si,
 )
 
@@ -84,8 +84,8 @@ NO_MAP = (
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
 
-RefractiveIndex = Annotated[float, si("", 1, 10)]
-EulerParameter = Annotated[float, si("", -1e100, 1e100)]
+RefractiveIndex = Annotated[float, Quantity("", 1, 10)]
+EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
 Vector = Annotated[tuple[Length, Length, Length], entries(3)]
 Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
 AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
@@ -93,8 +93,8 @@ Orientation = Annotated[
     tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
 ]
 Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
-ProfileRadii = Annotated[tuple[Annotated[float, si("m", 0, 1)], ...], entries(4, 10_000)]
-Intensities = Annotated[tuple[Annotated[float, si("", 0, 1e100)], ...], entries(4, 10_000)]
+ProfileRadii = Annotated[tuple[Annotated[float, Quantity("m", 0, 1)], ...], entries(4, 10_000)]
+Intensities = Annotated[tuple[Annotated[float, Quantity("", 0, 1e100)], ...], entries(4, 10_000)]
 Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
 
 
@@ -148,7 +148,7 @@ def _refusal(reason: str) -> PydanticCustomError:
 class Bead(Section):
     """The sphere. `diameter` may be given in place of `radius`."""
 
-    radius: Annotated[float, si("m", *BEAD_RADIUS)] = Field(description="radius r")
+    radius: Annotated[float, Quantity("m", *BEAD_RADIUS)] = Field(description="radius r")
     density: Density = Field(description="density of the bead, rho_b (Table B.1)")
     refractive_index: RefractiveIndex = Field(description="refractive index n_P")
     moments_of_inertia: Moments | None = Field(
@@ -193,7 +193,7 @@ class Lens(Section):
     )
     radius: PositiveLength = Field(description="radius of the pupil, R_obj")
     focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
-    numerical_aperture: Annotated[float, si("", 1e-3, 10)] | None = Field(
+    numerical_aperture: Annotated[float, Quantity("", 1e-3, 10)] | None = Field(
         None, description="NA; needed by the sine map"
     )
 
@@ -223,7 +223,7 @@ class Beam(Section):
         "rho^2 exp(-rho^2/(2 sigma^2)); table: through the points of profile_radius and "
         "profile_intensity",
     )
-    sigma: Annotated[float, si("m", *BEAM_SIGMA)] | None = Field(
+    sigma: Annotated[float, Quantity("m", *BEAM_SIGMA)] | None = Field(
         None,
         description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
         "waist; of the donut, the same of its Gaussian factor",
@@ -369,13 +369,13 @@ class Optics(Section):
         "integral over the lens, to `tolerance`; map: a table of it, to `table_tolerance`; auto: "
         "the quadrature",
     )
-    tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
+    tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
         1e-8, description="relative tolerance of the quadrature"
     )
-    table_tolerance: Annotated[float, si("", 1e-12, 0.1)] = Field(
+    table_tolerance: Annotated[float, Quantity("", 1e-12, 0.1)] = Field(
         1e-7, description="tolerance of the map, as a part of the largest force"
     )
-    table_range: Annotated[float, si("", 0.5, 20)] = Field(
+    table_range: Annotated[float, Quantity("", 0.5, 20)] = Field(
         3.0, description="how far the map reaches from the focus, in radii of the bead"
     )
 
@@ -389,7 +389,7 @@ class Simulation(Section):
         "full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
         "overdamped: (5.2); first-order: the expansion (4.11) carried to order epsilon",
     )
-    scaling_factor: Annotated[float, si("", 1e-12, 1)] | None = Field(
+    scaling_factor: Annotated[float, Quantity("", 1e-12, 1)] | None = Field(
         None, description="a2 of the scaled model (4.12)"
     )
     rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
@@ -413,7 +413,7 @@ class Simulation(Section):
         description="fixed steps of a compiled method, instead of steps by the tolerances; with "
         "thermal motion the longest step, instead of one by the scene's time scales",
     )
-    relative_tolerance: Annotated[float, si("", 1e-13, 0.1)] = Field(
+    relative_tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
         1e-7, description="relative tolerance of a step"
     )
     position_tolerance: PositiveLength = Field(
@@ -421,7 +421,7 @@ class Simulation(Section):
         description="absolute tolerance of a step in position; in velocity, this per ms, where the "
         "method controls velocities: exponential does not",
     )
-    orientation_tolerance: Annotated[float, si("", 1e-16, 1)] = Field(
+    orientation_tolerance: Annotated[float, Quantity("", 1e-16, 1)] = Field(
         1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
     )
     duration: PositiveTime = Field(description="time simulated")

@@ -5,13 +5,14 @@ Pint does the conversion; it is imported at the first text quantity, not before.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 import re
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator
-from pydantic_core import PydanticCustomError
+from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import PydanticCustomError, core_schema
 
 if TYPE_CHECKING:
     import pint
@@ -81,16 +82,32 @@ def _from_text(text: str, unit: str) -> float:
         raise ValueError(unknown) from None
 
 
-def si(unit: str, low: float, high: float) -> BeforeValidator:
-    """Pydantic validator that reads a quantity in `unit`, from `low` to `high`."""
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """Pydantic annotation of a quantity in the SI unit `unit`, from `low` to `high`.
 
-    def parse(value: Any) -> float:
+    A JSON schema tells all three.
+    """
+
+    unit: str
+    low: float
+    high: float
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        return core_schema.no_info_before_validator_function(self._read, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {**handler(schema), "minimum": self.low, "maximum": self.high, "unit": self.unit}
+
+    def _read(self, value: Any) -> float:
         try:
-            return to_si(value, unit, low, high)
+            return to_si(value, self.unit, self.low, self.high)
         except ValueError as error:
             raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
-
-    return BeforeValidator(parse)
 
 
 def entries(least: int, most: int | None = None) -> BeforeValidator:
@@ -138,14 +155,14 @@ def _complex_from_text(text: str) -> complex:
 
 
 # The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.
-Length = Annotated[float, si("m", -1, 1)]
-PositiveLength = Annotated[float, si("m", 1e-18, 1)]
-PositiveTime = Annotated[float, si("s", 1e-15, 1e6)]
-Power = Annotated[float, si("W", 0, 1e6)]
-Density = Annotated[float, si("kg/m^3", 1e-6, 1e6)]
-Viscosity = Annotated[float, si("Pa s", 1e-12, 1e9)]
-Temperature = Annotated[float, si("K", 50, 5000)]
-Speed = Annotated[float, si("m/s", -1e6, 1e6)]
-Acceleration = Annotated[float, si("m/s^2", -1e6, 1e6)]
-AngularSpeed = Annotated[float, si("rad/s", -1e12, 1e12)]
-MomentOfInertia = Annotated[float, si("kg m^2", 1e-50, 1e-3)]
+Length = Annotated[float, Quantity("m", -1, 1)]
+PositiveLength = Annotated[float, Quantity("m", 1e-18, 1)]
+PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6)]
+Power = Annotated[float, Quantity("W", 0, 1e6)]
+Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6)]
+Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9)]
+Temperature = Annotated[float, Quantity("K", 50, 5000)]
+Speed = Annotated[float, Quantity("m/s", -1e6, 1e6)]
+Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
+AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
+MomentOfInertia = Annotated[float, Quantity("kg m^2", 1e-50, 1e-3)]
