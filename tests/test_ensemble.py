@@ -66,6 +66,10 @@ def content(path: Path) -> dict[str, str]:
     }  # fmt: skip
 
 
+#: the part that is done once anything is: a progress of 0 may be told before the first samples
+BEGUN = 1e-6
+
+
 def interrupt_after(part: float):
     """A progress that presses Ctrl-C."""
 
@@ -486,14 +490,24 @@ def test_interrupted_while_blocks_are_joined(number, after, small, tmp_path, mon
 
 
 @pytest.mark.parametrize("gathered", [False, True])
-def test_checkpoints_of_another_ensemble_are_not_believed(gathered, small, tmp_path):
+def test_checkpoints_of_another_ensemble_are_not_believed(gathered, small, tmp_path, monkeypatch):
     """As workers of a cluster write them that have not noticed that theirs is gone."""
     suffix = ".nc" if gathered else ".zarr"
     out, other = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
     kind = {"statistics": gathered, "workers": 1}
     tweezer.ensemble(FREE, 100, seed=1, out=tmp_path / f"whole{suffix}", **kind)
     tweezer.ensemble(FREE, 100, seed=1, out=out, progress=interrupt_after(0.3), **kind)
-    tweezer.ensemble(FREE, 100, seed=2, out=other, progress=interrupt_after(0.8), **kind)
+    sound = Walk.advance
+
+    def fails_later(self, states, trajectories, sample, out):
+        if 40 in trajectories and sample > 50:
+            raise tweezer.IntegrationError("trajectory 40: the force is not finite")
+        sound(self, states, trajectories, sample, out)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Walk, "advance", fails_later)
+        with pytest.raises(tweezer.IntegrationError):
+            tweezer.ensemble(FREE, 100, seed=2, out=other, **kind)
     strange = list((tmp_path / f"b{suffix}.part").glob("[0-9]*.npz"))
     assert strange
     for path in strange:
@@ -504,7 +518,7 @@ def test_checkpoints_of_another_ensemble_are_not_believed(gathered, small, tmp_p
 
 def test_a_worker_without_its_client_or_unlike_it_stops(small, tmp_path):
     out, run = tmp_path / "a.zarr", tmp_path / "a.zarr.part" / "1.run"
-    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(0.0), workers=1)
+    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(BEGUN), workers=1)
     begun = job.Job.of(walk(FREE), 50, None, out)
     run.touch()
     before = content(tmp_path)
@@ -517,14 +531,14 @@ def test_a_worker_without_its_client_or_unlike_it_stops(small, tmp_path):
     assert content(tmp_path) == before
     assert workers_module._block_there(begun, run, 5) == {}
     assert content(tmp_path) != before
-    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(0.0), workers=1, resume=True)
+    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(BEGUN), workers=1, resume=True)
     assert not run.exists()  # whoever goes on stops those before
 
 
 def test_a_torn_checkpoint_is_not_believed(small, tmp_path):
     out, part = tmp_path / "runs.zarr", tmp_path / "runs.zarr.part"
     tweezer.ensemble(FREE, 64, out=tmp_path / "whole.zarr")
-    tweezer.ensemble(FREE, 64, out=out, workers=1, progress=interrupt_after(0.0))
+    tweezer.ensemble(FREE, 64, out=out, workers=1, progress=interrupt_after(BEGUN))
     identity = str(np.load(part / "0.npz")["identity"])
     good = {"identity": identity, "window": 2, "states": walk(FREE).start(np.arange(8))}
     for index, size in ((6, 400), (7, 0)):
@@ -653,7 +667,7 @@ def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
 def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
     out = tmp_path / ("a.nc" if gathered else "a.zarr")
     kind = {"out": out, "statistics": gathered}
-    for progress in (interrupt_after(0.0), None):  # begun, and complete
+    for progress in (interrupt_after(BEGUN), None):  # begun, and complete
         tweezer.ensemble(FREE, 50, **kind, resume=progress is None, progress=progress)
         before = content(tmp_path)
         with pytest.raises(tweezer.ResultError, match="exists, or is begun"):
@@ -668,7 +682,7 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
                 tweezer.ensemble(scene, trajectories, seed=seed, **kind, resume=True)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "FORMAT", 0)
-            with pytest.raises(tweezer.ResultError, match="format 2, which cannot be"):
+            with pytest.raises(tweezer.ResultError, match="format 3, which cannot be"):
                 tweezer.ensemble(FREE, 50, **kind, resume=True)
         assert content(tmp_path) == before
 
@@ -725,9 +739,72 @@ def test_a_failed_ensemble_keeps_what_was_written(small, tmp_path, monkeypatch):
     assert content(out) == content(whole)
 
 
+@pytest.mark.parametrize("gathered", [False, True])
+def test_a_long_window_is_kept_on_the_way(gathered, tmp_path, monkeypatch):
+    """A block of one window, kept every 10 samples, that fails at the 57th."""
+    suffix = ".nc" if gathered else ".zarr"
+    whole, out = tmp_path / f"whole{suffix}", tmp_path / f"cut{suffix}"
+    kind = {"statistics": gathered, "workers": 1}
+    tweezer.ensemble(LEAVING, 8, out=whole, **kind)
+    monkeypatch.setattr(workers_module, "_PIECE_SAMPLES", 8 * 5)
+    monkeypatch.setattr(workers_module, "_KEPT_STEPS", 8 * 10 * walk(LEAVING).per_sample)
+    sound, advanced = Walk.advance, []
+
+    def fails_later(self, states, trajectories, sample, out):
+        if sample > 54:
+            raise tweezer.IntegrationError("the force is not finite")
+        sound(self, states, trajectories, sample, out)
+
+    def counted(self, states, trajectories, sample, out):
+        advanced.append(out.shape[1])
+        sound(self, states, trajectories, sample, out)
+
+    monkeypatch.setattr(Walk, "advance", fails_later)
+    with pytest.raises(tweezer.IntegrationError):
+        tweezer.ensemble(LEAVING, 8, out=out, **kind)
+    monkeypatch.setattr(Walk, "advance", counted)
+    tweezer.ensemble(LEAVING, 8, out=out, resume=True, **kind)
+    assert sum(advanced) == 50
+    assert content(out) == content(whole)
+
+
+def test_what_a_worker_of_a_cluster_gathered_is_in_its_file(small, tmp_path):
+    """It is joined from there, whole or not at all."""
+    whole, out = tmp_path / "whole.nc", tmp_path / "cut.nc"
+    kind = {"statistics": True, "workers": 1}
+    tweezer.ensemble(FREE, 24, out=whole, **kind)
+    tweezer.ensemble(FREE, 24, out=out, progress=interrupt_after(BEGUN), **kind)
+    bound = walk(FREE)
+    begun, run = job.Job.of(bound, 24, 0, out), tmp_path / "cut.nc.part" / "1.run"
+    run.touch()
+    for index in (2, 1, 0):
+        assert workers_module._block_there(begun, run, index) == {}
+    joining = store.Joined(begun, bound)
+    for index in (2, 1, 0):
+        joining.take(index, {})
+    assert joining.waiting == 0
+    expected = tweezer.load_run(whole)
+    xr.testing.assert_equal(joining.finish(complete=True), expected)
+    (tmp_path / "none.nc.part").mkdir()
+    joining = store.Joined(dataclasses.replace(begun, out=tmp_path / "none.nc"), bound)
+    with pytest.raises(tweezer.ResultError, match=r"0\.npz: not what a worker wrote"):
+        joining.take(0, {})
+
+
+def test_chunks_are_large_however_many_steps_a_sample_takes():
+    """25 MB of 64 beads, and no more beads where that is hours of work."""
+    for samples, per_sample in ((10_000, 1), (10_000, 100_000)):
+        scene = FREE.replace(
+            simulation={"samples": samples + 1, "duration": 1e-6 * samples * per_sample,
+                        "step": 1e-6}
+        )  # fmt: skip
+        divided = job.Job.of(walk(scene), 10**6, None, None)
+        assert (divided.block, divided.cuts) == (64, (0, samples + 1))
+
+
 def test_two_processes_do_not_work_on_one_store(small, tmp_path):
     out = tmp_path / "a.zarr"
-    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(0.0), workers=1)
+    tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(BEGUN), workers=1)
     before = content(tmp_path)
     with (
         FileLock(tmp_path / "a.zarr.lock"),
@@ -744,7 +821,7 @@ def test_an_ensemble_begun_by_another_process_meanwhile(small, tmp_path, monkeyp
         def acquire(self, *arguments, **kind):
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(store, "FileLock", FileLock)
-                tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(0.0), workers=1)
+                tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(BEGUN), workers=1)
             return super().acquire(*arguments, **kind)
 
     monkeypatch.setattr(store, "FileLock", Late)

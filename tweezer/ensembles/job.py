@@ -21,10 +21,11 @@ Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: of the files; those of another number cannot be resumed
-FORMAT = 2
+FORMAT = 3
 #: trajectories a block is a multiple of, and the most; blocks aimed at, so that all cores work
 _BATCH, _MOST, _BLOCKS = 64, 1024, 16
-#: numbers held of all samples in one window of a block, 25 MB, and steps, at most
+#: numbers held of all samples in one window of a block, 25 MB, at most; steps of such a window, at
+#: most, if a block is to be of more than one batch
 _WINDOW_NUMBERS, _WINDOW_STEPS = 3 * _BATCH * WINDOW, 2**27
 
 #: columns of a sample, dimension, unit and name of every quantity
@@ -61,14 +62,14 @@ class Job:
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
-        """Divided so that a window of a block is some seconds' work, and what is held of it 25 MB:
-        of trajectories all columns, for statistics the position.
+        """Divided so that what is held of a window of a block is 25 MB at most: of trajectories
+        all columns, for statistics the position. A block is of more than 64 trajectories only if a
+        window of it is still some seconds' work.
         """
         samples = len(bound.times)
         width = len(bound.columns) if skipped is None else 3
         if skipped is None:
-            most = min(_WINDOW_NUMBERS // width, _WINDOW_STEPS // bound.per_sample)
-            window = max(1, min(samples, most // _BATCH))
+            window = max(1, min(samples, _WINDOW_NUMBERS // (_BATCH * width)))
             cuts = [*range(0, samples, window), samples]
         else:
             plan = plan_of(bound, skipped)
@@ -181,5 +182,6 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
 
 
 def identity_of(job: Job, bound: Walk) -> str:
-    """Digest of `attributes_of`."""
-    return hashlib.sha256(json.dumps(attributes_of(job, bound)).encode()).hexdigest()
+    """Digest of `attributes_of`, less the reasons: a worker is told what was chosen, not why."""
+    attributes = {**attributes_of(job, bound), "chosen": ""}
+    return hashlib.sha256(json.dumps(attributes).encode()).hexdigest()

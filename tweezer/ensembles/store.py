@@ -27,6 +27,7 @@ from tweezer.ensembles.job import (
     Job,
     attributes_of,
     columns_of,
+    identity_of,
     plan_of,
 )
 from tweezer.ensembles.statistics import Statistics
@@ -245,9 +246,11 @@ class Joined:
 
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.attributes = job, attributes_of(job, bound)
+        self.identity = identity_of(job, bound)
         self.plan = plan_of(bound, job.skipped or 0)
         #: the blocks joined and their statistics, which an interruption finds together
         self.joined = 0, Statistics(self.plan)
+        #: those that are not; of nothing if what was gathered is in the file of the block
         self.later: dict[int, Gathered] = {}
         self.written = 0
         if job.out is not None:
@@ -274,12 +277,21 @@ class Joined:
         self.later[index] = gathered
         while self.joined[0] in self.later:
             blocks, statistics = self.joined
-            statistics = statistics.join(Statistics.of(self.plan, self.later[blocks]))
+            statistics = statistics.join(self._of(blocks))
             self.joined = blocks + 1, statistics
             del self.later[blocks]
         if self.job.out is not None and self.joined[0] >= self.written + _JOINED:
             with telling(self.job):
                 self._write()
+
+    def _of(self, index: int) -> Statistics:
+        """Those of a block that was taken."""
+        gathered = self.later[index] or kept(self.job.checkpoint(index), self.identity)
+        if gathered is None or not gathered["blocks"]:
+            raise ResultError(
+                f"{self.job.checkpoint(index)}: not what a worker wrote; resumed, it is done again"
+            )
+        return Statistics.of(self.plan, gathered)
 
     def _write(self) -> None:
         """What is joined; and then remove what it was joined from."""
@@ -301,7 +313,7 @@ class Joined:
             blocks, statistics = self.joined
             for index in sorted(self.later):
                 if index >= blocks:
-                    statistics = statistics.join(Statistics.of(self.plan, self.later[index]))
+                    statistics = statistics.join(self._of(index))
             dataset = statistics.dataset(units).assign_attrs(self.attributes)
             if job.out is not None:
                 with telling(job):

@@ -37,6 +37,8 @@ Array = NDArray[np.float64]
 
 #: samples computed, and steps, between two looks at whether to stop
 _PIECE_SAMPLES, _PIECE_STEPS = 2**17, 2**22
+#: steps of a block, minutes of work, after which it is kept where it is, within a window too
+_KEPT_STEPS = 2**31
 #: s to wait for a scheduler, and for its workers to stop
 _PATIENCE = 10
 
@@ -109,7 +111,10 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
 
 
 def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
-    """`_block` in another process, as long as the file `run` is there."""
+    """`_block` in another process, as long as the file `run` is there.
+
+    What it gathered stays in the file of the block, and does not pass through the scheduler.
+    """
     bound = _bound(job.scene, job.seed)
     for key, value in found_of(bound).items():
         if value != job.found[key]:
@@ -117,7 +122,8 @@ def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
                 f"{job.out}: worker {platform.node()} computes with another "
                 f"{key.replace('_', ' ')}: {value}, not {job.found[key]}"
             )
-    return _block(job, index, bound, None, lambda: not run.exists(), {})
+    gathered = _block(job, index, bound, None, lambda: not run.exists(), {})
+    return None if gathered is None else {}
 
 
 @functools.lru_cache(maxsize=2)
@@ -149,15 +155,25 @@ def _block(
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
+    before = np.empty((len(trajectories), 0, width))  # samples of the window that was begun
     if job.out is not None and (begun := kept(job.checkpoint(index), identity)):
-        window, states = int(begun["window"]), begun["states"]
+        window, states, before = int(begun["window"]), begun["states"], begun["held"]
         if statistics:
             statistics = Statistics.of(statistics.plan, begun)
+
+    def keep_for_later(window: int, samples: Array) -> None:
+        if job.out is not None:
+            begun = {"identity": identity, "window": window, "states": states, "held": samples}
+            keep(job.checkpoint(index), begun | (statistics.arrays() if statistics else {}))
+
     windows = len(job.cuts) - 1
     for i in range(window, windows):
         first, end = job.cuts[i], job.cuts[i + 1]
         samples = np.empty((len(trajectories), end - first, width))
-        for at, piece in _advance(bound, states, trajectories, first, end):
+        samples[:, : before.shape[1]] = before
+        last = first + before.shape[1]
+        before = before[:, :0]
+        for at, piece in _advance(bound, states, trajectories, last, end):
             if stopped():
                 return None
             reached = at + piece.shape[1]
@@ -165,6 +181,10 @@ def _block(
             if statistics:
                 statistics.add_piece(at, piece)
             parts[index] = job.share(index) * reached / job.cuts[-1]
+            if len(trajectories) * (reached - last) * bound.per_sample >= _KEPT_STEPS:
+                with telling(job):
+                    keep_for_later(i, samples[:, : reached - first])
+                last = reached
         if statistics:
             statistics.add_window(first, samples)
             if i == windows - 1:
@@ -175,9 +195,7 @@ def _block(
                     arrays[name][members, first:end] = samples[..., columns]
                 if i == windows - 1:
                     arrays["lost_time"][members] = states[:, -1]
-            if job.out is not None:
-                begun = {"identity": identity, "window": i + 1, "states": states}
-                keep(job.checkpoint(index), begun | (statistics.arrays() if statistics else {}))
+            keep_for_later(i + 1, before)
     return statistics.arrays() if statistics else {}
 
 
