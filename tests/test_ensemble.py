@@ -66,8 +66,9 @@ def content(path: Path) -> dict[str, str]:
     }  # fmt: skip
 
 
-#: the part that is done once anything is: a progress of 0 may be told before the first samples
-BEGUN = 1e-6
+#: a part of a small ensemble: more than the first samples of its blocks, less than one window, so
+#: that it is reached once a window is to be kept, and not before, however slow the machine
+BEGUN = 0.01
 
 
 def interrupt_after(part: float):
