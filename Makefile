@@ -3,7 +3,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-.PHONY: demo test lint bench stress derivation notebooks clean
+BENCHMARKS := force integrate brownian
+# draw and quote what was measured
+REPORTS := report integrate_report brownian_report summary_report
+QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
+
+.PHONY: demo test lint bench figures docs stress derivation notebooks clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
@@ -18,12 +23,21 @@ lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/lint-imports --no-cache
 
 bench: .venv/.bench  ## measure again: results, figures and what the documentation quotes
-	$(BIN)/tweezer bench force --out tests/benchmarks/results/force.json
-	$(BIN)/python -m tests.benchmarks.report
-	$(BIN)/tweezer bench integrate --out tests/benchmarks/results/integrate.json
-	$(BIN)/python -m tests.benchmarks.integrate_report
-	$(BIN)/tweezer bench brownian --out tests/benchmarks/results/brownian.json
-	$(BIN)/python -m tests.benchmarks.brownian_report
+	set -e; for each in $(BENCHMARKS); do \
+		$(BIN)/tweezer bench $$each --out tests/benchmarks/results/$$each.json; done
+	$(QUOTE)
+
+figures: .venv/.dev  ## every figure and number of the documentation again
+	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png
+	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
+	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \
+		--set simulation.samples=50001 --duration "1 s" --seed 1
+	$(BIN)/tweezer calibrate silica-1um.nc --skip "20 ms" \
+		--plot docs/figures/calibrate-silica-1um.png
+	$(QUOTE)
+
+docs: .venv/.dev  ## the site, into site/
+	$(BIN)/mkdocs build
 
 stress: .venv/.runtime  ## 10,000 random scenes, and 2,000 with thermal motion: how they end
 	$(BIN)/python -m tests.stress 10000

@@ -52,14 +52,14 @@ def runs():
     }
 
 
-def test_readme_says_what_comes_out(runs):
-    """Its table of the three beads; counts within 5 % and lengths within 2 nm: rounding differs
+def test_table_says_what_comes_out(runs):
+    """The table of the three beads; counts within 5 % and lengths within 2 nm: rounding differs
     between machines and compilers, and the jumps of the grid's force carry it on.
     """
     rows = re.findall(
         r"\| `(thesis-\d+nm)` \| (\w+) after (\d+) ms.*?\| ([\d.]+) µm \| (\d+) \| (\d+) "
         r"\| ([\d.]+) µm \|",
-        (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8"),
+        (Path(__file__).parents[1] / "docs/models.md").read_text(encoding="utf-8"),
     )
     assert {row[0] for row in rows} == set(runs)
     for name, outcome, milliseconds, micrometres, steps, force_calls, off in rows:

@@ -1,7 +1,7 @@
 """The results of the benchmark of Brownian motion as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.brownian_report` writes its block and its figure anew from the committed
-results.
+`python -m tests.benchmarks.brownian_report` writes its block and its figure anew from the
+committed results.
 """
 
 from __future__ import annotations

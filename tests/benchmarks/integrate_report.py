@@ -1,7 +1,7 @@
 """The results of the integration benchmark as tables, as a figure, and on its page.
 
-`python -m tests.benchmarks.integrate_report` writes its block and its figure anew from the committed
-results.
+`python -m tests.benchmarks.integrate_report` writes its block and its figure anew from the
+committed results.
 """
 
 from __future__ import annotations

@@ -1,0 +1,164 @@
+"""What the site takes from elsewhere: notebooks, scene schema, commands; formulas as MathML.
+
+Called by mkdocs (`hooks` in mkdocs.yml).
+"""
+
+from __future__ import annotations
+
+import html
+import logging
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree as ET
+
+from latex2mathml.converter import convert
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.plugins import event_priority
+from mkdocs.structure.files import File, Files
+from mkdocs.structure.pages import Page
+
+from tweezer.scene import ALTERNATIVES, BELONGING, Scene
+
+ROOT = Path(__file__).parents[1]
+NOTEBOOKS = sorted(f"notebooks/{path.name}" for path in (ROOT / "notebooks").glob("*.ipynb"))
+#: pages that are no files of docs/
+ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
+
+_log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
+
+#: code as it is; formulas of pages, between brackets by arithmatex; of notebooks, between dollars
+_FORMULA = re.compile(
+    r"<(pre|code|script|style)\b.*?</\1>"
+    r'|<div class="arithmatex">\\\[(.+?)\\\]</div>|\$\$(.+?)\$\$'
+    r'|<span class="arithmatex">\\\((.+?)\\\)</span>|\$(?! )([^$]+?)(?<! )\$',
+    re.DOTALL,
+)
+
+
+def on_config(config: MkDocsConfig) -> None:
+    """Put the notebooks into the navigation."""
+    (section,) = (entry for entry in config.nav if isinstance(entry, dict) and "Notebooks" in entry)
+    section["Notebooks"] = NOTEBOOKS
+
+
+@event_priority(50)  # before mkdocs-jupyter looks for notebooks
+def on_files(files: Files, config: MkDocsConfig) -> None:
+    """Add the pages that stand elsewhere and those that are made here."""
+    for path in ELSEWHERE:
+        files.append(File(path, str(ROOT), config.site_dir, config.use_directory_urls))
+    for uri, text in (("scenes.md", scene_reference()), ("commands.md", command_reference())):
+        files.append(File.generated(config, uri, content=text))
+
+
+def on_page_content(content: str, page: Page, **_: Any) -> str:
+    """LaTeX of pages and notebooks as MathML, which browsers draw by themselves."""
+
+    def drawn(found: re.Match[str]) -> str:
+        if found[1]:
+            return found[0]
+        display, inline = found[2] or found[3], found[4] or found[5]
+        latex = html.unescape(display or inline).strip()
+        formula = convert(latex, display="block" if display else "inline")
+        if not _understood(formula):
+            _log.warning("%s: no MathML for %s", page.file.src_uri, latex)
+        return formula
+
+    return _FORMULA.sub(drawn, content)
+
+
+def _understood(formula: str) -> bool:
+    """Whether all LaTeX became MathML: what latex2mathml does not know, it leaves as it is."""
+    try:
+        ET.fromstring(formula)
+    except ET.ParseError:
+        return False
+    return "\\" not in formula
+
+
+def command_reference() -> str:
+    """Every command with its options, as Typer tells them."""
+    module = [sys.executable, "-m", "typer", "tweezer.cli", "utils", "docs", "--name", "tweezer"]
+    told = subprocess.run(module, check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    return told.replace("# `tweezer`", "# Command line", 1)
+
+
+def scene_reference() -> str:
+    """Every key of a scene: unit, what is allowed, default, what it is; from the schema."""
+    schema = Scene.model_json_schema()
+    lines = [
+        "# Scene files",
+        "",
+        "A scene is a TOML file with these sections and keys; `tweezer scenes` prints where the "
+        "shipped ones are. Where a unit is named, a value is a number in that unit or text with "
+        'any unit convertible to it, such as `"500 nm"`. A key without a default must be given. '
+        "This page is made from the schema that reads the files.",
+        "",
+        "## At the top",
+        "",
+        *_rows("", {key: of for key, of in schema["properties"].items() if "$ref" not in of},
+               schema["required"]),
+    ]  # fmt: skip
+    for name, of in schema["properties"].items():
+        if "$ref" in of:
+            section = schema["$defs"][of["$ref"].rpartition("/")[2]]
+            required = section.get("required", [])
+            lines += ["", f"## `[{name}]`", "", section["description"], ""]
+            lines += _rows(name, section["properties"], required)
+    return "\n".join(lines) + "\n"
+
+
+def _rows(section: str, keys: dict[str, Any], required: list[str]) -> list[str]:
+    rows = ["| key | unit | allowed | default | what it is |", "| --- | --- | --- | --- | --- |"]
+    for key, of in keys.items():
+        unit, allowed = _kind(of)
+        cells = (
+            f"`{key}`", unit, allowed, "" if key in required else _default(of.get("default")),
+            _cell(of["description"]) + _conditions(section, key),
+        )  # fmt: skip
+        rows.append("| " + " | ".join(cells) + " |")
+    for key, other in ALTERNATIVES.get(section, ()):
+        if other not in keys:
+            rows.append(f"| `{other}` | m | | | twice `{key}`, given in its place |")
+    return rows
+
+
+def _conditions(section: str, key: str) -> str:
+    """What else decides whether a key is to be given."""
+    told = ""
+    for pair in ALTERNATIVES.get(section, ()):
+        if key in pair:
+            told += f"; exactly one of `{pair[0]}` and `{pair[1]}` is given"
+    if key in BELONGING.get(section, {}):
+        chooser, choices = BELONGING[section][key]
+        told += f"; only with `{chooser}` = {' or '.join(f'`{choice}`' for choice in choices)}"
+    return told
+
+
+def _kind(of: dict[str, Any]) -> tuple[str, str]:
+    """Unit and allowed values of a property of a JSON schema."""
+    if "anyOf" in of:
+        (of,) = (choice for choice in of["anyOf"] if choice["type"] != "null")
+    if "enum" in of:
+        return "", ", ".join(f"`{choice}`" for choice in of["enum"])
+    if of["type"] == "array":
+        entries = of.get("prefixItems") or [of["items"]]
+        unit, allowed = _kind(entries[0])
+        return unit, f"{len(entries) if 'prefixItems' in of else 'a list'} of: {allowed}"
+    if "minimum" in of:
+        return of.get("unit", ""), f"{of['minimum']:g} to {of['maximum']:g}"
+    return "", {"boolean": "`true`, `false`", "string": "text"}.get(of["type"], of["type"])
+
+
+def _default(value: Any) -> str:
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    return f"`{list(value) if isinstance(value, tuple | list) else value}`"
+
+
+def _cell(text: str) -> str:
+    return html.escape(" ".join(text.split()).replace("|", "\\|"), quote=False)

@@ -1,0 +1,124 @@
+"""What the other benchmarks come to: the README's figures, and what each model is worth.
+
+`python -m tests.benchmarks.summary_report` writes both from the committed results, and follows the
+thesis's three beads again for their table.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import tweezer
+from tests.benchmarks import pages
+from tests.benchmarks.pages import ROOT, Results
+from tests.benchmarks.report import rounded
+
+README, MODELS = ROOT / "README.md", ROOT / "docs/models.md"
+EXPLICIT = ("dop853", "dormand-prince")
+BEADS = ("thesis-1950nm", "thesis-990nm", "thesis-500nm")
+
+
+def headline(force: Results, integration: Results, brownian: Results) -> str:
+    """The README's block: one row for a figure."""
+    inside, edge = (force["headline"]["by_place"][kind] for kind in ("inside", "edge"))
+    motion = integration["headline"]["thesis-990nm, map"]
+    cheaper = [
+        each["times_cheaper"]["table"]["numpy"]
+        for each in brownian["headline"]["cheaper"]
+        if (each["method"], each["step_trap_times"]) == ("heun", 0.2)
+    ]
+    (default,) = (
+        each for each in brownian["rates"] if (each["model"], each["method"]) == ("full", "heun")
+    )
+    rows = [
+        ("force, integral over the lens, bead near the focus: time",
+         f"{rounded(inside['quadrature_us'])} µs"),
+        ("the same, at the hardest places: time, largest relative error",
+         f"{rounded(edge['quadrature_at_the_slowest_place_us'])} µs, "
+         f"{edge['quadrature_largest_error']:.1e}"),
+        ("the thesis's 7644 rays in NumPy, near the focus: times slower, largest relative error",
+         f"{rounded(inside['numpy_over_quadrature'])}, {inside['grid_largest_error']:.1e}"),
+        ("force from a table: time, error as a part of the largest force",
+         f"{rounded(edge['map_ns'])} ns, {edge['map_largest_error_over_largest_force']:.1e}"),
+        ("990 nm bead released and caught, all its inertia, to 2e-6 µm: time",
+         f"{rounded(motion['full_ms_at_2e-6_um'])} ms"),
+        ("SciPy's LSODA on the same equations: up to times slower",
+         rounded(motion["scipy:LSODA"]["times_slower"])),
+        ("thermal motion, with inertia, one core: million steps a second",
+         rounded(1e-6 * default["steps_per_s"])),
+        ("Euler-Maruyama in NumPy at the same bias of ⟨x²⟩: times dearer, by the well",
+         f"{rounded(min(cheaper))} to {rounded(max(cheaper))}"),
+    ]  # fmt: skip
+    return pages.block("headline", pages.markdown(("", ""), rows), force["machine"])
+
+
+def models(integration: Results) -> str:
+    """The block of docs/models.md: least error of each model, and what that took."""
+    table = [
+        (
+            label.removesuffix(", map"), named,
+            f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
+            f"{entry['force_calls']}",
+        )
+        for label, of in integration["motions"].items()
+        if label.endswith(", map")
+        for named, entry in _least_errors(of["entries"])
+    ]  # fmt: skip
+    headings = ("bead", "model", "error before, µm", "in the trap, µm", "ms", "force calls")
+    return pages.block("models", pages.markdown(headings, table), integration["machine"])
+
+
+def _least_errors(entries: list[dict[str, Any]]) -> list[tuple[str, dict[str, Any]]]:
+    """The most exact run of each model, by the method meant for it; and every scaling factor."""
+    ours = {"full": ("exponential",), "first-order": EXPLICIT, "overdamped": EXPLICIT}
+    least = {
+        model: min(
+            (each for each in entries if each["model"] == model and each["method"] in methods),
+            key=lambda each: each["during_um"],
+        )
+        for model, methods in ours.items()
+    }
+    scaled = [
+        each
+        for each in entries
+        if (each["model"], each["method"]) == ("scaled", "dormand-prince")
+        and each["scaling_factor"] < 1
+    ]
+    return [
+        *least.items(),
+        *((f"scaled, a2 = {each['scaling_factor']:.2g}", each) for each in scaled),
+    ]
+
+
+def beads() -> str:
+    """The table of the thesis's three beads in docs/models.md; runs them."""
+    rows = []
+    for name in BEADS:
+        scene = tweezer.load_scene(name)
+        run = tweezer.simulate(scene)
+        summary = tweezer.summarise(run)
+        outcome = f"{summary.outcome} after {1e3 * summary.outcome_time:.0f} ms"
+        if summary.outcome == "lost":
+            unscaled = tweezer.summarise(tweezer.simulate(scene, model="full", method="auto"))
+            way = "upward" if summary.end[2] > 0 else "downward"
+            outcome += f", {way}; unscaled it is {unscaled.outcome}"
+        rows.append(
+            (
+                f"`{name}`", outcome, f"{1e6 * summary.overshoot:.3f} µm",
+                f"{run.attrs['steps']}", f"{run.attrs['force_calls']}",
+                f"{rounded(1e6 * run.attrs['model_error'])} µm",
+            )
+        )  # fmt: skip
+    headings = ("scene", "outcome", "overshoot", "steps", "force calls", "off the unscaled bead")
+    return "\n".join(["<!-- bench-beads -->", *pages.markdown(headings, rows), "<!-- end -->"])
+
+
+if __name__ == "__main__":
+    integrated = pages.committed("integrate")
+    pages.quote(
+        "headline",
+        headline(pages.committed("force"), integrated, pages.committed("brownian")),
+        README,
+    )
+    pages.quote("models", models(integrated), MODELS)
+    pages.quote("beads", beads(), MODELS)

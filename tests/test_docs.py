@@ -1,0 +1,167 @@
+"""The site builds without a warning, and every command in the documentation runs.
+
+Pages: the sources of the site, and the README. Notebooks are executed by test_notebooks.py.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import typer
+
+import tweezer
+from tests.benchmarks import pages, summary_report
+from tweezer import cli
+
+ROOT = Path(__file__).parents[1]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "derivation/README.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+]
+#: lines that are not run here: what runs them, or why nothing does
+NOT_RUN = {
+    "make demo": "the first thing that .ci/run does",
+    "make test": "this is it",
+    "python3 -m venv .venv": "make demo",
+    ".venv/bin/python -m pip install --editable .": "make demo",
+    ".venv/bin/tweezer run thesis-990nm": "make demo",
+    "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
+    "python -m derivation --check": "tests/derivation/test_emission.py",
+    "python tests/test_notebooks.py": "writes into the checkout; tests/test_notebooks.py",
+}
+
+
+class Block(NamedTuple):
+    """A fenced block of a page."""
+
+    language: str
+    source: str
+
+    @property
+    def lines(self):
+        """Commands without their comments; those that go on over a line's end are one."""
+        whole = self.source.replace("\\\n", " ")
+        return [re.sub(r"\s+# .*", "", line) for line in whole.splitlines() if line.strip()]
+
+
+def blocks(page):
+    """The commands of a page, in its order."""
+    fenced = re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE)
+    return [Block(*each) for each in fenced if each[0] in ("sh", "python")]
+
+
+@pytest.fixture
+def place(tmp_path, tmp_path_factory, monkeypatch):
+    """An empty working directory, with the command `tweezer` of this Python on the path."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / "maps"))
+    return tmp_path
+
+
+@pytest.mark.parametrize("page", [*filter(blocks, PAGES)], ids=lambda page: page.stem)
+def test_commands_run(page, place):
+    """In their order; each ends with 0, and no error is one that the page does not show."""
+    names = {}
+    for block in blocks(page):
+        if block.language == "python":
+            exec(compile(block.source, str(page), "exec"), names)
+        elif not set(block.lines) <= set(NOT_RUN):
+            done = subprocess.run(
+                ["bash", "-euo", "pipefail", "-c", block.source],
+                check=False, capture_output=True, text=True,
+            )  # fmt: skip
+            assert done.returncode == 0, f"{block.source}\n{done.stdout}\n{done.stderr}"
+
+
+def test_what_is_not_run_is_in_the_documentation():
+    """No entry outlives its line."""
+    shown = {line for page in PAGES for block in blocks(page) for line in block.lines}
+    assert set(NOT_RUN) <= shown
+
+
+def test_other_fences_are_none():
+    """A command in a block of another kind would not be run."""
+    fences = {fence for page in PAGES for fence in re.findall(r"^```(\w+)", page.read_text(), re.M)}
+    assert fences == {"sh", "python"}
+
+
+def test_commands_named_in_the_text_exist():
+    text = "".join(page.read_text() for page in PAGES)
+    targets = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.M))
+    assert set(re.findall(r"`make (\w+)", text)) <= targets
+    commands = set(typer.main.get_command(cli.app).commands)
+    assert set(re.findall(r"`tweezer ([a-z-]+)", text)) <= commands
+
+
+def build(source, site):
+    """Build the site of a checkout as `make docs` does; what was said, and the exit code."""
+    return subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--site-dir", str(site)], check=False,
+        cwd=source, capture_output=True, text=True, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
+    )  # fmt: skip
+
+
+def test_site_builds(tmp_path):
+    done = build(ROOT, tmp_path)
+    assert done.returncode == 0, done.stderr
+    notebooks = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
+    assert {path.stem for path in (tmp_path / "notebooks").glob("*.html")} == notebooks
+    reference = (tmp_path / "python.html").read_text()
+    assert all(f'id="tweezer.{name}"' in reference for name in tweezer.__all__)
+    scene_keys = (tmp_path / "scenes.html").read_text()
+    for section, of in tweezer.Scene.model_fields.items():
+        for key in getattr(of.annotation, "model_fields", [section]):
+            assert f"<code>{key}</code>" in scene_keys, (section, key)
+    commands = (tmp_path / "commands.html").read_text()
+    for name, command in typer.main.get_command(cli.app).commands.items():
+        assert f'id="tweezer-{name}"' in commands
+        for parameter in command.params:
+            option = parameter.opts[0]
+            assert f"<code>{option}" in commands or not option.startswith("--"), (name, option)
+    physics = (tmp_path / "physics.html").read_text()
+    assert physics.count("<math") > 50
+    assert "\\(" not in physics
+
+
+def test_what_is_broken_fails(tmp_path):
+    """A link to nothing, a name that is not there, and a formula that is none."""
+    for name in ("docs", "notebooks", "derivation"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("*.ipynb"))
+    for name in ("mkdocs.yml", "CONTRIBUTING.md"):
+        shutil.copy(ROOT / name, tmp_path)
+    (tmp_path / "tweezer").symlink_to(ROOT / "tweezer")
+    with (tmp_path / "docs/models.md").open("a") as page:
+        page.write("\n[one](nowhere.md) [two][tweezer.nothing] \\(\\nonsense\\)\n")
+    done = build(tmp_path, tmp_path / "site")
+    assert done.returncode != 0
+    for complaint in ("nowhere.md", "tweezer.nothing", "no MathML for \\nonsense"):
+        assert f"{complaint}" in done.stderr
+
+
+def test_readme_quotes_the_committed_results():
+    force, integrate, brownian = map(pages.committed, ("force", "integrate", "brownian"))
+    quoted = pages.quoted("headline", summary_report.README)
+    assert quoted == summary_report.headline(force, integrate, brownian)
+    figures = re.findall(r"\| ([^|]*) \|\n", quoted)[2:]
+    inside = force["headline"]["by_place"]["inside"]
+    assert float(figures[0].split()[0]) == pytest.approx(inside["quadrature_us"], rel=0.05)
+    steps = brownian["headline"]["full_heun_steps_per_s"]
+    assert float(figures[6]) == pytest.approx(1e-6 * steps, rel=0.05)
+
+
+def test_models_are_quoted_from_the_committed_results():
+    integrate = pages.committed("integrate")
+    quoted = pages.quoted("models", summary_report.MODELS)
+    assert quoted == summary_report.models(integrate)
+    for name in summary_report.BEADS:
+        rows = re.findall(rf"\| {name} \| (\S+).*? \| \S+ \| (\S+) \|", quoted)
+        errors = {model.rstrip(","): float(error) for model, error in reversed(rows)}
+        assert errors["full"] < errors["first-order"] < errors["overdamped"] < errors["scaled"]
