@@ -1,8 +1,9 @@
-"""Runs as NetCDF files: written whole or not at all."""
+"""Files: runs as NetCDF, results as JSON, written whole or not at all."""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -40,6 +41,15 @@ def replacing(path: Path) -> Iterator[Path]:
             whole.replace(path)
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def write_json(value: object, path: Path) -> None:
+    """Write `value` to `path`; the file there changes only once the new one is whole.
+
+    Raises `ResultError` if it cannot be written, ValueError for a number that is not finite.
+    """
+    with replacing(path) as whole:
+        whole.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def load_run(path: str | Path) -> xr.Dataset:

@@ -1,0 +1,250 @@
+"""Counterparts of the thesis's Figures 5.1 to 5.15 and C.1 to C.12.
+
+On the left the thesis's model, on the right the unscaled equations; dark the motion without noise,
+light the same with thermal force and torque. A ring marks the first closest approach (FCA).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from tweezer.bead import bead_properties
+from tweezer.errors import SceneError
+from tweezer.io import scene_of
+from tweezer.thesis.motions import BEADS, Motions, closest_approach
+from tweezer.thesis.study import Study
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
+_SIDES = ("thesis", "unscaled")
+_DARK = {"thesis": "#332288", "unscaled": "#117733"}
+_PALE = {"thesis": "#bbb3dd", "unscaled": "#b0d0b8"}
+_TERMINAL, _MUTED = "#cc3311", "#777777"
+_EULER = ("#332288", "#88ccee", "#ddaa33", "#cc6677")
+
+Draw = Callable[["Axes", xr.Dataset, xr.Dataset, str], None]
+
+
+def figure(number: str, motions: Motions) -> Figure:
+    """The counterpart of the thesis's figure of that `number`, "5.1" to "5.15" or "C.1" to "C.12".
+
+    motions: of the bead that `FIGURES` names. Raises `SceneError` for another bead.
+    """
+    title, bead, draw, same_scale = FIGURES[number]
+    if motions.bead != bead:
+        raise SceneError(f"figure {number}: is of the {bead} bead, not {motions.bead}")
+    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    left, right = drawn.subplots(1, 2, sharey=same_scale, sharex=same_scale)
+    for axes, side in ((left, "thesis"), (right, "unscaled")):
+        run = getattr(motions, side)
+        draw(axes, run, getattr(motions, f"{side}_thermal"), side)
+        axes.set_title(_heading(run, side), fontsize=10)
+    drawn.suptitle(f"Figure {number}: {title}, {bead} bead; pale: with thermal motion", fontsize=11)
+    return drawn
+
+
+def _heading(run: xr.Dataset, side: str) -> str:
+    status = "" if run.attrs["status"] == "complete" else f", {run.attrs['status']}"
+    if side == "thesis":
+        return f"the thesis's model, a₂ = {scene_of(run).simulation.scaling_factor:g}{status}"
+    return f"unscaled{status}"
+
+
+def _time(run: xr.Dataset) -> np.ndarray:
+    return run["time"].values * _MILLI
+
+
+def _mark(axes: Axes, x: np.ndarray, y: np.ndarray, run: xr.Dataset, marker: str = "o") -> None:
+    approach = closest_approach(run)
+    if approach is not None:
+        axes.plot(
+            x[approach], y[approach], marker, ms=8, mfc="none", mec="black", mew=1.3,
+            label="FCA", zorder=5,
+        )  # fmt: skip
+
+
+def _coordinate(axis: str, name: str) -> Draw:
+    def draw(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+        noisy = thermal["position"].sel(axis=axis).values * _MICRO
+        path = run["position"].sel(axis=axis).values * _MICRO
+        axes.plot(_time(thermal), noisy, color=_PALE[side], lw=0.8)
+        axes.plot(_time(run), path, color=_DARK[side], lw=1.5)
+        _mark(axes, _time(run), path, run)
+        axes.axhline(0, color=_MUTED, lw=0.6)
+        axes.set(xlabel="time (ms)", ylabel=f"{name} (µm)")
+
+    return draw
+
+
+def _reynolds_time(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    axes.plot(_time(thermal)[1:], thermal["reynolds_number"][1:], color=_PALE[side], lw=0.6)
+    number = run["reynolds_number"].values
+    axes.plot(_time(run)[1:], number[1:], color=_DARK[side], lw=1.5)
+    _mark(axes, _time(run), number, run)
+    axes.set(xlabel="time (ms)", ylabel="Re (5.1)", yscale="log", ylim=(1e-9, 1e-1))
+
+
+def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    axes.plot(
+        thermal["speed"][1:] * _MILLI, thermal["reynolds_number"][1:], ".",
+        color=_PALE[side], ms=2,
+    )  # fmt: skip
+    speed, number = run["speed"].values * _MILLI, run["reynolds_number"].values
+    axes.plot(speed, number, color=_DARK[side], lw=1.5)
+    _mark(axes, speed, number, run)
+    axes.set(xlabel="speed (mm/s)", ylabel="Re (5.1)")
+
+
+def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    """|net motion force| with the sign of its component along N3; with noise the random force,
+    averaged over a sample, belongs to it.
+    """
+    random = _with_random_force(thermal)
+    inner = thermal["distance"].values[1:]
+    axes.plot(inner * _MICRO, _signed(random) * _PICO, ".", color=_PALE[side], ms=1.5)
+    force = _signed(run["net_force"].values) * _PICO
+    distance = run["distance"].values * _MICRO
+    axes.plot(distance, force, ".", color=_DARK[side], ms=2.5)
+    _mark(axes, distance, force, run)
+    axes.axhline(0, color=_MUTED, lw=0.6)
+    axes.set(xlabel="distance to the focus (µm)", ylabel="net motion force, sign of N3 (pN)")
+
+
+def _signed(force: np.ndarray) -> np.ndarray:
+    """Length of vectors (n, 3), with the sign of their z component."""
+    length: np.ndarray = np.copysign(np.linalg.norm(force, axis=1), force[:, 2])
+    return length
+
+
+def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
+    """Mean of all forces but drag over every sample, N, (n - 1, 3): by Newton's law from what the
+    bead did, (m dv + beta dr)/h, with the mass m/a2 of the scaled model.
+    """
+    scene = scene_of(thermal)
+    bead = bead_properties(scene)
+    mass = bead.mass
+    if thermal.attrs["model"] == "scaled":
+        mass /= scene.simulation.scaling_factor or 1.0
+    step = np.diff(thermal["time"].values)[:, None]
+    kick = mass * np.diff(thermal["velocity"].values, axis=0)
+    force: np.ndarray = (kick + bead.drag * np.diff(thermal["position"].values, axis=0)) / step
+    return force
+
+
+def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    axes.plot(_time(thermal)[1:], thermal["speed"][1:] * _MILLI, color=_PALE[side], lw=0.6)
+    actual = run["speed"].values * _MILLI
+    terminal = run["terminal_speed"].values * _MILLI
+    axes.plot(_time(run)[1:], actual[1:], color=_DARK[side], lw=1.5, label="actual")
+    axes.plot(_time(run), terminal, color=_TERMINAL, lw=1.1, ls="--", label="terminal (5.2)")
+    _mark(axes, _time(run), actual, run)
+    _mark(axes, _time(run), terminal, run, "*")
+    top = max(actual.max(), terminal.max())
+    axes.set(xlabel="time (ms)", ylabel="speed (mm/s)", yscale="log", ylim=(1e-5 * top, 3 * top))
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _energy(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    for of, colour, width in ((thermal, _PALE, 0.6), (run, _DARK, 1.5)):
+        energy = of["total_energy"].values * 1e21
+        axes.plot(_time(of), energy - energy[0], color=colour[side], lw=width)
+    energy = (run["total_energy"].values - run["total_energy"].values[0]) * 1e21
+    _mark(axes, _time(run), energy, run)
+    axes.set(xlabel="time (ms)", ylabel="change of total energy (zJ)")
+
+
+def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
+    for of, colour, width in ((thermal, _PALE, 0.8), (run, _DARK, 1.5)):
+        q1, q2, _ = of["position"].values.T * _MICRO
+        axes.plot(q1, q2, color=colour[side], lw=width)
+    q1, q2, _ = run["position"].values.T * _MICRO
+    _mark(axes, q1, q2, run)
+    axes.plot(0, 0, "+", color=_TERMINAL, ms=9)
+    axes.set(xlabel="q1 (µm)", ylabel="q2 (µm)")
+
+
+def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -> None:
+    for i, colour in enumerate(_EULER):
+        axes.plot(_time(thermal), thermal["orientation"][:, i], color=colour, lw=0.8, alpha=0.4)
+        if "orientation" in run:
+            values = run["orientation"].values[:, i]
+        else:  # nothing turns it
+            values = np.full(run.sizes["time"], 1.0 if i == 0 else 0.0)
+        axes.plot(_time(run), values, color=colour, lw=1.5, label=f"e{i}")
+    axes.set(xlabel="time (ms)", ylabel="Euler parameters", ylim=(-1.05, 1.05))
+    axes.legend(frameon=False, ncols=4, fontsize=8)
+
+
+_KINDS: tuple[tuple[str, int, str, Draw, bool], ...] = (
+    # chapter, first number, title, what is drawn, the same scale on both sides
+    ("5", 1, "q2 against time", _coordinate("y", "q2"), True),
+    ("5", 4, "Reynolds number against time", _reynolds_time, True),
+    ("5", 7, "Reynolds number against speed", _reynolds_speed, False),
+    ("5", 10, "net motion force against distance", _force_distance, False),
+    ("5", 13, "terminal and actual speed", _speeds, True),
+    ("C", 1, "change of the total energy", _energy, False),
+    ("C", 4, "motion in the plane of the camera", _planar, True),
+    ("C", 7, "orientation", _orientation, True),
+    ("C", 10, "N3 against time, from the focus", _coordinate("z", "q3"), True),
+)
+
+#: number -> title, bead, what draws it, whether both sides have the same axes
+FIGURES: dict[str, tuple[str, str, Draw, bool]] = {
+    f"{chapter}.{first + i}": (title, bead, draw, same_scale)
+    for chapter, first, title, draw, same_scale in _KINDS
+    for i, bead in enumerate(BEADS)
+}
+
+
+def study_figure(study: Study) -> Figure:
+    """What becomes of the 500 nm bead: change by change, and by a2 and power."""
+    drawn = Figure(figsize=(11.0, 8.0), layout="constrained")
+    axes = drawn.subplot_mosaic([["a2", "power"], ["other", "map"]])
+    panels = {
+        "a2": ("printed", "a2"),
+        "power": ("printed", "power"),
+        "other": ("printed", "force", "polarisation", "lens", "start"),
+    }
+    for panel, groups in panels.items():
+        shown = [variant for variant in study.variants if variant.group in groups]
+        for variant in shown:
+            first = variant.group == "printed"
+            axes[panel].plot(
+                variant.time * _MILLI, variant.q2 * _MICRO,
+                color="black" if first else None, lw=1.6 if first else 1.0,
+                ls="-" if variant.as_claimed or first else "--",
+                label=f"{variant.name}: {variant.outcome}",
+            )  # fmt: skip
+        axes[panel].set(xlabel="time (ms)", ylabel="q2 (µm)")
+        axes[panel].set_title("solid: trapped and ringing, or as printed (black)", fontsize=9)
+        axes[panel].legend(frameon=False, fontsize=7)
+    _draw_capture(axes["map"], study)
+    low, high = study.kept_interval
+    drawn.suptitle(
+        "The thesis's 500 nm bead, scaled model: what keeps it. With thermal motion, all else as "
+        f"printed,\n{study.kept} of {study.released} stay (95 %: {low:.0%} to {high:.0%})",
+        fontsize=11,
+    )
+    return drawn
+
+
+def _draw_capture(axes: Axes, study: Study) -> None:
+    """Overshoot by a2 and power; a cross where the bead does not end in the trap."""
+    columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
+    image = axes.pcolormesh(
+        columns, rows, np.where(study.captured, study.overshoot, np.nan) * _MICRO, cmap="viridis",
+    )  # fmt: skip
+    axes.figure.colorbar(image, ax=axes, label="overshoot of q2 (µm)")
+    lost_rows, lost_columns = np.nonzero(~study.captured)
+    axes.plot(lost_columns, lost_rows, "x", color=_TERMINAL, ms=7)
+    axes.set_xticks(columns, [f"{factor:g}" for factor in study.factors], fontsize=8)
+    axes.set_yticks(rows, [f"{power:g}" for power in study.powers])
+    axes.set(xlabel="a2", ylabel="power before the pupil (mW)")
+    axes.set_title("x: not trapped; printed: 3e-05, 156 mW", fontsize=9)

@@ -1,0 +1,106 @@
+"""The motions behind the thesis's figures: each bead by the thesis's model and by the unscaled."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from tweezer.analysis import Summary, summarise
+from tweezer.bead import BeadProperties, bead_properties
+from tweezer.io import scene_of
+from tweezer.scene import Scene, load_scene
+from tweezer.simulation import simulate
+
+#: as the thesis orders and names them
+BEADS = ("500nm", "990nm", "1950nm")
+
+#: the integral over the lens in place of 7644 rays, as a table that reaches to where a bead is lost
+INTEGRAL = {"evaluator": "map", "table_range": 20.0}
+
+#: relative, of the unscaled motion: at the thesis's 1e-7 a bead at rest jitters by Re = 1e-7
+_TOLERANCE = 1e-10
+
+_NOISE = {"brownian": True, "brownian_torque": True}
+
+
+@dataclass(frozen=True)
+class Motions:
+    """One bead of the thesis, released four times where Table 5.1 says; runs of `simulate`."""
+
+    bead: str
+    """one of `BEADS`"""
+    thesis: xr.Dataset
+    """scaled model (4.17), printed a2, 7644 rays, moment (3.25), Dormand-Prince; no noise"""
+    thesis_thermal: xr.Dataset
+    """the same with thermal force and torque, by steps over which drag and noise are exact"""
+    unscaled: xr.Dataset
+    """full model (A.25), the integral over the lens, no moment of the light; no noise"""
+    unscaled_thermal: xr.Dataset
+    """the same with thermal force and torque"""
+
+    @functools.cached_property
+    def scene(self) -> Scene:
+        """Of the thesis's model."""
+        return scene_of(self.thesis)
+
+    @property
+    def properties(self) -> BeadProperties:
+        """Mass, drag and so on."""
+        return bead_properties(self.scene)
+
+    @property
+    def scaling_factor(self) -> float:
+        """The printed a2."""
+        return self.scene.simulation.scaling_factor or 1.0
+
+    def summary(self, which: str) -> Summary:
+        """Of the motion of that name."""
+        return summarise(getattr(self, which))
+
+
+def thesis_scene(bead: str) -> Scene:
+    """The scene of a bead of `BEADS` with all that the thesis's model has: rays, a2 and moment."""
+    return load_scene(f"thesis-{bead}").replace(beam={"torque": "thesis"})
+
+
+def unscaled_scene(bead: str) -> Scene:
+    """The same light and bead without what is the thesis's approximation: its scaling, its grid of
+    rays, and the moment (3.25), which a lossless sphere does not take.
+    """
+    return load_scene(f"thesis-{bead}").replace(
+        optics=INTEGRAL,
+        simulation={"model": "full", "method": "auto", "scaling_factor": None},
+    )
+
+
+def motions(bead: str, seed: int = 1) -> Motions:
+    """The four motions of a bead of `BEADS`; seed: of the thermal ones."""
+    thesis, unscaled = thesis_scene(bead), unscaled_scene(bead)
+    noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
+    return Motions(
+        bead=bead,
+        thesis=simulate(thesis),
+        thesis_thermal=simulate(noisy, seed=seed),
+        unscaled=simulate(unscaled, tolerance=_TOLERANCE),
+        unscaled_thermal=simulate(unscaled.replace(forces=_NOISE), seed=seed),
+    )
+
+
+def closest_approach(run: xr.Dataset) -> int | None:
+    """Sample of the first closest approach (FCA): the first local minimum of the distance to the
+    focus (5.2); None if there is none.
+    """
+    time = summarise(run).closest_approach_time
+    return None if time is None else int(np.searchsorted(run["time"].values, time))
+
+
+def crossings(run: xr.Dataset, least: float = 1e-9) -> int:
+    """How often q2 changes sides after the first closest approach by more than `least`, m."""
+    approach = closest_approach(run)
+    if approach is None:
+        return 0
+    side = run["position"].sel(axis="y").values[approach:]
+    return int((np.diff(np.sign(side[np.abs(side) > least])) != 0).sum())

@@ -1,0 +1,151 @@
+"""Write the thesis's figures, its claims with their verdicts, and the study of the lost bead."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from tweezer.errors import ResultError, SceneError
+from tweezer.io import replacing, write_json
+from tweezer.thesis.claims import Claim, claims
+from tweezer.thesis.figures import FIGURES, figure, study_figure
+from tweezer.thesis.motions import BEADS, Motions, motions
+from tweezer.thesis.study import Study, study
+
+#: what can be asked for besides a figure
+TABLES = ("claims", "study")
+#: about how long things take, in figures
+_WORK = {"motions": 15.0, "claims": 15.0, "study": 60.0}
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What `reproduce` has made."""
+
+    files: list[Path]
+    """written, in this order"""
+    claims: list[Claim]
+    """empty if they were not asked for"""
+
+
+def reproduce(
+    what: Sequence[str] = (),
+    out: str | Path = "thesis-results",
+    *,
+    seed: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> Reproduction:
+    """Write what is asked for into the folder `out`, which is made if it is not there.
+
+    what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
+    as claims.json and claims.md; "study", of the 500 nm bead, as study.png and study.json.
+    Everything if empty. seed: of the thermal motions. progress: called with the part done.
+
+    Files of an earlier time are replaced one by one, so that an interrupted run leaves whole ones.
+    Raises `SceneError` for a number that the thesis does not have and `ResultError` for a folder
+    that cannot be made, before anything is computed; `ResultError` if a file cannot be written.
+    """
+    asked = list(dict.fromkeys(what)) or [*FIGURES, *TABLES]
+    for name in asked:
+        if name not in FIGURES and name not in TABLES:
+            raise SceneError(
+                f"{name}: no such figure; 5.1 to 5.15, C.1 to C.12, {' or '.join(TABLES)}"
+            )
+    folder = Path(out)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ResultError(f"{out}: cannot be made: {error.strerror}") from None
+    needed = [
+        bead
+        for bead in BEADS
+        if "claims" in asked or any(FIGURES[name][1] == bead for name in asked if name in FIGURES)
+    ]
+    total = sum(_WORK.get(name, 1) for name in asked) + _WORK["motions"] * len(needed)
+    done = 0.0
+
+    def did(work: float) -> None:
+        nonlocal done
+        done += work
+        if progress:
+            progress(done / total)
+
+    files: list[Path] = []
+    by_bead: dict[str, Motions] = {}
+    for bead in needed:
+        by_bead[bead] = motions(bead, seed)
+        did(_WORK["motions"])
+        for name in asked:
+            if name in FIGURES and FIGURES[name][1] == bead:
+                files.append(_save(figure(name, by_bead[bead]), folder / f"figure-{name}.png"))
+                did(1)
+    decided = claims(by_bead) if "claims" in asked else []
+    if decided:
+        files += _write_claims(decided, folder)
+        did(_WORK["claims"])
+    if "study" in asked:
+        files += _write_study(study(lambda part: did(part * _WORK["study"])), folder)
+    return Reproduction(files, decided)
+
+
+def _save(figure: Figure, path: Path) -> Path:
+    with replacing(path) as whole:
+        figure.savefig(whole, dpi=100)
+    return path
+
+
+def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
+    as_json, as_markdown = folder / "claims.json", folder / "claims.md"
+    entries = [dataclasses.asdict(claim) | {"verdict": claim.verdict} for claim in found]
+    write_json(entries, as_json)
+    lines = [
+        "| where | claim | taken as | computed | verdict |",
+        "| --- | --- | --- | --- | --- |",
+        *(
+            "| "
+            + " | ".join(
+                text.replace("|", "\\|")
+                for text in (
+                    claim.where, claim.text, claim.reading, claim.computed, f"**{claim.verdict}**",
+                )
+            )
+            + " |"
+            for claim in found
+        ),
+    ]  # fmt: skip
+    with replacing(as_markdown) as whole:
+        whole.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return [as_json, as_markdown]
+
+
+def _write_study(found: Study, folder: Path) -> list[Path]:
+    as_json = folder / "study.json"
+    variants = [
+        {
+            **{
+                field.name: getattr(variant, field.name)
+                for field in dataclasses.fields(variant)
+                if field.name not in ("time", "q2")
+            },
+            "as_claimed": variant.as_claimed,
+        }
+        for variant in found.variants
+    ]
+    write_json(
+        {
+            "variants": variants,
+            "factors": found.factors,
+            "powers_mW": found.powers,
+            "captured": found.captured.tolist(),
+            "overshoot": found.overshoot.tolist(),
+            "kept": found.kept,
+            "released": found.released,
+            "kept_interval": found.kept_interval,
+        },
+        as_json,
+    )
+    return [as_json, _save(study_figure(found), folder / "study.png")]

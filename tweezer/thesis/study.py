@@ -1,0 +1,175 @@
+"""Why the thesis's 500 nm bead is lost, and what would keep it: a parameter study."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.stats import binomtest
+
+from tweezer.analysis import summarise
+from tweezer.ensembles import ensemble
+from tweezer.errors import PhysicsWarning
+from tweezer.scene import Scene, load_scene
+from tweezer.simulation import simulate
+from tweezer.thesis.motions import INTEGRAL, crossings
+
+_BEAD = "thesis-500nm"
+_FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)
+_POWERS = (30, 60, 80, 100, 120, 156, 200, 300)
+_THERMAL_TRAJECTORIES = 200
+#: about how long these take, in runs without noise
+_THERMAL_WORK = 40
+
+
+@dataclass(frozen=True)
+class Variant:
+    """The 500 nm bead with something changed."""
+
+    group: str
+    """what is changed: a2, force, lens, polarisation, power, start"""
+    name: str
+    outcome: str
+    """of `tweezer.summarise`"""
+    outcome_time: float
+    """s"""
+    overshoot: float
+    """m, of q2 across the axis"""
+    crossings: int
+    """times that q2 changes sides, by more than 1 nm, after the first closest approach"""
+    time: np.ndarray
+    """s, (n,)"""
+    q2: np.ndarray
+    """m, (n,)"""
+
+    @property
+    def as_claimed(self) -> bool:
+        """Trapped, and ringing (Figure 5.1)."""
+        return self.outcome == "captured" and self.crossings >= 2
+
+
+@dataclass(frozen=True)
+class Study:
+    """What becomes of the 500 nm bead of the thesis."""
+
+    variants: list[Variant]
+    """the first with everything as printed"""
+    factors: tuple[float, ...]
+    """a2 of the columns of `captured`"""
+    powers: tuple[float, ...]
+    """mW before the pupil, of its rows"""
+    captured: np.ndarray
+    """whether the bead is captured, (powers, factors)"""
+    overshoot: np.ndarray
+    """m, the same shape"""
+    kept: int
+    """trajectories with thermal motion, all else as printed, that are not lost"""
+    released: int
+    """of so many"""
+
+    @property
+    def kept_interval(self) -> tuple[float, float]:
+        """95 % interval (Wilson) of the probability to be kept."""
+        interval = binomtest(self.kept, self.released).proportion_ci(method="wilson")
+        return float(interval.low), float(interval.high)
+
+
+def study(did: Callable[[float], None] = lambda _: None) -> Study:
+    """One change at a time, then a2 and power together, then thermal motion.
+
+    did: called with each part of the work when it is done; they sum to 1.
+    """
+    printed = load_scene(_BEAD)
+    changes = _changes(printed)
+    total = len(changes) + len(_POWERS) * len(_FACTORS) + _THERMAL_WORK
+
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        variants = []
+        for group, name, scene in changes:
+            variants.append(_variant(group, name, scene))
+            did(1 / total)
+        captured = np.zeros((len(_POWERS), len(_FACTORS)), bool)
+        overshoot = np.zeros(captured.shape)
+        for i, power in enumerate(_POWERS):
+            for j, factor in enumerate(_FACTORS):
+                scene = printed.replace(
+                    beam={"power": f"{power} mW"},
+                    simulation={"scaling_factor": factor, "samples": 2001},
+                    optics=INTEGRAL,
+                )
+                summary = summarise(simulate(scene))
+                captured[i, j] = summary.outcome == "captured"
+                overshoot[i, j] = summary.overshoot
+                did(1 / total)
+        lost = _thermal_losses(printed)
+        did(_THERMAL_WORK / total)
+    return Study(
+        variants=variants,
+        factors=_FACTORS,
+        powers=_POWERS,
+        captured=captured,
+        overshoot=overshoot,
+        kept=int((~lost).sum()),
+        released=lost.size,
+    )
+
+
+def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
+    table: list[tuple[str, str, dict[str, Any]]] = [
+        ("printed", "all as printed", {}),
+        ("force", "integral in place of 7644 rays", {}),
+        ("polarisation", "Q averaged, not R (circular)", {"beam": {"polarisation": "circular"}}),
+        ("lens", "sine condition, NA 1.3", {"lens": {"map": "sine"}}),
+        ("lens", "sine condition, circular",
+         {"lens": {"map": "sine"}, "beam": {"polarisation": "circular"}}),
+        ("power", "156 mW through the pupil", {"beam": {"power_through_pupil": "156 mW"}}),
+        ("power", "sigma is a 1/e² waist", {"beam": {"waist": "2.5 mm"}}),
+        ("power", "120 mW", {"beam": {"power": "120 mW"}}),
+        ("power", "100 mW", {"beam": {"power": "100 mW"}}),
+        ("power", "50 mW", {"beam": {"power": "50 mW"}}),
+    ]  # fmt: skip
+    table += [
+        ("a2", f"a2 = {factor:g}", {"simulation": {"scaling_factor": factor}})
+        for factor in (1e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3)
+    ]
+    start = [float(q) * 1e6 for q in printed.start_position]
+    table += [
+        ("start", f"N3 {shift:+g} µm",
+         {"start": {"frame": "focus", "position": [f"{q} um" for q in (*start[:2],
+                                                                       start[2] + shift)]}})
+        for shift in (-1, -0.5, -0.2, 0.2, 0.5, 1)
+    ]  # fmt: skip
+    scenes = [
+        (group, name, printed.replace(**change, optics=INTEGRAL)) for group, name, change in table
+    ]
+    scenes[0] = ("printed", "all as printed", printed)
+    return scenes
+
+
+def _variant(group: str, name: str, scene: Scene) -> Variant:
+    run = simulate(scene)
+    summary = summarise(run)
+    return Variant(
+        group=group,
+        name=name,
+        outcome=summary.outcome,
+        outcome_time=summary.outcome_time,
+        overshoot=summary.overshoot,
+        crossings=crossings(run),
+        time=run["time"].values,
+        q2=run["position"].sel(axis="y").values,
+    )
+
+
+def _thermal_losses(printed: Scene) -> np.ndarray:
+    """Whether each of many trajectories is lost, (trajectories,)."""
+    scene = printed.replace(
+        forces={"brownian": True},
+        simulation={"method": "auto", "samples": 101},
+        optics=INTEGRAL,
+    )
+    result = ensemble(scene, _THERMAL_TRAJECTORIES, seed=1)
+    return np.isfinite(result["lost_time"].values)
