@@ -61,6 +61,8 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
             return found[0]
         display, inline = found[2] or found[3], found[4] or found[5]
         latex = html.unescape(display or inline).strip()
+        # MathML has no numbers of equations
+        latex = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
         formula = convert(latex, display="block" if display else "inline")
         if not _understood(formula):
             _log.warning("%s: no MathML for %s", page.file.src_uri, latex)
@@ -155,6 +157,8 @@ def _kind(of: dict[str, Any]) -> tuple[str, str]:
 def _default(value: Any) -> str:
     if value is None:
         return "none"
+    if value == "":
+        return "empty"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
     return f"`{list(value) if isinstance(value, tuple | list) else value}`"

@@ -162,6 +162,6 @@ def test_models_are_quoted_from_the_committed_results():
     quoted = pages.quoted("models", summary_report.MODELS)
     assert quoted == summary_report.models(integrate)
     for name in summary_report.BEADS:
-        rows = re.findall(rf"\| {name} \| (\S+).*? \| \S+ \| (\S+) \|", quoted)
+        rows = re.findall(rf"\| {name}, (\S+).*? \| \S+ \| (\S+) \|", quoted)
         errors = {model.rstrip(","): float(error) for model, error in reversed(rows)}
         assert errors["full"] < errors["first-order"] < errors["overdamped"] < errors["scaled"]

@@ -56,7 +56,7 @@ def models(integration: Results) -> str:
     """The block of docs/models.md: least error of each model, and what that took."""
     table = [
         (
-            label.removesuffix(", map"), named,
+            f"{label.removesuffix(', map')}, {named}",
             f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
             f"{entry['force_calls']}",
         )
@@ -64,7 +64,7 @@ def models(integration: Results) -> str:
         if label.endswith(", map")
         for named, entry in _least_errors(of["entries"])
     ]  # fmt: skip
-    headings = ("bead", "model", "error before, µm", "in the trap, µm", "ms", "force calls")
+    headings = ("bead, model", "error before, µm", "in the trap, µm", "ms", "force calls")
     return pages.block("models", pages.markdown(headings, table), integration["machine"])
 
 
