@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tweezer.analysis import Calibration, Efficiency, Summary, Trap
+    from tweezer.compiling import Compilation
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
@@ -189,7 +190,7 @@ def tune(
 
     from tweezer.analysis import tune as compared
 
-    with _progress(f"{described.name} (the first run also compiles)", 1.0) as progress:
+    with _progress(described.name, 1.0) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
     table = _table("a2", "off the unscaled bead", "steps", "force calls", "time")
     for entry in [*tuning.entries, tuning.unscaled]:
@@ -256,7 +257,7 @@ def ensemble(
     out = _writable(out, ("nc",) if statistics else _STORES)
     _bind_light(described)
     with (
-        _progress(f"{described.name} (the first run also compiles)", 1.0) as progress,
+        _progress(described.name, 1.0) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
     ):
         from tweezer.ensembles import ensemble as computed
@@ -353,6 +354,36 @@ def force_map(
     settings = {**_settings(set or []), "optics.evaluator": "map"}
     described = _described(scene, settings)
     _print_map(described, _map_of(described))
+
+
+@app.command()
+def warmup(
+    scene: Annotated[
+        list[str] | None, typer.Argument(help="Shipped scenes or TOML files; all shipped if none.")
+    ] = None,
+) -> None:
+    """Compile ahead what runs, ensembles and traps of SCENE need, and make its map if it has one.
+
+    Without SCENE: what the shipped scenes need, and the thermal motion of those without a grid.
+    """
+    from tweezer.scene import load_scene, shipped_scenes
+
+    described = [load_scene(name) for name in scene or shipped_scenes()]
+    with _err.status("loading") as status:
+        from tweezer.compiling import compilation, found
+        from tweezer.warmup import usual_scenes, warm_up
+
+        def say(compiling: Compilation) -> None:
+            status.update(f"compiling {compiling.latest}, {compiling.seconds:.0f} s so far")
+
+        with compilation(say) as compiling:
+            for each in described:
+                for usual in [each] if scene else usual_scenes(each):
+                    warm_up(usual)
+    _out.print(
+        f"compiled {compiling.functions} functions in {compiling.seconds:.0f} s; {found()} were "
+        "there already"
+    )
 
 
 @bench.command("force")
@@ -482,7 +513,7 @@ def _writable(path: Path, formats: tuple[str, ...]) -> Path:
 
 @contextlib.contextmanager
 def _progress(description: str, total: float) -> Iterator[Callable[[float], None]]:
-    """Show a bar; lend what tells it how far things are."""
+    """Show a bar, and what is compiled meanwhile; lend what tells it how far things are."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
@@ -494,14 +525,20 @@ def _progress(description: str, total: float) -> Iterator[Callable[[float], None
     disabled = not _err.is_terminal
     with Progress(*columns, console=_err, transient=True, disable=disabled) as progress:
         task = progress.add_task(description, total=total)
-        yield lambda reached: progress.update(task, completed=reached)
+
+        from tweezer.compiling import compilation
+
+        def say(compiling: Compilation) -> None:
+            spent = f"compiling, once: {compiling.seconds:.0f} s so far"
+            progress.update(task, description=f"{description} ({spent})", refresh=True)
+
+        with compilation(say):
+            yield lambda reached: progress.update(task, description=description, completed=reached)
 
 
 def _simulate_with_progress(scene: Scene, seed: int | None) -> xr.Dataset:
     with (
-        _progress(
-            f"{scene.name} (the first run also compiles)", scene.simulation.duration
-        ) as progress,
+        _progress(scene.name, scene.simulation.duration) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
         from tweezer.simulation import simulate
@@ -522,7 +559,7 @@ def _bind_light(scene: Scene) -> None:
 
 
 def _map_of(scene: Scene) -> Map:
-    with _progress(f"map of {scene.name} (the first one also compiles)", 1.0) as progress:
+    with _progress(f"map of {scene.name}", 1.0) as progress:
         from tweezer.optics import force_map
 
         return force_map(scene, progress)

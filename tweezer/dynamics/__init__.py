@@ -1,5 +1,6 @@
 """Equations of motion of the bead, and their integration in time."""
 
+from tweezer.compiling import compilation  # noqa: F401 (first: finds where to keep what it compiles)
 from tweezer.dynamics.budget import error_budget
 from tweezer.dynamics.choose import chosen
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss

@@ -1,5 +1,6 @@
 """The force of focused light on the bead, by ray optics."""
 
+from tweezer.compiling import compilation  # noqa: F401 (first: finds where to keep what it compiles)
 from tweezer.optics.beam import (
     Cone,
     cone,

@@ -1,0 +1,171 @@
+"""What is compiled is kept, also where tweezer cannot be written; it is told, and done ahead."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from numba.core import event
+
+import tweezer
+from tweezer import cli
+from tweezer.compiling import compilation
+from tweezer.warmup import usual_scenes
+
+ROOT = Path(__file__).parents[1]
+NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"
+#: the command line, which does not wait with its notice
+COMMAND = "from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()"
+THEN_WARMUP = """
+import sys
+try:
+    from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()
+except SystemExit:
+    sys.argv[1:] = ["warmup", "mine.toml"]; cli.main()
+"""
+#: thermal motion without light: of all motions what compiles soonest
+DARK = tweezer.shipped_scenes()["silica-1um"].read_text(encoding="utf-8").replace(
+    'model = "full"', 'model = "overdamped"'
+) + "samples = 11\n[forces]\nbrownian = true\noptical = false\n"  # fmt: skip
+#: one small function, compiled
+PROGRAM = """
+import numpy as np
+import tweezer.dynamics
+from tweezer.dynamics.brownian.noise import normals
+numbers = np.empty((3, 2))
+normals(1, np.arange(2), 0, 0, numbers)
+print(numbers.tolist())
+"""
+
+
+def python(*arguments, cwd, **environment):
+    """Run Python without the caches of this session."""
+    inherited = {key: value for key, value in os.environ.items() if key != "NUMBA_CACHE_DIR"}
+    return subprocess.run(
+        [sys.executable, *arguments], cwd=cwd, env=inherited | environment, capture_output=True,
+        text=True, check=True,
+    )  # fmt: skip
+
+
+def compiled(folder: Path) -> dict[str, str]:
+    """Digest of every file that Numba keeps in `folder`, by name."""
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in folder.rglob("*.nb[ic]")
+    }
+
+
+def test_after_a_warm_up_a_run_compiles_nothing(tmp_path):
+    cache = tmp_path / "cache"
+    (tmp_path / "mine.toml").write_text(DARK, encoding="utf-8")
+
+    def command(*arguments, program=COMMAND):
+        return python(
+            "-c", program, *arguments, cwd=tmp_path,
+            PYTHONPATH=str(ROOT), NUMBA_CACHE_DIR=str(cache),
+        )  # fmt: skip
+
+    first = command("warmup", "mine.toml")
+    functions = int(re.fullmatch(
+        r"compiled (\d+) functions in \d+ s; 0 were there already\n", first.stdout
+    )[1])  # fmt: skip
+    assert functions > 2
+    assert first.stderr.splitlines() == [NOTICE]
+    kept = compiled(cache)
+    assert len(kept) > 2
+
+    again = command("run", "mine.toml", program=THEN_WARMUP)
+    assert "wrote mine.nc" in again.stdout
+    assert NOTICE not in again.stderr
+    assert compiled(cache) == kept
+    found = int(re.search(r"compiled 0 functions in 0 s; (\d+) were there already$",
+                          again.stdout)[1])  # fmt: skip
+    assert 0 < found <= functions
+
+
+@pytest.fixture
+def unwritable(tmp_path) -> Path:
+    """A copy of tweezer in which nothing can be kept, whoever asks."""
+    for name in ("tweezer", "generated"):
+        copy = shutil.copytree(
+            ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__")
+        )
+        for folder in (copy, *(path for path in copy.rglob("*") if path.is_dir())):
+            (folder / "__pycache__").touch()
+    return tmp_path
+
+
+def test_what_cannot_be_kept_beside_the_sources_is_kept_for_the_user(unwritable):
+    user, own = unwritable / "user", unwritable / "own"
+    done = python("-c", PROGRAM, cwd=unwritable, XDG_CACHE_HOME=str(user))
+    assert "NUMBA_CACHE_DIR" not in done.stderr
+    assert compiled(user)
+    chosen = python(
+        "-c", PROGRAM, cwd=unwritable, XDG_CACHE_HOME=str(unwritable), NUMBA_CACHE_DIR=str(own)
+    )
+    assert chosen.stdout == done.stdout
+    assert compiled(own).keys() != compiled(user).keys()  # numba's own choice of folders
+    assert len(compiled(own)) == len(compiled(user))
+
+
+def test_without_a_place_to_keep_it_everything_works_and_says_so(unwritable):
+    nowhere, temporary = unwritable / "nowhere", unwritable / "temporary"
+    nowhere.touch()
+    temporary.mkdir()
+    done = python("-c", PROGRAM, cwd=unwritable, XDG_CACHE_HOME=str(nowhere), TMPDIR=str(temporary))
+    assert done.stdout.startswith("[[")
+    said = [line for line in done.stderr.splitlines() if "NUMBA_CACHE_DIR" in line]
+    assert len(said) == 1
+    assert "what is compiled is not kept" in said[0]
+    assert not list(temporary.iterdir())
+
+
+def broadcast(function, *calls):
+    """What Numba tells as it compiles `function`, which calls the others."""
+    data = {"dispatcher": SimpleNamespace(py_func=function, stats=SimpleNamespace(cache_path="/"))}
+    with event.trigger_event("numba:compile", data=data):
+        for call in calls:
+            broadcast(call)
+
+
+def test_only_what_is_of_tweezer_is_told():
+    ours, called = tweezer.load_scene, tweezer.optics.light
+    told = []
+    with compilation(lambda compiling: told.append(compiling.latest)) as compiling:
+        broadcast(test_only_what_is_of_tweezer_is_told, ours)
+        broadcast(ours, called, called)
+    assert told == ["scene.load_scene"] * 2 + ["light.light"] * 2
+    assert compiling.functions == 4
+
+
+def test_time_is_counted_once(monkeypatch):
+    """Of a function and of what it calls; and not between two of them."""
+    ticks = iter(range(100))
+    monkeypatch.setattr("tweezer.compiling.time.perf_counter", lambda: next(ticks))
+    with compilation(lambda compiling: None) as compiling:
+        broadcast(tweezer.load_scene, tweezer.optics.light)
+        inner = compiling.seconds
+        broadcast(tweezer.load_scene)
+    assert 0 < inner < compiling.seconds < next(ticks)
+
+
+def test_a_bar_tells_what_is_compiled(monkeypatch, capsys):
+    console = cli.Console(stderr=True, force_terminal=True, width=120)
+    monkeypatch.setattr(cli, "_err", console)
+    with cli._progress("a bead", 1.0) as progress:
+        broadcast(tweezer.load_scene)
+        progress(0.5)
+    assert re.search(r"a bead \(compiling, once: \d+ s so far\)", capsys.readouterr().err)
+
+
+def test_every_scene_that_is_shipped_is_warmed_up_as_it_is():
+    for name in tweezer.shipped_scenes():
+        scene = tweezer.load_scene(name)
+        assert scene in usual_scenes(scene)

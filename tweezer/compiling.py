@@ -1,0 +1,116 @@
+"""What Numba compiles: where it is kept, and that it is told.
+
+Compiled functions are kept beside their sources, or in the user's cache folder where these cannot
+be written, or in NUMBA_CACHE_DIR. Importing this module sees to it that there is such a place,
+which Numba wants to know before the first function is defined.
+"""
+
+from __future__ import annotations
+
+import atexit
+import functools
+import gc
+import logging
+import shutil
+import tempfile
+import time
+import warnings
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
+import numba
+from numba.core import event
+from numba.core.dispatcher import Dispatcher
+
+_log = logging.getLogger("tweezer")
+
+#: s of compiling after which it is told to who uses the library
+_PATIENCE = 1.0
+
+
+class Compilation(event.Listener):
+    """What is compiled of tweezer, and the time that takes."""
+
+    def __init__(self, say: Callable[[Compilation], None]) -> None:
+        """say: called with this as each function is begun."""
+        self._say = say
+        self._within = 0  # functions compiled because another calls them
+        self._spent = self._began = 0.0
+        self.functions = 0
+        """begun so far that are kept"""
+        self.latest = ""
+        """name of the one begun last"""
+
+    @property
+    def seconds(self) -> float:
+        """s, spent so far."""
+        return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
+
+    def on_start(self, begun: event.Event) -> None:
+        """Numba begins to compile."""
+        if not _ours(begun.data["dispatcher"]):
+            return
+        if not self._within:
+            self._began = time.perf_counter()
+        self._within += 1
+        function = begun.data["dispatcher"].py_func
+        self.functions += begun.data["dispatcher"].stats.cache_path is not None
+        self.latest = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        self._say(self)
+
+    def on_end(self, ended: event.Event) -> None:
+        """It has compiled, or failed to."""
+        if not _ours(ended.data["dispatcher"]):
+            return
+        self._spent, self._began = self.seconds, time.perf_counter()
+        self._within -= 1
+
+
+def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
+    """Watch what is compiled within the context; `say` is called as each function is begun."""
+    installed: AbstractContextManager[Compilation] = event.install_listener(
+        "numba:compile", Compilation(say)
+    )
+    return installed
+
+
+def found() -> int:
+    """Functions of tweezer that this process found kept."""
+    return sum(
+        sum(each.stats.cache_hits.values())
+        for each in gc.get_objects()
+        if isinstance(each, Dispatcher) and _ours(each)
+    )
+
+
+def _ours(dispatcher: Dispatcher) -> bool:
+    return dispatcher.py_func.__module__.partition(".")[0] in ("tweezer", "generated")
+
+
+def _find_place() -> None:
+    """Numba refuses to define a function that it is to keep and has no place for."""
+    try:
+        numba.njit(cache=True)(_find_place)
+    except RuntimeError:
+        folder = tempfile.mkdtemp(prefix="tweezer-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        numba.config.CACHE_DIR = folder
+        warnings.warn(
+            "what is compiled is not kept: neither the folder of tweezer nor the user's cache "
+            "folder can be written; set NUMBA_CACHE_DIR to one that can",
+            stacklevel=2,
+        )
+
+
+def _tell(compiling: Compilation) -> None:
+    if compiling.seconds > _PATIENCE:  # nothing is said of a moment's work
+        _tell_once()
+
+
+@functools.cache
+def _tell_once() -> None:
+    _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
+
+
+_find_place()
+event.register("numba:compile", Compilation(_tell))
