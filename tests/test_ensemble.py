@@ -448,11 +448,9 @@ def test_statistics_in_memory_behind_a_gap_are_kept(small, monkeypatch):
             stopped.wait()
         sound(self, states, trajectories, sample, out)
 
-    def wait(futures, timeout, return_when=None):
-        if return_when is None:  # after the pool was told to stop
-            stopped.set()
-            return sound_wait(futures, timeout)
-        return sound_wait(futures, timeout, return_when)
+    def wait(futures, timeout):  # after the pool was told to stop
+        stopped.set()
+        return sound_wait(futures, timeout)
 
     monkeypatch.setattr(Walk, "advance", late)
     monkeypatch.setattr(ensemble_module, "wait", wait)

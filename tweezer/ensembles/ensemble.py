@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import time
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import Future, wait
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 import numba
@@ -34,8 +37,8 @@ Array = NDArray[np.float64]
 
 #: blocks begun for each worker
 _AHEAD = 4
-#: s between reports of progress
-_TICK = 0.2
+#: s between reports of progress, and between looks at how many workers there are
+_TICK, _LOOK = 0.2, 2.0
 #: trajectories of an ensemble
 _MOST = 10**9
 #: bytes of trajectories that are held in memory, at most
@@ -165,30 +168,40 @@ def _run(
     with opened as pool:
         output = Trajectories(job, bound) if job.skipped is None else Joined(job, bound)
         queue = deque(output.missing)
-        parts = dict.fromkeys(queue, 0.0)
-        left = sum(job.share(index) for index in queue)
+        done = 1 - sum(job.share(index) for index in queue)
         flying: dict[Future[Gathered | None], int] = {}
+        #: of the blocks in flight; they come as they end, for to look at all takes the longer the
+        #: more there are
+        parts: dict[int, float] = {}
+        ended: SimpleQueue[Future[Gathered | None]] = SimpleQueue()
+        width, looked = pool.width(), time.monotonic()
         try:
             while queue or flying:
-                while queue and len(flying) + output.waiting < _AHEAD * pool.width():
+                if time.monotonic() > looked + _LOOK:
+                    width, looked = pool.width(), time.monotonic()
+                while queue and len(flying) + output.waiting < _AHEAD * width:
                     index = queue.popleft()
-                    flying[pool.submit(index, output.arrays, parts)] = index
-                for future in wait(flying, _TICK, FIRST_COMPLETED).done:
+                    parts[index] = 0.0
+                    future = pool.submit(index, output.arrays, parts)
+                    flying[future] = index
+                    future.add_done_callback(ended.put)
+                with contextlib.suppress(Empty):
+                    future = ended.get(timeout=_TICK)
                     index, gathered = flying[future], future.result()
                     if gathered is None:
                         raise ResultError(f"{job.out}: a worker does not find {job.part}")
                     output.take(index, gathered)
-                    del flying[future]
-                    parts[index] = job.share(index)
+                    del flying[future], parts[index]
+                    done += job.share(index)
                 if progress:
-                    progress(1 - left + sum(parts.values()))
+                    progress(done + sum(parts.values()))
         except KeyboardInterrupt:
             pool.stop()
-            ended, others = wait(flying, pool.patience)
+            stopped, others = wait(flying, pool.patience)
             for future in others:
                 future.cancel()
             failed = None
-            for future in sorted(ended, key=flying.__getitem__):
+            for future in sorted(stopped, key=flying.__getitem__):
                 if future.cancelled():
                     continue
                 if error := future.exception():
