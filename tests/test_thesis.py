@@ -1,0 +1,225 @@
+"""The thesis reproduced: figures, claims, and why its 500 nm bead is lost."""
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import tweezer
+from tweezer import cli, thesis
+from tweezer.errors import ResultError, SceneError
+from tweezer.thesis import figures
+from tweezer.thesis.claims import Claim
+from tweezer.thesis.motions import closest_approach, crossings
+
+DOCS = Path(__file__).parents[1] / "docs"
+COMMITTED = DOCS / "figures" / "thesis"
+BOLTZMANN = 1.380649e-23
+
+
+@pytest.fixture(scope="module")
+def by_bead():
+    return {bead: thesis.motions(bead) for bead in thesis.BEADS}
+
+
+def swinging(scene, decay, angular_frequency, offset=0.0):
+    """A run that is a closed form: q2 a damped cosine, q3 constant."""
+    time = np.linspace(0.0, 1e-2, 20001)
+    position = np.zeros((time.size, 3))
+    position[:, 1] = 1e-6 * np.exp(-decay * time) * np.cos(angular_frequency * time)
+    position[:, 2] = offset
+    return xr.Dataset(
+        {
+            "position": (("time", "axis"), position),
+            "distance": ("time", np.linalg.norm(position, axis=1)),
+            "net_force": (("time", "axis"), np.zeros((time.size, 3))),
+        },
+        {"time": time, "axis": ["x", "y", "z"]},
+        {"status": "complete", "scene": scene.model_dump_json(exclude_none=True)},
+    )
+
+
+def test_closest_approach_and_crossings_of_a_damped_swing():
+    """The distance is first least where the cosine vanishes; the swing crosses every half turn
+    until it has decayed to 1 nm.
+    """
+    scene = tweezer.load_scene("thesis-990nm").replace(optics={"evaluator": "map"})
+    decay, omega = 1e3, 2 * math.pi * 1e3
+    run = swinging(scene, decay, omega)
+    assert run["time"].values[closest_approach(run)] == pytest.approx(math.pi / 2 / omega, abs=1e-6)
+    # extrema of the size exp(-decay t)/cosine of their lag behind the cosine's, at t_n
+    lag = math.atan(decay / omega)
+    heights = [math.exp(-decay * (n * math.pi - lag) / omega) * math.cos(lag) for n in range(1, 21)]
+    visible = sum(1e-6 * height > 1e-9 for height in heights)
+    assert crossings(run) in (visible - 1, visible)  # whether the first sample is beyond the axis
+    assert crossings(run, least=1e-7) < crossings(run)
+    still = swinging(scene, decay, 0.0)
+    assert crossings(still) == 0
+
+
+def test_every_figure_of_the_thesis_has_a_counterpart():
+    chapter_5 = {f"5.{n}" for n in range(1, 16)}
+    appendix_c = {f"C.{n}" for n in range(1, 13)}
+    assert set(thesis.FIGURES) == chapter_5 | appendix_c
+    for number, (_, bead, _, _) in thesis.FIGURES.items():
+        # the thesis has its figures in threes: 500, 990 and 1950 nm
+        assert bead == ("500nm", "990nm", "1950nm")[(int(number.split(".")[1]) - 1) % 3]
+    shown = set(
+        re.findall(r"figures/thesis/figure-([\dC.]+)\.png", (DOCS / "thesis.md").read_text())
+    )
+    assert (
+        shown
+        == set(thesis.FIGURES)
+        == {path.stem.removeprefix("figure-") for path in COMMITTED.glob("figure-*.png")}
+    )
+
+
+@pytest.mark.parametrize("number", thesis.FIGURES)
+def test_figures_draw(by_bead, number):
+    """Two panels, each with the motion and its first closest approach, and nothing not finite."""
+    bead = thesis.FIGURES[number][1]
+    drawn = thesis.figure(number, by_bead[bead])
+    drawn.draw_without_rendering()
+    assert len(drawn.axes) == 2
+    rings = 0
+    for axes in drawn.axes:
+        assert axes.get_xlabel()
+        assert axes.get_ylabel()
+        for line in axes.lines:
+            assert np.isfinite(np.asarray(line.get_ydata(), float)).all()
+            rings += line.get_label() == "FCA"
+    assert rings >= (0 if "orientation" in thesis.FIGURES[number][0] else 2)
+
+
+def test_figure_of_another_bead_is_refused(by_bead):
+    with pytest.raises(SceneError, match=r"5\.1: is of the 500nm bead, not 990nm"):
+        thesis.figure("5.1", by_bead["990nm"])
+
+
+def test_random_force_of_the_net_motion_force(by_bead):
+    """Averaged over a sample of h it is normal of variance 2 beta kT/h in each direction: what is
+    left of the motion when the force along it is taken away. A chance of 1e-6 to fail, at 5 sigma.
+    """
+    for bead, motions in by_bead.items():
+        for run in (motions.thesis_thermal, motions.unscaled_thermal):
+            scene = motions.scene
+            beta = 6 * math.pi * scene.medium.viscosity * scene.bead.radius
+            sample = float(run["time"][1] - run["time"][0])
+            early = slice(0, closest_approach(motions.thesis) // 2)  # the force hardly changes
+            random = figures._with_random_force(run)[early, :2]
+            force = run["net_force"].values[:-1][early, :2]
+            expected = 2 * beta * BOLTZMANN * scene.medium.temperature / sample
+            variance = float((random - force).var())
+            count = 2 * random.shape[0]
+            # neighbouring samples of the scaled bead share no noise, but h is not << m/(a2 beta)
+            assert variance / expected == pytest.approx(1, abs=5 * math.sqrt(2 / count) + 0.02), (
+                bead
+            )
+
+
+def test_verdicts_in_words():
+    def verdict(of_thesis, of_unscaled):
+        return Claim("", "", "", "", of_thesis, of_unscaled).verdict
+
+    assert verdict(True, True) == verdict(True, None) == verdict(None, True) == "holds"
+    assert verdict(False, False) == verdict(False, None) == verdict(None, False) == "does not hold"
+    assert verdict(True, False) == "holds for the scaled model only"
+    assert verdict(False, True) == "holds for the unscaled model only"
+
+
+def test_documented_verdicts_are_those_of_today(by_bead):
+    """claims.json and claims.md, as the documentation shows them."""
+    today = thesis.claims(by_bead)
+    committed = json.loads((COMMITTED / "claims.json").read_text())
+    assert [claim.text for claim in today] == [entry["text"] for entry in committed]
+    for claim, entry in zip(today, committed, strict=True):
+        assert claim.verdict == entry["verdict"], claim.text
+        for name, value in claim.numbers.items():
+            # jumps of the grid's force carry rounding on; a length of 1e-24 m is nothing else
+            if abs(value) > 1e-15:
+                assert value / entry["numbers"][name] == pytest.approx(1, abs=0.1), claim.text
+    rows = (COMMITTED / "claims.md").read_text().splitlines()[2:]
+    for row, entry in zip(rows, committed, strict=True):
+        cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", row)[1:-1]]
+        assert cells[1] == entry["text"].replace("|", "\\|")
+        assert cells[4] == f"**{entry['verdict']}**"
+
+
+def test_numbers_of_the_claims_by_hand(by_bead):
+    """Some of them again from positions and velocities alone."""
+    found = {claim.text: claim for claim in thesis.claims(by_bead)}
+    radii = {"500nm": 0.25e-6, "990nm": 0.495e-6, "1950nm": 0.975e-6}
+    reynolds = next(c for text, c in found.items() if text.startswith("Re at the first closest"))
+    overshoot = next(c for text, c in found.items() if text.startswith("The smaller the bead"))
+    for bead, radius in radii.items():
+        run = by_bead[bead].thesis
+        distance = np.sqrt((run["position"].values ** 2).sum(1))
+        n = 1
+        while not (distance[n] < distance[n - 1] and distance[n + 1] >= distance[n]):
+            n += 1
+        speed = math.sqrt((run["velocity"].values[n] ** 2).sum())
+        expected = 2 * 998.2071 * speed * radius / 1.002e-3
+        assert reynolds.numbers[f"thesis {bead}"] == pytest.approx(expected, rel=1e-9)
+        q2 = run["position"].values[:, 1]
+        beyond = -(q2 * np.sign(q2[0])).min()
+        assert overshoot.numbers[f"thesis {bead}"] == pytest.approx(max(beyond, 0.0), abs=1e-18)
+
+
+@pytest.mark.parametrize(("factor", "kept"), [(4e-5, False), (5e-5, True)])
+def test_the_a2_that_keeps_the_bead_by_another_solver(factor, kept):
+    """The threshold of the study, by SciPy's LSODA and a quadrature in place of table and
+    Dormand-Prince.
+    """
+    variants = json.loads((COMMITTED / "study.json").read_text())["variants"]
+    (documented,) = (variant for variant in variants if variant["name"] == f"a2 = {factor:g}")
+    scene = tweezer.load_scene("thesis-500nm").replace(
+        simulation={"scaling_factor": factor, "method": "scipy:LSODA", "duration": "30 ms"},
+        optics={"evaluator": "quadrature"},
+    )
+    run = tweezer.simulate(scene)
+    assert (tweezer.summarise(run).outcome == "captured") == kept
+    assert documented["as_claimed"] == kept
+    moving_out = np.linalg.norm(run["position"].values[-1]) > 1e-6
+    assert moving_out != kept
+
+
+def test_study_as_documented():
+    """What the page says of it."""
+    study = json.loads((COMMITTED / "study.json").read_text())
+    outcome = {variant["name"]: variant["as_claimed"] for variant in study["variants"]}
+    groups = {variant["name"]: variant["group"] for variant in study["variants"]}
+    assert not outcome["all as printed"]
+    for group in ("force", "polarisation", "lens", "start"):
+        assert not any(outcome[name] for name in outcome if groups[name] == group)
+    assert outcome["100 mW"]
+    assert not outcome["120 mW"]
+    assert not outcome["a2 = 4e-05"]
+    assert outcome["a2 = 5e-05"]
+    low, high = study["kept_interval"]
+    assert 0.15 < low < high < 0.35
+
+
+def run_cli(*arguments):
+    return CliRunner().invoke(cli.app, ["reproduce", *arguments])
+
+
+def test_command_writes_what_is_asked_for(tmp_path):
+    out = tmp_path / "new" / "folder"
+    done = run_cli("5.2", "C.5", "--out", str(out))
+    assert done.exit_code == 0, done.output
+    assert {path.name for path in out.iterdir()} == {"figure-5.2.png", "figure-C.5.png"}
+    assert "wrote 2 files" in done.output
+
+
+def test_bad_requests_are_one_line(tmp_path):
+    with pytest.raises(SceneError, match=r"^5\.16: no such figure; 5\.1 to 5\.15, C\.1 to C\.12"):
+        thesis.reproduce(["5.1", "5.16"], tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(ResultError, match=r"file: cannot be made: File exists"):
+        thesis.reproduce(["5.1"], tmp_path / "file")
