@@ -127,40 +127,47 @@ def test_without_a_place_to_keep_it_everything_works_and_says_so(unwritable):
     assert not list(temporary.iterdir())
 
 
-def broadcast(function, *calls):
-    """What Numba tells as it compiles `function`, which calls the others."""
-    data = {"dispatcher": SimpleNamespace(py_func=function, stats=SimpleNamespace(cache_path="/"))}
-    with event.trigger_event("numba:compile", data=data):
-        for call in calls:
-            broadcast(call)
+def begun(function):
+    """What Numba tells as it compiles `function`, until the context ends."""
+    dispatcher = SimpleNamespace(py_func=function, stats=SimpleNamespace(cache_path="/"))
+    return event.trigger_event("numba:compile", data={"dispatcher": dispatcher})
 
 
 def test_only_what_is_of_tweezer_is_told():
     ours, called = tweezer.load_scene, tweezer.optics.light
     told = []
     with compilation(lambda compiling: told.append(compiling.latest)) as compiling:
-        broadcast(test_only_what_is_of_tweezer_is_told, ours)
-        broadcast(ours, called, called)
-    assert told == ["scene.load_scene"] * 2 + ["light.light"] * 2
-    assert compiling.functions == 4
+        with begun(test_only_what_is_of_tweezer_is_told), begun(ours):
+            pass
+        with begun(ours), begun(called):
+            pass
+    assert told == ["scene.load_scene", "scene.load_scene", "light.light"]
+    assert compiling.functions == 3
 
 
 def test_time_is_counted_once(monkeypatch):
-    """Of a function and of what it calls; and not between two of them."""
-    ticks = iter(range(100))
-    monkeypatch.setattr("tweezer.compiling.time.perf_counter", lambda: next(ticks))
+    """Of a function and of what it calls; and not between two functions."""
+    now = 0.0
+    monkeypatch.setattr("tweezer.compiling.time.perf_counter", lambda: now)
     with compilation(lambda compiling: None) as compiling:
-        broadcast(tweezer.load_scene, tweezer.optics.light)
-        inner = compiling.seconds
-        broadcast(tweezer.load_scene)
-    assert 0 < inner < compiling.seconds < next(ticks)
+        with begun(tweezer.load_scene):
+            now += 1
+            with begun(tweezer.optics.light):
+                now += 2
+                assert compiling.seconds == 3
+            now += 4
+        now += 8
+        with begun(tweezer.load_scene):
+            now += 16
+    assert compiling.seconds == 1 + 2 + 4 + 16
 
 
 def test_a_bar_tells_what_is_compiled(monkeypatch, capsys):
     console = cli.Console(stderr=True, force_terminal=True, width=120)
     monkeypatch.setattr(cli, "_err", console)
     with cli._progress("a bead", 1.0) as progress:
-        broadcast(tweezer.load_scene)
+        with begun(tweezer.load_scene):
+            pass
         progress(0.5)
     assert re.search(r"a bead \(compiling, once: \d+ s so far\)", capsys.readouterr().err)
 
