@@ -32,16 +32,30 @@ LONG = ["thesis-990nm", "--duration", "5 ms", "--set", "simulation.samples=101",
 
 
 def test_help_imports_nothing_heavy():
-    program = (
-        "import sys; from tweezer.cli import main\n"
-        "try: main()\n"
-        f"finally: print('imported:', sorted(sys.modules.keys() & set({HEAVY!r})))"
-    )
+    """Of tweezer, of its commands and of theirs; typer itself loads pydantic to read a command."""
+    program = f"""
+import sys
+import typer
+from tweezer import cli
+commands = typer.main.get_command(cli.app).commands
+benches = [("bench", name) for name in commands["bench"].commands]
+for names in ((), *((name,) for name in commands), *benches):
+    sys.argv[1:] = [*names, "--help"]
+    try:
+        cli.main()
+    except SystemExit as ended:
+        print("ended:", ended.code)
+        print("imported:", sorted(sys.modules.keys() & set({HEAVY!r})))
+"""
     done = subprocess.run(
-        [sys.executable, "-c", program, "--help"], capture_output=True, text=True, check=True
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
     )
     assert "Simulate a bead in an optical trap." in done.stdout
-    assert done.stdout.splitlines()[-1] == "imported: []"
+    ended = [line for line in done.stdout.splitlines() if line.startswith("ended:")]
+    assert len(ended) > 10
+    assert set(ended) == {"ended: 0"}
+    imported = [line for line in done.stdout.splitlines() if line.startswith("imported:")]
+    assert imported == ["imported: []", *["imported: ['pydantic']"] * (len(ended) - 1)]
     assert not done.stderr
 
 
