@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from tweezer.analysis import Calibration, Efficiency, Summary, Trap
+    from tweezer.analysis import Calibration, DepthFit, Efficiency, Summary, Trap
     from tweezer.compiling import Compilation
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
@@ -339,6 +339,91 @@ def calibrate(
         _write_figure(calibration_figure(loaded, calibration), plot)
 
 
+@app.command()
+def reproduce(
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; study. All if none.",
+            metavar="[WHAT]...",
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("thesis-results"),
+    seed: Annotated[int, typer.Option(help="Of the thermal motions.")] = 1,
+) -> None:
+    """Reproduce the thesis: its figures, its claims with verdicts, and its lost 500 nm bead."""
+    from tweezer.thesis import reproduce as reproduced
+
+    with (
+        _progress("reproduce", 1.0) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),
+    ):
+        result = reproduced(what or (), out, seed=seed, progress=progress)
+    if result.claims:
+        table = _table("where", "claim", "verdict")
+        for claim in result.claims:
+            table.add_row(claim.where, claim.text, claim.verdict)
+        _out.print(table)
+    _out.print(f"wrote {len(result.files)} files into {out}", highlight=False, soft_wrap=True)
+
+
+@app.command("fit-depth")
+def fit_depth(
+    track: Annotated[
+        str, typer.Argument(help="CSV, HDF5 or NetCDF with t, x, y; or NetCDF file of a run.")
+    ],
+    scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.")],
+    noise: Annotated[
+        str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
+    ] = None,
+    search: Annotated[
+        tuple[str, str] | None,
+        typer.Option(help='Where the start may be: "-8 um" "2 um"; 15 radii around if not given.'),
+    ] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(help="What else to fit: power, radius, scaling_factor, release."),
+    ] = None,
+    set: Changes = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Where along the light the bead of a TRACK in the plane started."""
+    described = _described(scene, _settings(set or []))
+    given = _quantity("--noise", noise, "m") if noise is not None else None
+    range_ = None
+    if search is not None:
+        low, high = (_quantity("--search", text, "m", -1.0, 1.0) for text in search)
+        range_ = low, high
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+
+    from tweezer.analysis import fit_depth as fitted
+    from tweezer.analysis import load_track
+
+    loaded = load_track(track)
+    with _progress(described.name, 1.0) as progress:
+        found = fitted(
+            loaded, described, noise=given, search=range_, fit=fit or (), progress=progress
+        )
+    _print_depth(found)
+    if out:
+        result = {
+            field.name: getattr(found, field.name)
+            for field in dataclasses.fields(found)
+            if field.name not in ("minima", "parameters", "path")
+        }
+        lists = {
+            name: [dataclasses.asdict(each) for each in getattr(found, name)]
+            for name in ("minima", "parameters")
+        }
+        _write_json({**result, **lists}, out)
+    if plot:
+        from tweezer.plots import depth_figure
+
+        _write_figure(depth_figure(loaded, found), plot)
+
+
 @app.command("map")
 def force_map(
     scene: SceneName,
@@ -462,6 +547,59 @@ def bench_brownian(
             table.add_row(*row)
         _out.print(table)
     _out.print(f"failed or left out: {report.left_out(results)}")
+    if out:
+        _write_json(results, out)
+    if plot:
+        _write_figure(report.figure(results), plot)
+
+
+@bench.command("scaling")
+def bench_scaling(
+    quick: Annotated[
+        bool, typer.Option("--quick", help="One Dask worker, each time taken once: to try it.")
+    ] = False,
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Ensembles past one machine: costs of blocks, files and tasks, and a model of clusters."""
+    benchmark, report = _benchmark("scaling"), _benchmark("scaling_report")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    with _err.status("scaling") as status:
+        results = benchmark.measure(quick=quick, say=status.update)
+    for headings, *rows in (
+        report.by_model(results),
+        report.by_kind(results),
+        report.costs(results),
+        report.checks(results),
+    ):
+        table = _table(*headings)
+        for row in rows:
+            table.add_row(*row)
+        _out.print(table)
+    if out:
+        _write_json(results, out)
+    if plot:
+        _write_figure(report.figure(results), plot)
+
+
+@bench.command("depth")
+def bench_depth(
+    quick: Annotated[bool, typer.Option("--quick", help="Few tracks: to try it.")] = False,
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Coverage and bias of the start in z that tracks in the plane tell."""
+    benchmark, report = _benchmark("depth"), _benchmark("depth_report")
+    out = out and _writable(out, ("json",))
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    with _err.status("depth") as status:
+        results = benchmark.measure(quick=quick, say=status.update)
+    headings, *rows = report.by_study(results)
+    table = _table(*headings)
+    for row in rows:
+        table.add_row(*row)
+    _out.print(table)
     if out:
         _write_json(results, out)
     if plot:
@@ -705,6 +843,24 @@ def _print_calibration(calibration: Calibration) -> None:
         _show_warning(calibration.note)
 
 
+def _print_depth(found: DepthFit) -> None:
+    table = _table(f"{found.name}, {found.scene}", "")
+    table.add_row("start in z", f"{1e6 * found.z:.4g} um from the focus")
+    pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in found.intervals)
+    table.add_row("95 % confidence", f"{pieces} um")
+    others = ", ".join(f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in found.minima[1:])
+    table.add_row("other minima (misfit above)", others or "none within 100")
+    for each in found.parameters:
+        error = "at an end of its range"
+        if each.uncertainty is not None:
+            error = f"+- {each.uncertainty:.2g}"
+        table.add_row(each.name, f"{each.value:.4g} {error} {each.unit}".rstrip())
+    table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
+    table.add_row("residuals white, p", f"{found.p_value:.2g}")
+    _out.print(table)
+    _out.print(found.statement, highlight=False, soft_wrap=True)
+
+
 def _print_trap(scene: Scene, characterised: Trap) -> None:
     table = _table(scene.name, "")
     power = f"{1e3 * characterised.power_through_pupil:.4g} mW"
@@ -769,12 +925,9 @@ def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
 
 
 def _write_json(value: object, path: Path) -> None:
-    import json
+    from tweezer.io import write_json  # here, for it loads xarray
 
-    from tweezer.io import replacing
-
-    with replacing(path) as whole:
-        whole.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(value, path)
 
 
 def _write_figure(figure: Figure, path: Path) -> None:

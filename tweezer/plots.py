@@ -14,8 +14,10 @@ from scipy.constants import Boltzmann
 
 from tweezer.analysis import (
     Calibration,
+    DepthFit,
     Escape,
     Recording,
+    Track,
     Trap,
     Tuning,
     mean_squared_displacement,
@@ -24,6 +26,7 @@ from tweezer.analysis import (
     standard_error,
     summarise,
 )
+from tweezer.analysis.depth import LEVEL
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force
@@ -430,3 +433,47 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
 
 def _stiffness(k: float, uncertainty: float) -> str:
     return f"k = {k * _MICRO:.4g} ± {uncertainty * _MICRO:.2g} pN/µm"
+
+
+def depth_figure(track: Track, found: DepthFit) -> Figure:
+    """Track and fit, whitened residuals, the depth on the way, and the misfit over the start."""
+    figure = Figure(figsize=(11.0, 7.0), layout="constrained")
+    panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
+    time = (track.times - found.start_time) * _MILLI
+    path = found.path
+    plane, residuals = panels["plane"], panels["residuals"]
+    for k, axis in enumerate("xy"):
+        seen = track.positions[:, k] * _MICRO
+        plane.plot(time, seen, ".", ms=3, color=_COLOURS[axis], label=axis)
+        plane.plot(time, path.predicted[:, k] * _MICRO, color=_COLOURS[axis], lw=1.0)
+        residuals.plot(time, path.residuals[:, k], ".", ms=3, color=_COLOURS[axis])
+        out = path.weights[:, k] < 0.5
+        for axes, values in ((plane, track.positions * _MICRO), (residuals, path.residuals)):
+            axes.plot(time[out], values[out, k], "x", ms=6, color=_LIGHT)
+    plane.set(xlabel="time (ms)", ylabel="position (µm)")
+    plane.set_title("seen, and as each frame was predicted; crosses: outliers", fontsize=9)
+    plane.legend(frameon=False, fontsize=9)
+    for level in (-2, 0, 2):
+        residuals.axhline(level, color=_MUTED, lw=0.6, ls="-" if level == 0 else ":")
+    residuals.set(xlabel="time (ms)", ylabel="whitened residual", ylim=(-6, 6))
+    residuals.set_title(f"independent if the model holds: p = {found.p_value:.2g}", fontsize=9)
+    panels["depth"].plot(time, path.predicted[:, 2] * _MICRO, color=_COLOURS["z"])
+    panels["depth"].set(xlabel="time (ms)", ylabel="z along the light (µm)")
+    panels["depth"].set_title("the coordinate not seen, as the filter has it", fontsize=9)
+    _draw_profile(panels["profile"], found)
+    figure.suptitle(f"{found.name} · {found.scene}\n{found.statement}", fontsize=10, wrap=True)
+    return figure
+
+
+def _draw_profile(axes: Axes, found: DepthFit) -> None:
+    """The misfit over the start, with interval and minima."""
+    z, misfit = np.array(found.profile).T
+    axes.plot(z * _MICRO, misfit, color=_PATH, lw=1.2)
+    axes.axhline(LEVEL, color=_MUTED, lw=0.8, ls="--")
+    for low, high in found.intervals:
+        axes.axvspan(low * _MICRO, high * _MICRO, color=_COLOURS["z"], alpha=0.25, lw=0)
+    for each in found.minima:
+        axes.plot(each.z * _MICRO, each.misfit, "o", ms=5, color=_PATH)
+    axes.set_yscale("symlog", linthresh=2 * LEVEL)
+    axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
+    axes.set_title("profile likelihood; shaded: 95 % confidence", fontsize=9)

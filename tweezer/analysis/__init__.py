@@ -11,8 +11,9 @@ from tweezer.analysis.calibrate import (
     escape_times,
     potential,
 )
+from tweezer.analysis.depth import DepthFit, Minimum, Parameter, fit_depth
 from tweezer.analysis.derived import derived_quantities
-from tweezer.analysis.recording import Recording, load_recording
+from tweezer.analysis.recording import Recording, Track, load_recording, load_track
 from tweezer.analysis.spectra import (
     TrappedBead,
     autocovariance,
@@ -28,15 +29,19 @@ from tweezer.analysis.tune import Tuned, Tuning, tune
 __all__ = [
     "AxisCalibration",
     "Calibration",
+    "DepthFit",
     "Efficiency",
     "Equilibrium",
     "Escape",
     "EscapeTimes",
     "Estimate",
+    "Minimum",
+    "Parameter",
     "Potential",
     "Recording",
     "SpectrumFit",
     "Summary",
+    "Track",
     "Trap",
     "TrappedBead",
     "Tuned",
@@ -46,7 +51,9 @@ __all__ = [
     "characterise",
     "derived_quantities",
     "escape_times",
+    "fit_depth",
     "load_recording",
+    "load_track",
     "mean_squared_displacement",
     "potential",
     "power_spectrum",

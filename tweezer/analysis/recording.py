@@ -1,8 +1,9 @@
-"""Recordings of a bead's position: runs of ours, and tables of one's own."""
+"""Recordings and tracks of a bead's position: runs of ours, and tables of one's own."""
 
 from __future__ import annotations
 
 import csv
+import math
 import re
 import warnings
 from collections.abc import Mapping
@@ -21,8 +22,8 @@ from tweezer.units import to_si
 
 Array = NDArray[np.float64]
 
-#: fewer samples tell nothing
-LEAST_SAMPLES = 100
+#: fewer samples, and frames, tell nothing
+LEAST_SAMPLES, LEAST_FRAMES = 100, 10
 #: how far a time may be from an even grid, in its steps: tables round their times
 _UNEVEN = 0.1
 #: m, which a recording may extend over
@@ -98,6 +99,49 @@ class Recording:
         return replace(self, times=self.times[kept], positions=self.positions[kept])
 
 
+@dataclass(frozen=True)
+class Track:
+    """What a camera saw of a bead: two coordinates, at times that need not be even.
+
+    Raises `ResultError`, naming the frame, unless times are finite and rise, no coordinate is
+    infinite, both are seen in ten frames or more, the first among them, and they extend over what a
+    microscope shows.
+    """
+
+    name: str
+    """the file, or the title of the run"""
+    times: Array
+    """(n,) s"""
+    positions: Array
+    """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
+    scene: Scene | None = None
+    """what a run of ours was made from"""
+
+    def __post_init__(self) -> None:
+        steps = np.diff(self.times)
+        for wrong, why, first in (
+            (~np.isfinite(self.times), "its time is not finite", 1),
+            (np.isinf(self.positions).any(axis=1), "not finite", 1),
+            (~(steps > 0), "its time is not after the one before", 2),
+        ):
+            if wrong.any():
+                raise ResultError(f"{self.name}: frame {first + int(np.argmax(wrong))}: {why}")
+        seen = np.isfinite(self.positions)
+        frames = int(seen.all(axis=1).sum())
+        if frames < LEAST_FRAMES:
+            raise ResultError(
+                f"{self.name}: has {frames} frames with x and y; must have {LEAST_FRAMES} or more"
+            )
+        if not seen[0].all():
+            raise ResultError(f"{self.name}: frame 1: must have x and y")
+        extent = float(np.nanmax(np.abs(self.positions)))
+        if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
+            raise ResultError(
+                f"{self.name}: extends to {extent:.3g} m from the axis; must be from "
+                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing?"
+            )
+
+
 def load_recording(source: str | Path | xr.Dataset) -> Recording:
     """A run of ours, or the table in a file: columns t, x, y and z, of which t and x are needed.
 
@@ -109,13 +153,40 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
     Raises `ResultError`, naming the file and the sample, for a file that is none of these, and for
     what `Recording` refuses.
     """
+    found = _read(source, gaps=False)
+    return found if isinstance(found, Recording) else _of_columns(str(source), found)
+
+
+def load_track(source: str | Path | xr.Dataset) -> Track:
+    """A run of ours, or the table in a file, as `load_recording` has it: columns t, x and y.
+
+    An empty cell, or NaN, is a coordinate that is missing; frames before the first with both
+    coordinates are left out.
+
+    Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
+    refuses.
+    """
+    found = _read(source, gaps=True)
+    if isinstance(found, Recording):
+        return Track(found.name, found.times, found.positions[:, :2], found.scene)
+    missing = [name for name in ("t", "x", "y") if name not in found]
+    if missing:
+        raise ResultError(f"{source}: has no column {' and no column '.join(missing)}")
+    positions = np.stack([found["x"], found["y"]], axis=1)
+    both = np.isfinite(positions).all(axis=1)
+    begin = int(np.argmax(both))
+    return Track(str(source), found["t"][begin:], positions[begin:])
+
+
+def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> Recording | dict[str, Array]:
+    """A run of ours, or the columns of a table; gaps: whether cells of a text may be empty."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"))
     path = Path(source)
     if not path.is_file():
         raise ResultError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
     if path.suffix.lower() in _TABLES:
-        return _of_columns(path, _text_columns(path))
+        return _text_columns(path, gaps=gaps)
     if path.suffix.lower() not in _BINARIES:
         raise ResultError(f"{path}: must end in {', '.join(_TABLES + _BINARIES)}")
     try:
@@ -124,7 +195,7 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
         ) as dataset:
             if "scene" in dataset.attrs and "position" in dataset:
                 return _of_run(dataset, str(path))
-            return _of_columns(path, _binary_columns(path, dataset))
+            return _binary_columns(path, dataset)
     except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
         raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {error}") from None
 
@@ -154,16 +225,16 @@ def _of_run(run: xr.Dataset, name: str) -> Recording:
     )  # fmt: skip
 
 
-def _of_columns(path: Path, columns: Mapping[str, Array]) -> Recording:
+def _of_columns(name: str, columns: Mapping[str, Array]) -> Recording:
     axes = tuple(axis for axis in _AXES if axis in columns)
     missing = [name for name in ("t", "x") if name not in columns]
     if missing:
-        raise ResultError(f"{path}: has no column {' and no column '.join(missing)}")
+        raise ResultError(f"{name}: has no column {' and no column '.join(missing)}")
     positions = np.stack([columns[axis] for axis in axes], axis=1)
-    return Recording(str(path), columns["t"], positions, axes)
+    return Recording(name, columns["t"], positions, axes)
 
 
-def _text_columns(path: Path) -> dict[str, Array]:
+def _text_columns(path: Path, *, gaps: bool) -> dict[str, Array]:
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             heading = file.readline()
@@ -186,9 +257,12 @@ def _text_columns(path: Path) -> dict[str, Array]:
                     comments=None,
                     ndmin=2,
                     quotechar='"',
+                    converters=_number_or_gap if gaps else None,
                 )
     except ValueError as error:
-        raise ResultError(f"{path}: {_bad_line(path, delimiter, wanted) or error}") from None
+        raise ResultError(
+            f"{path}: {_bad_line(path, delimiter, wanted, gaps=gaps) or error}"
+        ) from None
     except OSError as error:
         raise ResultError(f"{path}: cannot be read: {error.strerror}") from None
     values = table.T if table.size else np.empty((len(wanted), 0))
@@ -198,7 +272,11 @@ def _text_columns(path: Path) -> dict[str, Array]:
     }
 
 
-def _bad_line(path: Path, delimiter: str, wanted: list[int]) -> str | None:
+def _number_or_gap(text: str) -> float:
+    return float(text.replace("_", "no digit")) if text.strip() else math.nan
+
+
+def _bad_line(path: Path, delimiter: str, wanted: list[int], *, gaps: bool) -> str | None:
     """The first line without numbers in the columns `wanted`."""
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
         rows = csv.reader(file, delimiter=delimiter)
@@ -206,6 +284,8 @@ def _bad_line(path: Path, delimiter: str, wanted: list[int]) -> str | None:
         for row in filter(None, rows):
             for index in wanted:
                 text = row[index] if index < len(row) else ""
+                if gaps and index < len(row) and not text.strip():
+                    continue
                 try:
                     float(text.replace("_", "no digit"))
                 except ValueError:

@@ -1,0 +1,83 @@
+"""The results of the benchmark of depths as a table, as a figure, and on their page.
+
+`python -m tests.benchmarks.depth_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.depth import Results
+
+_EXPLAINED = (
+    "Where along the light a bead started, from tracks in the plane: of the unscaled bead, with "
+    "thermal motion, released where the thesis releases it. The noise is fitted too. Coverage is "
+    "of the 95 % interval, and in brackets that of Clopper and Pearson about it; bias ± one "
+    "standard error."
+)
+
+
+def by_study(results: Results) -> list[list[str]]:
+    """A line for each bead and camera; the first row is that of the headings."""
+    table = [
+        ["tracks", "frames a second", "noise, nm", "coverage, %", "bias, nm",
+         "interval, nm", "bias/interval", "not determined", "time of a fit, s"],
+    ]  # fmt: skip
+    for each in (*results["beads"], *results["cameras"]):
+        coverage = (100 * each[key] for key in ("coverage", "coverage_from", "coverage_to"))
+        table.append(
+            [
+                f"{each['tracks']} of {each['scene']}", f"{each['rate_Hz']:.0f}",
+                f"{1e9 * each['noise_m']:.0f}", "{:.1f} ({:.1f} to {:.1f})".format(*coverage),
+                f"{1e9 * each['bias_m']:.0f} ± {1e9 * each['bias_error_m']:.0f}",
+                f"{1e9 * each['interval_m']:.0f}", f"{each['bias_of_interval']:z.2f}",
+                f"{each['undetermined']}", f"{each['seconds']:.1f}",
+            ]
+        )  # fmt: skip
+    return table
+
+
+def figure(results: Results) -> Figure:
+    """Coverage of each bead; the interval against the noise, for each frame rate."""
+    drawn = Figure(figsize=(10.0, 4.0), layout="constrained")
+    coverage, length = drawn.subplots(1, 2)
+    for i, each in enumerate(results["beads"]):
+        at = 100 * each["coverage"]
+        ends = [[at - 100 * each["coverage_from"]], [100 * each["coverage_to"] - at]]
+        coverage.errorbar([i], [at], ends, fmt="o", capsize=4, color="#004488")
+    coverage.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    coverage.axhspan(90, 99, color="0.93")
+    coverage.set_xticks(range(len(results["beads"])), [e["scene"] for e in results["beads"]])
+    coverage.set(ylim=(84, 100.5), ylabel="coverage of the 95 % interval, %")
+    for rate, colour in zip(
+        sorted({each["rate_Hz"] for each in results["cameras"]}),
+        ("#bb5566", "#004488"),
+        strict=True,
+    ):
+        own = [each for each in results["cameras"] if each["rate_Hz"] == rate]
+        length.plot(
+            [1e9 * each["noise_m"] for each in own], [1e9 * each["interval_m"] for each in own],
+            "o-", color=colour, label=f"{rate:.0f} frames a second",
+        )  # fmt: skip
+    length.set(xscale="log", xlabel="noise of the camera, nm", ylabel="95 % interval of z, nm")
+    length.set_ylim(bottom=0)
+    length.set_title(results["cameras"][0]["scene"], fontsize=10)
+    length.legend(frameon=False)
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    headings, *rows = by_study(results)
+    lines = [
+        *textwrap.wrap(_EXPLAINED, 110), "", *pages.markdown(headings, rows), "",
+        "![Coverage, and interval against noise](figures/bench-depth.png)",
+    ]  # fmt: skip
+    return pages.block("depth", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("depth", block, figure)

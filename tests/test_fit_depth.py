@@ -1,0 +1,316 @@
+"""The start in z from tracks in the plane: filter against closed forms, fit against truth."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.stats import multivariate_normal
+
+import tweezer
+from tests.benchmarks import depth
+from tests.reference.trapped_bead import BOLTZMANN
+from tweezer.analysis import Track
+from tweezer.dynamics.filter import Bead, Camera, kalman_filter
+from tweezer.optics import light
+from tweezer.plots import depth_figure
+
+T = 293.15
+STUDY = depth.Study("thesis-990nm", 9e-3, 4e3, 15e-9)
+Z = -4.05e-6
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return depth.unscaled(STUDY.scene)
+
+
+@pytest.fixture(scope="module")
+def tracks():
+    return list(depth.tracks(STUDY, 40))
+
+
+def moments(times, D, kappa, tau):
+    """<x x'> of free beads (n, n), and with inertia, by the matrix exponential; from rest at 0.
+
+    One coordinate in a spring of rate kappa = k/beta: dx = v dt, dv = (-kappa x - v)/tau dt and
+    noise; without inertia dx = -kappa x dt + noise.
+    """
+    if tau == 0:
+        A, G = np.array([[-kappa]]), np.array([[2 * D]])
+    else:
+        A = np.array([[0.0, 1.0], [-kappa / tau, -1 / tau]])
+        G = np.array([[0.0, 0.0], [0.0, 2 * D / tau**2]])
+    n = len(A)
+    # of each time: int exp(A s) G exp(A s)^T ds (C. F. Van Loan, 1978)
+    size = np.array([1.0, 1e3])[:n]  # so that the blocks are of like size
+    A, G = A * size[None] / size[:, None], G / np.outer(size, size)
+    spreads, maps = [], []
+    for t in times:
+        block = expm(t * np.block([[-A, G], [np.zeros((n, n)), A.T]]))
+        maps.append(block[n:, n:].T)
+        spreads.append(maps[-1] @ block[:n, n:])
+    C = np.empty((len(times), len(times)))
+    for i in range(len(times)):
+        for j in range(i, len(times)):
+            C[i, j] = C[j, i] = (expm((times[j] - times[i]) * A) @ spreads[i])[0, 0]
+    return C, np.array([each[0] for each in maps]) / size
+
+
+@pytest.mark.parametrize("tau", [0.0, 0.4e-3])
+def test_likelihood_of_a_free_bead(scene, tau):
+    """Next to no light: drift by a load, diffusion; one Gaussian vector has that density."""
+    dark = light(scene).changed(1e-15, scene.bead.radius)
+    rng = np.random.default_rng(1)
+    times = np.array([0.0, 0.3, 0.4, 1.7, 2.0, 5.0]) * 1e-3
+    D, drift, noise = 4e-13, 3e-4, 20e-9
+    spread = np.array([40e-9, 70e-9, 0.0])
+    velocity = np.array([1e-4, -2e-4, 0.0])
+    seen = 1e-7 * rng.normal(size=(6, 2))
+    seen[2, 1] = np.nan
+    bead = Bead(1.0, np.array([drift, 0, 0]), D, tau, np.zeros(3), spread, velocity, 0.0)
+    found = kalman_filter(dark)(bead, Camera(times, seen, noise, 0.0))
+    C, carried = moments(times, D, 0.0, tau)
+    expected = 0.0
+    for k, (force, values) in enumerate(zip((drift, 0.0), seen.T, strict=True)):
+        mean = force * (times - tau * (1 - np.exp(-times / tau)) if tau else times)
+        if tau:
+            mean = mean + carried[:, 1] * velocity[k]
+        there = np.isfinite(values)
+        total = (C + spread[k] ** 2 + noise**2 * np.eye(6))[np.ix_(there, there)]
+        expected += multivariate_normal(1e9 * mean[there], 1e18 * total).logpdf(1e9 * values[there])
+        expected += there.sum() * math.log(1e9)
+    assert found.log_likelihood == pytest.approx(expected, abs=1e-6)
+
+
+def test_likelihood_in_the_trap(scene):
+    """Within nanometres of the equilibrium the trap is harmonic: full covariance matrix."""
+    trap = tweezer.characterise(scene).equilibrium
+    beta = tweezer.bead_properties(scene).drag
+    k, D = trap.stiffness[0][0], BOLTZMANN * T / beta
+    times = np.array([0.0, 0.01, 0.02, 0.07, 0.2, 0.23]) * 1e-3
+    seen = 3e-9 * np.random.default_rng(2).normal(size=(6, 2))
+    spread = np.array([3e-9, 3e-9, 0.0])
+    noise = 1e-9
+    load = np.array(tweezer.bead_properties(scene).weight)
+    bead = Bead(1 / beta, load, D, 0.0, np.array(trap.position), spread, np.zeros(3), 0.0)
+    found = kalman_filter(light(scene))(bead, Camera(times, seen, noise, 0.0))
+    C, carried = moments(times, D, k / beta, 0.0)
+    total = C + spread[0] ** 2 * carried @ carried.T + noise**2 * np.eye(6)
+    expected = sum(multivariate_normal(np.zeros(6), 1e18 * total).logpdf(1e9 * x) for x in seen.T)
+    expected += 12 * math.log(1e9)
+    # the force bends: stiffness changes by 1e-3 over 10 nm
+    assert found.log_likelihood == pytest.approx(expected, abs=0.05)
+    np.testing.assert_allclose(found.predicted[:, 2], trap.position[2], atol=2e-10)
+
+
+def test_mean_is_the_motion(scene):
+    """Without thermal motion to speak of, and nothing seen, the mean goes as the simulation."""
+    run = tweezer.simulate(scene.replace(simulation={"samples": 31}), "6.5 ms", model="overdamped")
+    positions = run["position"].values
+    bead = tweezer.bead_properties(scene)
+    start = positions[0]
+    D = BOLTZMANN * 0.02 / bead.drag
+    seen = np.full((31, 2), np.nan)
+    found = kalman_filter(light(scene))(
+        Bead(1 / bead.drag, np.array(bead.weight), D, 0.0, start, np.zeros(3), np.zeros(3), 0.0),
+        Camera(run["time"].values.copy(), seen, 1e-9, 0.0),
+    )
+    assert found.log_likelihood == 0.0
+    np.testing.assert_allclose(found.predicted, positions, atol=2e-9)
+
+
+def test_coverage_and_bias(scene, tracks):
+    """Of 40 intervals of 95 %, fewer than 33 hold the truth once in 3,400 seeds (binomial).
+
+    The bias is below a fifth of the interval: four of its standard errors are 0.16 of it.
+    """
+    fits = [tweezer.fit_depth(track, scene) for track in tracks]
+    assert all(fit.determined and len(fit.intervals) == 1 for fit in fits)
+    covered = sum(low <= Z <= high for fit in fits for low, high in fit.intervals)
+    assert covered >= 33
+    length = np.mean([high - low for fit in fits for low, high in fit.intervals])
+    assert length < 0.4e-6
+    assert abs(np.mean([fit.z - Z for fit in fits])) < length / 5
+    deviation = np.std([fit.z for fit in fits])
+    assert deviation == pytest.approx(length / 3.92, rel=0.45)  # 4 standard errors
+    noise = np.mean([fit.noise for fit in fits])
+    assert noise == pytest.approx(STUDY.noise, rel=0.08)
+    # of 40 uniform numbers the least is below 1e-5 once in 2,500
+    assert min(fit.p_value for fit in fits) > 1e-5
+    assert sum(fit.outliers for fit in fits) < 10
+
+
+def test_outliers_and_gaps(scene, tracks):
+    """5 % of numbers from anywhere, missing rows and cells: the fit stays where it was."""
+    clean = tweezer.fit_depth(tracks[0], scene)
+    positions = tracks[0].positions.copy()
+    for frame, axis, off in ((0, 1, 1e-6), (9, 0, -0.8e-6), (20, 1, 0.6e-6), (22, 0, 1.2e-6)):
+        positions[frame, axis] += off
+    positions[7, 0] = positions[12] = np.nan
+    kept = np.delete(np.arange(len(positions)), [15, 16, 17])
+    fit = tweezer.fit_depth(Track("dirty", tracks[0].times[kept], positions[kept]), scene)
+    assert fit.outliers == 4
+    assert fit.determined
+    (low, high), (clean_low, clean_high) = fit.intervals[0], clean.intervals[0]
+    assert abs(fit.z - clean.z) < (clean_high - clean_low) / 2
+    assert high - low < 1.6 * (clean_high - clean_low)
+    assert low <= Z <= high
+
+
+def test_a_bead_far_from_any_light_tells_nothing(scene):
+    """It stays where it is, as it would anywhere: the interval is the whole search."""
+    rng = np.random.default_rng(4)
+    still = 15e-9 * rng.normal(size=(40, 2))
+    fit = tweezer.fit_depth(
+        Track("far", 2.5e-4 * np.arange(40), still + np.array([0.0, 4.9e-6])),
+        scene.replace(beam={"power": 1e-9}),
+        noise=15e-9,
+    )
+    assert not fit.determined
+    assert fit.intervals == ((fit.search[0], fit.search[1]),)
+    assert "does not determine z" in fit.statement
+    assert "open at the end of the search" in fit.statement
+
+
+def test_two_places(scene):
+    """A bead at rest in the trap may have come from where it falls into it between two frames."""
+    times = np.append(0.0, 2e-3 + 1e-3 * np.arange(20))
+    seen = 15e-9 * np.random.default_rng(5).normal(size=(21, 2))
+    fit = tweezer.fit_depth(Track("trapped", times, seen), scene, noise=15e-9)
+    assert not fit.determined or fit.intervals[0][1] - fit.intervals[0][0] > 1e-6
+    assert any(low <= 0.15e-6 <= high for low, high in fit.intervals)
+
+
+def test_power_and_a_given_noise(scene, tracks):
+    """What is not known widens the interval, and is found within its uncertainty."""
+    known = tweezer.fit_depth(tracks[1], scene, noise=STUDY.noise, search=(-6e-6, -2e-6))
+    fit = tweezer.fit_depth(
+        tracks[1], scene, noise=STUDY.noise, search=(-6e-6, -2e-6), fit=["power"]
+    )
+    (power,) = fit.parameters
+    true = light(scene).cone.power
+    assert abs(power.value - true) < 4 * power.uncertainty  # false alarm 1e-4
+    assert fit.intervals[-1][1] - fit.intervals[0][0] > 2 * (
+        known.intervals[-1][1] - known.intervals[0][0]
+    )
+    assert not known.parameters
+    weak = scene.replace(beam={"power": "80 mW"})
+    told = tweezer.fit_depth(tracks[1], weak, noise=STUDY.noise, search=(-6e-6, -2e-6))
+    assert told.p_value < 1e-3
+    assert "the residuals are not white" in told.statement
+
+
+def test_release(scene, tracks):
+    """Held for ten frames before it falls."""
+    track = tracks[2]
+    step = track.times[1]
+    rng = np.random.default_rng(6)
+    held = track.positions[0] + STUDY.noise * rng.normal(size=(10, 2))
+    late = Track(
+        "late", np.arange(len(track.times) + 10) * step, np.vstack([held, track.positions])
+    )
+    fit = tweezer.fit_depth(late, scene, noise=STUDY.noise, search=(-6e-6, -2e-6), fit=["release"])
+    (release,) = fit.parameters
+    assert any(low <= Z <= high for low, high in fit.intervals)
+    assert release.value == pytest.approx(10 * step, abs=8 * step)
+
+
+def test_scaled_model(scene):
+    """The scaled bead is heavier: its tracks are fitted with its inertia."""
+    scaled = scene.replace(simulation={"model": "scaled", "scaling_factor": 1.2e-3})
+    run = tweezer.simulate(
+        scaled.replace(forces={"brownian": True}, simulation={"samples": 37, "duration": "9 ms"}),
+        seed=2,
+    )
+    seen = run["position"].values[:, :2] + 15e-9 * np.random.default_rng(7).normal(size=(37, 2))
+    fit = tweezer.fit_depth(
+        Track("scaled", run["time"].values, seen), scaled, noise=15e-9, search=(-6e-6, -2e-6)
+    )
+    assert fit.determined
+    (low, high) = fit.intervals[0]
+    margin = high - low  # within three times the interval: false alarm below 1e-7
+    assert low - margin < Z < high + margin
+    assert fit.p_value > 1e-4
+
+
+def text(heading="t [ms],x [um],y [um]", **changed):
+    """Lines of a table; `changed` by the number of the line, with an l before it."""
+    rows = [f"{0.25 * i},{0.01 * (i % 3)},{-2 + 0.01 * (i % 5)}" for i in range(30)]
+    lines = [heading, *rows]
+    for line, row in changed.items():
+        lines[int(line[1:]) - 1] = row
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "complaint"),
+    [(text("t [ms],x [um]"), (), "has no column y"),
+     (text("t [ms],x [kg],y [um]"), (), "x: 'kg' has the wrong unit; must be convertible to m"),
+     (text(l9="1,0,-2"), (), "frame 8: its time is not after the one before"),
+     (text(l9="nan,0,-2"), (), "frame 8: its time is not finite"),
+     (text(l9="1.75,inf,-2"), (), "frame 8: not finite"),
+     (text(l9="1.75,zero,-2"), (), "line 9: 'zero' is not a number"),
+     (text("t,x,y"), (), "Is its unit missing?"),
+     (text().split("4,")[0] + "\n", (), "must have 10 or more"),
+     (text(), ("--noise", "1 mm"), "noise = 0.001 m: must be from 1e-10 to 1e-06 m"),
+     (text(), ("--search", "1 um", "-1 um"), "must go from a z to a larger one"),
+     (text(), ("--search", "1 kg", "-1 um"), "--search '1 kg'"),
+     (text(), ("--fit", "colour"), "fit = 'colour': allowed: power, radius"),
+     (text(), ("--fit", "scaling_factor"), "needs simulation.model = 'scaled'"),
+     (text(), ("--search", "-1 mm", "0 um"), "must be nearer than twice"),
+     (text(), ("--out", "d.txt"), "must end in .json")],
+)  # fmt: skip
+def test_bad_input_is_one_line(command_line, content, options, complaint):
+    Path("track.csv").write_text(content, encoding="utf-8")
+    outcome = command_line(
+        "fit-depth", "track.csv", "--scene", "thesis-990nm", "--set", "simulation.model=full",
+        "--plot", "d.png", *options,
+    )  # fmt: skip
+    assert (outcome.code, outcome.out) == (2, "")
+    assert len(outcome.err.splitlines()) == 1
+    assert complaint in outcome.err
+    assert [path.name for path in Path().iterdir()] == ["track.csv"]
+
+
+def test_command(command_line, tracks):
+    track = tracks[3]
+    rows = [
+        f"{1e3 * t:.9g},{1e6 * x:.9g},{1e6 * y:.9g}"
+        for t, (x, y) in zip(track.times, track.positions, strict=True)
+    ]
+    rows[5] = rows[5].rsplit(",", 1)[0] + ","
+    Path("track.csv").write_text("\n".join(["t [ms],x [um],y [um]", "-1,,0.1", *rows]) + "\n")
+    outcome = command_line(
+        "fit-depth", "track.csv", "--scene", "thesis-990nm", "--set", "simulation.model=full",
+        "--search", "-7 um", "-1 um", "--out", "d.json", "--plot", "d.png",
+    )  # fmt: skip
+    assert (outcome.code, outcome.err) == (0, "")
+    written = json.loads(Path("d.json").read_text())
+    assert written["statement"] in outcome.out
+    assert written["frames"] == len(rows)
+    assert written["determined"]
+    assert written["search"] == pytest.approx([-7e-6, -1e-6])
+    (low, high), z = written["intervals"][0], written["z"]
+    assert low < z < high
+    assert f"{1e6 * low:.4g} to {1e6 * high:.4g} um" in outcome.out
+    assert Path("d.png").read_bytes().startswith(b"\x89PNG")
+    # of the profile, the interval is where it is below the level
+    at, misfit = np.array(written["profile"]).T
+    assert ((misfit < 3.8414) == ((at > low) & (at < high))).all()
+
+
+def test_a_run_is_a_track(scene):
+    run = tweezer.simulate(
+        scene.replace(forces={"brownian": True}, simulation={"samples": 40, "duration": "9 ms"}),
+        seed=8,
+    )
+    fit = tweezer.fit_depth(run, noise=1e-9, search=(-6e-6, -2e-6))
+    assert fit.frames == 40
+    low, high = fit.intervals[0]
+    margin = high - low
+    assert low - margin < Z < high + margin
+    figure = depth_figure(tweezer.load_track(run), fit)
+    figure.draw_without_rendering()

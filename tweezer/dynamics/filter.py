@@ -1,0 +1,415 @@
+"""Kalman filter of a bead in the light, of which a camera sees two coordinates.
+
+Between two frames the bead goes by the Langevin equation, without inertia (5.2) or with that of the
+scaled model (4.17):
+
+    dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
+
+u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The distribution of its state is taken as Gaussian:
+the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
+A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
+Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
+786 (2009)), whose exponentials are by doubling the step: a linear force is exact over any step.
+
+A coordinate seen is the bead's and Gaussian noise, or, with a small probability, a number from
+anywhere; the state is corrected in proportion to the probability that it is the former (Y.
+Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import inspect
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, typeof, types
+from numpy.typing import NDArray
+
+from tweezer.dynamics.integrators import System, kernel_signature, system
+from tweezer.dynamics.solution import pointer
+from tweezer.errors import IntegrationError
+from tweezer.optics import Light
+
+Array = NDArray[np.float64]
+
+#: of what the loop calls in another file (see `tweezer.optics.kernels`)
+_CALLED = hashlib.sha256(inspect.getsource(system).encode()).hexdigest()
+
+#: the longest step of a series, over the size of the rates; its terms
+_SHORT, _TERMS = 0.5, 8
+#: error of a step: of the place, in thermal displacements over it; of the rates times the step
+_PLACE, _RATES = 0.03, 0.5
+#: steps from one frame to the next
+_MOST_STEPS = 10_000
+
+_matrix, _vector = types.float64[:, ::1], types.float64[::1]
+
+
+class Bead(NamedTuple):
+    """What moves."""
+
+    mobility: float
+    """1/beta_v, s/kg"""
+    load: Array
+    """(3,) N: gravity and buoyancy"""
+    diffusion: float
+    """D, m^2/s"""
+    tau: float
+    """s, m/(a2 beta_v) of the scaled model; 0 without inertia"""
+    start: Array
+    """(3,) m; the mean of the start, where it is not known"""
+    spread: Array
+    """(3,) m, standard deviations of the start"""
+    velocity: Array
+    """(3,) m/s, at the start"""
+    release: float
+    """s, from the first frame: the bead is held until then"""
+
+
+class Camera(NamedTuple):
+    """What is seen, and how well."""
+
+    times: Array
+    """(n,) s, from the first frame"""
+    positions: Array
+    """(n, 2) m; NaN for what is missing"""
+    noise: float
+    """m, standard deviation of a coordinate"""
+    outliers: float
+    """1/m, density of numbers from anywhere: their probability over the length they are in"""
+
+
+class Filtered(NamedTuple):
+    """What a filter made of a track."""
+
+    log_likelihood: float
+    """of the coordinates seen, in m"""
+    predicted: Array
+    """(n, 3) m, the bead at each frame, by the frames before"""
+    residuals: Array
+    """(n, 2) what was seen less what was predicted, in its standard deviation: independent of each
+    other, of mean 0 and variance 1, if the model holds; NaN for what is missing"""
+    weights: Array
+    """(n, 2) the probability that it is the bead's; NaN for what is missing"""
+
+
+def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
+    """What filters the tracks of a bead in that light.
+
+    It raises `IntegrationError` where the motion cannot be followed.
+    """
+    kernel, source = light.compiled(gradient=True)
+    beyond, source_beyond = light.beyond.compiled(gradient=True)
+    bound = System(source, source_beyond, light.radius, light.index_ratio, light.jones, np.zeros(0))
+    loop = _loop(typeof(source), typeof(source_beyond), typeof(bound))
+    pointers = (
+        pointer(kernel, kernel_signature(typeof(source))),
+        pointer(beyond, kernel_signature(typeof(source_beyond))),
+    )
+
+    def filtered(bead: Bead, camera: Camera) -> Filtered:
+        n = len(camera.times)
+        out = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2))
+        log_likelihood = loop(*pointers, bound, bead, camera, *out)
+        if not math.isfinite(log_likelihood):
+            raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
+        return Filtered(log_likelihood, *out)
+
+    return filtered
+
+
+@functools.cache
+def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
+    """The compiled loop over frames, for one kind of light: returns the log-likelihood."""
+    called = _CALLED
+    empty, table = np.zeros(0), np.zeros((0, 2))
+    signature = types.float64(
+        types.FunctionType(kernel_signature(source)),
+        types.FunctionType(kernel_signature(beyond)),
+        system,
+        typeof(Bead(0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
+        typeof(Camera(empty, table, 0.0, 0.0)),
+        _matrix, _matrix, _matrix,
+    )  # fmt: skip
+
+    @njit(signature, cache=True, error_model="numpy", nogil=True)
+    def loop(  # type: ignore[no-untyped-def]
+        kernel, beyond, system, bead, camera, predicted, residuals, weights
+    ):
+        _ = called
+        n = 6 if bead.tau > 0 else 3
+        work = _room(n)
+        mean, P = work.mean, work.P
+        for k in range(3):
+            mean[k] = bead.start[k]
+            P[k, k] = bead.spread[k] ** 2
+            if n == 6:
+                mean[3 + k] = bead.tau * bead.velocity[k]
+        time, log_likelihood, step = bead.release, 0.0, np.inf
+        for frame in range(camera.times.shape[0]):
+            steps = 0
+            while time < camera.times[frame]:
+                left = camera.times[frame] - time
+                taken, step = _advance(kernel, beyond, system, bead, work, min(step, left))
+                steps += 1
+                if not taken > 0 or steps > _MOST_STEPS:
+                    return np.nan
+                time += taken
+                if left - taken < 1e-9 * left:
+                    time = camera.times[frame]
+            for k in range(3):
+                predicted[frame, k] = mean[k]
+            for k in range(2):
+                log_likelihood += _see(camera, frame, k, work, residuals, weights)
+        return log_likelihood
+
+    return loop
+
+
+class Room(NamedTuple):
+    """The state (x, and w with inertia), and scratch for a step; n is 3 or 6."""
+
+    mean: Array
+    """(n,) m"""
+    P: Array
+    """(n, n) m^2, covariance"""
+    place: Array
+    rate: Array
+    rate_ahead: Array
+    rise: Array
+    A: Array
+    """(n, n) 1/s, d(rate)/d(state)"""
+    A_ahead: Array
+    noise: Array
+    """(n, n) m^2/s"""
+    Phi: Array
+    """(n, n) the exponential"""
+    Q: Array
+    """(n, n) what noise adds to the covariance"""
+    forced: Array
+    """(3, n) m: what a rate does over a step that is constant, that rises as s, and as s^2"""
+    scratch: Array
+    other: Array
+    vectors: Array
+    """(3, n)"""
+    factors: Array
+    """(3,)"""
+    at: Any
+
+
+@njit(error_model="numpy")
+def _room(n):  # type: ignore[no-untyped-def]
+    return Room(
+        np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
+        np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
+        np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)), np.zeros(3),
+        system.scratch(),
+    )  # fmt: skip
+
+
+@njit(error_model="numpy")
+def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[no-untyped-def]
+    """Rate of change of the state, and its derivative."""
+    at, n = work.at, state.shape[0]
+    for k in range(3):
+        at.position[0, k] = state[k]
+    kernel(
+        at.position, system.source, system.radius, system.n_mP, system.jones,
+        at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
+    )  # fmt: skip
+    if at.error[0] == np.inf:
+        beyond(
+            at.position, system.beyond, system.radius, system.n_mP, system.jones,
+            at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
+        )  # fmt: skip
+    last = n - 3  # the rows that the force acts on
+    for k in range(3):
+        rate[last + k] = bead.mobility * (at.the_force[k] + bead.load[k])
+        for l in range(3):
+            A[last + k, l] = bead.mobility * at.force_gradient[0, k, l]
+    if n == 6:
+        for k in range(3):
+            rate[k] = state[3 + k] / bead.tau
+            rate[3 + k] -= rate[k]
+            A[k, 3 + k] = 1 / bead.tau
+            A[3 + k, 3 + k] = -1 / bead.tau
+
+
+@njit(error_model="numpy")
+def _advance(kernel, beyond, system, bead, work, step):  # type: ignore[no-untyped-def]
+    """Take the state a step on, of that length or as much shorter as its error wants it.
+
+    Returns the length, 0 if there is none, and that of the next step.
+    """
+    mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
+    A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
+    n = mean.shape[0]
+    for k in range(n - 3, n):
+        work.noise[k, k] = 2 * bead.diffusion
+    _rates(kernel, beyond, system, bead, work, mean, rate, A)
+    for _ in range(60):
+        _exponentials(work, A, rate, step, False)
+        for i in range(n):
+            work.place[i] = mean[i] + work.forced[0, i]
+        _rates(kernel, beyond, system, bead, work, work.place, ahead, A_ahead)
+        bent = 0.0
+        for i in range(n):
+            rise[i] = ahead[i] - rate[i]
+            for j in range(n):
+                rise[i] -= A[i, j] * work.forced[0, j]
+                bent = max(bent, abs(A_ahead[i, j] - A[i, j]))
+                A_ahead[i, j] = 0.5 * (A[i, j] + A_ahead[i, j])
+        off = math.inf
+        if bent * step <= _RATES:
+            _exponentials(work, A_ahead, rise, step, True)
+            off = 0.0
+            for k in range(3):
+                off += abs(work.forced[2, k])
+        error = off / (_PLACE * math.sqrt(2 * bead.diffusion * step))
+        if not math.isfinite(error):
+            step *= 0.25
+            continue
+        follow = step * min(max(0.9 * max(error, 1e-9) ** -0.4, 0.2), 4.0)
+        if error <= 1:
+            for i in range(n):
+                mean[i] = work.place[i] + work.forced[2, i]
+            _product(Phi, P, work.scratch)
+            for i in range(n):
+                for j in range(n):
+                    total = work.Q[i, j]
+                    for k in range(n):
+                        total += work.scratch[i, k] * Phi[j, k]
+                    P[i, j] = total
+            return step, follow
+        step = follow
+    return 0.0, step
+
+
+@njit(error_model="numpy")
+def _product(a, b, out):  # type: ignore[no-untyped-def]
+    n = a.shape[0]
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for k in range(n):
+                total += a[i, k] * b[k, j]
+            out[i, j] = total
+
+
+@njit(error_model="numpy")
+def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped-def]
+    """Phi = exp(A h) and what a forcing makes of the state, that is constant in `forced[0]`.
+
+    If `spreading`, in `forced[1]` and `forced[2]` one that rises as s/h and (s/h)^2, and Q.
+    """
+    Phi, Q, forced, X, other = work.Phi, work.Q, work.forced, work.scratch, work.other
+    n = A.shape[0]
+    size = 0.0
+    for i in range(n):
+        row = 0.0
+        for j in range(n):
+            row += abs(A[i, j])
+        size = max(size, row)
+    halvings, h = 0, step
+    while size * h > _SHORT:
+        h *= 0.5
+        halvings += 1
+    # series in A h: of a forcing s^p, p! A^k h^(k+1) / (k+p+1)!
+    factors = work.factors
+    for p in range(3):
+        factors[p] = h / (p + 1)
+        for i in range(n):
+            forced[p, i] = factors[p] * forcing[i]
+    for i in range(n):
+        for j in range(n):
+            Phi[i, j] = 1.0 if i == j else 0.0
+            X[i, j] = Phi[i, j]
+            Q[i, j] = h * work.noise[i, j]
+    power, next_power = work.vectors[0], work.vectors[1]
+    for i in range(n):
+        power[i] = forcing[i]
+    for term in range(1, _TERMS + 1):
+        # (A h)^term / term!, and A^term on the forcing
+        _product(A, X, other)
+        for i in range(n):
+            next_power[i] = 0.0
+            for j in range(n):
+                X[i, j] = other[i, j] * h / term
+                Phi[i, j] += X[i, j]
+                next_power[i] += A[i, j] * power[j]
+        for p in range(3):
+            factors[p] *= h / (term + p + 1)
+            for i in range(n):
+                forced[p, i] += factors[p] * next_power[i]
+        power, next_power = next_power, power
+    if spreading:
+        _noise_of_a_short_step(work, A, h)
+    carried = work.vectors
+    for _ in range(halvings):
+        for p in range(3):
+            for i in range(n):
+                carried[p, i] = 0.0
+                for j in range(n):
+                    carried[p, i] += Phi[i, j] * forced[p, j]
+        for i in range(n):
+            constant, rising, squared = forced[0, i], forced[1, i], forced[2, i]
+            forced[0, i] = carried[0, i] + constant
+            forced[1, i] = 0.5 * (carried[1, i] + rising + constant)
+            forced[2, i] = 0.25 * (carried[2, i] + squared + 2 * rising + constant)
+        if spreading:
+            _product(Phi, Q, X)
+            for i in range(n):
+                for j in range(n):
+                    for k in range(n):
+                        Q[i, j] += X[i, k] * Phi[j, k]
+        _product(Phi, Phi, other)
+        Phi[:] = other
+
+
+@njit(error_model="numpy")
+def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
+    """Q of a short step: Q' = A Q + Q A^T + noise, as a series."""
+    term, other, Q = work.scratch, work.other, work.Q
+    n = A.shape[0]
+    term[:] = Q
+    for order in range(2, _TERMS + 2):
+        _product(A, term, other)
+        for i in range(n):
+            for j in range(n):
+                term[i, j] = (other[i, j] + other[j, i]) * h / order
+        for i in range(n):
+            for j in range(n):
+                Q[i, j] += term[i, j]
+
+
+@njit(error_model="numpy")
+def _see(camera, frame, k, work, residuals, weights):  # type: ignore[no-untyped-def]
+    """Correct the state by coordinate k of a frame; its log-likelihood."""
+    seen = camera.positions[frame, k]
+    if math.isnan(seen):
+        residuals[frame, k] = weights[frame, k] = np.nan
+        return 0.0
+    mean, P = work.mean, work.P
+    n = mean.shape[0]
+    variance = P[k, k] + camera.noise**2
+    off = seen - mean[k]
+    deviation = math.sqrt(variance)
+    exponent = -0.5 * off * off / variance
+    density = math.exp(exponent) / (math.sqrt(2 * math.pi) * deviation)
+    weight = density / (density + camera.outliers)
+    gain = work.vectors[0]
+    for i in range(n):
+        gain[i] = P[k, i] / variance
+    for i in range(n):
+        mean[i] += weight * gain[i] * off
+        for j in range(n):
+            P[i, j] += weight * gain[i] * gain[j] * ((1 - weight) * off * off - variance)
+    residuals[frame, k] = off / deviation
+    weights[frame, k] = weight
+    if camera.outliers > 0:
+        return math.log(density + camera.outliers)
+    return exponent - math.log(math.sqrt(2 * math.pi) * deviation)
