@@ -18,6 +18,8 @@ from tests.benchmarks import (
     numpy_sum,
     pages,
     report,
+    scaling,
+    scaling_report,
 )
 from tests.benchmarks.timing import Call, per_item
 from tweezer import cli
@@ -289,3 +291,53 @@ def test_control_variates():
     mean, error = brownian._controlled(values, controls)
     assert error == pytest.approx(0.1 / math.sqrt(2000), rel=0.1)
     assert mean == pytest.approx(0.3, abs=5 * error)
+
+
+def test_quick_run_of_scaling(command_line, tmp_path):
+    done = command_line(
+        "bench", "scaling", "--quick", "--out", "scaling.json", "--plot", "scaling.png"
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert (tmp_path / "scaling.png").stat().st_size > 10_000
+    results = json.loads((tmp_path / "scaling.json").read_text())
+    committed = pages.committed("scaling")
+    assert results.keys() == committed.keys()
+    assert results["plan"][0].keys() == committed["plan"][0].keys()
+    assert scaling_report.block(results).startswith("<!-- bench-scaling -->")
+    for each in results["plan"]:
+        assert all(0 < entry["efficiency"] <= 1 for entry in each["cores"])
+    # 8 bytes, and a checksum of 4 for each chunk
+    assert 8 < results["bytes_per_number"] < 9
+
+
+def test_page_quotes_the_committed_scaling():
+    committed = pages.committed("scaling")
+    quoted = pages.quoted("scaling", scaling_report.PAGE)
+    assert quoted == scaling_report.block(committed)
+    assert not committed["quick"]
+
+
+@pytest.mark.parametrize(
+    ("work", "cores", "expected"),
+    [
+        # as many rounds as it takes
+        (scaling.Work(10, 6.0, 0.0, 0.0), 4, 18.0),
+        # all wait for the process in charge, but for the first block
+        (scaling.Work(50, 1.0, 0.0, 2.0), 10, 1.0 + 50 * 2.0),
+        # and for the file system, which a block asks four times
+        (scaling.Work(40, 1.0, 4.0, 0.0), 40, 0.25 + 40 * 4.0),
+        # one core does one thing after the other
+        (scaling.Work(5, 3.0, 0.5, 0.25), 1, 5 * 3.5 + 0.25),
+    ],
+)
+def test_model_of_a_cluster(work, cores, expected):
+    """Cases worked out by hand, and a start before them all."""
+    found = scaling.makespan(work, cores, start_s=7.0, scatter=0.0)
+    assert found == pytest.approx(7.0 + expected)
+
+
+def test_durations():
+    values = (3.2, 90, 7200, 2e5, 1e8)
+    assert [scaling_report.duration(value) for value in values] == [
+        "3.2 s", "1.5 min", "2 h", "2.3 days", "3.2 years"
+    ]  # fmt: skip

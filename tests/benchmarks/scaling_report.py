@@ -1,0 +1,154 @@
+"""The plan for more machines as tables, as a figure, and on its page.
+
+`python -m tests.benchmarks.scaling_report` writes its block and its figure anew from the committed
+results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.pages import Results
+from tests.benchmarks.report import rounded
+from tests.benchmarks.scaling import CORES, STATISTICS
+from tests.benchmarks.timing import ROOT
+
+PAGE = ROOT / "docs/scaling.md"
+
+_COLOURS = ("#004488", "#228833", "#ddaa33", "#bb5566", "#555555")
+_UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0))
+
+
+def duration(seconds: float) -> str:
+    """In the largest unit of which it is one or more, two digits."""
+    name, size = next(((name, size) for name, size in _UNITS if seconds >= size), _UNITS[-1])
+    return f"{rounded(seconds / size)} {name}"
+
+
+def by_model(results: Results) -> list[list[str]]:
+    """Statistics by model and method; the first row is that of the headings."""
+    table = [["statistics, 10^6 beads, 10^9 steps", "million steps a second and core", "core-hours",
+              *(f"{cores:,} cores" for cores in CORES)]]  # fmt: skip
+    for each in results["models"]:
+        times = (duration(each["seconds"][str(cores)]) for cores in CORES)
+        table.append(
+            [each["model"], rounded(1e-6 * each["steps_per_s"]), f"{each['core_hours']:,.0f}",
+             *times]
+        )  # fmt: skip
+    return table
+
+
+def by_kind(results: Results) -> list[list[str]]:
+    """Time, efficiency and walls by what is kept; the first row is that of the headings."""
+    table = [["full, heun", *(f"{cores:,} cores" for cores in CORES), "efficiency at 10,000",
+              "stored, TB", "a block, s", "most cores by blocks", "by the file system",
+              "by the process in charge"]]  # fmt: skip
+    for each in results["plan"]:
+        entries = {entry["cores"]: entry for entry in each["cores"]}
+        table.append(
+            [
+                each["kind"], *(duration(entries[cores]["seconds"]) for cores in CORES),
+                f"{100 * entries[CORES[-1]]['efficiency']:.0f} %", rounded(each["terabytes"]),
+                rounded(each["block_s"]),
+                *(f"{float(rounded(most)):,.0f}" for most in each["most_cores"].values()),
+            ]
+        )  # fmt: skip
+    return table
+
+
+def costs(results: Results) -> list[list[str]]:
+    """What was measured; the first row is that of the headings."""
+    table = [["measured here", ""]]
+    blocks = results["blocks"]
+    for kind in ("statistics", "trajectories"):
+        of = blocks[f"{kind}, short blocks"]
+        beside = of["worker_s"] - of["steps"] / results["steps_per_s"]["full, heun"]
+        table += [
+            [f"{kind}: a block in its worker, beside the steps", f"{rounded(1e3 * beside)} ms"],
+            [f"{kind}: the same in the process in charge", f"{rounded(1e3 * of['client_s'])} ms"],
+            [f"{kind}: an ensemble, once", f"{rounded(of['once_s'])} s"],
+        ]
+    table.append(["a task of the scheduler", f"{rounded(1e3 * results['task_s'])} ms"])
+    table += [
+        [f"a checkpoint of {each['bytes'] / 1e6:g} MB", f"{rounded(1e3 * each['written_s'])} ms"]
+        for each in results["files"]
+    ]
+    (gathered,) = (each for each in results["plan"] if each["kind"] == STATISTICS.label)
+    table += [
+        ["statistics of a block", f"{rounded(1e-6 * gathered['checkpoint_bytes'])} MB"],
+        ["a number of a trajectory, stored", f"{results['bytes_per_number']:.2f} bytes"],
+    ]
+    rates = {each["beads"]: each["steps_per_s"] for each in results["beads_of_a_block"]}
+    table += [
+        [f"steps a second of {beads} bead{'s' if beads > 1 else ''} together, of those of 64",
+         f"{100 * rate / rates[64]:.0f} %"]
+        for beads, rate in rates.items()
+        if beads < 64
+    ]  # fmt: skip
+    return table
+
+
+def checks(results: Results) -> list[list[str]]:
+    """Ensembles on Dask workers, measured and modelled; the first row is that of the headings."""
+    return [
+        ["ensemble", "Dask workers", "measured, s", "modelled, s"],
+        *(
+            [each["blocks"], str(each["workers"]), rounded(each["measured_s"]),
+             rounded(each["modelled_s"])]
+            for each in results["checks"]
+        ),
+    ]  # fmt: skip
+
+
+def figure(results: Results) -> Figure:
+    """Time and efficiency against cores, by what is kept."""
+    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    times, efficiencies = drawn.subplots(1, 2, sharex=True)
+    for colour, each in zip(_COLOURS, results["plan"], strict=True):
+        cores = [entry["cores"] for entry in each["cores"]]
+        hours = [entry["seconds"] / 3600 for entry in each["cores"]]
+        efficiency = [entry["efficiency"] for entry in each["cores"]]
+        line = {"color": colour, "linewidth": 1.3, "marker": "o", "markersize": 3}
+        times.loglog(cores, hours, label=each["kind"], **line)
+        efficiencies.semilogx(cores, efficiency, **line)
+    _finish(times, "time (h)")
+    _finish(efficiencies, "efficiency")
+    times.legend(frameon=False, fontsize=8)
+    efficiencies.set_ylim(0, 1.05)
+    drawn.suptitle("10^15 steps, full model, heun: modelled", fontsize=10)
+    return drawn
+
+
+def _finish(axes: Axes, label: str) -> None:
+    axes.set(xlabel="cores", ylabel=label)
+    axes.grid(color="0.9", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def block(results: Results) -> str:
+    """The page's part, between its markers."""
+    lines = []
+    for headings, *rows in (
+        by_model(results),
+        by_kind(results),
+        costs(results),
+        checks(results),
+    ):
+        lines += [*pages.markdown(headings, rows), ""]
+    ratios = [each["measured_s"] / each["modelled_s"] for each in results["checks"]]
+    told = (
+        f"Measured over modelled: {rounded(min(ratios))} to {rounded(max(ratios))}. While this was "
+        f"measured {rounded(results['load_per_core'])} processes wanted each core: with more than "
+        "one, costs are too large rather than too small, and ensembles slower than by themselves."
+    )
+    lines += [*textwrap.wrap(told, 110), ""]
+    lines.append("![Time and efficiency against cores](figures/bench-scaling.png)")
+    return pages.block("scaling", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("scaling", block, figure, PAGE)
