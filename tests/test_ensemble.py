@@ -875,7 +875,7 @@ def test_an_interrupted_command_is_resumed(command_line, monkeypatch):
     assert [path.name for path in Path().iterdir()] == ["silica-1um.zarr"]
 
 
-def interrupt_update(self, task, completed):
+def interrupt_update(self, task, **changes):
     raise KeyboardInterrupt
 
 
