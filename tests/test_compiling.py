@@ -37,10 +37,11 @@ DARK = tweezer.shipped_scenes()["silica-1um"].read_text(encoding="utf-8").replac
 #: one small function, compiled
 PROGRAM = """
 import numpy as np
-import tweezer.dynamics
+import tweezer
 from tweezer.dynamics.brownian.noise import normals
 numbers = np.empty((3, 2))
 normals(1, np.arange(2), 0, 0, numbers)
+tweezer.load_scene("silica-1um")
 print(numbers.tolist())
 """
 

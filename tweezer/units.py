@@ -31,7 +31,8 @@ def registry() -> pint.UnitRegistry:
     """The one unit registry."""
     import pint
 
-    return pint.UnitRegistry(cache_folder=":auto:")
+    # no cache on disk: pint's names files of the environment that wrote it, which others share
+    return pint.UnitRegistry()
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
