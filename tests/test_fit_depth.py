@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from scipy.stats import multivariate_normal
 
 import tweezer
-from tests.benchmarks import depth
+from tests.benchmarks import depth, depth_report, pages
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Track
 from tweezer.dynamics.filter import Bead, Camera, kalman_filter
@@ -62,7 +62,7 @@ def moments(times, D, kappa, tau):
 @pytest.mark.parametrize("tau", [0.0, 0.4e-3])
 def test_likelihood_of_a_free_bead(scene, tau):
     """Next to no light: drift by a load, diffusion; one Gaussian vector has that density."""
-    dark = light(scene).changed(1e-15, scene.bead.radius)
+    radius, power = scene.bead.radius, 1e-15
     rng = np.random.default_rng(1)
     times = np.array([0.0, 0.3, 0.4, 1.7, 2.0, 5.0]) * 1e-3
     D, drift, noise = 4e-13, 3e-4, 20e-9
@@ -70,8 +70,10 @@ def test_likelihood_of_a_free_bead(scene, tau):
     velocity = np.array([1e-4, -2e-4, 0.0])
     seen = 1e-7 * rng.normal(size=(6, 2))
     seen[2, 1] = np.nan
-    bead = Bead(1.0, np.array([drift, 0, 0]), D, tau, np.zeros(3), spread, velocity, 0.0)
-    found = kalman_filter(dark)(bead, Camera(times, seen, noise, 0.0))
+    bead = Bead(
+        radius, power, 1.0, np.array([drift, 0, 0]), D, tau, np.zeros(3), spread, velocity, 0.0
+    )
+    found = kalman_filter(light(scene))(bead, Camera(times, seen, noise, 0.0))
     C, carried = moments(times, D, 0.0, tau)
     expected = 0.0
     for k, (force, values) in enumerate(zip((drift, 0.0), seen.T, strict=True)):
@@ -95,7 +97,18 @@ def test_likelihood_in_the_trap(scene):
     spread = np.array([3e-9, 3e-9, 0.0])
     noise = 1e-9
     load = np.array(tweezer.bead_properties(scene).weight)
-    bead = Bead(1 / beta, load, D, 0.0, np.array(trap.position), spread, np.zeros(3), 0.0)
+    bead = Bead(
+        scene.bead.radius,
+        1.0,
+        1 / beta,
+        load,
+        D,
+        0.0,
+        np.array(trap.position),
+        spread,
+        np.zeros(3),
+        0.0,
+    )
     found = kalman_filter(light(scene))(bead, Camera(times, seen, noise, 0.0))
     C, carried = moments(times, D, k / beta, 0.0)
     total = C + spread[0] ** 2 * carried @ carried.T + noise**2 * np.eye(6)
@@ -115,7 +128,18 @@ def test_mean_is_the_motion(scene):
     D = BOLTZMANN * 0.02 / bead.drag
     seen = np.full((31, 2), np.nan)
     found = kalman_filter(light(scene))(
-        Bead(1 / bead.drag, np.array(bead.weight), D, 0.0, start, np.zeros(3), np.zeros(3), 0.0),
+        Bead(
+            scene.bead.radius,
+            1.0,
+            1 / bead.drag,
+            np.array(bead.weight),
+            D,
+            0.0,
+            start,
+            np.zeros(3),
+            np.zeros(3),
+            0.0,
+        ),
         Camera(run["time"].values.copy(), seen, 1e-9, 0.0),
     )
     assert found.log_likelihood == 0.0
@@ -197,8 +221,7 @@ def test_power_and_a_given_noise(scene, tracks):
         known.intervals[-1][1] - known.intervals[0][0]
     )
     assert not known.parameters
-    weak = scene.replace(beam={"power": "80 mW"})
-    told = tweezer.fit_depth(tracks[1], weak, noise=STUDY.noise, search=(-6e-6, -2e-6))
+    told = tweezer.fit_depth(tracks[1], scene, noise=4e-9, search=(-6e-6, -2e-6))
     assert told.p_value < 1e-3
     assert "the residuals are not white" in told.statement
 
@@ -254,7 +277,7 @@ def text(heading="t [ms],x [um],y [um]", **changed):
      (text(l9="1.75,inf,-2"), (), "frame 8: not finite"),
      (text(l9="1.75,zero,-2"), (), "line 9: 'zero' is not a number"),
      (text("t,x,y"), (), "Is its unit missing?"),
-     (text().split("4,")[0] + "\n", (), "must have 10 or more"),
+     ("\n".join(text().splitlines()[:9]) + "\n", (), "must have 10 or more"),
      (text(), ("--noise", "1 mm"), "noise = 0.001 m: must be from 1e-10 to 1e-06 m"),
      (text(), ("--search", "1 um", "-1 um"), "must go from a z to a larger one"),
      (text(), ("--search", "1 kg", "-1 um"), "--search '1 kg'"),
@@ -314,3 +337,13 @@ def test_a_run_is_a_track(scene):
     assert low - margin < Z < high + margin
     figure = depth_figure(tweezer.load_track(run), fit)
     figure.draw_without_rendering()
+
+
+def test_page_quotes_the_committed_depths():
+    committed = pages.committed("depth")
+    assert pages.quoted("depth") == depth_report.block(committed)
+    assert not committed["quick"]
+    for each in committed["beads"]:
+        assert each["tracks"] >= 200
+        assert 0.90 <= each["coverage"] <= 0.99
+        assert abs(each["bias_of_interval"]) < 0.2

@@ -39,7 +39,7 @@ _PLACES, _SEARCH, _TABLE = 121, 15.0, 20.0
 #: misfit above the best from which on the noise is not fitted anew
 _HOPELESS = 100.0
 #: in units of what is fitted: step of a derivative, and of a second one
-_STEP, _WIDE_STEP = 3e-3, 3e-2
+_STEP, _WIDE_STEP = 1e-2, 3e-2
 #: frames from which the start is guessed, and how wide the guess is, in steps between them
 _FIRST, _GUESS = 7, 4.5
 #: lags at which residuals should not be correlated, and how improbable they may be
@@ -172,7 +172,8 @@ def fit_depth(
     for i, z in enumerate(places):
         fitted[i] = likelihood.misfit(z, near_best)
         if fit or fitted[i] < fitted[:i].min(initial=math.inf) + _HOPELESS:
-            fitted[i], nuisances[i] = likelihood.profile(z, near_best)
+            begin = nuisances[i - 1] if fit and i else near_best
+            fitted[i], nuisances[i] = likelihood.profile(z, begin)
         if progress:
             progress((i + 1) / _PLACES)
 
@@ -302,16 +303,15 @@ class _Likelihood:
         power, size, a2 = (
             math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
         )
-        filtered = self._filter
-        if "power" in change or "radius" in change:
-            filtered = kalman_filter(self._light.changed(power, size * self._light.radius))
         drag = size * self._bead.drag
         moving = Bead(
-            1 / drag, size**3 * np.array(self._bead.weight), self._kT / drag,
-            self._tau * size**2 / a2, np.append(self._start, z), self._spread, self._velocity,
-            change.get("release", 0.0) * self._step,
+            size * self._light.radius, power, 1 / drag, size**3 * np.array(self._bead.weight),
+            self._kT / drag, self._tau * size**2 / a2, np.append(self._start, z), self._spread,
+            self._velocity, change.get("release", 0.0) * self._step,
         )  # fmt: skip
-        return filtered(moving, Camera(self._times, self._positions, self.noise(p), self._outliers))
+        return self._filter(
+            moving, Camera(self._times, self._positions, self.noise(p), self._outliers)
+        )
 
     def misfit(self, z: float, p: Array) -> float:
         """-2 log(likelihood)."""
@@ -323,7 +323,7 @@ class _Likelihood:
             return self.misfit(z, p), p
         found = minimize(
             lambda q: self.misfit(z, q), p, method="L-BFGS-B", bounds=self._bounds,
-            options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": 60},
+            options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": 30},
         )  # fmt: skip
         return float(found.fun), found.x
 
@@ -374,7 +374,7 @@ def _minima(
     )
     found = []
     for i in lowest:
-        low, high = places[max(i - 1, 0)], places[min(i + 1, len(places) - 1)]
+        low, high = places[max(int(i) - 1, 0)], places[min(int(i) + 1, len(places) - 1)]
         near = minimize_scalar(
             misfit, bounds=(low, high), method="bounded",
             options={"xatol": 0.01 * (high - low)},
@@ -389,8 +389,14 @@ def _below(at: Array, values: Array, misfit: Callable[[float], float]) -> list[t
     """Where the misfit is below the level: pieces between its crossings."""
     inside = values <= LEVEL
     tolerance = 2e-5 * (at[-1] - at[0])
+    known = dict(zip(at.tolist(), values.tolist(), strict=True))
+
+    def above(z: float) -> float:
+        # what was found there: found again it may differ by what a fit is exact to
+        return (known[z] if z in known else misfit(z)) - LEVEL
+
     crossings = {
-        i: brentq(lambda z: misfit(z) - LEVEL, at[i], at[i + 1], xtol=tolerance)
+        i: brentq(above, float(at[i]), float(at[i + 1]), xtol=tolerance)
         for i in np.flatnonzero(inside[1:] != inside[:-1])
     }
     starts = [crossings[i] for i in crossings if inside[i + 1]]

@@ -154,7 +154,7 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
     what `Recording` refuses.
     """
     found = _read(source, gaps=False)
-    return found if isinstance(found, Recording) else _of_columns(str(source), found)
+    return Recording(*found) if isinstance(found, tuple) else _of_columns(str(source), found)
 
 
 def load_track(source: str | Path | xr.Dataset) -> Track:
@@ -167,8 +167,9 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     refuses.
     """
     found = _read(source, gaps=True)
-    if isinstance(found, Recording):
-        return Track(found.name, found.times, found.positions[:, :2], found.scene)
+    if isinstance(found, tuple):
+        name, times, positions, _, scene, _ = found
+        return Track(name, times, positions[:, :2], scene)
     missing = [name for name in ("t", "x", "y") if name not in found]
     if missing:
         raise ResultError(f"{source}: has no column {' and no column '.join(missing)}")
@@ -178,7 +179,11 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     return Track(str(source), found["t"][begin:], positions[begin:])
 
 
-def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> Recording | dict[str, Array]:
+#: what a `Recording` is made of
+_Run = tuple[str, Array, Array, tuple[str, ...], Scene, str]
+
+
+def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> _Run | dict[str, Array]:
     """A run of ours, or the columns of a table; gaps: whether cells of a text may be empty."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"))
@@ -200,7 +205,7 @@ def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> Recording | dict[st
         raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {error}") from None
 
 
-def _of_run(run: xr.Dataset, name: str) -> Recording:
+def _of_run(run: xr.Dataset, name: str) -> _Run:
     if "scene" not in run.attrs or "position" not in run:
         raise ResultError(f"{name}: not a run: it has no scene or no position over time")
     if run["position"].dims != ("time", "axis") or not {"time", "axis"} <= set(run.coords):
@@ -219,7 +224,7 @@ def _of_run(run: xr.Dataset, name: str) -> Recording:
     if there < len(positions) or run.attrs.get("status", "complete") != "complete":
         status = run.attrs.get("status", "lost")
         note = f"the run is {status}: up to {run['time'].values[max(there - 1, 0)]:.4g} s only"
-    return Recording(
+    return (
         name, run["time"].values[:there], positions[:there],
         tuple(map(str, run["axis"].values)), scene, note,
     )  # fmt: skip

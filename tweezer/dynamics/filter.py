@@ -52,6 +52,10 @@ _matrix, _vector = types.float64[:, ::1], types.float64[::1]
 class Bead(NamedTuple):
     """What moves."""
 
+    radius: float
+    """m"""
+    power: float
+    """of the light, in that of its scene"""
     mobility: float
     """1/beta_v, s/kg"""
     load: Array
@@ -131,7 +135,7 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
         types.FunctionType(kernel_signature(source)),
         types.FunctionType(kernel_signature(beyond)),
         system,
-        typeof(Bead(0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
+        typeof(Bead(0.0, 0.0, 0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
         typeof(Camera(empty, table, 0.0, 0.0)),
         _matrix, _matrix, _matrix,
     )  # fmt: skip
@@ -218,19 +222,19 @@ def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[
     for k in range(3):
         at.position[0, k] = state[k]
     kernel(
-        at.position, system.source, system.radius, system.n_mP, system.jones,
+        at.position, system.source, bead.radius, system.n_mP, system.jones,
         at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
     )  # fmt: skip
     if at.error[0] == np.inf:
         beyond(
-            at.position, system.beyond, system.radius, system.n_mP, system.jones,
+            at.position, system.beyond, bead.radius, system.n_mP, system.jones,
             at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
         )  # fmt: skip
     last = n - 3  # the rows that the force acts on
     for k in range(3):
-        rate[last + k] = bead.mobility * (at.the_force[k] + bead.load[k])
+        rate[last + k] = bead.mobility * (bead.power * at.the_force[k] + bead.load[k])
         for l in range(3):
-            A[last + k, l] = bead.mobility * at.force_gradient[0, k, l]
+            A[last + k, l] = bead.mobility * bead.power * at.force_gradient[0, k, l]
     if n == 6:
         for k in range(3):
             rate[k] = state[3 + k] / bead.tau

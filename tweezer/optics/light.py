@@ -152,17 +152,6 @@ class Light:
         exact = self.by_quadrature(self.tolerance).field(positions)
         return np.linalg.norm(field.force - exact.force, axis=1) + exact.error
 
-    def changed(self, power: float, radius: float) -> Light:
-        """The same light on a bead of that radius, m, and `power` times as strong."""
-        cone = dataclasses.replace(
-            self.cone, series=power * self.cone.series, power=power * self.cone.power
-        )
-        other = dataclasses.replace(self, cone=cone, radius=radius)
-        if isinstance(self.source, Table):
-            table = dataclasses.replace(self.source, radius=radius, strength=other.strength)
-            return dataclasses.replace(other, source=table)
-        return other if self.source is None else other.by_quadrature(self.tolerance)
-
     def by_quadrature(self, tolerance: float) -> Light:
         """The same light, its force by the quadrature to that relative tolerance."""
         source = rule(
