@@ -14,8 +14,8 @@ import tweezer
 from tweezer import cli, thesis
 from tweezer.errors import ResultError, SceneError
 from tweezer.thesis import figures
-from tweezer.thesis.claims import Claim
-from tweezer.thesis.motions import closest_approach, crossings
+from tweezer.thesis.runs import closest_approach, crossings
+from tweezer.thesis.verdicts import Claim
 
 DOCS = Path(__file__).parents[1] / "docs"
 COMMITTED = DOCS / "figures" / "thesis"

@@ -4,11 +4,11 @@ Everything here is computed with the thesis's printed parameters (Tables B.1 to 
 own model and, beside it, by the unscaled equations.
 """
 
-from tweezer.thesis.claims import Claim, claims
 from tweezer.thesis.figures import FIGURES, figure
-from tweezer.thesis.motions import BEADS, Motions, motions
-from tweezer.thesis.reproduce import reproduce
-from tweezer.thesis.study import Study, Variant, study
+from tweezer.thesis.lost_bead import Study, Variant, study
+from tweezer.thesis.runs import BEADS, Motions, motions
+from tweezer.thesis.verdicts import Claim, claims
+from tweezer.thesis.writing import reproduce
 
 __all__ = [
     "BEADS",

@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from tweezer.bead import bead_properties
 from tweezer.errors import SceneError
 from tweezer.io import scene_of
-from tweezer.thesis.motions import BEADS, Motions, closest_approach
-from tweezer.thesis.study import Study
+from tweezer.thesis.lost_bead import Study
+from tweezer.thesis.runs import BEADS, Motions, closest_approach
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

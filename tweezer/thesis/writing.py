@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
-from tweezer.thesis.claims import Claim, claims
 from tweezer.thesis.figures import FIGURES, figure, study_figure
-from tweezer.thesis.motions import BEADS, Motions, motions
-from tweezer.thesis.study import Study, study
+from tweezer.thesis.lost_bead import Study, study
+from tweezer.thesis.runs import BEADS, Motions, motions
+from tweezer.thesis.verdicts import Claim, claims
 
 #: what can be asked for besides a figure
 TABLES = ("claims", "study")
