@@ -6,6 +6,7 @@ results.
 
 from __future__ import annotations
 
+import re
 import textwrap
 
 from matplotlib.axes import Axes
@@ -84,7 +85,7 @@ def costs(results: Results) -> list[list[str]]:
     ]
     rates = {each["beads"]: each["steps_per_s"] for each in results["beads_of_a_block"]}
     table += [
-        [f"steps a second of {beads} bead{'s' if beads > 1 else ''} together, of those of 64",
+        [f"rate of a block of {beads} bead{'s' if beads > 1 else ''}, relative to 64 beads",
          f"{100 * rate / rates[64]:.0f} %"]
         for beads, rate in rates.items()
         if beads < 64
@@ -113,14 +114,19 @@ def figure(results: Results) -> Figure:
         hours = [entry["seconds"] / 3600 for entry in each["cores"]]
         efficiency = [entry["efficiency"] for entry in each["cores"]]
         line = {"color": colour, "linewidth": 1.3, "marker": "o", "markersize": 3}
-        times.loglog(cores, hours, label=each["kind"], **line)
+        times.loglog(cores, hours, label=_powers(each["kind"]), **line)
         efficiencies.semilogx(cores, efficiency, **line)
     _finish(times, "time (h)")
     _finish(efficiencies, "efficiency")
-    times.legend(frameon=False, fontsize=8)
+    times.legend(frameon=False, fontsize=8, title="the first curves coincide", title_fontsize=8)
     efficiencies.set_ylim(0, 1.05)
-    drawn.suptitle("10^15 steps, full model, heun: modelled", fontsize=10)
+    drawn.suptitle(f"{_powers('10^15')} steps, full model, heun: modelled", fontsize=10)
     return drawn
+
+
+def _powers(text: str) -> str:
+    """With raised exponents."""
+    return re.sub(r"10\^(\d+)", r"$10^{\1}$", text)
 
 
 def _finish(axes: Axes, label: str) -> None:
