@@ -153,6 +153,13 @@ def test_readme_quotes_the_committed_results():
     figures = re.findall(r"\| ([^|]*) \|\n", quoted)[2:]
     inside = force["headline"]["by_place"]["inside"]
     assert float(figures[0].split()[0]) == pytest.approx(inside["quadrature_us"], rel=0.05)
+    tabled = [
+        of["map_largest_error_over_largest_force"]
+        for of in force["headline"]["by_place"].values()
+        if "map_ns" in of
+    ]
+    assert len(tabled) > 1
+    assert all(float(figures[3].split(", ")[1]) > 0.95 * error for error in tabled)
     steps = brownian["headline"]["full_heun_steps_per_s"]
     assert float(figures[6]) == pytest.approx(1e-6 * steps, rel=0.05)
 
@@ -165,3 +172,7 @@ def test_models_are_quoted_from_the_committed_results():
         rows = re.findall(rf"\| {name}, (\S+).*? \| \S+ \| (\S+) \|", quoted)
         errors = {model.rstrip(","): float(error) for model, error in reversed(rows)}
         assert errors["full"] < errors["first-order"] < errors["overdamped"] < errors["scaled"]
+        for each in integrate["motions"][f"{name}, map"]["entries"]:
+            if each["model"] in ("first-order", "overdamped") and each["tolerance"] == 1e-11:
+                # its own error, which runs converge to
+                assert errors[each["model"]] == pytest.approx(each["during_um"], rel=0.1)

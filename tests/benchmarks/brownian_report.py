@@ -117,22 +117,25 @@ def apart(results: Results) -> list[list[str]]:
     return lines
 
 
-def left_out(results: Results) -> str:
-    """What failed or was not taken, steps in trap times, in a sentence."""
-    steps: dict[tuple[str, str], list[str]] = {}
+def left_out(results: Results) -> list[str]:
+    """What failed or was not taken, by reason and well, as a list; steps are in trap times."""
+    steps: dict[tuple[str, str, str], list[str]] = {}
     for each in results["left_out"]:
-        at = steps.setdefault((each["why"], each["what"]), [])
+        where, _, what = each["what"].rpartition(": ")
+        at = steps.setdefault((each["why"], where, what), [])
         if "step_trap_times" in each:
             at.append(f"{each['step_trap_times']:.3g}")
-    told: dict[str, list[str]] = {}
-    for (why, what), at in steps.items():
-        told.setdefault(why, []).append(f"{what}{' at ' if at else ''}{', '.join(at)}")
-    return "; ".join(f"{why} ({'; '.join(what)})" for why, what in told.items()) or "nothing"
+    grouped: dict[str, dict[str, list[str]]] = {}
+    for (why, where, what), at in steps.items():
+        named = f"{what} at {' and '.join(at)}" if at else what
+        grouped.setdefault(why, {}).setdefault(where, []).append(named)
+    return pages.left_out(grouped, "; steps in trap times")
 
 
 def figure(results: Results) -> Figure:
     """Rates; biases in the mild well against step and cost, with their sampling floor."""
-    drawn = Figure(figsize=(13.0, 8.0), layout="constrained")
+    drawn = Figure(figsize=(13.6, 8.4), layout="constrained")
+    drawn.get_layout_engine().set(w_pad=0.12, h_pad=0.08)  # type: ignore[union-attr]
     panels = drawn.subplots(2, 3)
     entries = results["wells"][MILD]
     _draw_rates(panels[0, 0], results["rates"])
@@ -148,7 +151,7 @@ def figure(results: Results) -> Figure:
         xlabel="time of a trajectory, µs a trap time", ylabel="|relative bias of ⟨x²⟩|"
     )
     panels[0, 1].set_title(f"well: {MILD}", fontsize=10)
-    panels[0, 2].legend(fontsize=8, frameon=False, loc="upper right")
+    panels[0, 2].legend(fontsize=8, loc="lower left")
     _draw_scaling(panels[1, 2], results)
     handles = [
         Line2D([], [], color=colour, marker=marker, linestyle=style, linewidth=1, label=way.label)
@@ -168,7 +171,7 @@ def _draw_rates(axes: Axes, rates: list[dict[str, Any]]) -> None:
     labels = [f"{each['model']}, {each['method']}" for each in rates]
     axes.barh(labels, [1e-6 * each["steps_per_s"] for each in rates], color="#6699cc")
     axes.invert_yaxis()
-    axes.set(xlabel="million trajectory-steps a second, one core, 3-D, table")
+    axes.set(xlabel="million steps a second, one core, 3-D, table")
     axes.grid(axis="x", color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
 
@@ -237,7 +240,7 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
         ),
     ]  # fmt: skip
     table = axes.table(
-        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.42, 0.36, 0.22]
+        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.46, 0.34, 0.2]
     )
     table.auto_set_font_size(False)
     table.set_fontsize(8)
@@ -264,8 +267,7 @@ def block(results: Results) -> str:
         lines += [*pages.markdown(headings, cells), ""]
     lines += [
         "![Brownian motion: rates, bias against step and cost](figures/bench-brownian.png)",
-        "",
-        *textwrap.wrap(f"Failed or left out: {left_out(results)}.", 110, break_long_words=False),
+        *left_out(results),
     ]
     return pages.block("brownian", lines, results["machine"])
 

@@ -297,7 +297,6 @@ def headline(results: Results) -> Results:
             ]
             best = min(good, key=lambda e: e["ms"], default=None)
             told[label][f"{model}_ms_at_2e-6_um"] = best and best["ms"]
-            told[label][f"{model}_least_error_um"] = min(e["during_um"] for e in named)
         ours = [e for e in entries if (e["model"], e["method"]) in OURS[:2]]
         for other in ("scipy:LSODA", "numpy"):
             ratios = [

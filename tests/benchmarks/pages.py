@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterable, Sequence
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,17 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
     """The lines of a table, numbers to the right."""
     rule = ["---", *["---:"] * (len(headings) - 1)]
     return ["| " + " | ".join(cells) + " |" for cells in (headings, rule, *rows)]
+
+
+def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") -> list[str]:
+    """What a benchmark does not tell: a list for each reason, an item for each motion or well."""
+    lines = [] if what else ["", "Left out: nothing."]
+    for why, of in what.items():
+        lines += ["", f"Left out ({why}{note}):", ""]
+        for where, each in of.items():
+            item = f"- {f'{where}: ' if where else ''}{'; '.join(each)}"
+            lines += textwrap.wrap(item, 110, subsequent_indent="  ", break_on_hyphens=False)
+    return lines
 
 
 def block(name: str, lines: Iterable[str], machine: Results) -> str:
