@@ -38,7 +38,7 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 	$(QUOTE)
 
 docs: .venv/.dev  ## the site, into site/
-	$(BIN)/mkdocs build
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
 stress: .venv/.runtime  ## 10,000 random scenes, and 2,000 with thermal motion: how they end
 	$(BIN)/python -m tests.stress 10000
@@ -50,7 +50,7 @@ notebooks: .venv/.dev  ## run the notebooks and keep their output
 	$(BIN)/python tests/test_notebooks.py
 
 clean:
-	rm -rf .venv
+	rm -rf .venv site
 
 .venv/bin/python:
 	$(PYTHON) -m venv --without-pip .venv
