@@ -146,6 +146,25 @@ def test_at_rest_from_the_start_is_captured_at_once():
     assert (summary.outcome, summary.outcome_time) == ("captured", 0.0)
 
 
+def test_thermal_motion_is_captured_when_it_first_arrives():
+    """A trap whose thermal spread along z is above a tenth of the radius: the bead leaves that
+    neighbourhood again and again, and where it ends is chance. It arrives about when it does
+    without noise: some trap times, 0.15 ms, from 0.9 um off.
+    """
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, optics={"evaluator": "map"},
+        beam={"power_through_pupil": "10 mW"},
+    )  # fmt: skip
+    run = tweezer.simulate(scene, duration="100 ms", seed=3)
+    radius = scene.bead.radius
+    z = run["position"].sel(axis="z").values
+    assert z[len(z) // 2 :].std() > radius / 20
+    summary = summarise(run)
+    assert summary.outcome == "captured"
+    still = tweezer.simulate(scene.replace(forces={"brownian": False}), duration="100 ms")
+    assert summary.outcome_time == pytest.approx(summarise(still).outcome_time, rel=0.5)
+
+
 @pytest.mark.parametrize(("radii", "outcome"), [(0.11, "not captured"), (0.09, "captured")])
 def test_captured_only_within_a_tenth_of_a_radius_of_the_equilibrium(radii, outcome):
     """The force at the end is that of a linear trap this far from its centre."""

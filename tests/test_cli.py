@@ -168,7 +168,7 @@ def test_a_rerun_replaces_the_files(command_line):
 def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     times_reported = []
 
-    def interrupt_after(self, task, completed):
+    def interrupt_after(self, task, completed=0.0, **told):
         times_reported.append(completed)
         if completed > 2e-3:
             raise KeyboardInterrupt
@@ -193,7 +193,7 @@ def test_an_interrupt_from_outside(tmp_path):
         "import os, signal\n"
         "from rich.progress import Progress\n"
         "from tweezer.cli import main\n"
-        "def update(self, task, completed):\n"
+        "def update(self, task, completed=0.0, **told):\n"
         "    if completed > 1e-3: os.kill(os.getpid(), signal.SIGINT)\n"
         "Progress.update = update\n"
         "main()\n"

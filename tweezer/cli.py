@@ -129,7 +129,7 @@ def run(
     from tweezer.plots import run_figure
 
     _write_figure(run_figure(result), plot)
-    _out.print(f"wrote {out} and {plot}", highlight=False, soft_wrap=True)
+    _tell_written(out, plot)
     if result.attrs["status"] in ("failed", "interrupted"):
         _complain(f"{described.name}: {result.attrs['message']}; what was reached is in {out}")
         failed = result.attrs["status"] == "failed"
@@ -159,9 +159,7 @@ def trap(
         from tweezer.plots import trap_figure
 
         _write_figure(trap_figure(described, characterised), plot)
-    written = " and ".join(str(path) for path in (out, plot) if path)
-    if written:
-        _out.print(f"wrote {written}", highlight=False, soft_wrap=True)
+    _tell_written(out, plot)
 
 
 @app.command()
@@ -212,6 +210,7 @@ def tune(
         from tweezer.plots import tuning_figure
 
         _write_figure(tuning_figure(tuning, described.name), plot)
+    _tell_written(out, plot)
 
 
 @app.command()
@@ -271,7 +270,7 @@ def ensemble(
         done = f"{result.attrs['trajectories_done']} of {trajectories} trajectories"
         _complain(f"{described.name}: interrupted after {done}; go on with --resume")
         raise typer.Exit(_INTERRUPTED)
-    _out.print(f"wrote {out}", highlight=False, soft_wrap=True)
+    _tell_written(out)
 
 
 @app.command()
@@ -337,6 +336,7 @@ def calibrate(
         from tweezer.plots import calibration_figure
 
         _write_figure(calibration_figure(loaded, calibration), plot)
+    _tell_written(out, plot)
 
 
 @app.command()
@@ -402,6 +402,8 @@ def fit_depth(
     from tweezer.analysis import load_track
 
     loaded = load_track(track)
+    if loaded.scene is not None and loaded.scene.bead != described.bead:
+        raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
     with _progress(described.name, 1.0) as progress:
         found = fitted(
             loaded, described, noise=given, search=range_, fit=fit or (), progress=progress
@@ -422,6 +424,7 @@ def fit_depth(
         from tweezer.plots import depth_figure
 
         _write_figure(depth_figure(loaded, found), plot)
+    _tell_written(out, plot)
 
 
 @app.command("map")
@@ -497,6 +500,7 @@ def bench_force(
         _write_json(results, out)
     if plot:
         _write_figure(report.figure(results), plot)
+    _tell_written(out, plot)
 
 
 @bench.command("integrate")
@@ -521,6 +525,7 @@ def bench_integrate(
         _write_json(results, out)
     if plot:
         _write_figure(report.figure(results), plot)
+    _tell_written(out, plot)
 
 
 @bench.command("brownian")
@@ -551,6 +556,7 @@ def bench_brownian(
         _write_json(results, out)
     if plot:
         _write_figure(report.figure(results), plot)
+    _tell_written(out, plot)
 
 
 @bench.command("scaling")
@@ -581,6 +587,7 @@ def bench_scaling(
         _write_json(results, out)
     if plot:
         _write_figure(report.figure(results), plot)
+    _tell_written(out, plot)
 
 
 @bench.command("depth")
@@ -604,6 +611,7 @@ def bench_depth(
         _write_json(results, out)
     if plot:
         _write_figure(report.figure(results), plot)
+    _tell_written(out, plot)
 
 
 def _benchmark(name: str) -> ModuleType:
@@ -836,7 +844,7 @@ def _print_calibration(calibration: Calibration) -> None:
             "corner frequency "
             f"{_determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty)} Hz; "
             f"diffusion {_determined(diffusion, 1e12 * axis.diffusion_uncertainty)} um^2/s; "
-            f"p = {free.p_value:.2g}",
+            f"p = {fit.p_value:.2g}",
             highlight=False, soft_wrap=True,
         )  # fmt: skip
     if calibration.note:
@@ -922,6 +930,12 @@ def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
         "trap": dataclasses.asdict(characterised),
     }
     _write_json(result, path)
+
+
+def _tell_written(*paths: Path | None) -> None:
+    written = " and ".join(str(path) for path in paths if path)
+    if written:
+        _out.print(f"wrote {written}", highlight=False, soft_wrap=True)
 
 
 def _write_json(value: object, path: Path) -> None:

@@ -160,6 +160,12 @@ class Walk:
         return (*pointers, system, self.plan, self.weights), advance
 
 
+def check_seed(seed: int) -> None:
+    """Raises `SceneError` unless it is a seed of thermal motion."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
+
+
 def walk(scene: Scene, seed: int = 0) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
@@ -173,8 +179,7 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     """
     if not scene.forces.brownian:
         raise SceneError("forces.brownian = False: there is no thermal motion; allowed: true")
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
-        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
+    check_seed(seed)
     reasons = []
     simulation = scene.simulation
     if simulation.model is None:
