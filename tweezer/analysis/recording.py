@@ -103,9 +103,9 @@ class Recording:
 class Track:
     """What a camera saw of a bead: two coordinates, at times that need not be even.
 
-    Raises `ResultError`, naming the frame, unless times are finite and rise, no coordinate is
-    infinite, both are seen in ten frames or more, the first among them, and they extend over what a
-    microscope shows.
+    Raises `ResultError`, naming the frame, unless both are numbers, of those shapes, times are
+    finite and rise, no coordinate is infinite, both are seen in ten frames or more, the first among
+    them, and they extend over what a microscope shows.
     """
 
     name: str
@@ -118,6 +118,16 @@ class Track:
     """what a run of ours was made from"""
 
     def __post_init__(self) -> None:
+        for name in ("times", "positions"):
+            try:
+                object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
+            except (TypeError, ValueError):
+                raise ResultError(f"{self.name}: {name} must be an array of numbers") from None
+        if self.times.ndim != 1 or self.positions.shape != (len(self.times), 2):
+            raise ResultError(
+                f"{self.name}: times of shape {self.times.shape}, positions of shape "
+                f"{self.positions.shape}; must be (n,) and (n, 2)"
+            )
         steps = np.diff(self.times)
         for wrong, why, first in (
             (~np.isfinite(self.times), "its time is not finite", 1),
@@ -175,6 +185,8 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
         raise ResultError(f"{source}: has no column {' and no column '.join(missing)}")
     positions = np.stack([found["x"], found["y"]], axis=1)
     both = np.isfinite(positions).all(axis=1)
+    if not both.any():
+        raise ResultError(f"{source}: has no frame with x and y")
     begin = int(np.argmax(both))
     return Track(str(source), found["t"][begin:], positions[begin:])
 
