@@ -37,7 +37,12 @@ _NOISE = (1e-10, 1e-6)
 #: places of the scan; range it has if none is given, and the table, in radii
 _PLACES, _SEARCH, _TABLE = 121, 15.0, 20.0
 #: misfit above the best from which on the noise is not fitted anew
-_HOPELESS = 100.0
+_HOPELESS = 40.0
+#: misfit between neighbours near the least from which on there should be a place between them; how
+#: often a step of the scan is halved for that, and how many places there may be more
+_JUMP, _HALVINGS, _MORE = 2 * LEVEL, 5, 80
+#: calls of the likelihood in a fit, for each number that is fitted and one more
+_CALLS = 20
 #: in units of what is fitted: step of a derivative, and of a second one
 _STEP, _WIDE_STEP = 1e-2, 3e-2
 #: frames from which the start is guessed, and how wide the guess is, in steps between them
@@ -81,7 +86,8 @@ class Parameter:
     """"noise", "power" (through the pupil), "radius", "scaling_factor" or "release\""""
     value: float
     uncertainty: float | None
-    """standard uncertainty, by the curvature of the likelihood; None at an end of its range"""
+    """standard uncertainty, by the curvature of the likelihood; None where that tells nothing, at
+    an end of its range or, of the noise, above the value"""
     unit: str
 
 
@@ -97,7 +103,8 @@ class DepthFit:
     intervals: tuple[tuple[float, float], ...]
     """m, 95 % confidence by profile likelihood: as many pieces as there are"""
     determined: bool
-    """whether that is one piece, shorter than half the search, that does not meet its ends"""
+    """whether that is one piece, shorter than half the search, that does not meet its ends, of a
+    profile without jumps about it, and the residuals are white"""
     statement: str
     """what the track tells, in words"""
     minima: tuple[Minimum, ...]
@@ -145,13 +152,20 @@ def fit_depth(
     map, made to 20 radii; of the quadrature for linear polarisation.
 
     The likelihood is that of a Kalman filter (`tweezer.dynamics.filter`), for thermal motion adds
-    up: residuals about the motion without it are not independent. x and y of the start are averaged
-    over. The misfit is least over what else is fitted at 121 places of the search and within its
-    minima; the interval holds the starts whose misfit is less than 3.84 above the least (S. S.
-    Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. A coordinate has
-    a probability of 1 % to be a number from anywhere (`Camera.outliers`). The p-value is of the
-    correlations of the residuals (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)), and of
-    their size where the noise is given.
+    up: residuals about the motion without it are not independent. The filter takes the force as
+    linear over the spread of where the bead may be; once that spread passes about a radius, as it
+    can with the inertia of the scaled model, the likelihood means little, and the statement says
+    so. x and y of the start are averaged over. A coordinate may be a number from anywhere: to its
+    density is added 0.01 over the length that the track extends over (`Camera.outliers`).
+
+    The misfit is least over what else is fitted at 121 places of the search, within its minima, and
+    at up to 80 places more where it jumps near the least by more than 7.7 from one to the next,
+    down to 1/32 of a step; the interval holds the starts whose misfit is less than 3.84 above the
+    least (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It
+    is not taken to determine z if such a jump is left at an end of it, if a fit near it has not
+    converged, or if the p-value is below 0.001. The p-value is of the correlations of the residuals
+    (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)), and of their size where the noise is
+    given.
 
     Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, a search or a
     name in `fit` that is none; `IntegrationError` where the motion cannot be followed.
@@ -165,44 +179,31 @@ def fit_depth(
     _refuse(track, scene, noise, search, fit)
     likelihood = _Likelihood(track, scene, noise, fit)
 
-    places = np.linspace(*search, _PLACES)
-    fitted = np.array([likelihood.misfit(z, likelihood.guess) for z in places])
-    _, near_best = likelihood.profile(places[fitted.argmin()], likelihood.guess)
-    nuisances = np.tile(near_best, (_PLACES, 1))
-    for i, z in enumerate(places):
-        fitted[i] = likelihood.misfit(z, near_best)
-        if fit or fitted[i] < fitted[:i].min(initial=math.inf) + _HOPELESS:
-            begin = nuisances[i - 1] if fit and i else near_best
-            fitted[i], nuisances[i] = likelihood.profile(z, begin)
-        if progress:
-            progress((i + 1) / _PLACES)
-
-    def misfit(z: float) -> float:
-        near = nuisances[int(np.argmin(np.abs(places - z)))]
-        return likelihood.profile(z, near)[0]
-
-    found = sorted(_minima(places, fitted, misfit), key=lambda each: each[1])
-    best, least = found[0]
-    at, values = map(
-        np.array, zip(*sorted([*zip(places, fitted, strict=True), *found]), strict=True)
-    )
-    intervals = tuple(_below(at, values - least, lambda z: misfit(z) - least))
-    _, optimum = likelihood.profile(best, nuisances[int(np.argmin(np.abs(places - best)))])
+    profile = _Profile(likelihood, search, progress)
+    profile.polish()
+    profile.refine((search[1] - search[0]) / (_PLACES - 1) / 2**_HALVINGS)
+    at, values = profile.places, profile.values - profile.values.min()
+    i = int(values.argmin())
+    best, optimum = float(at[i]), profile.nuisances[i]
+    intervals = tuple(_below(at, values, profile.above))
     path = likelihood.filtered(best, optimum)
     parameters = tuple(likelihood.parameters(best, optimum))
-    outliers = int((path.weights < 0.5).sum())
     p_value = _p_value(path, sized=noise is not None)
-    minima = tuple(Minimum(float(z), float(value - least)) for z, value in found)
+    doubts = _doubts(scene.bead.radius, profile, path, p_value)
     (low, high), *more = intervals
-    length = high - low
     open_end = low <= search[0] or intervals[-1][1] >= search[1]
-    determined = not more and not open_end and length < (search[1] - search[0]) / 2
+    determined = (
+        not more and not open_end and high - low < (search[1] - search[0]) / 2
+        and not any(doubt.refuses for doubt in doubts)
+    )  # fmt: skip
+    minima = [Minimum(float(at[i]), float(values[i])) for i in profile.lowest]
     return DepthFit(
-        track.name, scene.name, float(best), intervals, determined,
-        _statement(float(best), intervals, search, determined, parameters, p_value),
-        minima, likelihood.noise(optimum), parameters, search, float(track.times[0]),
-        len(track.times), outliers, p_value,
-        tuple(zip(at.tolist(), (values - least).tolist(), strict=True)), path,
+        track.name, scene.name, best, intervals, determined,
+        _statement(best, intervals, search, determined, parameters, doubts),
+        tuple(sorted(minima, key=lambda each: each.misfit)), likelihood.noise(optimum),
+        parameters, search, float(track.times[0]), len(track.times),
+        int((path.weights < 0.5).sum()), p_value,
+        tuple(zip(at.tolist(), values.tolist(), strict=True)), path,
     )  # fmt: skip
 
 
@@ -218,6 +219,8 @@ def _refuse(
         raise ResultError(f"search = {low:g} to {high:g} m: must go from a z to a larger one")
     if noise is not None and not _NOISE[0] <= noise <= _NOISE[1]:
         raise ResultError(f"noise = {noise:g} m: must be from {_NOISE[0]:g} to {_NOISE[1]:g} m")
+    if isinstance(fit, str):
+        raise ResultError(f"fit = {fit!r}: must be a list of names")
     for name in fit:
         if name not in FREE:
             raise ResultError(f"fit = {name!r}: allowed: {', '.join(FREE)}")
@@ -227,13 +230,24 @@ def _refuse(
         raise ResultError("fit = 'scaling_factor': needs simulation.model = 'scaled'")
     if "power" in fit and not scene.lit:
         raise ResultError("fit = 'power': the scene has no light")
-    reach = float(np.nanmax(np.hypot(*track.positions.T)))
-    farthest = math.hypot(reach, max(abs(low), abs(high)))
+    farthest = math.hypot(*_start(track.positions), max(abs(low), abs(high)))
     if farthest >= 2 * scene.simulation.loss_distance:
         raise ResultError(
             f"{track.name}: starts up to {farthest:.3g} m from the focus; must be nearer than "
             f"twice simulation.loss_distance = {scene.simulation.loss_distance:.3g} m"
         )
+
+
+def _start(positions: Array) -> Array:
+    """x and y about which the bead starts: one wrong number among the first does not move them."""
+    first = positions[:_FIRST]
+    middle: Array = np.median(first[np.isfinite(first).all(axis=1)], axis=0)
+    return middle
+
+
+def _usual(numbers: Array, order: int) -> float:
+    """Median size of the differences of a coordinate from one place it was seen to the next."""
+    return float(np.median(np.abs(np.diff(numbers[np.isfinite(numbers)], order))))
 
 
 class _Likelihood:
@@ -259,10 +273,10 @@ class _Likelihood:
         self._positions = np.ascontiguousarray(track.positions)
         extent = float(np.ptp(track.positions[np.isfinite(track.positions)]))
         self._outliers = _OUTLIERS / (extent + 2 * scene.bead.radius)
-        first = self._positions[:_FIRST]
-        steps = np.nanmedian(np.abs(np.diff(first, axis=0)), axis=0)
-        spread = _GUESS * np.maximum(np.nan_to_num(steps), 1e-9)
-        self._start, self._spread = np.nanmedian(first, axis=0), np.append(spread, 0.0)
+        both = self._positions[np.isfinite(self._positions).all(axis=1)][:_FIRST]
+        least = self.noise(self.guess)
+        spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
+        self._start, self._spread = _start(self._positions), np.array([*spread, 0.0])
 
     @property
     def free(self) -> int:
@@ -270,10 +284,15 @@ class _Likelihood:
         return len(self._fit) + (self._noise is None)
 
     @property
+    def more(self) -> bool:
+        """Whether the scene is not known."""
+        return bool(self._fit)
+
+    @property
     def guess(self) -> Array:
         """Where a fit begins; noise by the differences of frames, which thermal motion is in."""
-        steps = np.diff(self._positions, 2, axis=0)
-        usual = np.nanmedian(np.abs(steps)) / (0.6745 * math.sqrt(6))
+        usual = float(np.mean([_usual(seen, 2) for seen in self._positions.T]))
+        usual /= 0.6745 * math.sqrt(6)
         start = [] if self._noise else [math.log(min(max(usual, 2e-10), 5e-7))]
         return np.array(start + [0.0] * len(self._fit))
 
@@ -317,15 +336,19 @@ class _Likelihood:
         """-2 log(likelihood)."""
         return -2 * self.filtered(z, p).log_likelihood
 
-    def profile(self, z: float, p: Array) -> tuple[float, Array]:
-        """Least misfit with the start at z, and where it is; p: where to begin."""
+    def profile(self, z: float, p: Array) -> tuple[float, Array, bool]:
+        """Least misfit with the start at z, where it is, and whether the fit came to an end.
+
+        p: where to begin.
+        """
         if not self.free:
-            return self.misfit(z, p), p
+            return self.misfit(z, p), p, True
+        calls = _CALLS * (self.free + 1)
         found = minimize(
             lambda q: self.misfit(z, q), p, method="L-BFGS-B", bounds=self._bounds,
-            options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": 30},
+            options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": calls},
         )  # fmt: skip
-        return float(found.fun), found.x
+        return float(found.fun), found.x, found.nfev < calls
 
     def parameters(self, z: float, p: Array) -> list[Parameter]:
         """What was fitted, with uncertainties by the curvature of the misfit over z and all."""
@@ -338,13 +361,14 @@ class _Likelihood:
         names = self._fit if self._noise else ("noise", *self._fit)
         parameters = []
         for name, value, variance, ends in zip(names, p, variances, self._bounds, strict=True):
-            at_end = min(value - ends[0], ends[1] - value) < 2 * _WIDE_STEP or not variance > 0
+            untold = min(value - ends[0], ends[1] - value) < 2 * _WIDE_STEP or not variance > 0
             unit = FREE[name].unit if name in FREE else "m"
             size = self._step
             number = value * size
             if name != "release":
                 number = size = (self._given.get(name) or 1.0) * math.exp(value)
-            uncertainty = None if at_end else float(size * math.sqrt(variance))
+                untold = untold or (name == "noise" and variance > 1)
+            uncertainty = None if untold else float(size * math.sqrt(variance))
             parameters.append(Parameter(name, float(number), uncertainty, unit))
         return parameters
 
@@ -364,25 +388,79 @@ def _curvature(function: Callable[[Array], float], at: Array) -> Array:
     return second
 
 
-def _minima(
-    places: Array, values: Array, misfit: Callable[[float], float]
-) -> list[tuple[float, float]]:
-    """z and misfit of the minima that the scan shows, the ends of the search among them."""
-    around = np.concatenate([[np.inf], values, [np.inf]])
-    lowest = np.flatnonzero(
-        (values <= around[:-2]) & (values < around[2:]) & (values < values.min() + _HOPELESS)
-    )
-    found = []
-    for i in lowest:
-        low, high = places[max(int(i) - 1, 0)], places[min(int(i) + 1, len(places) - 1)]
-        near = minimize_scalar(
-            misfit, bounds=(low, high), method="bounded",
-            options={"xatol": 0.01 * (high - low)},
-        )  # fmt: skip
-        scanned = float(places[i]), float(values[i])
-        polished = float(near.x), float(near.fun)
-        found.append(min(scanned, polished, key=lambda each: each[1]))
-    return found
+class _Profile:
+    """The least misfit over the start in z, at the places where it has been sought."""
+
+    def __init__(
+        self,
+        likelihood: _Likelihood,
+        search: tuple[float, float],
+        progress: Callable[[float], None] | None,
+    ) -> None:
+        """The scan."""
+        self._likelihood = likelihood
+        self.places = np.linspace(*search, _PLACES)
+        self.values = np.array([likelihood.misfit(z, likelihood.guess) for z in self.places])
+        first = self.places[self.values.argmin()]
+        _, near_best, _ = likelihood.profile(first, likelihood.guess)
+        self.nuisances = np.tile(near_best, (_PLACES, 1))
+        self.converged = np.ones(_PLACES, dtype=bool)
+        more = likelihood.more
+        least = math.inf
+        for i, z in enumerate(self.places):
+            self.values[i] = likelihood.misfit(z, near_best)
+            if more or self.values[i] < least + _HOPELESS:
+                begin = self.nuisances[i - 1] if more and i else near_best
+                self.values[i], self.nuisances[i], self.converged[i] = likelihood.profile(z, begin)
+            least = min(least, self.values[i])
+            if progress:
+                progress((i + 1) / _PLACES)
+
+    def _sought(self, z: float) -> tuple[float, Array, bool]:
+        return self._likelihood.profile(z, self.nuisances[np.abs(self.places - z).argmin()])
+
+    def above(self, z: float) -> float:
+        """The misfit above the least, at any z; the places stay as they are."""
+        return self._sought(z)[0] - float(self.values.min())
+
+    def _add(self, z: float) -> None:
+        value, nuisance, converged = self._sought(z)
+        i = int(np.searchsorted(self.places, z))
+        self.places = np.insert(self.places, i, z)
+        self.values = np.insert(self.values, i, value)
+        self.nuisances = np.insert(self.nuisances, i, nuisance, axis=0)
+        self.converged = np.insert(self.converged, i, converged)
+
+    @property
+    def lowest(self) -> NDArray[np.intp]:
+        """The places of the minima that are near the least, the ends of the search among them."""
+        around = np.concatenate([[np.inf], self.values, [np.inf]])
+        below = (self.values <= around[:-2]) & (self.values < around[2:])
+        return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
+
+    def polish(self) -> None:
+        """Add the minima between the places."""
+        ends = np.concatenate([self.places[:1], self.places, self.places[-1:]])
+        for low, high in [(ends[i], ends[i + 2]) for i in self.lowest]:
+            near = minimize_scalar(
+                lambda z: self._sought(z)[0], bounds=(low, high), method="bounded",
+                options={"xatol": 0.01 * (high - low)},
+            )  # fmt: skip
+            self._add(float(near.x))
+
+    def refine(self, finest: float) -> None:
+        """Add places where the misfit jumps near the least, the widest gap first."""
+        for _ in range(_MORE):
+            gaps = np.diff(self.places) * self.jumps(_JUMP)
+            widest = int(gaps.argmax())
+            if gaps[widest] < 2 * finest:
+                return
+            self._add(float(self.places[widest : widest + 2].mean()))
+
+    def jumps(self, near: float) -> NDArray[np.bool_]:
+        """(places - 1,) where the misfit jumps from one place to the next, one within `near`."""
+        lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
+        return (np.abs(np.diff(self.values)) > _JUMP) & (lower <= near)
 
 
 def _below(at: Array, values: Array, misfit: Callable[[float], float]) -> list[tuple[float, float]]:
@@ -414,6 +492,8 @@ def _p_value(path: Filtered, *, sized: bool) -> float:
     statistic, lags = 0.0, 0
     for residuals in trusted.T:
         seen = residuals[np.isfinite(residuals)]
+        if not seen.any():  # no correlation with a coordinate that is exactly what was predicted
+            continue
         for lag in range(1, min(_LAGS, len(seen) // 5) + 1):
             products = residuals[lag:] * residuals[:-lag]
             pairs = int(np.isfinite(products).sum())
@@ -428,19 +508,59 @@ def _p_value(path: Filtered, *, sized: bool) -> float:
     return p_value
 
 
+class _Doubt(NamedTuple):
+    """Why the interval may be wrong."""
+
+    told: str
+    refuses: bool
+    """whether z is then not determined"""
+
+
+def _doubts(radius: float, profile: _Profile, path: Filtered, p_value: float) -> list[_Doubt]:
+    doubts = []
+    if profile.jumps(LEVEL).any():
+        doubts.append(
+            _Doubt("the misfit jumps at the interval's ends: its length means nothing", True)
+        )
+    near = profile.values - profile.values.min() < _JUMP
+    if lost := int((~profile.converged & near).sum()):
+        doubts.append(_Doubt(f"{lost} of {int(near.sum())} fits near it have not converged", True))
+    within = np.linalg.norm(path.predicted, axis=1) < _TABLE * radius
+    widest = float(path.deviations[within, 2].max(initial=0.0))
+    if widest > radius:
+        doubts.append(
+            _Doubt(
+                f"z spreads to {1e6 * widest:.2g} um, over which the force is not linear as the "
+                "likelihood takes it",
+                False,
+            )
+        )
+    if p_value < _IMPROBABLE:
+        doubts.append(
+            _Doubt(
+                f"the residuals are not white (p = {p_value:.1g}): "
+                "scene or noise is not the track's",
+                True,
+            )
+        )
+    return doubts
+
+
 def _statement(
     z: float,
     intervals: tuple[tuple[float, float], ...],
     search: tuple[float, float],
     determined: bool,
     parameters: tuple[Parameter, ...],
-    p_value: float,
+    doubts: Sequence[_Doubt],
 ) -> str:
     pieces = " and ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in intervals)
     if determined:
         told = f"the bead started at z = {1e6 * z:.4g} um; 95 % confidence: {pieces} um"
     else:
         told = f"the track does not determine z: every start from {pieces} um fits it"
+        if any(doubt.refuses for doubt in doubts):
+            told = f"the track does not determine z: starts from {pieces} um fit it best"
         if len(intervals) > 1:
             told = f"the track leaves {len(intervals)} places for the start: {pieces} um"
         ends = [
@@ -456,8 +576,4 @@ def _statement(
     stuck = [each.name for each in parameters if each.uncertainty is None]
     if stuck:
         told += f"; not determined: {', '.join(stuck)}"
-    if p_value < _IMPROBABLE:
-        told += (
-            f"; the residuals are not white (p = {p_value:.1g}): scene or noise is not the track's"
-        )
-    return told
+    return "; ".join([told, *(doubt.told for doubt in doubts)])

@@ -9,7 +9,9 @@ u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The distribution of its state i
 the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
 A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
 Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
-786 (2009)), whose exponentials are by doubling the step: a linear force is exact over any step.
+786 (2009)), whose exponentials are by doubling the step: a linear force is exact over any step. The
+force bends within about a radius: a distribution as wide as that is not Gaussian, and the filter's
+likelihood of what comes after means little.
 
 A coordinate seen is the bead's and Gaussian noise, or, with a small probability, a number from
 anywhere; the state is corrected in proportion to the probability that it is the former (Y.
@@ -84,7 +86,8 @@ class Camera(NamedTuple):
     noise: float
     """m, standard deviation of a coordinate"""
     outliers: float
-    """1/m, density of numbers from anywhere: their probability over the length they are in"""
+    """1/m, density of numbers from anywhere, which the bead's is added to: their odds over the
+    length they are in"""
 
 
 class Filtered(NamedTuple):
@@ -94,6 +97,8 @@ class Filtered(NamedTuple):
     """of the coordinates seen, in m"""
     predicted: Array
     """(n, 3) m, the bead at each frame, by the frames before"""
+    deviations: Array
+    """(n, 3) m, standard deviations of that"""
     residuals: Array
     """(n, 2) what was seen less what was predicted, in its standard deviation: independent of each
     other, of mean 0 and variance 1, if the model holds; NaN for what is missing"""
@@ -117,7 +122,7 @@ def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
 
     def filtered(bead: Bead, camera: Camera) -> Filtered:
         n = len(camera.times)
-        out = np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2))
+        out = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2))
         log_likelihood = loop(*pointers, bound, bead, camera, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
@@ -137,12 +142,12 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
         system,
         typeof(Bead(0.0, 0.0, 0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
         typeof(Camera(empty, table, 0.0, 0.0)),
-        _matrix, _matrix, _matrix,
+        _matrix, _matrix, _matrix, _matrix,
     )  # fmt: skip
 
     @njit(signature, cache=True, error_model="numpy", nogil=True)
     def loop(  # type: ignore[no-untyped-def]
-        kernel, beyond, system, bead, camera, predicted, residuals, weights
+        kernel, beyond, system, bead, camera, predicted, deviations, residuals, weights
     ):
         _ = called
         n = 6 if bead.tau > 0 else 3
@@ -167,6 +172,7 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                     time = camera.times[frame]
             for k in range(3):
                 predicted[frame, k] = mean[k]
+                deviations[frame, k] = math.sqrt(max(P[k, k], 0.0))
             for k in range(2):
                 log_likelihood += _see(camera, frame, k, work, residuals, weights)
         return log_likelihood
