@@ -32,6 +32,8 @@ NOT_RUN = {
     "python3 -m venv .venv": "make demo",
     ".venv/bin/python -m pip install --editable .": "make demo",
     ".venv/bin/tweezer run thesis-990nm": "make demo",
+    "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
+    "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python tests/test_notebooks.py": "writes into the checkout; tests/test_notebooks.py",

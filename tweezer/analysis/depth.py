@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
-from scipy.optimize import brentq, minimize, minimize_scalar
+from scipy.optimize import OptimizeResult, brentq, minimize, minimize_scalar
 from scipy.special import chdtrc
 
 from tweezer.analysis.recording import Track, load_track
@@ -43,6 +43,8 @@ _HOPELESS = 40.0
 _JUMP, _HALVINGS, _MORE = 2 * LEVEL, 5, 80
 #: calls of the likelihood in a fit, for each number that is fitted and one more
 _CALLS = 20
+#: misfit that is next to nothing, against `LEVEL`
+_NOTHING = 0.1
 #: in units of what is fitted: step of a derivative, and of a second one
 _STEP, _WIDE_STEP = 1e-2, 3e-2
 #: frames from which the start is guessed, and how wide the guess is, in steps between them
@@ -337,18 +339,26 @@ class _Likelihood:
         return -2 * self.filtered(z, p).log_likelihood
 
     def profile(self, z: float, p: Array) -> tuple[float, Array, bool]:
-        """Least misfit with the start at z, where it is, and whether the fit came to an end.
+        """Least misfit with the start at z, where it is, and whether the fit came to an end: within
+        its calls, or because as many calls more gain next to nothing.
 
         p: where to begin.
         """
         if not self.free:
             return self.misfit(z, p), p, True
         calls = _CALLS * (self.free + 1)
-        found = minimize(
-            lambda q: self.misfit(z, q), p, method="L-BFGS-B", bounds=self._bounds,
-            options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": calls},
-        )  # fmt: skip
-        return float(found.fun), found.x, found.nfev < calls
+
+        def sought(begin: Array) -> OptimizeResult:
+            return minimize(
+                lambda q: self.misfit(z, q), begin, method="L-BFGS-B", bounds=self._bounds,
+                options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": calls},
+            )  # fmt: skip
+
+        found = sought(p)
+        if found.nfev < calls:
+            return float(found.fun), found.x, True
+        more = sought(found.x)
+        return float(more.fun), more.x, found.fun - more.fun < _NOTHING
 
     def parameters(self, z: float, p: Array) -> list[Parameter]:
         """What was fitted, with uncertainties by the curvature of the misfit over z and all."""
