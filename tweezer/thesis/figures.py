@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
-_SIDES = ("thesis", "unscaled")
 _DARK = {"thesis": "#332288", "unscaled": "#117733"}
 _PALE = {"thesis": "#bbb3dd", "unscaled": "#b0d0b8"}
 _TERMINAL, _MUTED = "#cc3311", "#777777"
@@ -46,7 +45,9 @@ def figure(number: str, motions: Motions) -> Figure:
         run = getattr(motions, side)
         draw(axes, run, getattr(motions, f"{side}_thermal"), side)
         axes.set_title(_heading(run, side), fontsize=10)
-    drawn.suptitle(f"Figure {number}: {title}, {bead} bead; pale: with thermal motion", fontsize=11)
+    drawn.suptitle(
+        f"Figure {number}: {title}, {bead[:-2]} nm bead; pale: with thermal motion", fontsize=11
+    )
     return drawn
 
 
@@ -61,12 +62,14 @@ def _time(run: xr.Dataset) -> np.ndarray:
     return run["time"].values * _MILLI
 
 
-def _mark(axes: Axes, x: np.ndarray, y: np.ndarray, run: xr.Dataset, marker: str = "o") -> None:
+def _mark(
+    axes: Axes, x: np.ndarray, y: np.ndarray, run: xr.Dataset, marker: str = "o", of: str = ""
+) -> None:
     approach = closest_approach(run)
     if approach is not None:
         axes.plot(
             x[approach], y[approach], marker, ms=8, mfc="none", mec="black", mew=1.3,
-            label="FCA", zorder=5,
+            label=f"FCA{of}", zorder=5,
         )  # fmt: skip
 
 
@@ -111,7 +114,7 @@ def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
     axes.plot(inner * _MICRO, _signed(random) * _PICO, ".", color=_PALE[side], ms=1.5)
     force = _signed(run["net_force"].values) * _PICO
     distance = run["distance"].values * _MICRO
-    axes.plot(distance, force, ".", color=_DARK[side], ms=2.5)
+    axes.plot(distance, force, color=_DARK[side], lw=1.3)
     _mark(axes, distance, force, run)
     axes.axhline(0, color=_MUTED, lw=0.6)
     axes.set(xlabel="distance to the focus (µm)", ylabel="net motion force, sign of N3 (pN)")
@@ -144,8 +147,8 @@ def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
     terminal = run["terminal_speed"].values * _MILLI
     axes.plot(_time(run)[1:], actual[1:], color=_DARK[side], lw=1.5, label="actual")
     axes.plot(_time(run), terminal, color=_TERMINAL, lw=1.1, ls="--", label="terminal (5.2)")
-    _mark(axes, _time(run), actual, run)
-    _mark(axes, _time(run), terminal, run, "*")
+    _mark(axes, _time(run), actual, run, of=", actual")
+    _mark(axes, _time(run), terminal, run, "*", of=", terminal")
     top = max(actual.max(), terminal.max())
     axes.set(xlabel="time (ms)", ylabel="speed (mm/s)", yscale="log", ylim=(1e-5 * top, 3 * top))
     axes.legend(frameon=False, fontsize=8)
@@ -224,7 +227,7 @@ def study_figure(study: Study) -> Figure:
             )  # fmt: skip
         axes[panel].set(xlabel="time (ms)", ylabel="q2 (µm)")
         axes[panel].set_title("solid: trapped and ringing, or as printed (black)", fontsize=9)
-        axes[panel].legend(frameon=False, fontsize=7)
+        axes[panel].legend(fontsize=7, framealpha=0.85)
     _draw_capture(axes["map"], study)
     low, high = study.kept_interval
     drawn.suptitle(

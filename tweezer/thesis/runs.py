@@ -23,6 +23,9 @@ INTEGRAL = {"evaluator": "map", "table_range": 20.0}
 #: relative, of the unscaled motion: at the thesis's 1e-7 a bead at rest jitters by Re = 1e-7
 _TOLERANCE = 1e-10
 
+#: samples of a motion without noise to one of its scene
+_SAMPLES_BETWEEN = 20
+
 _NOISE = {"brownian": True, "brownian_torque": True}
 
 
@@ -82,19 +85,25 @@ def motions(bead: str, seed: int = 1) -> Motions:
     noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
     return Motions(
         bead=bead,
-        thesis=simulate(thesis),
+        thesis=simulate(_densely_sampled(thesis)),
         thesis_thermal=simulate(noisy, seed=seed),
-        unscaled=simulate(unscaled, tolerance=_TOLERANCE),
+        unscaled=simulate(_densely_sampled(unscaled), tolerance=_TOLERANCE),
         unscaled_thermal=simulate(unscaled.replace(forces=_NOISE), seed=seed),
     )
 
 
+def _densely_sampled(scene: Scene) -> Scene:
+    """So that the peak of the force, which a bead passes within microseconds, is resolved."""
+    samples = _SAMPLES_BETWEEN * (scene.simulation.samples - 1) + 1
+    return scene.replace(simulation={"samples": samples})
+
+
 def closest_approach(run: xr.Dataset) -> int | None:
-    """Sample of the first closest approach (FCA): the first local minimum of the distance to the
-    focus (5.2); None if there is none.
+    """Sample nearest to the first closest approach (FCA), the first local minimum of the distance
+    to the focus (5.2); None if there is none.
     """
     time = summarise(run).closest_approach_time
-    return None if time is None else int(np.searchsorted(run["time"].values, time))
+    return None if time is None else int(np.abs(run["time"].values - time).argmin())
 
 
 def crossings(run: xr.Dataset, least: float = 1e-9) -> int:

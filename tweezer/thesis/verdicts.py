@@ -14,10 +14,11 @@ from scipy.constants import Boltzmann
 from tweezer.analysis import Track, fit_depth, summarise, tune
 from tweezer.bead import bead_properties
 from tweezer.dynamics import bind, integrate
+from tweezer.ensembles import ensemble
 from tweezer.equilibria import Equilibrium, stable_equilibrium
 from tweezer.errors import TweezerError
 from tweezer.io import scene_of
-from tweezer.optics import optical_force, optical_torque
+from tweezer.optics import optical_force
 from tweezer.optics.rays import grid
 from tweezer.scene import load_scene
 from tweezer.simulation import simulate
@@ -33,8 +34,10 @@ from tweezer.thesis.runs import (
 
 _MICRO, _NANO, _MILLI, _PICO = 1e6, 1e9, 1e3, 1e12
 _WHICH = ("thesis", "unscaled")
-#: m, noise of the camera that `_hidden_start` looks through, and its seed
-_CAMERA, _CAMERA_SEED = 10e-9, 1
+#: s, over which `_jagged_tail` averages the random force
+_LOOK = 1e-3
+#: m, noise of the camera that `_hidden_start` looks through, its seed, frames, and tracks of a bead
+_CAMERA, _CAMERA_SEED, _FRAMES, _TRACKS = 10e-9, 1, 60, 5
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class Claim:
     unscaled: bool | None
     """whether it holds for the unscaled equations"""
     numbers: dict[str, float] = field(default_factory=dict)
-    """what `computed` says, SI; not what is not a number there"""
+    """what `computed` says, SI or the unit in the name; not what is not a number there"""
 
     @property
     def verdict(self) -> str:
@@ -355,7 +358,7 @@ def _reynolds_blind(evidence: Evidence) -> Claim:
         "The Reynolds number has no value in predicting the motion of beads below 1 µm",
         "Re << 1 says overdamped: a bead overshoots all the same",
         f"Re at most {largest:.1g}, and unscaled no bead overshoots by more than "
-        f"{max(overshoot.values()) * _NANO:.1g} nm: Re predicts it",
+        f"{max(overshoot.values()) * _NANO:.1g} nm",
         rings["thesis"], rings["unscaled"], overshoot=overshoot, largest_Re=largest,
     )  # fmt: skip
 
@@ -367,18 +370,18 @@ def _force_vanishes(evidence: Evidence) -> Claim:
     where, part = {}, {}
     for bead in BEADS:
         scene = unscaled_scene(bead)
-        where[bead] = abs(evidence.equilibrium(bead).position[2]) / scene.bead.radius
+        where[bead] = evidence.equilibrium(bead).position[2] / scene.bead.radius
         at_focus = optical_force(scene, [0.0, 0.0, 0.0]) + bead_properties(scene).weight
         peak = float(
             np.linalg.norm(evidence.run("unscaled", bead)["net_force"].values, axis=1).max()
         )
         part[bead] = float(np.linalg.norm(at_focus)) / peak
-    holds = max(where.values()) < 0.5
+    holds = max(abs(z) for z in where.values()) < 0.5
     return _claim(
         "5.2, Figures 5.10-5.12",
         "The net motion force goes to zero within a small neighbourhood of the focus",
         "the stable equilibrium is within half a radius; the same force in both models",
-        f"it is {_list(where)} radii above the focus; at the focus itself the force is "
+        f"it is at {_list(where)} radii along the light; at the focus itself the force is "
         f"{_list(part)} of its peak on the way",
         holds, holds, equilibrium=where, at_focus=part,
     )  # fmt: skip
@@ -388,18 +391,19 @@ def _force_sign(evidence: Evidence) -> Claim:
     def against(run: xr.Dataset) -> float:
         z = run["position"].sel(axis="z").values
         force = run["net_force"].sel(axis="z").values
-        inside = run["distance"].values < 2 * scene_of(run).bead.radius
-        inside &= np.abs(z) > 0.05 * scene_of(run).bead.radius
-        return float(np.mean(force[inside] * z[inside] < 0)) if inside.any() else math.nan
+        r = scene_of(run).bead.radius
+        counted = (run["distance"].values < 2 * r) & (np.abs(z) > 0.05 * r)
+        counted &= np.abs(force) > 0.01 * np.abs(force).max()  # on its way, not at rest
+        return float(np.mean(force[counted] * z[counted] < 0)) if counted.any() else math.nan
 
     part = {which: evidence.each(which, against) for which in _WHICH}
     return _claim(
         "5.2, Figures 5.10-5.12",
         "The force is negative above the focus and positive below it",
-        "N3 component within two radii of the focus and more than r/20 off its plane: part of "
-        "the samples that it drives back, above 0.95",
-        f"{_list(part['thesis'])}; unscaled {_list(part['unscaled'])}: it vanishes at the "
-        "equilibrium, above the focus, and pushes up between the two",
+        "its N3 component, within two radii of the focus, more than r/20 off its plane, above 1 % "
+        "of the largest: it drives back at more than 0.95 of the samples",
+        f"at {_list(part['thesis'])}; unscaled {_list(part['unscaled'])}: it vanishes at the "
+        "equilibrium, not at the focus, and between the two it pushes on",
         min(part["thesis"].values()) > 0.95, min(part["unscaled"].values()) > 0.95,
         **part,
     )  # fmt: skip
@@ -414,7 +418,7 @@ def _force_peak(evidence: Evidence) -> Claim:
     return _claim(
         "5.2, Figures 5.10-5.12",
         "The peak of the force is closer to the focus for smaller beads",
-        "distance at which |net motion force| is largest on the way",
+        "distance at which |net motion force| is largest",
         f"{_list(at['thesis'], _MICRO)} µm; unscaled {_list(at['unscaled'], _MICRO)} µm",
         _rising(at["thesis"]),
         _rising(at["unscaled"]),
@@ -423,24 +427,23 @@ def _force_peak(evidence: Evidence) -> Claim:
 
 
 def _jagged_tail(evidence: Evidence) -> Claim:
-    """Random force averaged over a sample: sqrt(2 beta kT/h)."""
-    far, near, rms = {}, {}, {}
+    """Random force averaged over a time h: sqrt(2 beta kT/h) in each direction."""
+    growth, rms = {}, {}
     for bead in BEADS:
-        run, properties = evidence.run("thesis", bead), evidence.motions[bead].properties
-        sample = float(run["time"][1] - run["time"][0])
+        properties = evidence.motions[bead].properties
         temperature = evidence.motions[bead].scene.medium.temperature
-        rms[bead] = math.sqrt(2 * properties.drag * Boltzmann * temperature / sample)
-        force = np.linalg.norm(run["net_force"].values, axis=1)
-        far[bead], near[bead] = rms[bead] / force[0], rms[bead] / force.max()
-    holds = all(far[bead] > 1 > near[bead] for bead in BEADS)
+        rms[bead] = math.sqrt(2 * properties.drag * Boltzmann * temperature / _LOOK)
+        force = np.linalg.norm(evidence.run("unscaled", bead)["net_force"].values, axis=1)
+        growth[bead] = float(force.max() / force[0])
+    holds = min(growth.values()) > 10
     return _claim(
         "5.2, Figures 5.10-5.12",
         "The Brownian force dominates far from the focus and makes the tail of the force jagged",
-        "random force, averaged over a sample, above the net motion force at the start and below "
-        "it at its peak; white noise has no size of its own, so a shorter sample has more of it",
-        f"of a component {_list(rms, _PICO)} pN, {_list(far)} times the force at the start, "
-        f"{_list(near)} times the peak",
-        holds, holds, rms=rms, at_start=far, at_peak=near,
+        "its share of the net motion force is at least ten times larger at the start than at the "
+        "peak. Which of the two is larger has no answer: white noise has no size but over a time",
+        f"the share grows {_list(growth)} times; averaged over 1 ms the random force is "
+        f"{_list(rms, _PICO)} pN in each direction",
+        holds, holds, growth=growth, rms=rms,
     )  # fmt: skip
 
 
@@ -451,8 +454,7 @@ def _thermal_fluctuations(evidence: Evidence) -> Claim:
         for bead in BEADS:
             run = evidence.run(f"{which}_thermal", bead)
             if evidence.motions[bead].summary(f"{which}_thermal").outcome != "captured":
-                ratio[which][bead] = math.nan
-                continue
+                continue  # it never settles
             settled = evidence.motions[bead].summary(which).outcome_time
             q2 = run["position"].sel(axis="y").values[run["time"].values > 1.05 * settled]
             stiffness = evidence.equilibrium(bead).stiffness[1][1]
@@ -462,9 +464,9 @@ def _thermal_fluctuations(evidence: Evidence) -> Claim:
     return _claim(
         "5.2",
         "The small fluctuations after the bead has settled come from Brownian forces",
-        "standard deviation of q2 after capture is sqrt(kT/k) within 30 %",
-        f"over sqrt(kT/k): {_list(ratio['thesis'])} (none: not trapped); unscaled "
-        f"{_list(ratio['unscaled'])}",
+        "standard deviation of q2 after capture is sqrt(kT/k) within 30 %, for the beads that "
+        "settle",
+        f"over sqrt(kT/k): {_list(ratio['thesis'])}; unscaled {_list(ratio['unscaled'])}",
         holds["thesis"], holds["unscaled"], **ratio,
     )  # fmt: skip
 
@@ -504,17 +506,21 @@ def _largest_departure(run: xr.Dataset) -> float:
 
 
 def _largest_at_terminal_speed(evidence: Evidence) -> Claim:
-    at = {which: _ratio_at_approach(evidence.run(which, "1950nm")) for which in _WHICH}
-    off = {which: _largest_departure(evidence.run(which, "1950nm")) for which in _WHICH}
-    holds = {which: abs(at[which] - 1) < 0.1 and off[which] < 0.1 for which in _WHICH}
+    runs = {which: evidence.run(which, "1950nm") for which in _WHICH}
+    at = {which: _ratio_at_approach(run) for which, run in runs.items()}
+    off = {which: _departure(run) for which, run in runs.items()}
+    worst = {which: _largest_departure(run) for which, run in runs.items()}
+    holds = {which: abs(at[which] - 1) < 0.1 and off[which] < 0.01 for which in _WHICH}
     return _claim(
         "5.3, Figure 5.15",
         "The 1950 nm bead moves at its terminal speed, nearly identical at the first closest "
         "approach",
-        "within a tenth, of the largest terminal speed on the way, and at the approach",
-        f"v/v_t at the approach {at['thesis']:.3g}, off by {off['thesis']:.2g} of the largest on "
-        f"the way; unscaled {at['unscaled']:.4g}, {off['unscaled']:.2g}",
-        holds["thesis"], holds["unscaled"], at_approach=at, off=off,
+        "median of |v/v_t - 1| before the first closest approach below 1 %, and v/v_t at it within "
+        "a tenth of 1",
+        f"median {off['thesis']:.2g}, v/v_t at the approach {at['thesis']:.3g}, worst "
+        f"{worst['thesis']:.2g} of the largest terminal speed; unscaled {off['unscaled']:.2g}, "
+        f"{at['unscaled']:.4g}, {worst['unscaled']:.2g}",
+        holds["thesis"], holds["unscaled"], at_approach=at, off=off, worst=worst,
     )  # fmt: skip
 
 
@@ -540,18 +546,25 @@ def _middle_departs_a_little(evidence: Evidence) -> Claim:
 
 
 def _terminal_larger_at_approach(evidence: Evidence) -> Claim:
-    at = {
-        which: {b: _ratio_at_approach(evidence.run(which, b)) for b in ("500nm", "990nm")}
-        for which in _WHICH
-    }
+    at = {which: _ratio_at_approach(evidence.run(which, "500nm")) for which in _WHICH}
     return _claim(
-        "5.3, Figures 5.13, 5.14",
-        "At the first closest approach of the 990 and 500 nm beads the terminal speed is the "
-        "larger",
-        "v/v_t below 0.99 at each bead's own first closest approach",
-        f"v/v_t {_list(at['thesis'])}; unscaled {_list(at['unscaled'], digits=4)}",
-        max(at["thesis"].values()) < 0.99, max(at["unscaled"].values()) < 0.99,
-        **at,
+        "5.3, Figure 5.13",
+        "At the first closest approach of the 500 nm bead the terminal speed is the larger",
+        "v/v_t there below 0.99",
+        f"{at['thesis']:.2g}; unscaled {at['unscaled']:.4g}",
+        at["thesis"] < 0.99, at["unscaled"] < 0.99, ratio=at,
+    )  # fmt: skip
+
+
+def _actual_larger_at_approach(evidence: Evidence) -> Claim:
+    at = {which: _ratio_at_approach(evidence.run(which, "990nm")) for which in _WHICH}
+    return _claim(
+        "5.3, Figure 5.14",
+        "At the first closest approach of the 990 nm bead the actual speed is above the terminal",
+        "v/v_t there above 1.01; the sentence can also be read the other way round, that the "
+        "terminal speed is the larger there",
+        f"{at['thesis']:.2g}; unscaled {at['unscaled']:.4g}",
+        at["thesis"] > 1.01, at["unscaled"] > 1.01, ratio=at,
     )  # fmt: skip
 
 
@@ -571,7 +584,8 @@ def _middle_is_faster(evidence: Evidence) -> Claim:
 
 def _overdamped_fails(evidence: Evidence) -> Claim:
     """5.3: (5.2) does not predict the 500 nm bead."""
-    scene = unscaled_scene("500nm").replace(simulation={"model": "overdamped"})
+    samples = evidence.run("unscaled", "500nm").sizes["time"]
+    scene = unscaled_scene("500nm").replace(simulation={"model": "overdamped", "samples": samples})
     overdamped = simulate(scene)["position"].values
     off = {}
     for which in _WHICH:
@@ -647,38 +661,45 @@ def _first_guess(evidence: Evidence) -> Claim:
 
 def _hidden_start(evidence: Evidence) -> Claim:
     """1.2, 5.1: the start in N3 from what the camera sees."""
-    off: dict[str, dict[str, float]] = {which: {} for which in _WHICH}
-    half: dict[str, dict[str, float]] = {which: {} for which in _WHICH}
-    inside: dict[str, list[bool]] = {which: [] for which in _WHICH}
     rng = np.random.default_rng(_CAMERA_SEED)
+    off, half, hits = {}, {}, {}
     for bead in BEADS:
-        run = evidence.run("unscaled_thermal", bead)
-        after = 1.2 * evidence.motions[bead].summary("unscaled").outcome_time
-        frames = np.unique(np.linspace(0, np.searchsorted(run["time"], after), 60).astype(int))
-        seen = run["position"].values[frames, :2]
-        track = Track(
-            bead, run["time"].values[frames], seen + _CAMERA * rng.normal(size=seen.shape)
-        )
         true = evidence.motions[bead].scene.start_position[2]
-        for which, scene in (
-            ("thesis", load_scene(f"thesis-{bead}")), ("unscaled", unscaled_scene(bead)),
-        ):  # fmt: skip
-            found = fit_depth(track, scene)
-            off[which][bead] = found.z - true
-            half[which][bead] = sum(high - low for low, high in found.intervals) / 2
-            inside[which].append(any(low <= true <= high for low, high in found.intervals))
+        fits = [
+            fit_depth(track, unscaled_scene(bead)) for track in _tracks(evidence.motions[bead], rng)
+        ]
+        off[bead] = float(np.mean([abs(fit.z - true) for fit in fits]))
+        lengths = [sum(high - low for low, high in fit.intervals) for fit in fits]
+        half[bead] = float(np.median(lengths)) / 2
+        hits[bead] = sum(
+            fit.determined and any(low <= true <= high for low, high in fit.intervals)
+            for fit in fits
+        )
     return _claim(
         "1.2, 5.1, Table 5.1",
         "The start in N3, which no camera sees, follows from planar data and the model",
-        "60 frames up to capture of the unscaled bead in thermal motion, 10 nm of noise: the true "
-        "start is in the 95 % interval that `tweezer fit-depth` finds, by each model, all beads",
-        f"off by {_list(off['thesis'], _MICRO)} µm, half the interval "
-        f"{_list(half['thesis'], _MICRO)}; by the unscaled model {_list(off['unscaled'], _MICRO)}, "
-        f"{_list(half['unscaled'], _MICRO)}",
-        all(inside["thesis"]), all(inside["unscaled"]),
-        off_thesis=off["thesis"], off_unscaled=off["unscaled"],
-        half_thesis=half["thesis"], half_unscaled=half["unscaled"],
+        f"{_TRACKS} tracks of each unscaled bead in thermal motion, {_FRAMES} frames up to "
+        "capture, 10 nm of noise: `tweezer fit-depth`, with the unscaled model, calls the start "
+        "determined and has it in its 95 % interval for all of them but one at most",
+        f"so {_list(hits)} of {_TRACKS}; off by {_list(off, _MICRO)} µm in the mean, half the "
+        f"interval {_list(half, _MICRO)} µm",
+        None, min(hits.values()) >= _TRACKS - 1, off=off, half=half, hits=hits,
     )  # fmt: skip
+
+
+def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
+    """What a camera sees of the unscaled bead from release to capture."""
+    scene = unscaled_scene(motions.bead).replace(
+        forces={"brownian": True},
+        simulation={
+            "duration": 1.2 * motions.summary("unscaled").outcome_time, "samples": _FRAMES,
+        },
+    )  # fmt: skip
+    seen = ensemble(scene, _TRACKS, seed=_CAMERA_SEED)
+    return [
+        Track(motions.bead, seen["time"].values, path + _CAMERA * rng.normal(size=path.shape))
+        for path in seen["position"].values[..., :2]
+    ]
 
 
 # --- 2, 3: model -------------------------------------------------------------------------------
@@ -703,7 +724,7 @@ def _printed_numbers(_evidence: Evidence) -> Claim:
         "2.2.2, 4",
         "Mass, inertia, drag and Knudsen number of the 500 nm bead",
         "the printed numbers, to their last digit",
-        f"{len(computed) - len(wrong)} of {len(computed)} agree; " + "; ".join(wrong),
+        "; ".join([f"{len(computed) - len(wrong)} of {len(computed)} agree", *wrong]),
         not wrong, None, **{name: value for name, (value, _, _) in computed.items()},
     )  # fmt: skip
 
@@ -715,7 +736,7 @@ def _rays(_evidence: Evidence) -> Claim:
         "3.1, 5",
         "The beam is divided into 7645 rays",
         "squares of a grid of 100 by 100 that lie wholly inside the lens",
-        f"{rays}; no rule that was tried gives 7645",
+        f"{rays}",
         rays == 7645, None, rays=rays,
     )  # fmt: skip
 
@@ -727,18 +748,15 @@ def _light_turns(evidence: Evidence) -> Claim:
         return float(2 * np.arccos(np.minimum(np.abs(e0), 1.0)).max())
 
     angle = evidence.each("thesis", turned)
-    torque = {}
-    for bead in BEADS:
-        scene = unscaled_scene(bead)
-        places = evidence.run("unscaled", bead)["position"].values[::200]
-        torque[bead] = float(np.abs(optical_torque(scene, places)).max())
     return _claim(
         "(3.25), Figures C.7-C.9",
         "The light turns the bead",
-        "by more than a thousandth of a radian; (3.25) in the thesis's model",
-        f"turned by up to {_list(angle)} rad; true torque of light on a lossless sphere "
-        f"{_list(torque)} N m, so unscaled it turns by thermal motion alone",
-        max(angle.values()) > 1e-3, max(torque.values()) > 0, angle=angle, torque=torque,
+        "by more than a thousandth of a radian without noise; the moment (3.25) in the thesis's "
+        "model, none in the unscaled, for rays leave a lossless sphere with the impact parameter "
+        "they came with (errata, 4)",
+        f"turned by up to {_list(angle)} rad; unscaled by thermal motion alone",
+        max(angle.values()) > 1e-3,
+        any(unscaled_scene(bead).rotates for bead in BEADS), angle=angle,
     )  # fmt: skip
 
 
@@ -763,6 +781,7 @@ _CLAIMS: tuple[Callable[[Evidence], Claim], ...] = (
     _largest_at_terminal_speed,
     _middle_departs_a_little,
     _terminal_larger_at_approach,
+    _actual_larger_at_approach,
     _middle_is_faster,
     _overdamped_fails,
     _longer_steps,

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from tweezer.dynamics import check_seed
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
 from tweezer.thesis.figures import FIGURES, figure, study_figure
@@ -39,15 +40,16 @@ def reproduce(
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Reproduction:
-    """Write what is asked for into the folder `out`, which is made if it is not there.
+    """Write what is asked for into the folder `out`, which is made if its parent is there.
 
     what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
     as claims.json and claims.md; "study", of the 500 nm bead, as study.png and study.json.
     Everything if empty. seed: of the thermal motions. progress: called with the part done.
 
     Files of an earlier time are replaced one by one, so that an interrupted run leaves whole ones.
-    Raises `SceneError` for a number that the thesis does not have and `ResultError` for a folder
-    that cannot be made, before anything is computed; `ResultError` if a file cannot be written.
+    Raises `SceneError` for a seed that is none or a number that the thesis does not have, and
+    `ResultError` for a folder that cannot be made, before anything is computed; `ResultError` if a
+    file cannot be written.
     """
     asked = list(dict.fromkeys(what)) or [*FIGURES, *TABLES]
     for name in asked:
@@ -55,9 +57,10 @@ def reproduce(
             raise SceneError(
                 f"{name}: no such figure; 5.1 to 5.15, C.1 to C.12, {' or '.join(TABLES)}"
             )
+    check_seed(seed)
     folder = Path(out)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(exist_ok=True)
     except OSError as error:
         raise ResultError(f"{out}: cannot be made: {error.strerror}") from None
     needed = [
