@@ -92,8 +92,9 @@ def test_figures_draw(by_bead, number):
         assert axes.get_ylabel()
         for line in axes.lines:
             assert np.isfinite(np.asarray(line.get_ydata(), float)).all()
-            rings += line.get_label() == "FCA"
-    assert rings >= (0 if "orientation" in thesis.FIGURES[number][0] else 2)
+            rings += line.get_label().startswith("FCA")
+    title = thesis.FIGURES[number][0]
+    assert rings == (0 if "orientation" in title else 4 if "terminal" in title else 2)
 
 
 def test_figure_of_another_bead_is_refused(by_bead):
@@ -110,12 +111,13 @@ def test_random_force_of_the_net_motion_force(by_bead):
             scene = motions.scene
             beta = 6 * math.pi * scene.medium.viscosity * scene.bead.radius
             sample = float(run["time"][1] - run["time"][0])
-            early = slice(0, closest_approach(motions.thesis) // 2)  # the force hardly changes
+            approach = float(motions.thesis["time"][closest_approach(motions.thesis)])
+            early = run["time"].values[:-1] < approach / 2  # where the force hardly changes
             random = figures._with_random_force(run)[early, :2]
             force = run["net_force"].values[:-1][early, :2]
             expected = 2 * beta * BOLTZMANN * scene.medium.temperature / sample
             variance = float((random - force).var())
-            count = 2 * random.shape[0]
+            count = random.size
             # neighbouring samples of the scaled bead share no noise, but h is not << m/(a2 beta)
             assert variance / expected == pytest.approx(1, abs=5 * math.sqrt(2 / count) + 0.02), (
                 bead
@@ -243,7 +245,7 @@ def run_cli(*arguments):
 
 
 def test_command_writes_what_is_asked_for(tmp_path):
-    out = tmp_path / "new" / "folder"
+    out = tmp_path / "folder"
     done = run_cli("5.2", "C.5", "--out", str(out))
     assert done.exit_code == 0, done.output
     assert {path.name for path in out.iterdir()} == {"figure-5.2.png", "figure-C.5.png"}
@@ -255,5 +257,10 @@ def test_bad_requests_are_one_line(tmp_path):
         thesis.reproduce(["5.1", "5.16"], tmp_path / "none")
     assert not (tmp_path / "none").exists()
     (tmp_path / "file").write_text("")
+    with pytest.raises(SceneError, match=r"^seed = -1: must be a whole number"):
+        thesis.reproduce(["5.1"], tmp_path / "none", seed=-1)
+    assert not (tmp_path / "none").exists()
+    with pytest.raises(ResultError, match=r"folder: cannot be made: No such file or directory"):
+        thesis.reproduce(["5.1"], tmp_path / "no" / "folder")
     with pytest.raises(ResultError, match=r"file: cannot be made: File exists"):
         thesis.reproduce(["5.1"], tmp_path / "file")
