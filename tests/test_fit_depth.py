@@ -11,6 +11,7 @@ from scipy.stats import multivariate_normal
 
 import tweezer
 from tests.benchmarks import depth, depth_report, pages
+from tests.reference import memory
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Track
 from tweezer.analysis.depth import LEVEL, _Profile
@@ -75,7 +76,11 @@ def test_likelihood_of_a_free_bead(scene, tau):
     bead = Bead(
         radius, power, 1.0, np.array([drift, 0, 0]), D, tau, np.zeros(3), spread, velocity, 0.0
     )
-    found = kalman_filter(light(scene))(bead, Camera(times, seen, noise, 0.0))
+    filtered, camera = kalman_filter(light(scene)), Camera(times, seen, noise, 0.0)
+    memory.leave(memory.ZEROS)
+    found = filtered(bead, camera)
+    memory.leave(memory.NAN)
+    np.testing.assert_array_equal(filtered(bead, camera).predicted, found.predicted)
     C, carried = moments(times, D, 0.0, tau)
     expected = 0.0
     for k, (force, values) in enumerate(zip((drift, 0.0), seen.T, strict=True)):

@@ -15,6 +15,7 @@ from scipy.integrate import quad
 from scipy.spatial.transform import Rotation
 
 import tweezer
+from tests.reference import memory
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_field, walk_in
 from tweezer.dynamics import bind, integrate, walk
 from tweezer.dynamics.brownian import batch, heun, noise, propagator
@@ -677,6 +678,13 @@ def test_trajectories_do_not_depend_on_their_company(real):
     together = followed(real, 130)
     for first, n in ((0, 1), (5, 64), (100, 30)):
         assert np.array_equal(followed(real, n, first), together[first : first + n])
+
+
+def test_trajectories_do_not_depend_on_what_memory_held(real):
+    memory.leave(memory.ZEROS)
+    one = followed(real, 70)
+    memory.leave(memory.NAN)
+    assert np.array_equal(followed(real, 70), one)
 
 
 def test_trajectories_do_not_depend_on_where_time_is_cut(real):

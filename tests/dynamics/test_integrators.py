@@ -15,6 +15,7 @@ from scipy.special import expi
 
 import tweezer
 from tests.dynamics.test_closed_forms import trap_solution
+from tests.reference import memory
 from tests.reference.fields import GaussianWell, LinearTrap, Spring, in_field, in_trap
 from tests.reference.rigid_body import rotation_matrix
 from tweezer.dynamics import (
@@ -23,6 +24,7 @@ from tweezer.dynamics import (
     capture,
     closest_approach,
     integrate,
+    integrators,
     solution,
 )
 from tweezer.dynamics.integrators import TABLEAUX
@@ -172,6 +174,25 @@ def test_a_restart_changes_nothing(method, fixed, monkeypatch):
     again, calls, in_parts = final()
     assert (steps, steps) == (again, calls)
     np.testing.assert_array_equal(at_once, in_parts)
+
+
+@pytest.mark.parametrize("method", COMPILED)
+@pytest.mark.parametrize("fixed", [0.0, 1e-8])
+def test_what_memory_held_changes_nothing(method, fixed):
+    scene = scene_with(method).replace(
+        beam={"torque": "thesis"}, start={"angular_velocity": [2e3, -1e3, 3e3]}
+    )
+    equations = in_field(bind(scene), GaussianWell(2e-5, 4e-7))
+    found = []
+    for byte in (memory.ZEROS, memory.NAN):
+        solver = Solver(equations, method, end=1e-6, fixed=fixed)
+        memory.leave(byte)
+        piece, why = solver.advance()
+        assert why == integrators.REACHED
+        found.append((solver.steps, solver.rejected, piece.states(np.linspace(0, 1e-6, 9))))
+    (steps, rejected, states), (again, rejected_again, states_again) = found
+    assert (steps, rejected) == (again, rejected_again)
+    np.testing.assert_array_equal(states, states_again)
 
 
 def test_orientation_does_not_drift():

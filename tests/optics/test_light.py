@@ -7,6 +7,7 @@ import pytest
 
 import tweezer
 from generated import ray
+from tests.reference import memory
 from tests.reference.ray_sum import force_and_moment, lens_squares
 from tests.reference.raytracer import trace
 from tweezer.optics import fraction_through_pupil, grid, light, total_power
@@ -262,6 +263,19 @@ def test_shapes_in_and_out():
             tweezer.optical_force(scene, bad)
 
 
+@pytest.mark.parametrize("evaluator", ["grid", "quadrature"])
+@pytest.mark.parametrize("polarisation", ["circular", "averaged-reflectance"])
+def test_force_does_not_depend_on_what_memory_held(evaluator, polarisation):
+    scene = tweezer.load_scene("thesis-990nm").replace(
+        optics={"evaluator": evaluator}, beam={"polarisation": polarisation}
+    )
+    positions = scene.bead.radius * np.array([[0.3, 0.2, 0.9], [1.1, -0.4, -0.8], [0, 0, 3]])
+    memory.leave(memory.ZEROS)
+    first = tweezer.optical_jacobian(scene, positions)
+    memory.leave(memory.NAN)
+    np.testing.assert_array_equal(tweezer.optical_jacobian(scene, positions), first)
+
+
 def test_ray_optics_for_a_small_bead_is_one_warning():
     """Once in a program, whatever is asked of however many scenes."""
     light.cache_clear()
@@ -278,3 +292,4 @@ def test_ray_optics_for_a_small_bead_is_one_warning():
         tweezer.optical_force(large, [0.0, 0.0, 0.0])
     assert [warning.category for warning in said] == [tweezer.PhysicsWarning]
     assert "wavelengths across" in str(said[0].message)
+    assert said[0].filename == __file__, "it points at the line of the user"

@@ -144,14 +144,13 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             counts[2] += 5
             growth = _GROWTH_IN_LAYER if time < _LAYER * tau.max() else _GROWTH
             error = 0.0
-            finite = all_finite(u) and all_finite(new)
             if adaptive:
                 error = _error(control, tau, step, u, y, new, phi)
             if turns:
                 turned = _turn(step, tau, y, u, phi, new, True)
                 if adaptive:
                     error = max(error, turned / control.absolute[control.orientation])
-            if not finite:
+            if not all_finite(u) or not all_finite(new):
                 error = np.inf
                 if not adaptive or not all_finite(u[0]):
                     return written, NOT_FINITE
