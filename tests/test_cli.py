@@ -108,7 +108,7 @@ def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
         "force calls": f"{run.attrs['force_calls']}",
     }.items():
         assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
-    assert outcome.out.splitlines()[-1] == "wrote thesis-990nm.nc and thesis-990nm.png"
+    assert outcome.out.splitlines()[-2:] == ["wrote thesis-990nm.nc", "wrote thesis-990nm.png"]
 
 
 def test_every_option_has_its_effect(command_line):
@@ -434,6 +434,7 @@ def test_map_without_a_place_to_keep_it(command_line, monkeypatch, tmp_path):
     ("settings", "line"),
     [(["beam.polarisation=linear", "beam.jones=[1, 0]"], "optics.evaluator = .map.: needs .*"),
      (["beam.power_through_pupil=0"], "optics.evaluator = 'map': there is no light .*"),
+     (["optics.evaluator=grid"], "optics.evaluator = grid: the map is made by no other"),
      (["optics.table_range=0.4"], "optics.table_range = 0.4: must be from 0.5 to 20")],
 )  # fmt: skip
 def test_map_refuses_bad_input_in_one_line(command_line, settings, line):

@@ -57,6 +57,18 @@ def small(monkeypatch):
     monkeypatch.setattr(statistics, "WINDOW", 32)
 
 
+def fails_after(patch, last_sample, *, trajectory):
+    """That trajectory fails past that sample, and its block with it."""
+    sound = Walk.advance
+
+    def advance(self, states, trajectories, sample, out):
+        if trajectory in trajectories and sample > last_sample:
+            raise tweezer.IntegrationError(f"trajectory {trajectory}: the force is not finite")
+        sound(self, states, trajectories, sample, out)
+
+    patch.setattr(Walk, "advance", advance)
+
+
 def content(path: Path) -> dict[str, str]:
     """Digest of every file of a store, or of a file, by name."""
     files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
@@ -496,15 +508,8 @@ def test_checkpoints_of_another_ensemble_are_not_believed(gathered, small, tmp_p
     kind = {"statistics": gathered, "workers": 1}
     tweezer.ensemble(FREE, 100, seed=1, out=tmp_path / f"whole{suffix}", **kind)
     tweezer.ensemble(FREE, 100, seed=1, out=out, progress=interrupt_after(0.3), **kind)
-    sound = Walk.advance
-
-    def fails_later(self, states, trajectories, sample, out):
-        if 40 in trajectories and sample > 50:
-            raise tweezer.IntegrationError("trajectory 40: the force is not finite")
-        sound(self, states, trajectories, sample, out)
-
     with monkeypatch.context() as patch:
-        patch.setattr(Walk, "advance", fails_later)
+        fails_after(patch, 50, trajectory=40)
         with pytest.raises(tweezer.IntegrationError):
             tweezer.ensemble(FREE, 100, seed=2, out=other, **kind)
     strange = list((tmp_path / f"b{suffix}.part").glob("[0-9]*.npz"))
@@ -720,15 +725,8 @@ def test_what_is_no_ensemble_is_left_alone(tmp_path):
 def test_a_failed_ensemble_keeps_what_was_written(small, tmp_path, monkeypatch):
     whole, out = tmp_path / "whole.zarr", tmp_path / "cut.zarr"
     tweezer.ensemble(FREE, 80, out=whole)
-    sound = Walk.advance
-
-    def fails_later(self, states, trajectories, sample, out):
-        if 40 in trajectories and sample > 50:
-            raise tweezer.IntegrationError("trajectory 40: the force is not finite")
-        sound(self, states, trajectories, sample, out)
-
     with monkeypatch.context() as patch:
-        patch.setattr(Walk, "advance", fails_later)
+        fails_after(patch, 50, trajectory=40)
         with pytest.raises(tweezer.IntegrationError, match="trajectory 40"):
             tweezer.ensemble(FREE, 80, out=out, workers=1)
     done = ~np.isnan(xr.open_zarr(out, chunks=None)["lost_time"].values)
@@ -749,18 +747,14 @@ def test_a_long_window_is_kept_on_the_way(gathered, tmp_path, monkeypatch):
     monkeypatch.setattr(workers_module, "_KEPT_STEPS", 8 * 10 * walk(LEAVING).per_sample)
     sound, advanced = Walk.advance, []
 
-    def fails_later(self, states, trajectories, sample, out):
-        if sample > 54:
-            raise tweezer.IntegrationError("the force is not finite")
-        sound(self, states, trajectories, sample, out)
-
     def counted(self, states, trajectories, sample, out):
         advanced.append(out.shape[1])
         sound(self, states, trajectories, sample, out)
 
-    monkeypatch.setattr(Walk, "advance", fails_later)
-    with pytest.raises(tweezer.IntegrationError):
-        tweezer.ensemble(LEAVING, 8, out=out, **kind)
+    with monkeypatch.context() as patch:
+        fails_after(patch, 54, trajectory=0)
+        with pytest.raises(tweezer.IntegrationError):
+            tweezer.ensemble(LEAVING, 8, out=out, **kind)
     monkeypatch.setattr(Walk, "advance", counted)
     tweezer.ensemble(LEAVING, 8, out=out, resume=True, **kind)
     assert sum(advanced) == 50

@@ -125,11 +125,12 @@ def run(
 
     save_run(result, out)
     _print_summary(described, result)
+    _tell_written(out)
 
     from tweezer.plots import run_figure
 
     _write_figure(run_figure(result), plot)
-    _tell_written(out, plot)
+    _tell_written(plot)
     if result.attrs["status"] in ("failed", "interrupted"):
         _complain(f"{described.name}: {result.attrs['message']}; what was reached is in {out}")
         failed = result.attrs["status"] == "failed"
@@ -439,8 +440,10 @@ def force_map(
 
     It is kept: evaluator = "map" in [optics] then reads it.
     """
-    settings = {**_settings(set or []), "optics.evaluator": "map"}
-    described = _described(scene, settings)
+    settings = _settings(set or [])
+    if (other := settings.get("optics.evaluator", "map")) != "map":
+        raise SceneError(f"optics.evaluator = {other}: the map is made by no other")
+    described = _described(scene, {**settings, "optics.evaluator": "map"})
     _print_map(described, _map_of(described))
 
 
@@ -474,144 +477,53 @@ def warmup(
     )
 
 
-@bench.command("force")
-def bench_force(
-    out: JsonFile = None,
-    plot: FigureFile = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Few places and settings, to see that it runs.")
-    ] = False,
-) -> None:
-    """Error against time of the optical force: grid, quadrature, map, and a sum in NumPy."""
-    benchmark, report = _benchmark("force"), _benchmark("report")
-    out = out and _writable(out, ("json",))
-    plot = plot and _writable(plot, _FIGURE_FORMATS)
-    with _err.status("force") as status:
-        results = benchmark.measure(quick=quick, say=status.update)
-    for headings, rows in (
-        (report.HEADINGS, report.by_place(results)),
-        (("", ""), report.apart(results)),
-    ):
-        table = _table(*headings)
-        for row in rows:
-            table.add_row(*row)
-        _out.print(table)
-    if out:
-        _write_json(results, out)
-    if plot:
-        _write_figure(report.figure(results), plot)
-    _tell_written(out, plot)
+def _add_benchmark(name: str, report_name: str, told: str) -> None:
+    """The command `tweezer bench NAME`: its modules are tests/benchmarks/NAME.py and REPORT.py."""
+
+    @bench.command(name, help=told)
+    def measured(
+        quick: Annotated[
+            bool, typer.Option("--quick", help="Less of everything, to see that it runs.")
+        ] = False,
+        out: JsonFile = None,
+        plot: FigureFile = None,
+    ) -> None:
+        benchmark, report = _benchmark(name), _benchmark(report_name)
+        out = out and _writable(out, ("json",))
+        plot = plot and _writable(plot, _FIGURE_FORMATS)
+        with _err.status(name) as status:
+            results = benchmark.measure(quick=quick, say=status.update)
+        for headings, *rows in report.tables(results):
+            table = _table(*headings)
+            for row in rows:
+                table.add_row(*row)
+            _out.print(table)
+        if out:
+            _write_json(results, out)
+        if plot:
+            _write_figure(report.figure(results), plot)
+        _tell_written(out, plot)
 
 
-@bench.command("integrate")
-def bench_integrate(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Two motions and few settings: to try it.")
-    ] = False,
-    out: JsonFile = None,
-    plot: FigureFile = None,
-) -> None:
-    """Error against time of the integration: ours, SciPy's, heyoka, the thesis's scaling."""
-    benchmark, report = _benchmark("integrate"), _benchmark("integrate_report")
-    out = out and _writable(out, ("json",))
-    plot = plot and _writable(plot, _FIGURE_FORMATS)
-    with _err.status("integrate") as status:
-        results = benchmark.measure(quick=quick, say=status.update)
-    table = _table(*report.HEADINGS)
-    for row in report.rows(results):
-        table.add_row(*row)
-    _out.print(table)
-    if out:
-        _write_json(results, out)
-    if plot:
-        _write_figure(report.figure(results), plot)
-    _tell_written(out, plot)
-
-
-@bench.command("brownian")
-def bench_brownian(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Few schemes, steps and trajectories: to try it.")
-    ] = False,
-    out: JsonFile = None,
-    plot: FigureFile = None,
-) -> None:
-    """Thermal motion: steps a second, bias against step and cost, scaling, memory."""
-    benchmark, report = _benchmark("brownian"), _benchmark("brownian_report")
-    out = out and _writable(out, ("json",))
-    plot = plot and _writable(plot, _FIGURE_FORMATS)
-    with _err.status("brownian") as status:
-        results = benchmark.measure(quick=quick, say=status.update)
-    for headings, *rows in (
-        report.by_way(results),
-        report.against_numpy(results),
-        report.apart(results),
-    ):
-        table = _table(*headings)
-        for row in rows:
-            table.add_row(*row)
-        _out.print(table)
-    _out.print(f"failed or left out: {report.left_out(results)}")
-    if out:
-        _write_json(results, out)
-    if plot:
-        _write_figure(report.figure(results), plot)
-    _tell_written(out, plot)
-
-
-@bench.command("scaling")
-def bench_scaling(
-    quick: Annotated[
-        bool, typer.Option("--quick", help="One Dask worker, each time taken once: to try it.")
-    ] = False,
-    out: JsonFile = None,
-    plot: FigureFile = None,
-) -> None:
-    """Ensembles past one machine: costs of blocks, files and tasks, and a model of clusters."""
-    benchmark, report = _benchmark("scaling"), _benchmark("scaling_report")
-    out = out and _writable(out, ("json",))
-    plot = plot and _writable(plot, _FIGURE_FORMATS)
-    with _err.status("scaling") as status:
-        results = benchmark.measure(quick=quick, say=status.update)
-    for headings, *rows in (
-        report.by_model(results),
-        report.by_kind(results),
-        report.costs(results),
-        report.checks(results),
-    ):
-        table = _table(*headings)
-        for row in rows:
-            table.add_row(*row)
-        _out.print(table)
-    if out:
-        _write_json(results, out)
-    if plot:
-        _write_figure(report.figure(results), plot)
-    _tell_written(out, plot)
-
-
-@bench.command("depth")
-def bench_depth(
-    quick: Annotated[bool, typer.Option("--quick", help="Few tracks: to try it.")] = False,
-    out: JsonFile = None,
-    plot: FigureFile = None,
-) -> None:
-    """Coverage and bias of the start in z that tracks in the plane tell."""
-    benchmark, report = _benchmark("depth"), _benchmark("depth_report")
-    out = out and _writable(out, ("json",))
-    plot = plot and _writable(plot, _FIGURE_FORMATS)
-    with _err.status("depth") as status:
-        results = benchmark.measure(quick=quick, say=status.update)
-    headings, *rows = report.by_study(results)
-    table = _table(*headings)
-    for row in rows:
-        table.add_row(*row)
-    _out.print(table)
-    if out:
-        _write_json(results, out)
-    if plot:
-        _write_figure(report.figure(results), plot)
-    _tell_written(out, plot)
+_add_benchmark(
+    "force", "report",
+    "Error against time of the optical force: grid, quadrature, map, and a sum in NumPy.",
+)  # fmt: skip
+_add_benchmark(
+    "integrate", "integrate_report",
+    "Error against time of the integration: ours, SciPy's, heyoka, the thesis's scaling.",
+)  # fmt: skip
+_add_benchmark(
+    "brownian", "brownian_report",
+    "Thermal motion: steps a second, bias against step and cost, scaling, memory.",
+)  # fmt: skip
+_add_benchmark(
+    "scaling", "scaling_report",
+    "Ensembles past one machine: costs of blocks, files and tasks, and a model of clusters.",
+)  # fmt: skip
+_add_benchmark(
+    "depth", "depth_report", "Coverage and bias of the start in z that tracks in the plane tell."
+)
 
 
 def _benchmark(name: str) -> ModuleType:
@@ -859,10 +771,11 @@ def _print_depth(found: DepthFit) -> None:
     others = ", ".join(f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in found.minima[1:])
     table.add_row("other minima (misfit above)", others or "none within 100")
     for each in found.parameters:
+        scale, unit = (1e6, "um") if each.unit == "m" else (1.0, each.unit)
         error = "at an end of its range"
         if each.uncertainty is not None:
-            error = f"+- {each.uncertainty:.2g}"
-        table.add_row(each.name, f"{each.value:.4g} {error} {each.unit}".rstrip())
+            error = f"+- {scale * each.uncertainty:.2g}"
+        table.add_row(each.name, f"{scale * each.value:.4g} {error} {unit}".rstrip())
     table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
     table.add_row("residuals white, p", f"{found.p_value:.2g}")
     _out.print(table)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
+import warnings
+
 
 class TweezerError(Exception):
     """Base of every error raised on purpose; its text is meant for the user as it stands."""
@@ -21,3 +24,12 @@ class ResultError(TweezerError):
 
 class PhysicsWarning(UserWarning):
     """A scene outside the range where one of the models used is known to hold."""
+
+
+def warn(text: str, category: type[Warning] = PhysicsWarning) -> None:
+    """Warn of the line outside this package that led here, as the user has written it."""
+    package = __name__.partition(".")[0]
+    frame, level = inspect.currentframe(), 1
+    while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == package:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, category, stacklevel=level)

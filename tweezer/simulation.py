@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import time
-import warnings
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from typing import Any
@@ -27,7 +26,7 @@ from tweezer.dynamics import (
     loss,
     walk,
 )
-from tweezer.errors import IntegrationError, PhysicsWarning, SceneError
+from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.optics import light, ray_optics_caveat
 from tweezer.scene import Scene
 
@@ -115,7 +114,7 @@ def simulate(
         **error_budget(equations, result, motion.position),
     }
     if result.status == "failed":
-        warnings.warn(f"{scene.name}: {result.message}", PhysicsWarning, stacklevel=2)
+        warn(f"{scene.name}: {result.message}")
     return run
 
 
@@ -167,7 +166,7 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
     }
     if status == "failed":
-        warnings.warn(f"{scene.name}: {message}", PhysicsWarning, stacklevel=3)
+        warn(f"{scene.name}: {message}")
     return run
 
 

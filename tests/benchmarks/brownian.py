@@ -11,9 +11,9 @@ equations, in NumPy as a user would write it. The results are plain data for JSO
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import functools
+import importlib.util
 import itertools
 import math
 import os
@@ -34,7 +34,7 @@ from scipy.optimize import brentq
 import tweezer
 from tests.benchmarks import numpy_sum
 from tests.benchmarks.force import _to_four_digits
-from tests.benchmarks.timing import Call, in_fresh_process, machine, per_item
+from tests.benchmarks.timing import Call, dask_clients, in_fresh_process, machine, per_item
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.propagator import Weights
@@ -671,31 +671,16 @@ def _cores(
     for _ in range(effort.repeats):
         for count in counts:
             timed("threads", count, functools.partial(run, effort.ensemble, workers=count))
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
+    if importlib.util.find_spec("distributed") is None:
         why = "not installed: pip install tweezer[cluster]"
         results["left_out"].append({"what": "Dask workers", "why": why})
     else:
         say("cores: Dask workers")
-        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
-            clients = {
-                count: stack.enter_context(
-                    Client(
-                        stack.enter_context(
-                            LocalCluster(
-                                n_workers=count, threads_per_worker=1, dashboard_address=":0",
-                                local_directory=folder,
-                            )
-                        )
-                    )
-                )
-                for count in counts
-                if count <= effort.most_workers
-            }  # fmt: skip
+        few = [count for count in counts if count <= effort.most_workers]
+        with tempfile.TemporaryDirectory() as folder, dask_clients(few) as clients:
             number = itertools.count()
 
-            def by_workers(client: Client, trajectories: int) -> None:
+            def by_workers(client: Any, trajectories: int) -> None:
                 out = Path(folder) / f"{next(number)}.nc"
                 run(trajectories, out=out, scheduler=client)
 

@@ -47,7 +47,16 @@ def _bias(entry: dict[str, Any], key: str) -> str:
     return f"{value:z.{digits}f} ± {error:.{digits}f}"
 
 
-def by_way(results: Results) -> list[list[str]]:
+def tables(results: Results) -> list[list[list[str]]]:
+    """By way, against NumPy, the rest, and what was not taken; the first row has the headings."""
+    return [*_measured(results), pages.as_table(left_out(results))]
+
+
+def _measured(results: Results) -> list[list[list[str]]]:
+    return [_by_way(results), _against_numpy(results), _apart(results)]
+
+
+def _by_way(results: Results) -> list[list[str]]:
     """Rates, and biases at the step of the headline; the first row is that of the headings."""
     names = [name for name in results["wells"] if name != HARMONIC]
     found = {
@@ -68,7 +77,7 @@ def by_way(results: Results) -> list[list[str]]:
     return table
 
 
-def against_numpy(results: Results) -> list[list[str]]:
+def _against_numpy(results: Results) -> list[list[str]]:
     """What Euler-Maruyama costs for the same error; the first row is that of the headings."""
     table = [
         ["ours: scheme, well, step in trap times", "⟨x²⟩ wrong by, %",
@@ -90,7 +99,7 @@ def against_numpy(results: Results) -> list[list[str]]:
     return table
 
 
-def apart(results: Results) -> list[list[str]]:
+def _apart(results: Results) -> list[list[str]]:
     """Ensembles, and the first step; the first row is that of the headings."""
     lines = [["ensembles of statistics; first step", ""]]
     for key, what in (
@@ -262,10 +271,10 @@ def block(results: Results) -> str:
         "as wrong as ours may be: the largest bias from a step of "
         f"{STEP:g} on, with two standard errors. The sum over rays is the thesis's, in NumPy."
     )
-    lines = [*textwrap.wrap(explained, 110), ""]
-    for headings, *cells in (by_way(results), against_numpy(results), apart(results)):
-        lines += [*pages.markdown(headings, cells), ""]
-    lines += [
+    lines = [
+        *textwrap.wrap(explained, 110),
+        "",
+        *pages.tables(_measured(results)),
         "![Brownian motion: rates, bias against step and cost](figures/bench-brownian.png)",
         *left_out(results),
     ]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any, NamedTuple
@@ -23,6 +24,7 @@ import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine
 from tweezer.analysis import DepthFit, Track, fit_depth
+from tweezer.errors import PhysicsWarning
 from tweezer.scene import Scene
 
 Results = dict[str, Any]
@@ -103,6 +105,7 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
 
 def _fit(track: Track, scene: Scene) -> tuple[DepthFit, float]:
     """The fit, and the s that it took of its core."""
+    warnings.simplefilter("ignore", PhysicsWarning)  # said once, by the process in charge
     start = time.process_time()
     return fit_depth(track, scene), time.process_time() - start
 

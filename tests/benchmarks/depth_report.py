@@ -13,7 +13,7 @@ from tests.benchmarks import pages
 from tests.benchmarks.depth import Results
 
 
-def by_study(results: Results) -> list[list[str]]:
+def tables(results: Results) -> list[list[list[str]]]:
     """A line for each bead and camera; the first row is that of the headings."""
     table = [
         ["tracks", "frames a second", "noise, nm", "coverage, %", "bias, nm",
@@ -30,7 +30,7 @@ def by_study(results: Results) -> list[list[str]]:
                 f"{each['undetermined']}", f"{each['seconds']:.1f}",
             ]
         )  # fmt: skip
-    return table
+    return [table]
 
 
 def figure(results: Results) -> Figure:
@@ -82,9 +82,8 @@ def block(results: Results) -> str:
         "for. In brackets is the interval of Clopper and Pearson about the coverage; bias ± one "
         "standard error."
     )
-    headings, *rows = by_study(results)
     lines = [
-        *textwrap.wrap(explained, 110), "", *pages.markdown(headings, rows), "",
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
         "![Coverage, and interval against noise](figures/bench-depth.png)",
     ]  # fmt: skip
     return pages.block("depth", lines, results["machine"])

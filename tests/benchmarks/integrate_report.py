@@ -18,8 +18,6 @@ from tests.benchmarks import pages
 from tests.benchmarks.integrate import Results
 from tests.benchmarks.report import rounded
 
-HEADINGS = ("motion", "model, method", "tolerance", "error before, µm", "in the trap, µm", "ms",
-            "force calls")  # fmt: skip
 _STYLES = {
     ("full", "exponential"): ("#004488", "o", "unscaled, exponential"),
     ("first-order", "dop853"): ("#228833", "D", "first order, DOP853"),
@@ -38,17 +36,22 @@ _STYLES = {
 }
 
 
-def rows(results: Results) -> list[list[str]]:
-    """All entries, under `HEADINGS`."""
-    return [
-        [
-            label, f"{entry['model']}, {entry['method']}", _setting(entry),
-            f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
-            f"{entry['force_calls']}",
-        ]
-        for label, of in results["motions"].items()
-        for entry in of["entries"]
+def tables(results: Results) -> list[list[list[str]]]:
+    """All entries, and what was not taken; the first row is that of the headings."""
+    entries = [
+        ["motion", "model, method", "tolerance", "error before, µm", "in the trap, µm", "ms",
+         "force calls"],
+        *(
+            [
+                label, f"{entry['model']}, {entry['method']}", _setting(entry),
+                f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
+                f"{entry['force_calls']}",
+            ]
+            for label, of in results["motions"].items()
+            for entry in of["entries"]
+        ),
     ]  # fmt: skip
+    return [entries, pages.as_table(left_out(results))]
 
 
 def converged(entries: list[dict[str, Any]], model: str) -> dict[str, Any]:

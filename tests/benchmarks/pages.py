@@ -31,6 +31,11 @@ def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
     return ["| " + " | ".join(cells) + " |" for cells in (headings, rule, *rows)]
 
 
+def tables(each: Iterable[Sequence[Sequence[str]]]) -> list[str]:
+    """The lines of tables whose first rows are their headings, an empty line after each."""
+    return [line for headings, *rows in each for line in (*markdown(headings, rows), "")]
+
+
 def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") -> list[str]:
     """What a benchmark does not tell: a list for each reason, an item for each motion or well."""
     lines = [] if what else ["", "Left out: nothing."]
@@ -40,6 +45,11 @@ def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") ->
             item = f"- {f'{where}: ' if where else ''}{'; '.join(each)}"
             lines += textwrap.wrap(item, 110, subsequent_indent="  ", break_on_hyphens=False)
     return lines
+
+
+def as_table(lines: Iterable[str]) -> list[list[str]]:
+    """The lines of a list as a table of one column, without a heading."""
+    return [[""], *([line] for line in lines if line)]
 
 
 def block(name: str, lines: Iterable[str], machine: Results) -> str:

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages
 from tests.benchmarks.force import BANDS, STARTS, Results
 
-HEADINGS = ("", "inside", "edge", "outside", "far", STARTS)
+KINDS = ("inside", "edge", "outside", "far", STARTS)
 _ROWS = (
     ("quadrature at 1e-8, µs", "quadrature_us"),
     ("at its slowest place, µs", "quadrature_at_the_slowest_place_us"),
@@ -41,35 +41,38 @@ _STYLES = {
 }
 
 
-def by_place(results: Results) -> list[list[str]]:
-    """Rows under `HEADINGS`."""
-    figures = [results["headline"]["by_place"][kind] for kind in HEADINGS[1:]]
-    return [
-        [label, *(_cell(key, of[key]) if key in of else "" for of in figures)]
-        for label, key in _ROWS
+def tables(results: Results) -> list[list[list[str]]]:
+    """By kind of place, and what does not depend on it; the first row is that of the headings."""
+    figures = [results["headline"]["by_place"][kind] for kind in KINDS]
+    by_place = [
+        ["", *KINDS],
+        *(
+            [label, *(_cell(key, of[key]) if key in of else "" for of in figures)]
+            for label, key in _ROWS
+        ),
     ]
+    return [by_place, [["", ""], *_apart(results)]]
 
 
 def _cell(key: str, value: float) -> str:
     return f"{value:.1e}" if "error" in key else rounded(value)
 
 
-def apart(results: Results) -> list[tuple[str, str]]:
-    """What does not depend on the kind of place."""
+def _apart(results: Results) -> list[list[str]]:
     figures = results["headline"]
     starts, first = figures["grid_at_thesis_start_us"], figures["first_force_s"]
     return [
-        (
+        [
             f"thesis's grid at the starting points of {', '.join(starts)}",
             f"{', '.join(map(rounded, starts.values()))} µs",
-        ),
-        ("a ray that hits", f"{rounded(figures['ray_that_hits_ns'])} ns"),
-        ("map at 1e-7, made", f"{rounded(figures['map_made_s'])} s"),
-        ("map at 1e-7, loaded", f"{rounded(1e3 * figures['map_loaded_s'])} ms"),
-        (
+        ],
+        ["a ray that hits", f"{rounded(figures['ray_that_hits_ns'])} ns"],
+        ["map at 1e-7, made", f"{rounded(figures['map_made_s'])} s"],
+        ["map at 1e-7, loaded", f"{rounded(1e3 * figures['map_loaded_s'])} ms"],
+        [
             f"first force in a fresh process, caches warm: {', '.join(first)}",
             f"{', '.join(map(rounded, first.values()))} s",
-        ),
+        ],
     ]
 
 
@@ -142,10 +145,7 @@ def block(results: Results) -> str:
     lines = [
         *textwrap.wrap(explained, 110),
         "",
-        *pages.markdown(HEADINGS, by_place(results)),
-        "",
-        *pages.markdown(("", ""), apart(results)),
-        "",
+        *pages.tables(tables(results)),
         "![Error against time of the force](figures/bench-force.png)",
     ]
     return pages.block("force", lines, results["machine"])

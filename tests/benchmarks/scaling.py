@@ -28,7 +28,7 @@ import tweezer
 from tests.benchmarks import pages
 from tests.benchmarks.brownian import SEED, _ensemble_scene, trap_of_scene
 from tests.benchmarks.force import _to_four_digits
-from tests.benchmarks.timing import machine
+from tests.benchmarks.timing import dask_clients, machine
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import workers
 from tweezer.ensembles.job import Job, plan_of
@@ -290,23 +290,8 @@ def _on_workers(scene: Scene, blocks: dict[str, Results], effort: Effort) -> Res
     The process in charge, the scheduler and the workers share this machine's cores: no time is
     less than the work of all over the cores.
     """
-    from distributed import Client, LocalCluster
-
     found: Results = {"task_s": math.inf, "checks": []}
-    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
-        clients = {
-            count: stack.enter_context(
-                Client(
-                    stack.enter_context(
-                        LocalCluster(
-                            n_workers=count, threads_per_worker=1, dashboard_address=":0",
-                            local_directory=folder,
-                        )
-                    )
-                )
-            )
-            for count in effort.workers
-        }  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder, dask_clients(effort.workers) as clients:
         executor = clients[1].get_executor(pure=False)
 
         def tasks() -> None:
@@ -317,7 +302,7 @@ def _on_workers(scene: Scene, blocks: dict[str, Results], effort: Effort) -> Res
         for name, block in blocks.items():
             for count, client in clients.items():
 
-                def run(client: Client = client, block: Results = block) -> None:
+                def run(client: Any = client, block: Results = block) -> None:
                     suffix = ".nc" if block["gathered"] else ".zarr"
                     tweezer.ensemble(
                         scene.replace(simulation={"samples": block["samples"] + 1}),

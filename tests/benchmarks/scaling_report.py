@@ -30,7 +30,12 @@ def duration(seconds: float) -> str:
     return f"{rounded(seconds / size)} {name}"
 
 
-def by_model(results: Results) -> list[list[str]]:
+def tables(results: Results) -> list[list[list[str]]]:
+    """By model, by what is kept, costs and checks; the first row is that of the headings."""
+    return [_by_model(results), _by_kind(results), _costs(results), _checks(results)]
+
+
+def _by_model(results: Results) -> list[list[str]]:
     """Statistics by model and method; the first row is that of the headings."""
     table = [["statistics, 10^6 beads, 10^9 steps", "million steps a second and core", "core-hours",
               *(f"{cores:,} cores" for cores in CORES)]]  # fmt: skip
@@ -43,7 +48,7 @@ def by_model(results: Results) -> list[list[str]]:
     return table
 
 
-def by_kind(results: Results) -> list[list[str]]:
+def _by_kind(results: Results) -> list[list[str]]:
     """Time, efficiency and walls by what is kept; the first row is that of the headings."""
     table = [["full, heun", *(f"{cores:,} cores" for cores in CORES), "efficiency at 10,000",
               "stored, TB", "a block, s", "most cores by blocks", "by the file system",
@@ -61,7 +66,7 @@ def by_kind(results: Results) -> list[list[str]]:
     return table
 
 
-def costs(results: Results) -> list[list[str]]:
+def _costs(results: Results) -> list[list[str]]:
     """What was measured; the first row is that of the headings."""
     table = [["measured here", ""]]
     blocks = results["blocks"]
@@ -93,7 +98,7 @@ def costs(results: Results) -> list[list[str]]:
     return table
 
 
-def checks(results: Results) -> list[list[str]]:
+def _checks(results: Results) -> list[list[str]]:
     """Ensembles on Dask workers, measured and modelled; the first row is that of the headings."""
     return [
         ["ensemble", "Dask workers", "measured, s", "modelled, s"],
@@ -137,14 +142,7 @@ def _finish(axes: Axes, label: str) -> None:
 
 def block(results: Results) -> str:
     """The page's part, between its markers."""
-    lines = []
-    for headings, *rows in (
-        by_model(results),
-        by_kind(results),
-        costs(results),
-        checks(results),
-    ):
-        lines += [*pages.markdown(headings, rows), ""]
+    lines = pages.tables(tables(results))
     ratios = [each["measured_s"] / each["modelled_s"] for each in results["checks"]]
     told = (
         f"Measured over modelled: {rounded(min(ratios))} to {rounded(max(ratios))}. While this was "

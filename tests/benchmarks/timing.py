@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import os
 import platform
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -81,6 +83,22 @@ def roughly(run: Callable[[], object]) -> float:
     """Time that a call takes, s, to plan by."""
     ((least, _),) = per_item([[Call(run, 1)]], 3)
     return least
+
+
+@contextlib.contextmanager
+def dask_clients(counts: Iterable[int]) -> Iterator[dict[int, Any]]:
+    """A client of Dask for each number of workers of one thread, on this machine."""
+    from distributed import Client, LocalCluster
+
+    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
+        clients = {}
+        for count in counts:
+            cluster = LocalCluster(
+                n_workers=count, threads_per_worker=1, dashboard_address=":0",
+                local_directory=folder,
+            )  # fmt: skip
+            clients[count] = stack.enter_context(Client(stack.enter_context(cluster)))
+        yield clients
 
 
 def in_fresh_process(program: str, environment: dict[str, str]) -> dict[str, float]:

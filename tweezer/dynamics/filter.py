@@ -21,8 +21,6 @@ Bar-Shalom and E. Tse, Automatica 11, 451 (1975)).
 from __future__ import annotations
 
 import functools
-import hashlib
-import inspect
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -31,15 +29,13 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
-from tweezer.dynamics.integrators import System, kernel_signature, system
+from tweezer.dynamics.integrators import kernel_signature
+from tweezer.dynamics.integrators.system import DIGEST, System, scratch, shine
 from tweezer.dynamics.solution import pointer
 from tweezer.errors import IntegrationError
 from tweezer.optics import Light
 
 Array = NDArray[np.float64]
-
-#: of what the loop calls in another file (see `tweezer.optics.kernels`)
-_CALLED = hashlib.sha256(inspect.getsource(system).encode()).hexdigest()
 
 #: the longest step of a series, over the size of the rates; its terms
 _SHORT, _TERMS = 0.5, 8
@@ -123,7 +119,7 @@ def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
     def filtered(bead: Bead, camera: Camera) -> Filtered:
         n = len(camera.times)
         out = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2))
-        log_likelihood = loop(*pointers, bound, bead, camera, *out)
+        log_likelihood = loop(*pointers, bound._replace(radius=bead.radius), bead, camera, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
         return Filtered(log_likelihood, *out)
@@ -134,7 +130,7 @@ def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
 @functools.cache
 def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
     """The compiled loop over frames, for one kind of light: returns the log-likelihood."""
-    called = _CALLED
+    called = DIGEST  # of what it calls in another file
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
         types.FunctionType(kernel_signature(source)),
@@ -217,7 +213,7 @@ def _room(n):  # type: ignore[no-untyped-def]
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)), np.zeros(3),
-        system.scratch(),
+        scratch(),
     )  # fmt: skip
 
 
@@ -225,17 +221,7 @@ def _room(n):  # type: ignore[no-untyped-def]
 def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[no-untyped-def]
     """Rate of change of the state, and its derivative."""
     at, n = work.at, state.shape[0]
-    for k in range(3):
-        at.position[0, k] = state[k]
-    kernel(
-        at.position, system.source, bead.radius, system.n_mP, system.jones,
-        at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
-    )  # fmt: skip
-    if at.error[0] == np.inf:
-        beyond(
-            at.position, system.beyond, bead.radius, system.n_mP, system.jones,
-            at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
-        )  # fmt: skip
+    shine(kernel, beyond, system, at, state)
     last = n - 3  # the rows that the force acts on
     for k in range(3):
         rate[last + k] = bead.mobility * (bead.power * at.the_force[k] + bead.load[k])

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.errors import SceneError, warn
 from tweezer.optics import charts
 from tweezer.optics.beam import Cone, cone, ray_optics_caveat
 from tweezer.optics.charts import Pieces
@@ -177,11 +176,9 @@ def light(scene: Scene) -> Light:
     if not scene.lit:
         return dark
     if (off := dark.cone.deviation) > _UNEVEN:
-        warnings.warn(
+        warn(
             f"beam.profile_intensity: points so uneven that the light summed differs from them by "
             f"up to {100 * off:.2g} % of the peak",
-            PhysicsWarning,
-            stacklevel=2,
         )
     if scene.optics.evaluator == "grid":
         rays = grid(scene.lens, scene.beam, scene.medium)
@@ -195,7 +192,7 @@ def light(scene: Scene) -> Light:
 @functools.cache
 def _warn_once(text: str) -> None:
     """Once in a program, whatever becomes of its filters."""
-    warnings.warn(text, PhysicsWarning, stacklevel=3)
+    warn(text)
 
 
 def _dark(scene: Scene) -> Light:
@@ -287,10 +284,8 @@ def _field(
         allowed = MISSED * bound.tolerance * size + ROUNDING * bound.strength
         if (missed := field.error > allowed).any():
             worst = (field.error / size).max()
-            warnings.warn(
+            warn(
                 f"the quadrature misses optics.tolerance = {bound.tolerance:g} at {missed.sum()} "
                 f"of {missed.size} places: estimated errors reach {worst:.1g} of the force there",
-                PhysicsWarning,
-                stacklevel=3,
             )
     return field, array.shape

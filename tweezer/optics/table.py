@@ -6,7 +6,6 @@ import dataclasses
 import hashlib
 import inspect
 import io
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from generated import ray
-from tweezer.errors import PhysicsWarning, ResultError
+from tweezer.errors import ResultError, warn
 from tweezer.optics import charts, kernels, quadrature, tabulate
 from tweezer.optics.tabulate import Made, Progress, build
 
@@ -100,11 +99,9 @@ def stored(
     made, path = _kept(key, make)
     reached = made.certified / made.largest
     if reached > optics.table_tolerance:
-        warnings.warn(
+        warn(
             f"the table errs by up to {reached:.2g} of the largest force: it did not reach "
             f"optics.table_tolerance = {optics.table_tolerance:g}",
-            PhysicsWarning,
-            stacklevel=2,
         )
     if len(_in_memory) == _MOST_IN_MEMORY:
         del _in_memory[next(iter(_in_memory))]
@@ -136,18 +133,18 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
         path.parent.mkdir(parents=True, exist_ok=True)
         lock.acquire()
     except (OSError, NotImplementedError) as error:
-        warnings.warn(f"{path}: the table is not kept: {error}", stacklevel=3)
+        warn(f"{path}: the table is not kept: {error}", UserWarning)
         return make(), None
     try:
         if (made := _load(path, key)) is not None:  # by a process that held the lock
             return made, path
         if path.exists():
-            warnings.warn(f"{path}: damaged; the table is made again", stacklevel=3)
+            warn(f"{path}: damaged; the table is made again", UserWarning)
         made = make()
         try:
             _save(path, key, made)
         except ResultError as error:
-            warnings.warn(f"{path}: the table is not kept: {error}", stacklevel=3)
+            warn(f"{path}: the table is not kept: {error}", UserWarning)
             return made, None
         return made, path
     finally:

@@ -135,10 +135,10 @@ def scratch():  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy")
-def rate_of_change(kernel, beyond, rates, system, at, y, out):  # type: ignore[no-untyped-def]
-    """Fill `out` with the rate of change of the state y."""
+def shine(kernel, beyond, system, at, position):  # type: ignore[no-untyped-def]
+    """Fill `at` with the light at a place, the first three of `position`."""
     for i in range(3):
-        at.position[0, i] = y[i]
+        at.position[0, i] = position[i]
     kernel(
         at.position, system.source, system.radius, system.n_mP, system.jones,
         at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
@@ -148,6 +148,12 @@ def rate_of_change(kernel, beyond, rates, system, at, y, out):  # type: ignore[n
             at.position, system.beyond, system.radius, system.n_mP, system.jones,
             at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
         )  # fmt: skip
+
+
+@njit(error_model="numpy")
+def rate_of_change(kernel, beyond, rates, system, at, y, out):  # type: ignore[no-untyped-def]
+    """Fill `out` with the rate of change of the state y."""
+    shine(kernel, beyond, system, at, y)
     rates(
         y, at.the_force, at.the_moment, at.the_force_gradient, at.the_moment_gradient,
         system.params, out,
