@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 import warnings
@@ -14,14 +13,7 @@ import pytest
 import xarray as xr
 
 import tweezer
-from tweezer import cli
-
-# Numba's cache is not made for two processes that compile variants of one function at once: either
-# may find the other's. So each of several test processes has its own, before it imports Numba.
-if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ["NUMBA_CACHE_DIR"] = str(
-        Path(__file__).parents[1] / ".numba_cache" / os.environ["PYTEST_XDIST_WORKER"]
-    )
+from tweezer import cli, compiling  # noqa: F401  (what is compiled is kept one at a time)
 
 #: what every command says of a bead below 10 wavelengths, as shipped scenes have it
 CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from numba.core import event
+from numba.core.caching import IndexDataCacheFile
 
 import tweezer
 from tweezer import cli
@@ -25,6 +28,7 @@ NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead
 COMMAND = "from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()"
 THEN_WARMUP = """
 import sys
+import threading
 try:
     from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()
 except SystemExit:
@@ -177,3 +181,28 @@ def test_every_scene_that_is_shipped_is_warmed_up_as_it_is():
     for name in tweezer.shipped_scenes():
         scene = tweezer.load_scene(name)
         assert scene in usual_scenes(scene)
+
+
+def test_variants_kept_at_once_are_each_their_own(tmp_path):
+    """Two keep a variant of one function each: both have read the index before either writes it."""
+    both = threading.Barrier(2)
+
+    class Slow(IndexDataCacheFile):
+        def _load_index(self):
+            index = super()._load_index()
+            with contextlib.suppress(threading.BrokenBarrierError):  # by whoever has to wait
+                both.wait(timeout=0.5)
+            return index
+
+    def keep(variant):
+        Slow(str(tmp_path), "function", "stamp").save(variant, f"code of {variant}")
+
+    threads = [threading.Thread(target=keep, args=(variant,)) for variant in ("grid", "map")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    kept = IndexDataCacheFile(str(tmp_path), "function", "stamp")
+    assert {each: kept.load(each) for each in ("grid", "map")} == {
+        "grid": "code of grid", "map": "code of map",
+    }  # fmt: skip

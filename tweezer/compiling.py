@@ -8,6 +8,7 @@ which Numba wants to know before the first function is defined.
 from __future__ import annotations
 
 import atexit
+import contextlib
 import functools
 import gc
 import logging
@@ -17,9 +18,11 @@ import time
 import warnings
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from typing import Any
 
 import numba
-from numba.core import event
+from filelock import FileLock
+from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
 _log = logging.getLogger("tweezer")
@@ -112,5 +115,23 @@ def _tell_once() -> None:
     _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 
+def _alone(method: Callable[..., Any]) -> Callable[..., Any]:
+    """A method of Numba's cache of a function, by one process at a time.
+
+    Numba reads an index, numbers a file by it and writes both: of two processes that keep variants
+    at once either may later be given the other's code, and so may who loads one in between. Nothing
+    is kept, or found, where files cannot be locked.
+    """
+
+    @functools.wraps(method)
+    def alone(self: Any, *arguments: Any) -> Any:
+        with contextlib.suppress(NotImplementedError), FileLock(f"{self._cache_path}/.lock"):
+            return method(self, *arguments)
+
+    return alone
+
+
 _find_place()
+caching.IndexDataCacheFile.load = _alone(caching.IndexDataCacheFile.load)
+caching.IndexDataCacheFile.save = _alone(caching.IndexDataCacheFile.save)
 event.register("numba:compile", Compilation(_tell))
