@@ -139,7 +139,11 @@ class Light:
 
         Of a light without a table, which reaches everywhere: that light.
         """
-        return self.by_quadrature(self.tolerance) if self.evaluator == "map" else self
+        return self._integral if self.evaluator == "map" else self
+
+    @functools.cached_property
+    def _integral(self) -> Light:
+        return self.by_quadrature(self.tolerance)
 
     def error_of(self, positions: Array, field: Field) -> Array:
         """Error of the force of `field`, which is this light's at `positions`, (n,) N.
@@ -148,7 +152,7 @@ class Light:
         """
         if self.evaluator != "grid":
             return field.error
-        exact = self.by_quadrature(self.tolerance).field(positions)
+        exact = self._integral.field(positions)
         return np.linalg.norm(field.force - exact.force, axis=1) + exact.error
 
     def by_quadrature(self, tolerance: float) -> Light:
