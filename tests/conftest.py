@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 import warnings
@@ -12,11 +13,25 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+# what the tests compile knows their types: it is not kept beside the sources, where users look
+os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba_cache"))
+
 import tweezer
-from tweezer import cli, compiling  # noqa: F401  (what is compiled is kept one at a time)
+from tweezer import cli, compiling  # noqa: F401  (processes keep what they compile in turns)
 
 #: what every command says of a bead below 10 wavelengths, as shipped scenes have it
 CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """For several processes: a file goes to one of them, for its fixtures; of the notebooks, which
+    take longest and come first, each to any.
+    """
+    items.sort(key=lambda item: item.path.name != "test_notebooks.py")
+    for item in items:
+        notebook = item.path.name == "test_notebooks.py"
+        group = item.name if notebook else item.nodeid.partition("::")[0]
+        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @dataclass(frozen=True)

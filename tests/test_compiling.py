@@ -14,11 +14,10 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from numba.core import event
-from numba.core.caching import IndexDataCacheFile
+from numba.core import caching, event
 
 import tweezer
-from tweezer import cli
+from tweezer import cli, compiling
 from tweezer.compiling import compilation
 from tweezer.warmup import usual_scenes
 
@@ -28,7 +27,6 @@ NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead
 COMMAND = "from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()"
 THEN_WARMUP = """
 import sys
-import threading
 try:
     from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()
 except SystemExit:
@@ -187,7 +185,7 @@ def test_variants_kept_at_once_are_each_their_own(tmp_path):
     """Two keep a variant of one function each: both have read the index before either writes it."""
     both = threading.Barrier(2)
 
-    class Slow(IndexDataCacheFile):
+    class Slow(caching.IndexDataCacheFile):
         def _load_index(self):
             index = super()._load_index()
             with contextlib.suppress(threading.BrokenBarrierError):  # by whoever has to wait
@@ -202,7 +200,44 @@ def test_variants_kept_at_once_are_each_their_own(tmp_path):
         thread.start()
     for thread in threads:
         thread.join()
-    kept = IndexDataCacheFile(str(tmp_path), "function", "stamp")
+    kept = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
     assert {each: kept.load(each) for each in ("grid", "map")} == {
         "grid": "code of grid", "map": "code of map",
     }  # fmt: skip
+
+
+def test_what_is_kept_after_an_interruption_is_not_older_code(tmp_path):
+    """A source was edited, and the first that keeps its new code is stopped on the way."""
+
+    def files(stamp):
+        return caching.IndexDataCacheFile(str(tmp_path), "function", stamp)
+
+    files("old").save("grid", "old code of grid")
+
+    class Stopped(caching.IndexDataCacheFile):
+        def _save_data(self, name, data):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Stopped(str(tmp_path), "function", "new").save("map", "code of map")
+    assert files("new").load("map") is None
+    files("new").save("map", "code of map")
+    files("new").save("map", "the same again")
+    assert files("new").load("map") == "the same again"
+    assert len(list(tmp_path.glob("*.nbc"))) == 1
+
+
+@pytest.mark.parametrize("error", [OSError, NotImplementedError])
+def test_where_files_cannot_be_locked_nothing_is_kept(tmp_path, monkeypatch, error):
+    files = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
+    files.save("grid", "code")
+
+    def refuse(self, **options):
+        raise error
+
+    monkeypatch.setattr(compiling.FileLock, "acquire", refuse)
+    files.save("map", "code")
+    assert files.load("grid") is None
+    monkeypatch.undo()
+    assert files.load("grid") == "code"
+    assert files.load("map") is None

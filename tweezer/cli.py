@@ -15,6 +15,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich import markup
 from rich.console import Console
 
 from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
@@ -440,10 +441,9 @@ def force_map(
 
     It is kept: evaluator = "map" in [optics] then reads it.
     """
-    settings = _settings(set or [])
-    if (other := settings.get("optics.evaluator", "map")) != "map":
-        raise SceneError(f"optics.evaluator = {other}: the map is made by no other")
-    described = _described(scene, {**settings, "optics.evaluator": "map"})
+    described = _described(scene, {"optics.evaluator": "map", **_settings(set or [])})
+    if (other := described.optics.evaluator) != "map":
+        raise SceneError(f"optics.evaluator = {other!r}: must be 'map' where the map is made")
     _print_map(described, _map_of(described))
 
 
@@ -496,7 +496,7 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         for headings, *rows in report.tables(results):
             table = _table(*headings)
             for row in rows:
-                table.add_row(*row)
+                table.add_row(*map(markup.escape, row))
             _out.print(table)
         if out:
             _write_json(results, out)

@@ -11,12 +11,13 @@ import atexit
 import contextlib
 import functools
 import gc
+import itertools
 import logging
 import shutil
 import tempfile
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from typing import Any
 
@@ -29,6 +30,8 @@ _log = logging.getLogger("tweezer")
 
 #: s of compiling after which it is told to who uses the library
 _PATIENCE = 1.0
+#: s that another process is waited for, which keeps a function in milliseconds
+_LOCKED = 10.0
 
 
 class Compilation(event.Listener):
@@ -115,23 +118,44 @@ def _tell_once() -> None:
     _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 
-def _alone(method: Callable[..., Any]) -> Callable[..., Any]:
-    """A method of Numba's cache of a function, by one process at a time.
+@contextlib.contextmanager
+def _locked(folder: str) -> Iterator[bool]:
+    """Whether what is compiled in a folder is this process's alone: not where locks do not work."""
+    lock = FileLock(f"{folder}/.lock", timeout=_LOCKED, mode=0o666, is_singleton=True)
+    try:
+        lock.acquire(poll_interval=5e-3)
+    except (OSError, NotImplementedError):
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        lock.release()
 
-    Numba reads an index, numbers a file by it and writes both: of two processes that keep variants
-    at once either may later be given the other's code, and so may who loads one in between. Nothing
-    is kept, or found, where files cannot be locked.
+
+class _Alone(caching.IndexDataCacheFile):
+    """Files of a compiled function, read and written by one process at a time.
+
+    Numba reads an index, numbers a file by it, writes the index and then the file: of two processes
+    that keep variants at once either may later be given the other's code, and so may who comes
+    after one that was stopped in between. Nothing is kept or found where files cannot be locked.
     """
 
-    @functools.wraps(method)
-    def alone(self: Any, *arguments: Any) -> Any:
-        with contextlib.suppress(NotImplementedError), FileLock(f"{self._cache_path}/.lock"):
-            return method(self, *arguments)
+    def load(self, key: Any) -> Any:
+        with _locked(self._cache_path) as alone:
+            return super().load(key) if alone else None
 
-    return alone
+    def save(self, key: Any, data: Any) -> None:
+        with _locked(self._cache_path) as alone:
+            if not alone:
+                return
+            index = self._load_index()
+            numbered = map(self._data_name, itertools.count(1))
+            name = index.get(key) or next(each for each in numbered if each not in index.values())
+            self._save_data(name, data)
+            self._save_index({**index, key: name})
 
 
 _find_place()
-caching.IndexDataCacheFile.load = _alone(caching.IndexDataCacheFile.load)
-caching.IndexDataCacheFile.save = _alone(caching.IndexDataCacheFile.save)
+caching.IndexDataCacheFile = _Alone
 event.register("numba:compile", Compilation(_tell))

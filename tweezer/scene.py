@@ -10,7 +10,6 @@ import difflib
 import itertools
 import math
 import tomllib
-import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -27,7 +26,7 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.errors import SceneError, warn
 from tweezer.units import (
     Acceleration,
     AngularSpeed,
@@ -656,11 +655,9 @@ def _validated(data: dict[str, Any]) -> Scene:
         raise SceneError("\n".join(lines)) from None
     knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
     if knudsen > KNUDSEN_LIMIT:
-        warnings.warn(
+        warn(
             f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "
-            "continuum for this bead, and Stokes' drag (2.13) is too strong",
-            PhysicsWarning,
-            stacklevel=3,
+            "continuum for this bead, and Stokes' drag (2.13) is too strong"
         )
     return scene
 

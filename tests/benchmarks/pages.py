@@ -48,8 +48,8 @@ def left_out(what: Mapping[str, Mapping[str, Iterable[str]]], note: str = "") ->
 
 
 def as_table(lines: Iterable[str]) -> list[list[str]]:
-    """The lines of a list as a table of one column, without a heading."""
-    return [[""], *([line] for line in lines if line)]
+    """The lines of a list as a table of one column, of which the first is the heading."""
+    return [[line] for line in lines if line]
 
 
 def block(name: str, lines: Iterable[str], machine: Results) -> str:

@@ -385,7 +385,7 @@ def test_a_looser_tolerance_is_not_ignored():
 @settings(max_examples=60, deadline=None, derandomize=True)
 def test_any_scene_and_place(seed, **kind):
     """Finite, within the momentum of the light, and both promises kept against the reference."""
-    scene = trap(**kind, torque="thesis")
+    scene = trap(**kind)
     positions = places(scene, np.random.default_rng(seed), 10)[seed % 10 :][:2]
     field = light(scene).field(positions, gradient=True)
     assert np.isfinite(field.force_gradient).all()

@@ -134,8 +134,14 @@ class EquationsOfMotion:
 
         Raises `IntegrationError` where it is not finite.
         """
-        rates = np.empty(self._size)
-        self.module.rhs(y, *self._rhs_inputs(y), self.params, rates)
+        return self._rates(y[None])[0]
+
+    def _rates(self, states: Array) -> Array:
+        """Rates of change of `states`, (n, state)."""
+        inputs = self._rhs_inputs(states)
+        rates = np.empty((len(states), self._size))
+        for i, state in enumerate(states):
+            self.module.rhs(state, *(each[i] for each in inputs), self.params, rates[i])
         if not np.isfinite(rates).all():
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
@@ -143,7 +149,8 @@ class EquationsOfMotion:
     def jacobian(self, t: float, y: Array) -> Array:  # noqa: ARG002
         """d(rate i)/d(state j), as implicit solvers call it."""
         derivative = np.empty((self._size, self._size))
-        self.module.jacobian(y, *self._jacobian_inputs(y), self.params, derivative)
+        inputs = (each[0] for each in self._jacobian_inputs(y[None]))
+        self.module.jacobian(y, *inputs, self.params, derivative)
         return derivative
 
     def on_constraints(self, y: Array) -> Array:
@@ -171,7 +178,7 @@ class EquationsOfMotion:
         """
         states = np.array([self.on_constraints(state) for state in states])
         # the slow models have no velocities in their state: they are its rates of change
-        rates = None if self._inertial else np.array([self.rhs(0.0, state) for state in states])
+        rates = None if self._inertial else self._rates(states)
         position = states[:, :3].copy()
         velocity = self._part(states, "v1", 3) if rates is None else rates[:, :3].copy()
         orientation = angular_velocity = None
@@ -203,22 +210,21 @@ class EquationsOfMotion:
         return states[:, at : at + length].copy()
 
     def _inputs(self, names: tuple[str, ...]) -> Callable[[Array], list[Array]]:
-        """What the emitted function takes between state and parameters, as a function of state."""
+        """What the emitted function takes between state and parameters, as a function of states."""
         gradient = any(name.endswith("gradient") for name in names)
         curvature = any(name.endswith("curvature") for name in names)
 
-        def evaluate(y: Array) -> list[Array]:
-            self.force_calls += 1
-            at = self.light.field(y[None, :3], gradient=gradient)
-            values = {
-                "force": at.force[0],
-                "moment": at.moment[0],
-            }
+        def evaluate(states: Array) -> list[Array]:
+            self.force_calls += len(states)
+            at = self.light.field(states[:, :3], gradient=gradient)
+            values = {"force": at.force, "moment": at.moment}
             if gradient:
-                values["force_gradient"] = at.force_gradient[0]
-                values["moment_gradient"] = at.moment_gradient[0]
+                values["force_gradient"] = at.force_gradient
+                values["moment_gradient"] = at.moment_gradient
             if curvature:
-                values |= self._curvatures(y[:3], at.force[0])
+                (position,), (force,) = states[:, :3], at.force  # the Jacobian's, of one state
+                curvatures = self._curvatures(position, force)
+                values |= {name: each[None] for name, each in curvatures.items()}
             return [values[name] for name in names]
 
         return evaluate

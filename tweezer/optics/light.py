@@ -133,7 +133,7 @@ class Light:
         )
         return compiled, self.source
 
-    @functools.cached_property
+    @property
     def beyond(self) -> Light:
         """What gives the force where a table does not reach: the same light by the quadrature.
 
