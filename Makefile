@@ -14,7 +14,7 @@ demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
 
 test: .venv/.dev  ## every test
-	$(BIN)/python -m pytest -n logical --dist loadgroup --no-loadscope-reorder
+	$(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder
 
 lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/ruff check .

@@ -24,14 +24,8 @@ CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """For several processes: a file goes to one of them, for its fixtures; of the notebooks, which
-    take longest and come first, each to any.
-    """
+    """Notebooks, the longest file, come first: no process is left alone with it at the end."""
     items.sort(key=lambda item: item.path.name != "test_notebooks.py")
-    for item in items:
-        notebook = item.path.name == "test_notebooks.py"
-        group = item.name if notebook else item.nodeid.partition("::")[0]
-        item.add_marker(pytest.mark.xdist_group(group))
 
 
 @dataclass(frozen=True)
