@@ -142,33 +142,27 @@ p, q, g = STEP_IN_TAU.symbol, STEP_IN_SWINGS.symbol, STEP_IN_TRAP.symbol
 
 def _series() -> dict[sp.Symbol, sp.Expr]:
     """Taylor's series in h of the five functions, by powers of p and q."""
-    time = sp.Symbol("s", positive=True)
-    # d'' = -d'/tau - kappa d/tau, d(0) = 0, d'(0) = 1; a power of p counts one of h, of q two
-    terms = [sp.Integer(0), sp.Integer(1)]
+    s = sp.Symbol("s", positive=True)  # the time, in steps
+    damping, pull = sp.Poly(p, s, p, q), sp.Poly(q, s, p, q)
+    # d = h D with D'' = -p D' - q D, D(0) = 0, D'(0) = 1
+    terms = [damping.zero, damping.one]
     for n in range(ORDER + 3):
-        following = -(p / h) * (n + 1) * terms[n + 1] - (q / h**2) * terms[n]
-        terms.append(sp.expand(following / ((n + 2) * (n + 1))))
-    of_d = sum(term * time**n for n, term in enumerate(terms))
-    of_j = sp.integrate(of_d, time)
-    of_l = sp.integrate(of_j, time)
-    of_xx = 2 * (p / h) * sp.integrate(sp.expand(of_d**2), time)
-    of_vv = (
-        2 * (p / h) * sp.integrate(sp.expand((1 - (p / h) * of_d - (q / h**2) * of_j) ** 2), time)
-    )
+        following = -damping * (n + 1) * terms[n + 1] - pull * terms[n]
+        terms.append(following * sp.Rational(1, (n + 2) * (n + 1)))
+    of_d = sum((term * sp.Poly(s, s, p, q) ** n for n, term in enumerate(terms)), damping.zero)
+    of_j = of_d.integrate(s)
+    of_l = of_j.integrate(s)
+    of_xx = 2 * (of_d**2).integrate(s)
+    of_vv = 2 * ((1 - damping * of_d - pull * of_j) ** 2).integrate(s)
     leading = {d: h, j: h**2, l: h**3, c_xx: h**2 * p, c_vv: p}
-    whole = dict(zip(leading, (of_d, of_j, of_l, of_xx, of_vv), strict=True))
-    return {
-        name: leading[name] * _cut(sp.expand(whole[name].subs(time, h) / leading[name]))
-        for name in leading
-    }
+    whole = zip(leading, (of_d, of_j, of_l, of_xx, of_vv), strict=True)
+    return {name: leading[name] * _cut(series.eval(s, 1)) for name, series in whole}
 
 
-def _cut(series: sp.Expr) -> sp.Expr:
+def _cut(series: sp.Poly) -> sp.Expr:
     """The powers p^a q^b with a + 2 b < ORDER, nested."""
     kept = sum(
-        coefficient * p**a * q**b
-        for (a, b), coefficient in sp.Poly(series, p, q).terms()
-        if a + 2 * b < ORDER
+        coefficient * p**a * q**b for (a, b), coefficient in series.terms() if a + 2 * b < ORDER
     )
     return sp.horner(kept, p, q)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -609,8 +610,9 @@ def _langevin() -> Module:
     )  # fmt: skip
 
 
+@functools.cache
 def catalogue() -> tuple[Module, ...]:
-    """Every module of `generated/`."""
+    """Every module of `generated/`, derived once in a program."""
     return (
         *_inertial_models(scaling=False),
         *_inertial_models(scaling=True),

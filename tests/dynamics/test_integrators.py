@@ -16,7 +16,7 @@ from scipy.special import expi
 import tweezer
 from tests.dynamics.test_closed_forms import trap_solution
 from tests.reference import memory
-from tests.reference.fields import GaussianWell, LinearTrap, Spring, in_field, in_trap
+from tests.reference.fields import Data, GaussianWell, LinearTrap, in_field, in_trap
 from tests.reference.rigid_body import rotation_matrix
 from tweezer.dynamics import (
     Event,
@@ -426,9 +426,9 @@ def test_an_interrupted_run_is_not_run_again_for_its_error(monkeypatch):
 
 @njit(cache=True)
 def _breaks(p, source, radius, n_mP, jones, force, moment, gradient, moment_gradient, error):
-    """A spring that gives NaN within m1 of the centre."""
+    """A spring that gives NaN within its width of the centre."""
     force[:] = -source.stiffness * p
-    if np.abs(p[0]).max() < source.m1:
+    if np.abs(p[0]).max() < source.width:
         force[:] = np.nan
     moment[:] = 0.0
     gradient[:] = 0.0
@@ -440,7 +440,7 @@ class Broken(LinearTrap):
     """A spring that breaks near the centre."""
 
     def compiled(self, *, gradient):
-        return _breaks, Spring(self.stiffness, 5e-8, 0.0, 0.0)
+        return _breaks, Data(self.stiffness, width=5e-8)
 
 
 @pytest.mark.parametrize("fixed", [None, 1e-8])

@@ -15,20 +15,15 @@ from tweezer.optics import Field
 NO_JONES = np.zeros(4)
 
 
-class Spring(NamedTuple):
-    """Data of `_spring`."""
+class Data(NamedTuple):
+    """Of any field here: of one type, so that a loop is compiled once for all of them."""
 
     stiffness: float
-    m1: float
-    m2: float
-    m3: float
-
-
-class Well(NamedTuple):
-    """Data of `_well`."""
-
-    stiffness: float
-    width: float
+    width: float = 0.0
+    quartic: float = 0.0
+    m1: float = 0.0
+    m2: float = 0.0
+    m3: float = 0.0
 
 
 @njit(cache=True)
@@ -43,13 +38,6 @@ def _spring(p, source, radius, n_mP, jones, force, moment, gradient, moment_grad
             for i in range(3):
                 for j in range(3):
                     gradient[at, i, j] = -source.stiffness if i == j else 0.0
-
-
-class Bowl(NamedTuple):
-    """Data of `_bowl`."""
-
-    stiffness: float
-    quartic: float
 
 
 @njit(cache=True)
@@ -119,7 +107,7 @@ class LinearTrap(_InPlaceOfLight):
     constant_moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def compiled(self, *, gradient):
-        return _spring, Spring(float(self.stiffness), *map(float, self.constant_moment))
+        return _spring, Data(float(self.stiffness), 0.0, 0.0, *map(float, self.constant_moment))
 
 
 @dataclass(frozen=True)
@@ -130,7 +118,7 @@ class GaussianWell(_InPlaceOfLight):
     width: float
 
     def compiled(self, *, gradient):
-        return _well, Well(float(self.stiffness), float(self.width))
+        return _well, Data(float(self.stiffness), width=float(self.width))
 
 
 @dataclass(frozen=True)
@@ -141,7 +129,7 @@ class QuarticTrap(_InPlaceOfLight):
     quartic: float
 
     def compiled(self, *, gradient):
-        return _bowl, Bowl(float(self.stiffness), float(self.quartic))
+        return _bowl, Data(float(self.stiffness), quartic=float(self.quartic))
 
 
 def in_field(equations, field):

@@ -88,6 +88,7 @@ class Light:
 
         What is not asked for, or not exerted, is zero and costs nothing.
         """
+        positions = np.ascontiguousarray(positions)  # or the kernel is compiled once more
         n = len(positions)
         gradients = n if gradient else 0
         field = Field(
