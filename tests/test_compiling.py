@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import pytest
 from numba.core import caching, event
@@ -45,6 +45,25 @@ numbers = np.empty((3, 2))
 normals(1, np.arange(2), 0, 0, numbers)
 tweezer.load_scene("silica-1um")
 print(numbers.tolist())
+"""
+
+#: variants of one function, called as the kernels of the light are
+VARIANTS = """
+import ctypes, sys
+import numba
+from tweezer.dynamics.integrators import Pointer
+
+def made(number):
+    @numba.njit(cache=True)
+    def add(x):
+        return x + number
+    return add
+
+kernels = [made(int(each)) for each in sys.argv[1:]]
+called = [kernel(0.0) for kernel in kernels]
+pointers = [Pointer(kernel, numba.float64(numba.float64)) for kernel in kernels]
+of = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
+print(*called, *(of(pointer.__wrapper_address__())(0.0) for pointer in pointers))
 """
 
 
@@ -225,6 +244,36 @@ def test_what_is_kept_after_an_interruption_is_not_older_code(tmp_path):
     files("new").save("map", "the same again")
     assert files("new").load("map") == "the same again"
     assert len(list(tmp_path.glob("*.nbc"))) == 1
+
+
+def test_variants_kept_by_two_processes_are_each_their_own(tmp_path):
+    """A loop is given a kernel by the address of its machine code, which is found by its name."""
+    (tmp_path / "variants.py").write_text(VARIANTS, encoding="utf-8")
+    cache = str(tmp_path / "cache")
+    for numbers, said in (("1", "1.0"), ("2", "2.0"), ("12", "1.0 2.0"), ("21", "2.0 1.0")):
+        done = python(
+            "variants.py", *numbers, cwd=tmp_path, PYTHONPATH=str(ROOT), NUMBA_CACHE_DIR=cache,
+            PYTHONHASHSEED="0",  # or the names differ by chance
+        )  # fmt: skip
+        assert done.stdout.split() == 2 * said.split()
+    assert len(list(Path(cache).rglob("*.nbc"))) == 2
+
+
+def test_an_index_that_names_what_is_gone_is_begun_anew(tmp_path, monkeypatch):
+    """A variant for a program's own type: without that program it cannot be read."""
+    program = ModuleType("program")
+    program.Spring = type("Spring", (), {"__module__": "program"})
+    files = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
+    monkeypatch.setitem(sys.modules, "program", program)
+    files.save(program.Spring, "code for springs")
+    files.save("grid", "code of grid")
+    assert files.load("grid") == "code of grid"
+    del program.Spring
+    assert files.load("grid") is None
+    monkeypatch.undo()
+    assert files.load("grid") is None
+    files.save("grid", "code of grid, again")
+    assert files.load("grid") == "code of grid, again"
 
 
 @pytest.mark.parametrize("error", [OSError, NotImplementedError])

@@ -27,6 +27,11 @@ def by_bead():
     return {bead: thesis.motions(bead) for bead in thesis.BEADS}
 
 
+@pytest.fixture(scope="module")
+def claims(by_bead):
+    return thesis.claims(by_bead)
+
+
 def swinging(scene, decay, angular_frequency, offset=0.0):
     """A run that is a closed form: q2 a damped cosine, q3 constant."""
     time = np.linspace(0.0, 1e-2, 20001)
@@ -134,19 +139,18 @@ def test_verdicts_in_words():
     assert verdict(False, True) == "holds for the unscaled model only"
 
 
-def test_documented_verdicts_are_those_of_today(by_bead):
+def test_documented_verdicts_are_those_of_today(claims):
     """claims.json and claims.md, as the documentation shows them."""
-    today = thesis.claims(by_bead)
     committed = json.loads((COMMITTED / "claims.json").read_text())
-    assert [claim.text for claim in today] == [entry["text"] for entry in committed]
-    for claim, entry in zip(today, committed, strict=True):
+    assert [claim.text for claim in claims] == [entry["text"] for entry in committed]
+    for claim, entry in zip(claims, committed, strict=True):
         assert claim.verdict == entry["verdict"], claim.text
         for name, value in claim.numbers.items():
             # jumps of the grid's force carry rounding on; a length of 1e-24 m is nothing else
             if abs(value) > 1e-15:
                 assert value / entry["numbers"][name] == pytest.approx(1, abs=0.1), claim.text
     assert all(
-        claim.reading == entry["reading"] for claim, entry in zip(today, committed, strict=True)
+        claim.reading == entry["reading"] for claim, entry in zip(claims, committed, strict=True)
     )
     rows = (COMMITTED / "claims.md").read_text().splitlines()[2:]
     for row, entry in zip(rows, committed, strict=True):
@@ -184,9 +188,9 @@ def test_page_says_what_was_computed():
         assert said in text
 
 
-def test_numbers_of_the_claims_by_hand(by_bead):
+def test_numbers_of_the_claims_by_hand(by_bead, claims):
     """Some of them again from positions and velocities alone."""
-    found = {claim.text: claim for claim in thesis.claims(by_bead)}
+    found = {claim.text: claim for claim in claims}
     radii = {"500nm": 0.25e-6, "990nm": 0.495e-6, "1950nm": 0.975e-6}
     reynolds = next(c for text, c in found.items() if text.startswith("Re at the first closest"))
     overshoot = next(c for text, c in found.items() if text.startswith("The smaller the bead"))

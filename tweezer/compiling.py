@@ -13,6 +13,7 @@ import functools
 import gc
 import itertools
 import logging
+import secrets
 import shutil
 import tempfile
 import time
@@ -24,6 +25,7 @@ from typing import Any
 import numba
 from filelock import FileLock
 from numba.core import caching, event
+from numba.core.bytecode import FunctionIdentity
 from numba.core.dispatcher import Dispatcher
 
 _log = logging.getLogger("tweezer")
@@ -139,7 +141,17 @@ class _Alone(caching.IndexDataCacheFile):
     Numba reads an index, numbers a file by it, writes the index and then the file: of two processes
     that keep variants at once either may later be given the other's code, and so may who comes
     after one that was stopped in between. Nothing is kept or found where files cannot be locked.
+
+    An index names the types of its variants, also a program's own, of a field of force that it
+    brought; one that cannot be read without that program is begun anew.
     """
+
+    def _load_index(self) -> Any:
+        try:
+            return super()._load_index()
+        except Exception as error:  # reading it imports whatever it names
+            _log.debug("%s cannot be read: %s", self._index_path, error)
+            return {}
 
     def load(self, key: Any) -> Any:
         with _locked(self._cache_path) as alone:
@@ -158,4 +170,8 @@ class _Alone(caching.IndexDataCacheFile):
 
 _find_place()
 caching.IndexDataCacheFile = _Alone
+# Numba counts the functions that a process compiles, and variants of one function differ by that
+# number alone in the name of their machine code: of two compiled by two processes and kept, one
+# would be called in place of the other (numba issue 10486). Numbers that no two processes share:
+FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), None)
 event.register("numba:compile", Compilation(_tell))
