@@ -769,13 +769,15 @@ def _print_depth(found: DepthFit) -> None:
     pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in found.intervals)
     table.add_row("95 % confidence", f"{pieces} um")
     others = ", ".join(f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in found.minima[1:])
-    table.add_row("other minima (misfit above)", others or "none near")
+    table.add_row("other minima (misfit above)", others or "none")
     for each in found.parameters:
         scale, unit = (1e6, "um") if each.unit == "m" else (1.0, each.unit)
-        error = "not determined"
-        if each.uncertainty is not None:
-            error = f"+- {scale * each.uncertainty:.2g}"
-        table.add_row(each.name, f"{scale * each.value:.4g} {error} {unit}".rstrip())
+        value = f"{scale * each.value:.4g}"
+        if each.uncertainty is None:
+            value += f" {unit}, not determined" if unit else ", not determined"
+        else:
+            value += f" +- {scale * each.uncertainty:.2g} {unit}"
+        table.add_row(each.name, value.rstrip())
     table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
     table.add_row("residuals white, p", f"{found.p_value:.2g}")
     _out.print(table)

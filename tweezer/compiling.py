@@ -142,13 +142,16 @@ class _Alone(caching.IndexDataCacheFile):
     that keep variants at once either may later be given the other's code, and so may who comes
     after one that was stopped in between. Nothing is kept or found where files cannot be locked.
 
-    An index names the types of its variants, also a program's own, of a field of force that it
-    brought; one that cannot be read without that program is begun anew.
+    An index names the types of its variants, also those of a program's own module, for a field of
+    force that it brought. One that cannot be read without that module is begun anew: programs that
+    bring fields of their own do better with a NUMBA_CACHE_DIR of their own.
     """
 
     def _load_index(self) -> Any:
         try:
             return super()._load_index()
+        except OSError:
+            raise
         except Exception as error:  # reading it imports whatever it names
             _log.debug("%s cannot be read: %s", self._index_path, error)
             return {}
