@@ -90,34 +90,36 @@ def test_digest_follows_every_source(tmp_path, monkeypatch):
         path.write_text(text)
 
 
-def test_a_stale_module_is_told(files, tmp_path, monkeypatch, capsys):
-    """--check ends with 1 and a diff, and writes nothing."""
-    generated = Path(shutil.copytree(emission.GENERATED, tmp_path / "generated"))
-    stale = generated / "overdamped_translation.py"
-    stale.write_text(stale.read_text().replace("force[0]", "force[1]"))
-    before = stale.read_bytes()
-    monkeypatch.setattr(command, "GENERATED", generated)
-    monkeypatch.setattr(command, "emit", lambda: files)
-    monkeypatch.setattr(sys, "argv", ["derivation", "--check"])
-    assert command.main() == 1
-    said = capsys.readouterr()
-    assert "+    F1 = force[0]" in said.out
-    assert "1 of 19 modules differ" in said.err
-    assert stale.read_bytes() == before
-
-
-def test_command_under_another_hash_seed(tmp_path):
-    """`python -m derivation` on a copy writes the same bytes whatever the order of sets."""
+def test_command_tells_a_stale_module_under_another_hash_seed(tmp_path):
+    """`python -m derivation --check` on a copy: it ends with 1 and a diff of what is stale, and all
+    else is the same bytes whatever the order of sets.
+    """
     for name in ("derivation", "generated"):
         shutil.copytree(ROOT / name, tmp_path / name)
-    for path in (tmp_path / "generated").glob("*.py"):
-        path.write_text("stale")
-    subprocess.run(
-        [sys.executable, "-m", "derivation"], cwd=tmp_path, check=True,
-        env={**os.environ, "PYTHONHASHSEED": "4711"},
+    stale = tmp_path / "generated" / "overdamped_translation.py"
+    text = stale.read_text()
+    stale.write_text(text.replace("force[0]", "force[1]"))
+    checked = subprocess.run(
+        [sys.executable, "-m", "derivation", "--check"], cwd=tmp_path, capture_output=True,
+        text=True, check=False, env={**os.environ, "PYTHONHASHSEED": "4711"},
     )  # fmt: skip
+    assert checked.returncode == 1
+    added = re.findall(r"^\+(?!\+\+)(.*)", checked.stdout, re.MULTILINE)
+    assert added == [line for line in text.splitlines() if "force[0]" in line]
+    assert "1 of 19 modules differ" in checked.stderr
+    assert stale.read_text() != text
+
+
+def test_command_writes_every_module(files, tmp_path, monkeypatch, capsys):
+    for name in files:
+        (tmp_path / name).write_text("stale")
+    monkeypatch.setattr(command, "GENERATED", tmp_path)
+    monkeypatch.setattr(command, "emit", lambda: files)
+    monkeypatch.setattr(sys, "argv", ["derivation"])
+    assert command.main() == 0
+    assert "19 modules emitted, 19 changed" in capsys.readouterr().err
     for path in emission.GENERATED.glob("*.py"):
-        assert (tmp_path / "generated" / path.name).read_bytes() == path.read_bytes()
+        assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
 
 def test_emitted_modules_import_math_and_numba_alone(files):
