@@ -40,8 +40,9 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 docs: .venv/.dev  ## the site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
-stress: .venv/.runtime  ## 10,000 random scenes, and 2,000 with thermal motion: how they end
+stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, and faults from outside
 	$(BIN)/python -m tests.stress 10000
+	$(BIN)/python -m tests.stress_faults
 
 derivation: .venv/.dev  ## derive again and write generated/
 	$(BIN)/python -m derivation
