@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+import json
+import math
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,7 @@ import xarray as xr
 
 import tweezer
 from tweezer.errors import ResultError
+from tweezer.io import write_json
 
 
 def test_a_run_is_read_back_bit_for_bit(turning_run, tmp_path):
@@ -112,3 +115,16 @@ def test_a_run_is_not_held_open_by_loading_it(turning_run, tmp_path):
     tweezer.save_run(loaded, path)
     path.unlink()
     assert loaded["position"].shape == turning_run["position"].shape
+
+
+def test_json_has_null_for_a_number_that_is_not_known(tmp_path):
+    """Strict JSON: `NaN` and `Infinity` are no words of it."""
+    results = {
+        "known": [1e-300, np.float64(0.1), 3],
+        "name": "1 µm",
+        "unknown": [math.nan, math.inf],
+    }
+    write_json(results, tmp_path / "results.json")
+    text = (tmp_path / "results.json").read_text(encoding="utf-8")
+    read = json.loads(text, parse_constant=pytest.fail)
+    assert read == {**results, "unknown": [None, None]}

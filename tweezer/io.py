@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Literal
 
+import pydantic_core
 import xarray as xr
 
 from tweezer.errors import ResultError
@@ -46,10 +46,11 @@ def replacing(path: Path) -> Iterator[Path]:
 def write_json(value: object, path: Path) -> None:
     """Write `value` to `path`; the file there changes only once the new one is whole.
 
-    Raises `ResultError` if it cannot be written, ValueError for a number that is not finite.
+    JSON has no NaN: a number that is not known, or not finite, is written as null. Raises
+    `ResultError` if it cannot be written.
     """
     with replacing(path) as whole:
-        whole.write_text(json.dumps(value, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        whole.write_bytes(pydantic_core.to_json(value, indent=2, inf_nan_mode="null") + b"\n")
 
 
 def load_run(path: str | Path) -> xr.Dataset:

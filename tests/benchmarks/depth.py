@@ -9,6 +9,7 @@ the time of a fit is that of its core.
 
 from __future__ import annotations
 
+import math
 import multiprocessing
 import os
 import time
@@ -123,7 +124,7 @@ def _study(study: Study, count: int, say: Callable[[str], object], executor: Exe
     covered = np.array([any(low <= z <= high for low, high in fit.intervals) for fit in fits])
     determined = np.array([found.determined for found in fits])
     interval = binomtest(int(covered.sum()), count).proportion_ci(0.95)
-    bias, deviation = float(off.mean()), float(off.std(ddof=1))
+    bias, deviation = float(off.mean()), float(off.std(ddof=1)) if count > 1 else math.nan
     results: Results = {
         "scene": study.scene, "duration_s": study.duration, "rate_Hz": study.rate,
         "noise_m": study.noise, "tracks": count, "coverage": float(covered.mean()),

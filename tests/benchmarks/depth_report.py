@@ -21,7 +21,8 @@ def tables(results: Results) -> list[list[list[str]]]:
          "time of a fit, s"],
         *(
             [
-                *_tracks(each), _coverage(each), _coverage(each["determined"]),
+                *_tracks(each), _coverage(each),
+                _coverage(each["determined"]) if "determined" in each else "none is",
                 f"{1e9 * each['bias_m']:z.0f} ± {1e9 * each['bias_error_m']:.0f}",
                 f"{1e9 * each['interval_m']:.0f}", f"{each['bias_of_interval']:z.2f}",
                 *_found(each),
