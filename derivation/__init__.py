@@ -1,5 +1,14 @@
 """SymPy derivation of the bead's equations of motion and of the force of one ray.
 
 Symbols only: nothing here is imported when a bead is simulated. `python -m derivation`
-emits the results as Numba modules into `generated/`.
+emits the results as Numba modules into `generated/`. A wheel has this package as
+`tweezer.derivation`.
 """
+
+try:
+    import jinja2  # noqa: F401
+    import sympy  # noqa: F401
+except ModuleNotFoundError as missing:
+    raise ModuleNotFoundError(
+        f'the derivation needs {missing.name}: pip install "tweezer[derive]"', name=missing.name
+    ) from None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from derivation.emission import GENERATED, differences, emit, write
+from .emission import GENERATED, differences, emit, write
 
 
 def main() -> int:

@@ -7,7 +7,6 @@ part of emission.
 from __future__ import annotations
 
 import difflib
-import hashlib
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -16,10 +15,10 @@ from pathlib import Path
 import jinja2
 import sympy
 
-from derivation.lowering import Argument, Function, lower
-from derivation.models import Module, catalogue
-from derivation.printing import code
-from derivation.symbols import Quantity
+from .lowering import Argument, Function, lower
+from .models import Module, catalogue
+from .printing import code
+from .symbols import Quantity
 
 SOURCES = Path(__file__).parent
 #: the committed output
@@ -33,18 +32,8 @@ One module a model and variant. They import math and numba only.
 '''
 
 
-def source_digest() -> str:
-    """SHA-256 over the sources and templates of the derivation, in the order of their names."""
-    digest = hashlib.sha256()
-    files = [*SOURCES.glob("*.py"), *SOURCES.glob("templates/*.jinja")]
-    for path in sorted(files, key=lambda path: path.name):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
-
-
 def emit() -> dict[str, str]:
     """Text of every file of `generated/`, by name."""
-    digest = source_digest()
     template = _environment().get_template("module.py.jinja")
     files = {"__init__.py": _PACKAGE}
     for module in catalogue():
@@ -53,7 +42,6 @@ def emit() -> dict[str, str]:
             module=module,
             functions=functions,
             inputs=list(_input_names(module)),
-            digest=digest,
             sources=" and ".join(f"derivation/{name}" for name in module.sources),
             sympy_version=sympy.__version__,
             operations=sum(block.operations for _, block in functions),

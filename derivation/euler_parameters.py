@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivation.equations import Equation
-from derivation.symbols import ANGULAR_VELOCITY, EULER_PARAMETERS, EULER_RATES, vector
+from .equations import Equation
+from .symbols import ANGULAR_VELOCITY, EULER_PARAMETERS, EULER_RATES, vector
 
 e = vector(EULER_PARAMETERS)
 edot = vector(EULER_RATES)

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivation.equations import Equation
-from derivation.symbols import (
+from .equations import Equation
+from .symbols import (
     COVARIANCE_V,
     COVARIANCE_X,
     DISPLACEMENT,

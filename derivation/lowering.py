@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derivation.symbols import Quantity
+from .symbols import Quantity
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derivation import euler_parameters as ep
-from derivation import langevin as lv
-from derivation import multiscale as ms
-from derivation import ray
-from derivation import rigid_body as rb
-from derivation import symbols as sy
-from derivation.lowering import Argument, Function
-from derivation.symbols import Quantity, vector
+from . import euler_parameters as ep
+from . import langevin as lv
+from . import multiscale as ms
+from . import ray
+from . import rigid_body as rb
+from . import symbols as sy
+from .lowering import Argument, Function
+from .symbols import Quantity, vector
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivation.equations import Equation
-from derivation.euler_parameters import L, R, along, e, euler_rates_from_omega, omega
-from derivation.rigid_body import (
+from .equations import Equation
+from .euler_parameters import L, R, along, e, euler_rates_from_omega, omega
+from .rigid_body import (
     I_AA,
     F_others,
     M_any,
@@ -30,7 +30,7 @@ from derivation.rigid_body import (
     m,
     v,
 )
-from derivation.symbols import (
+from .symbols import (
     FORCE,
     FORCE_GRADIENT,
     FORCE_RATE,

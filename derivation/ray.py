@@ -26,8 +26,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from derivation.equations import Equation
-from derivation.symbols import (
+from .equations import Equation
+from .symbols import (
     COS_ALPHA,
     COS_BETA,
     FIELD_IMAGINARY,

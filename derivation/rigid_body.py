@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import sympy as sp
 
-from derivation.equations import Equation
-from derivation.euler_parameters import L, Ldot, R, e, edot, norm_squared, omega
-from derivation.symbols import (
+from .equations import Equation
+from .euler_parameters import L, Ldot, R, e, edot, norm_squared, omega
+from .symbols import (
     DRAG,
     FORCE,
     INERTIA,

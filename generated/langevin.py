@@ -10,8 +10,6 @@ velocity, without inertia by a unit of u; j its integral, and l that of j.
 
 from numba import njit
 
-SOURCE_DIGEST = "3835c20dc97f67e212f699d71cf5728f519bbace46cdfcfcf6dacadb4145c2f5"
-
 
 @njit(cache=True)
 def inertial_of_a_short_step(h, tau, kappa):

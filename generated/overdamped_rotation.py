@@ -26,7 +26,6 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "3835c20dc97f67e212f699d71cf5728f519bbace46cdfcfcf6dacadb4145c2f5"
 STATE = ("q1", "q2", "q3", "e0", "e1", "e2", "e3")
 PARAMS = ("beta_v", "beta_w", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "moment")

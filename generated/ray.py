@@ -11,8 +11,6 @@ import math
 
 from numba import njit
 
-SOURCE_DIGEST = "3835c20dc97f67e212f699d71cf5728f519bbace46cdfcfcf6dacadb4145c2f5"
-
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def circular(S, n_mP):

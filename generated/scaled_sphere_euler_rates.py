@@ -37,7 +37,6 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "3835c20dc97f67e212f699d71cf5728f519bbace46cdfcfcf6dacadb4145c2f5"
 STATE = (
     "q1",
     "q2",

@@ -26,7 +26,6 @@ Parameters:
 
 from numba import njit
 
-SOURCE_DIGEST = "3835c20dc97f67e212f699d71cf5728f519bbace46cdfcfcf6dacadb4145c2f5"
 STATE = ("q1", "q2", "q3", "v1", "v2", "v3")
 PARAMS = ("m", "beta_v", "a2", "W1", "W2", "W3")
 RHS_INPUTS = ("force",)

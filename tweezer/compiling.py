@@ -92,7 +92,7 @@ def found() -> int:
 
 
 def _ours(dispatcher: Dispatcher) -> bool:
-    return dispatcher.py_func.__module__.partition(".")[0] in ("tweezer", "generated")
+    return dispatcher.py_func.__module__.partition(".")[0] == "tweezer"
 
 
 def _find_place() -> None:

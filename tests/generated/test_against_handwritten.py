@@ -40,7 +40,7 @@ STATES = 10_000
 
 
 def emitted(name):
-    return importlib.import_module(f"generated.{name}")
+    return importlib.import_module(f"tweezer.generated.{name}")
 
 
 def by_hand(name, body, field, state):

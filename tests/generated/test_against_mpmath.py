@@ -62,7 +62,7 @@ def exact(function):
 @pytest.mark.parametrize(("module_name", "name"), FUNCTIONS)
 def test_against_50_digits(module_name, name):
     function = next(f for f in MODULES[module_name].functions if f.name == name)
-    emitted = getattr(importlib.import_module(f"generated.{module_name}"), name)
+    emitted = getattr(importlib.import_module(f"tweezer.generated.{module_name}"), name)
     reference, rng = exact(function), np.random.default_rng(30)
     worst = 0.0
     with mpmath.workdps(DIGITS):

@@ -21,7 +21,7 @@ call_every_function()
 def call_every_function():
     """Call each with arrays of exactly the documented shapes."""
     for module in catalogue():
-        emitted = importlib.import_module(f"generated.{module.name}")
+        emitted = importlib.import_module(f"tweezer.generated.{module.name}")
         for function in module.functions:
             arguments = [
                 np.full(argument.shape, 0.4) if argument.shape else 0.4
@@ -47,7 +47,7 @@ def test_compiled_functions_fill_all_of_their_output():
 
 @pytest.mark.parametrize("module", catalogue(), ids=lambda module: module.name)
 def test_emitted_data_match_the_catalogue(module):
-    emitted = importlib.import_module(f"generated.{module.name}")
+    emitted = importlib.import_module(f"tweezer.generated.{module.name}")
     if module.state:
         assert tuple(quantity.name for quantity in module.state) == emitted.STATE
         assert tuple(quantity.name for quantity in module.params) == emitted.PARAMS

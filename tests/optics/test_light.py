@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import tweezer
-from generated import ray
 from tests.reference import memory
 from tests.reference.ray_sum import force_and_moment, lens_squares
 from tests.reference.raytracer import trace
+from tweezer.generated import ray
 from tweezer.optics import fraction_through_pupil, grid, light, total_power
 from tweezer.optics.culling import TILES_AT_ONCE, rays_near, tiles
 from tweezer.optics.kernels import TOTAL_REFLECTION

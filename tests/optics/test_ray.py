@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from generated import ray
 from tests.reference.raytracer import trace
+from tweezer.generated import ray
 
 PUBLISHED = Path(__file__).parents[1] / "data" / "ashkin1992.csv"
 N_MEDIUM = 1.33

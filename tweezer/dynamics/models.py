@@ -15,11 +15,11 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from generated import kinematics
 from tweezer.bead import BeadProperties, bead_properties
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.errors import IntegrationError
+from tweezer.generated import kinematics
 from tweezer.optics import Light, light
 from tweezer.scene import Scene
 
@@ -342,7 +342,7 @@ def bind(scene: Scene) -> EquationsOfMotion:
 
     Of a scene that names no model, the unscaled ones.
     """
-    module = importlib.import_module(f"generated.{_module_name(scene)}")
+    module = importlib.import_module(f"tweezer.generated.{_module_name(scene)}")
     return EquationsOfMotion(scene, module, bead_properties(scene), light(scene))
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from numba import typeof
 from numpy.typing import NDArray
 
-from generated import kinematics
 from tweezer.dynamics import integrators
 from tweezer.dynamics.integrators import Control, Pointer, Records, System
 from tweezer.errors import SceneError
+from tweezer.generated import kinematics
 
 if TYPE_CHECKING:
     from tweezer.dynamics.models import EquationsOfMotion

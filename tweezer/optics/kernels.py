@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import literally, njit
 
-from generated import ray
+from tweezer.generated import ray
 from tweezer.optics import culling, quadrature
 from tweezer.optics.culling import TILES_AT_ONCE, rays_near
 from tweezer.optics.quadrature import (

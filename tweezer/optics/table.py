@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from generated import ray
 from tweezer.errors import ResultError, warn
+from tweezer.generated import ray
 from tweezer.optics import charts, kernels, quadrature, tabulate
 from tweezer.optics.tabulate import Made, Progress, build
 

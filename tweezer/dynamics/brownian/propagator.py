@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from generated import langevin
+from tweezer.generated import langevin
 
 Array = NDArray[np.float64]
 
