@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tweezer import cli
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.scene import Scene, load_scene, with_settings
 
 #: a good scene, value by value as TOML text
@@ -114,6 +114,10 @@ BAD_SCENES = {
     "text for a pure number": ({"bead.refractive_index": '"1.5"'},
                                "bead.refractive_index = '1.5': must be a number"),
     "unit without a number": ({"bead.radius": '"um"'}, f"bead.radius = 'um': {LENGTH}"),
+    "unit of an image": ({"bead.radius": '"1 px"'},
+                         "bead.radius = '1 px': has a unit that is not known; must be convertible"),
+    "unit in other capitals": ({"beam.power": '"80mw"'},
+                               "must be convertible to W; did you mean mW?"),
     "unit that divides by zero": ({"bead.radius": '"1 m/0"'},
                                   "bead.radius = '1 m/0': has a unit that is not known"),
     "unit that calculates": ({"bead.radius": '"1 9**9**9**9 um"'},
@@ -407,7 +411,11 @@ BAD_FILES = {
 #: id: (arguments after `run`, the line they are answered with)
 BAD_ARGUMENTS = {
     "no such scene": (["thesis-1nm"], "no scene file 'thesis-1nm', and no shipped scene of that"),
-    "no scene": ([""], "'': cannot be read: Is a directory"),
+    "no scene": ([""], "no scene is named: must be a shipped scene or a TOML file"),
+    "half a name": (["silica"], "no scene file 'silica', and no shipped scene of that name; did "
+                    "you mean silica-1um?"),
+    "shipped name with a suffix": (["silica-1um.toml"], "did you mean silica-1um?"),
+    "part of a name": (["990nm"], "did you mean thesis-990nm?"),
     "a folder for a scene": (["folder.nc"], "'folder.nc': cannot be read: Is a directory"),
     "scene name too long": ([5000 * "s"], "cannot be read: File name too long"),
     "scene name with a line break": (["a\nb"], "no scene file 'a\\nb'"),
@@ -602,7 +610,7 @@ def good_scene() -> Scene:
 def test_any_value_of_any_key_is_a_scene_or_a_scene_error(good_scene, key, text):
     try:
         changed = with_settings(good_scene, {key: text})
-    except PhysicsWarning:
+    except (PhysicsWarning, UnitWarning):
         return
     except SceneError as error:
         changed, lines = None, str(error).splitlines()

@@ -147,6 +147,34 @@ def test_a_scene_file_names_its_results(command_line):
     }  # fmt: skip
 
 
+def test_names_are_printed_as_they_stand(command_line):
+    """No bracket or colon in them is read as a colour or a picture."""
+    Path("out[").mkdir()
+    names = ["out[/b].nc", "out[bold]:smile:.png"]
+    text = tweezer.shipped_scenes()["thesis-990nm"].read_text(encoding="utf-8")
+    Path("a[red]:bee:.toml").write_text(text, encoding="utf-8")
+    outcome = command_line(
+        "run", "a[red]:bee:.toml", *SHORT[1:], "--out", names[0], "--plot", names[1]
+    )
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[-2:] == [f"wrote {name}" for name in names]
+    assert "a[red]:bee:" in outcome.out
+    assert all(Path(name).is_file() for name in names)
+
+
+def test_a_terminal_without_a_width_is_a_usual_one(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "0")
+    assert cli._console(stderr=False).width == 80
+
+
+def test_a_bare_number_that_is_unusual_is_said(command_line):
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        outcome = command_line("trap", "silica-1um", "--set", "beam.power=80", "--out", "no/k.json")
+    said = 'warning: beam.power = 80 is 80 W; 80 mW is written "80 mW"\n'
+    assert outcome.err.startswith(said)
+
+
 def test_the_scene_of_the_command_line_is_the_scene_of_python(command_line):
     assert command_line("run", *SHORT).code == 0
     scene = tweezer.load_scene("thesis-990nm").replace(simulation={"samples": 11})

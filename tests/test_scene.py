@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.scene import Scene, load_scene, shipped_scenes, with_settings
 from tweezer.units import to_si
 
@@ -62,6 +62,7 @@ def in_si() -> dict:
         ("1.002 cP", "Pa s", 1.002e-3),
         ("12 ms", "s", 12e-3),
         ("3 1/s", "rad/s", 3.0),
+        ("1.002 mPa·s", "Pa s", 1.002e-3),
         ("30 rpm", "rad/s", math.pi),
         ("180 deg/s", "rad/s", math.pi),
         (3, "m", 3.0),
@@ -82,6 +83,61 @@ def test_a_unit_is_a_factor(number, prefix, space):
     assert to_si(f"{number!r}{space}{prefix}m", "m") == pytest.approx(
         number * PREFIXES[prefix], rel=1e-12, abs=0
     )
+
+
+@pytest.mark.parametrize("prefix", ["", *"fpnumcdk"])
+@pytest.mark.parametrize(
+    ("name", "factor", "unit"),
+    [("m", 1, "m"), ("s", 1, "s"), ("sec", 1, "s"), ("W", 1, "W"), ("g", 1e-3, "kg"),
+     ("K", 1, "K"), ("Pa s", 1, "Pa s"), ("P", 0.1, "Pa s"), ("L", 1e-3, "m^3"),
+     ("N s/m^2", 1, "Pa s"), ("rad/s", 1, "rad/s")],
+)  # fmt: skip
+def test_every_prefix_of_every_unit(prefix, name, factor, unit):
+    """None of them is another unit by chance, as Pint's min is no milli-inch."""
+    power = dict(zip("fpnumcdk", (-15, -12, -9, -6, -3, -2, -1, 3), strict=True)).get(prefix, 0)
+    assert to_si(f"2 {prefix}{name}", unit) == pytest.approx(
+        2 * factor * 10.0**power, rel=1e-12, abs=0
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "answer"),
+    [("1 px", "m", "must be convertible to m, such as um, nm, mm"),
+     ("1 pixel", "m", "not known"), ("1 point", "m", "not known"), ("1 pica", "m", "not known"),
+     ("1 pt", "m", "not known"), ("1 dot", "m", "not known"), ("1 em", "m", "not known"),
+     ("1 V", "m", "not known"), ("1 u", "kg", "not known"), ("1 t", "kg", "not known"),
+     ("1 a", "s", "not known"), ("1 frame", "s", "not known"), ("1 %", "m", "not known"),
+     ("1 Hz", "rad/s", "must be convertible to rad/s, such as deg/s, rpm"),
+     ("1 in", "m", "not known"), ("1 degC m", "K", "not known"), ("1 dBm s", "W", "not known"),
+     ("80mw", "W", "did you mean mW?"), ("80 MW", "W", "did you mean mW?"),
+     ("20 C", "K", "did you mean degC?"), ("68 F", "K", "did you mean degF?"),
+     ("1 UM", "m", "did you mean um?"), ("1 µM", "m", "did you mean um?"),
+     ("1 mPas", "Pa s", "did you mean mPa s?"), ("1 MPa s", "Pa s", "did you mean mPa s?")],
+)  # fmt: skip
+def test_units_that_mean_something_else_are_refused(text, unit, answer):
+    with pytest.raises(ValueError, match="has a unit that is not known; ") as refused:
+        to_si(text, unit)
+    assert answer in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [({"beam": {"power": 80}}, 'beam.power = 80 is 80 W; 80 mW is written "80 mW"'),
+     ({"beam": {"waist": 2e-1}}, 'beam.waist = 0.2 is 0.2 m; 0.2 um is written "0.2 um"'),
+     ({"beam": {"wavelength": 0.8}}, "beam.wavelength = 0.8 is 0.8 m; 0.8 um is"),
+     ({"medium": {"viscosity": 1.002}}, "medium.viscosity = 1.002 is 1.002 Pa s; 1.002 mPa s is"),
+     ({"bead": {"density": 1.05}}, "bead.density = 1.05 is 1.05 kg/m^3; 1.05 g/cm^3 is"),
+     ({"simulation": {"duration": 20}}, 'simulation.duration = 20 is 20 s; 20 ms is written'),
+     ({"start": {"velocity": [0, 0, -50]}}, "start.velocity = -50 is -50 m/s; -50 um/s is")],
+)  # fmt: skip
+def test_a_bare_number_that_is_unusual_names_its_unit(scene, changes, said):
+    with pytest.warns(UnitWarning, match="written") as warned:
+        changed = scene.replace(**changes)
+    (warning,) = warned
+    assert str(warning.message).startswith(said)
+    with warnings.catch_warnings(action="error"):
+        changed.replace(bead={"refractive_index": 1.5})  # not again
+        scene.replace(beam={"power": "80 W"})  # nor where the unit is there
 
 
 @settings(deadline=None)
@@ -191,7 +247,8 @@ def test_settings_are_toml_or_text(scene):
             "beam.power": "80 mW",
             "beam.divisions": "50",
             "beam.torque": "thesis",
-            "forces.gravity": "false",
+            "forces.gravity": "False",
+            "forces.buoyancy": "false",
             "bead.density": "'1.1 g/cm^3'",
             "start.velocity": "[0, '1 mm/s', 2e-3]",
         },
@@ -199,7 +256,8 @@ def test_settings_are_toml_or_text(scene):
     assert changed.beam.power == 0.08
     assert changed.beam.divisions == 50
     assert changed.beam.torque == "thesis"
-    assert changed.forces.gravity is False
+    assert (changed.forces.gravity, changed.forces.buoyancy) == (False, False)
+    assert with_settings(changed, {"forces.gravity": "True"}).forces.gravity is True
     assert changed.bead.density == pytest.approx(1100, rel=ROUNDING)
     assert changed.start.velocity == pytest.approx((0, 1e-3, 2e-3), rel=ROUNDING)
     assert with_settings(scene, {}) == scene
@@ -273,6 +331,7 @@ def test_json_keeps_a_scene_bit_for_bit(name):
     assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
 
 
+@pytest.mark.filterwarnings("ignore:beam.power:tweezer.UnitWarning")
 @settings(deadline=None)
 @given(
     radius=st.floats(2e-7, 1e-3), power=st.floats(0, 1e6), brightest=st.booleans(),

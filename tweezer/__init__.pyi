@@ -26,6 +26,7 @@ from .errors import (
     ResultError,
     SceneError,
     TweezerError,
+    UnitWarning,
 )
 from .io import load_run, save_run, scene_of
 from .optics import optical_force, optical_jacobian, optical_torque
@@ -49,6 +50,7 @@ __all__ = [
     "Tuned",
     "Tuning",
     "TweezerError",
+    "UnitWarning",
     "bead_properties",
     "bind",
     "calibrate",

@@ -15,7 +15,6 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich import markup
 from rich.console import Console
 
 from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
@@ -50,8 +49,16 @@ Changes = Annotated[
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
 FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
 
-_out = Console()
-_err = Console(stderr=True)
+
+def _console(*, stderr: bool) -> Console:
+    """What prints text as it stands: names of files and scenes may hold brackets or colons."""
+    console = Console(stderr=stderr, markup=False, emoji=False)
+    if console.width < 1:  # COLUMNS=0
+        console.width = 80
+    return console
+
+
+_out, _err = _console(stderr=False), _console(stderr=True)
 
 _FIGURE_FORMATS = ("pdf", "png", "svg")
 #: of many files, in a folder
@@ -182,8 +189,10 @@ def tune(
     plot: FigureFile = None,
 ) -> None:
     """Scaled against unscaled response of SCENE for a list of a2: the thesis's search."""
+    from tweezer.units import PositiveLength
+
     described = _described(scene, _settings(set or [], duration=duration))
-    allowed = _quantity("--deviation", deviation, "m")
+    allowed = _quantity("--deviation", deviation, PositiveLength)
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     _bind_light(described)
@@ -252,8 +261,10 @@ def ensemble(
 
     Stopped at any time, by Ctrl-C or worse, it goes on with --resume where it was.
     """
+    from tweezer.units import Time
+
     described = _described(scene, _settings(set or [], duration=duration))
-    skipped = _quantity("--skip", skip, "s") if skip else 0.0
+    skipped = _quantity("--skip", skip, Time) if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     out = _writable(out, ("nc",) if statistics else _STORES)
     _bind_light(described)
@@ -300,18 +311,19 @@ def calibrate(
     """Stiffness of the trap from a RECORDING of the bead's thermal motion, by several methods."""
     from tweezer.analysis import calibrate as calibrated
     from tweezer.analysis import load_recording
+    from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
 
     given = {
-        name: _quantity(f"--{name}", text, unit, low, high)
-        for name, text, unit, low, high in (
-            ("temperature", temperature, "K", 50, 5000),
-            ("radius", radius, "m", 1e-9, 1e-3),
-            ("viscosity", viscosity, "Pa s", 1e-12, 1e9),
-            ("density", density, "kg/m^3", 1e-6, 1e6),
+        name: _quantity(f"--{name}", text, kind)
+        for name, text, kind in (
+            ("temperature", temperature, Temperature),
+            ("radius", radius, BeadRadius),
+            ("viscosity", viscosity, Viscosity),
+            ("density", density, Density),
         )
         if text is not None
     }
-    skipped = _quantity("--skip", skip, "s")
+    skipped = _quantity("--skip", skip, Time)
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     loaded = load_recording(recording).since(skipped)
@@ -391,11 +403,13 @@ def fit_depth(
     plot: FigureFile = None,
 ) -> None:
     """Where along the light the bead of a TRACK in the plane started."""
+    from tweezer.units import Length, PositiveLength
+
     described = _described(scene, _settings(set or []))
-    given = _quantity("--noise", noise, "m") if noise is not None else None
+    given = _quantity("--noise", noise, PositiveLength) if noise is not None else None
     range_ = None
     if search is not None:
-        low, high = (_quantity("--search", text, "m", -1.0, 1.0) for text in search)
+        low, high = (_quantity("--search", text, Length) for text in search)
         range_ = low, high
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
@@ -496,7 +510,7 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         for headings, *rows in report.tables(results):
             table = _table(*headings)
             for row in rows:
-                table.add_row(*map(markup.escape, row))
+                table.add_row(*row)
             _out.print(table)
         if out:
             _write_json(results, out)
@@ -575,7 +589,7 @@ def _progress(description: str, total: float) -> Iterator[Callable[[float], None
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeRemainingColumn(),
@@ -721,18 +735,23 @@ def _with_error(value: str, error: float) -> str:
     return value if math.isnan(error) else f"{value} +- {error:.2g}"
 
 
-def _quantity(option: str, text: str, unit: str, low: float = 0.0, high: float = math.inf) -> float:
-    """`text` of `option` in `unit`: with a unit, or a bare number in it."""
-    from tweezer.units import to_si
+def _quantity(option: str, text: str, annotation: object) -> float:
+    """`text` of `option` as the quantity of `annotation`: with a unit, or a bare SI number."""
+    from tweezer.units import quantity_of, to_si
 
+    quantity = quantity_of(annotation)
+    assert quantity is not None  # an annotation of tweezer.units
     try:
-        try:
-            bare = float(text)
-        except ValueError:
-            return to_si(text, unit, low, high)
-        return to_si(bare, unit, low, high)
+        value: str | float = float(text)
+    except ValueError:
+        value = text
+    try:
+        number = to_si(value, quantity.unit, quantity.low, quantity.high)
     except ValueError as error:
         raise SceneError(f"{option} {text!r}: {error}") from None
+    if doubt := quantity.doubt(value):
+        _show_warning(f"{option} {text} {doubt}")
+    return number
 
 
 def _length(metres: float) -> str:
@@ -874,8 +893,8 @@ def _table(*headings: str) -> Table:
 
 
 def _complain(text: str) -> None:
-    _err.print(text, style="red", markup=False, highlight=False, soft_wrap=True)
+    _err.print(text, style="red", highlight=False, soft_wrap=True)
 
 
 def _show_warning(message: Warning | str, *_: object) -> None:
-    _err.print(f"warning: {message}", style="yellow", markup=False, highlight=False, soft_wrap=True)
+    _err.print(f"warning: {message}", style="yellow", highlight=False, soft_wrap=True)

@@ -26,6 +26,10 @@ class PhysicsWarning(UserWarning):
     """A scene outside the range where one of the models used is known to hold."""
 
 
+class UnitWarning(UserWarning):
+    """A number without a unit, read in the SI unit, in which it is unusual."""
+
+
 def warn(text: str, category: type[Warning] = PhysicsWarning) -> None:
     """Warn of the line outside this package that led here, as the user has written it."""
     package = __name__.partition(".")[0]

@@ -26,10 +26,14 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from tweezer.errors import SceneError, warn
+from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.units import (
+    BEAD_RADIUS,
+    BEAM_SIGMA,
     Acceleration,
     AngularSpeed,
+    BeadRadius,
+    BeamSigma,
     Density,
     Length,
     MomentOfInertia,
@@ -42,6 +46,7 @@ from tweezer.units import (
     Viscosity,
     complex_number,
     entries,
+    quantity_of,
     to_si,
 )
 
@@ -69,10 +74,6 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
 
 #: methods of thermal motion
 STOCHASTIC = ("heun", "one-call", "harmonic", "euler-maruyama", "baoab")
-
-#: m, from and to: also the ranges of half a diameter and half a waist
-BEAD_RADIUS = (1e-9, 1e-3)
-BEAM_SIGMA = (1e-9, 1.0)
 
 #: why the light of a scene has no map
 NO_MAP = (
@@ -147,7 +148,7 @@ def _refusal(reason: str) -> PydanticCustomError:
 class Bead(Section):
     """The sphere. `diameter` may be given in place of `radius`."""
 
-    radius: Annotated[float, Quantity("m", *BEAD_RADIUS)] = Field(description="radius r")
+    radius: BeadRadius = Field(description="radius r")
     density: Density = Field(description="density of the bead, rho_b (Table B.1)")
     refractive_index: RefractiveIndex = Field(description="refractive index n_P")
     moments_of_inertia: Moments | None = Field(
@@ -222,7 +223,7 @@ class Beam(Section):
         "rho^2 exp(-rho^2/(2 sigma^2)); table: through the points of profile_radius and "
         "profile_intensity",
     )
-    sigma: Annotated[float, Quantity("m", *BEAM_SIGMA)] | None = Field(
+    sigma: BeamSigma | None = Field(
         None,
         description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
         "waist; of the donut, the same of its Gaussian factor",
@@ -585,7 +586,7 @@ class Scene(Section):
                 data[section] = {**kept, **changes}
             else:
                 data[section] = changes
-        return _validated(data)
+        return _validated(data, sections)
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
@@ -606,18 +607,20 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
     """The scene of a shipped name, a TOML file, or a mapping of the same form.
 
     Raises `SceneError` with one line per bad value: the key, the value, and what is allowed.
-    Warns (`PhysicsWarning`) where the continuum drag (2.13) does not hold.
+    Warns (`PhysicsWarning`) where the continuum drag (2.13) does not hold, and (`UnitWarning`) of
+    numbers without a unit that are unusual in the SI unit.
     """
     if isinstance(source, Mapping):
-        return _validated(dict(source))
+        return _validated(dict(source), source)
     name = str(source)
+    if not name:
+        raise SceneError("no scene is named: must be a shipped scene or a TOML file")
     path = shipped_scenes().get(name, Path(name))
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise SceneError(
-            f"no scene file {name!r}, and no shipped scene of that name; shipped: "
-            f"{', '.join(shipped_scenes())}"
+            f"no scene file {name!r}, and no shipped scene of that name; {_shipped_like(path)}"
         ) from None
     except UnicodeDecodeError:
         raise SceneError(f"{name!r}: not a text file in UTF-8") from None
@@ -625,14 +628,21 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
         raise SceneError(f"{name!r}: not valid TOML: {error}") from None
     except OSError as error:
         raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
-    return _validated({"name": path.stem, **data})
+    return _validated({"name": path.stem, **data}, data)
+
+
+def _shipped_like(path: Path) -> str:
+    shipped = list(shipped_scenes())
+    near = difflib.get_close_matches(path.name.removesuffix(".toml"), shipped, n=1, cutoff=0.5)
+    near += [name for name in shipped if path.stem and path.stem in name]
+    return f"did you mean {near[0]}?" if near else f"shipped: {', '.join(shipped)}"
 
 
 def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     """`scene` with dotted keys set to text values, as given on a command line.
 
     A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
-    ("80 mW"). Raises `SceneError`.
+    ("80 mW"); "True" and "False" are as Python has them. Raises `SceneError`.
     """
     sections: dict[str, Any] = {}
     for key, text in settings.items():
@@ -642,12 +652,13 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except _NOT_TOML:
-            value = text
+            value = {"True": True, "False": False}.get(text, text)
         sections.setdefault(section, {})[name] = value
     return scene.replace(**sections)
 
 
-def _validated(data: dict[str, Any]) -> Scene:
+def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
+    """The scene of `data`; warns of bare numbers in the part of it that a user has `given`."""
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
@@ -659,7 +670,24 @@ def _validated(data: dict[str, Any]) -> Scene:
             f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "
             "continuum for this bead, and Stokes' drag (2.13) is too strong"
         )
+    for doubt in _doubts(given):
+        warn(doubt, UnitWarning)
     return scene
+
+
+def _doubts(given: Mapping[str, Any]) -> Iterator[str]:
+    """One line for each number without a unit that is unusual in the SI unit."""
+    for section, values in given.items():
+        if not isinstance(values, Mapping):
+            continue
+        fields = getattr(Scene.model_fields[section].annotation, "model_fields", {})
+        halves = {double: key for key, double in ALTERNATIVES.get(section, ())}
+        for key, value in values.items():
+            field = fields.get(key) or fields[halves[key]]
+            quantity = quantity_of(*field.metadata, field.annotation)
+            for number in value if isinstance(value, list | tuple) else [value]:
+                if quantity and (doubt := quantity.doubt(number)):
+                    yield f"{section}.{key} = {number} {doubt}"
 
 
 def _lines(error: ValidationError) -> Iterator[str]:

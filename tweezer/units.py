@@ -1,6 +1,8 @@
 """Quantities with units at the boundary: text such as "500 nm" to SI floats.
 
-Pint does the conversion; it is imported at the first text quantity, not before.
+Pint does the conversion; it is imported at the first text quantity, not before. Of its units only
+those of `_UNIT` are known here: others mean something else than a user of a microscope expects
+(px is 1/96 inch, point 1/72 inch, Hz as an angular speed 1 rad/s).
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ import dataclasses
 import functools
 import math
 import re
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
@@ -21,9 +23,28 @@ _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
 )
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
+_NAME = (
+    r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad)"
+    r"|(?:femto|pico|nano|micro|milli|centi|kilo)?"
+    r"(?:meter|metre|second|watt|gram|pascal|poise|kelvin|newton|liter|litre|radian)s?"
+    r"|microns?|angstroms?|Å|min|minutes?|h|hours?|days?"
+    r"|deg|degrees?|°|rpm|turns?|revolutions?)"
+)
 #: products of powers, such as kg/m^3; pint would also calculate, read comments and nest brackets
-_POWER = r"[A-Za-zµμ°Å]+(?:(?:\^|\*\*)-?[1-9]|[²³])?"
-_UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[*/]\s*|\s+){_POWER}){{0,7}}")
+_POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
+_PRODUCT = rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
+_UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
+#: how each SI unit is usually written, the likeliest first
+_USUAL = {
+    "m": ("um", "nm", "mm", "m"),
+    "s": ("ms", "us", "s", "min"),
+    "W": ("mW", "uW", "W"),
+    "K": ("degC", "K", "degF"),
+    "Pa s": ("mPa s", "Pa s", "cP"),
+    "kg/m^3": ("g/cm^3", "kg/m^3"),
+    "m/s": ("um/s", "mm/s", "m/s"),
+    "rad/s": ("rad/s", "deg/s", "rpm"),
+}
 
 
 @functools.cache
@@ -71,28 +92,52 @@ def _from_text(text: str, unit: str) -> float:
         raise ValueError(f"must be a number{_or_text(unit)}")
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
-    unknown = f"has a unit that is not known; must be convertible to {unit}"
-    if not _UNIT.fullmatch(match["unit"]):
-        raise ValueError(unknown)
     try:
-        quantity = registry().Quantity(float(match["number"]), match["unit"])
+        if not _UNIT.fullmatch(match["unit"]):
+            raise ValueError(f"has a unit that is not known; {_convertible(match['unit'], unit)}")
+        quantity = registry().Quantity(float(match["number"]), match["unit"].replace("·", "*"))
         return float(quantity.to(unit).magnitude)
-    except pint.DimensionalityError:
-        raise ValueError(f"has the wrong unit; must be convertible to {unit}") from None
-    except (pint.errors.PintError, AttributeError, TypeError, ValueError, SyntaxError):
-        raise ValueError(unknown) from None
+    except pint.errors.PintError:
+        raise ValueError(f"has the wrong unit; {_convertible(match['unit'], unit)}") from None
+
+
+def _convertible(text: str, unit: str) -> str:
+    """What is allowed in place of the unit `text`, with the one that was meant where that is seen.
+
+    It differs in capitals, spaces, signs of a product, or the degree of a temperature.
+    """
+    usual = _USUAL.get(unit, ())
+    meant = [f"; did you mean {each}?" for each in usual if _folded(each) == _folded(text)]
+    such = [f", such as {', '.join(each for each in usual if each != unit)}"] if usual else [""]
+    return f"must be convertible to {unit}{(meant or such)[0]}"
+
+
+def _folded(unit: str) -> str:
+    return re.sub(r"[\s*·^°]|deg(?=[a-z])", "", re.sub("[µμ]", "u", unit.lower()))
 
 
 @dataclasses.dataclass(frozen=True)
 class Quantity:
     """Pydantic annotation of a quantity in the SI unit `unit`, from `low` to `high`.
 
-    A JSON schema tells all three.
+    A JSON schema tells all three. `usual`: from and to, what its size is in an optical trap; a bare
+    number beyond, unless it is 0, is read in `unit` but probably meant in another.
     """
 
     unit: str
     low: float
     high: float
+    usual: tuple[float, float] = (0.0, math.inf)
+
+    def doubt(self, value: Any) -> str:
+        """Which unit the number `value` is understood in, if that makes it unusual; or nothing."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return ""
+        least, most = self.usual
+        if value == 0 or not math.isfinite(value) or least <= abs(value) <= most:
+            return ""
+        other = _USUAL[self.unit][0]
+        return f'is {value:g} {self.unit}; {value:g} {other} is written "{value:g} {other}"'
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -109,6 +154,15 @@ class Quantity:
             return to_si(value, self.unit, self.low, self.high)
         except ValueError as error:
             raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
+
+
+def quantity_of(*annotations: Any) -> Quantity | None:
+    """The quantity within annotations such as `Length | None` or `tuple[Length, ...]`."""
+    for each in annotations:
+        found = each if isinstance(each, Quantity) else quantity_of(*get_args(each))
+        if found:
+            return found
+    return None
 
 
 def entries(least: int, most: int | None = None) -> BeforeValidator:
@@ -156,14 +210,21 @@ def _complex_from_text(text: str) -> complex:
 
 
 # The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.
-Length = Annotated[float, Quantity("m", -1, 1)]
-PositiveLength = Annotated[float, Quantity("m", 1e-18, 1)]
-PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6)]
-Power = Annotated[float, Quantity("W", 0, 1e6)]
-Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6)]
-Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9)]
+# Of `usual`, see `Quantity`: beads in liquids.
+Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
+PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
+#: m, from and to: also the ranges of half a diameter and half a waist
+BEAD_RADIUS = (1e-9, 1e-3)
+BEAM_SIGMA = (1e-9, 1.0)
+BeadRadius = Annotated[float, Quantity("m", *BEAD_RADIUS)]
+BeamSigma = Annotated[float, Quantity("m", *BEAM_SIGMA, usual=(0, 0.05))]
+Time = Annotated[float, Quantity("s", 0, 1e6, usual=(0, 10))]
+PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6, usual=(0, 10))]
+Power = Annotated[float, Quantity("W", 0, 1e6, usual=(0, 10))]
+Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6, usual=(100, 3e4))]
+Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9, usual=(0, 0.3))]
 Temperature = Annotated[float, Quantity("K", 50, 5000)]
-Speed = Annotated[float, Quantity("m/s", -1e6, 1e6)]
+Speed = Annotated[float, Quantity("m/s", -1e6, 1e6, usual=(0, 20))]
 Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
 MomentOfInertia = Annotated[float, Quantity("kg m^2", 1e-50, 1e-3)]
