@@ -54,7 +54,10 @@ def write_table(path, positions, heading="t,x,y,z", scales=(1, 1, 1, 1), delimit
     [("t,x,y,z", (1, 1, 1, 1), ","),
      ("t [ms], x (um), y [µm], z (nm)", (1e-3, 1e-6, 1e-6, 1e-9), ","),
      ("# Time [s];X [nm];Y [nm];Z [nm]", (1, 1e-9, 1e-9, 1e-9), ";"),
-     ("\ufefft\tx[mm]\ty\tz", (1, 1e-3, 1, 1), "\t")],
+     ("\ufefft\tx[mm]\ty\tz", (1, 1e-3, 1, 1), "\t"),
+     ("time_ms,x_nm,y_um,Z_mm", (1e-3, 1e-9, 1e-6, 1e-3), ","),
+     ("t/s;x/nm;y / µm;z/m", (1, 1e-9, 1e-6, 1), ";"),
+     ("Time (ms),X position (nm),Position y [um],z um", (1e-3, 1e-9, 1e-6, 1e-6), ",")],
 )  # fmt: skip
 def test_tables_in_text(tmp_path, positions, heading, scales, delimiter):
     path = tmp_path / "mine.csv"
@@ -67,8 +70,8 @@ def test_tables_in_text(tmp_path, positions, heading, scales, delimiter):
 
 def test_other_columns_are_left_alone(tmp_path):
     path = tmp_path / "mine.txt"
-    rows = "".join(f"{i},{i % 7},spot {i}, {i / 10}\n" for i in range(150))
-    path.write_text(f"frame,x [um],what,t\n{rows}\n")
+    rows = "".join(f'{i},{i % 7},spot {i}, {i / 10},9,"a, b",\n' for i in range(150))
+    path.write_text(f"frame,x [um],what,t,x_err,x_max,y\n{rows}\n".replace(",y\n", ",\n"))
     recording = tweezer.load_recording(path)
     assert recording.axes == ("x",)
     assert recording.positions[8, 0] == pytest.approx(1e-6)
@@ -161,14 +164,30 @@ def rows(count=150, **changed):
     ("name", "text", "complaint"),
     [("a.csv", rows(50), "has 50 samples; must have 100 or more"),
      ("a.csv", rows(0), "has 0 samples"),
-     ("a.csv", "", "has no column t and no column x"),
-     ("a.csv", "t,y\n0,1\n", "has no column x"),
-     ("a.csv", rows(l1="t,x [kg]"), "x: 'kg' has the wrong unit; must be convertible to m"),
-     ("a.csv", rows(l1="t [furlong],x"), "t: 'furlong' has"),
+     ("a.csv", "", "has no column t and no column x; headings are such as"),
+     ("a.csv", "t,y\n0,1\n", "has no column x among 't', 'y'; headings are such as"),
+     ("a.csv", rows(l1="frame,x"), "has no column t among 'frame', 'x'; headings are such as "
+      '"t [s]" and "x [um]"; frames are no times: divide them by their rate'),
+     ("a.csv", rows(l1="t,x_px"), "has no column x among 't', 'x_px'"),
+     ("a.csv", rows(l1="0,1e-9"), "has no column t and no column x among '0', '1e-9'"),
+     ("a.csv", "t," + ",".join(f"c{i}" for i in range(999)), "'c7', 'c8', ...; headings are"),
+     ("a.csv", rows(l1="t,x [kg]"), "x [kg]: 'kg' has the wrong unit; must be convertible to m"),
+     ("a.csv", rows(l1="t,x [px]"), "x [px]: 'px' has a unit that is not known; must be "
+      "convertible to m, such as um, nm, mm; scale the column to lengths first"),
+     ("a.csv", rows(l1="t,x/V"), "x/V: 'V' has a unit that is not known"),
+     ("a.csv", rows(l1="t [furlong],x"), "t [furlong]: 'furlong' has"),
+     ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!"), "has no column x"),
+     ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!)"), "has a unit that is not known"),
+     ("a.csv", rows(l60='0.058,"5'), "line 60: a quote is not closed"),
+     ("a.csv", rows(l60="0.058," + 200_000 * "5"), "not finite"),
+     ("a.csv", rows(l60="0.058," + 200_000 * "x"), "xxx...' is not a number"),
+     ("a.csv", rows(l2="0,0,1,5"), "line 2: has 4 cells for 2 headings; decimals need a point"),
+     ("a.csv", rows().replace(",", ";").replace(".", ","), "line 3: '0,001' is not a number; "
+      "decimals need a point"),
      ("a.csv", rows(l60="0.058,five"), "line 60: 'five' is not a number"),
      ("a.csv", rows(l60="0.058,"), "line 60: '' is not a number"),
      ("a.csv", rows(l60="0.058"), "line 60: '' is not a number"),
-     ("a.csv", rows(l60="0.058,nan"), "sample 59: not finite"),
+     ("a.csv", rows(l60="0.058,nan"), "sample 59: not finite; calibrate the samples before"),
      ("a.csv", rows(l60="inf,1"), "sample 59: not finite"),
      ("a.csv", rows(l60="0.057,1"), "sample 59: its time is not after the one before"),
      ("a.csv", rows(l60="0.0584,1"), "sample 59: its time breaks the even step of 0.001 s"),
@@ -209,6 +228,68 @@ def test_bad_binaries_are_refused(tmp_path):
         tweezer.load_recording(tmp_path / "none.csv")
     with pytest.raises(tweezer.ResultError, match="is a folder"):
         tweezer.load_recording(tmp_path)
+
+
+def test_a_binary_column_has_one_unit(tmp_path):
+    with h5py.File(tmp_path / "mine.h5", "w") as file:
+        file["time_ms"] = np.arange(150.0)
+        file["x [nm]"] = np.arange(150.0) % 7
+        file["x [nm]"].attrs["units"] = "nm"
+    recording = tweezer.load_recording(tmp_path / "mine.h5")
+    assert recording.step == pytest.approx(1e-3)
+    assert np.ptp(recording.positions) == pytest.approx(6e-9)
+    with h5py.File(tmp_path / "mine.h5", "a") as file:
+        file["x [nm]"].attrs["units"] = "m"
+    with pytest.raises(tweezer.ResultError, match=r"x \[nm\]: is in nm, and in m"):
+        tweezer.load_recording(tmp_path / "mine.h5")
+
+
+@pytest.mark.parametrize("way", ["storage", "link", "soft link", "virtual"])
+def test_numbers_in_other_files_are_refused(tmp_path, way):
+    """A recording could name any file that its reader may read."""
+    (tmp_path / "secret").write_bytes(np.arange(150.0).tobytes())
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["x"] = np.arange(150.0) % 7
+    with h5py.File(tmp_path / "mine.h5", "w") as file:
+        file["t"] = np.arange(150.0)
+        if way == "storage":
+            file.create_dataset("x", (150,), "f8", external=[(str(tmp_path / "secret"), 0, 1200)])
+        elif way == "virtual":
+            layout = h5py.VirtualLayout((150,), "f8")
+            layout[:] = h5py.VirtualSource(str(tmp_path / "other.h5"), "x", (150,))
+            file.create_virtual_dataset("x", layout)
+        elif way == "link":
+            file["x"] = h5py.ExternalLink("other.h5", "x")
+        else:
+            file["beside/x"] = h5py.ExternalLink("other.h5", "x")
+            file["x"] = h5py.SoftLink("/beside/x")
+    with pytest.raises(tweezer.ResultError, match="h5: x: lies in another file; must be in"):
+        tweezer.load_recording(tmp_path / "mine.h5")
+
+
+@pytest.mark.parametrize("scale", [False, True])
+def test_a_long_recording_that_holds_nothing_is_refused(tmp_path, scale):
+    """Before its numbers are made in memory: a file of 2 kB would take 30 GB."""
+    with h5py.File(tmp_path / "mine.h5", "w") as file:
+        for column in "tx":
+            file.create_dataset(column, (2 * 10**9,), "f8", chunks=(10**6,))
+        if scale:
+            file["t"].make_scale()
+            file["x"].dims[0].attach_scale(file["t"])
+    with pytest.raises(tweezer.ResultError, match="has 2,000,000,000 samples; must have at most"):
+        tweezer.load_recording(tmp_path / "mine.h5")
+
+
+@pytest.mark.parametrize(
+    ("times", "positions", "complaint"),
+    [(np.arange(150.0), np.arange(150.0), r"positions of shape \(150,\); must be .n,. and .n, 1."),
+     (np.arange(150.0), np.ones((150, 3)), "must be .n,. and .n, 1."),
+     (np.arange(140.0), np.ones((150, 1)), "must be .n,. and .n, 1."),
+     (["a"], [[0]], "times must be an array of numbers")],
+)  # fmt: skip
+def test_a_recording_of_other_shapes_is_refused(times, positions, complaint):
+    with pytest.raises(tweezer.ResultError, match=complaint):
+        Recording("mine", times, positions, ("x",))
 
 
 def test_times_may_be_rounded(positions):

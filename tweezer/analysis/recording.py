@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NoReturn
 
+import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 #: fewer samples, and frames, tell nothing
 LEAST_SAMPLES, LEAST_FRAMES = 100, 10
+#: more do not fit into the memory of most machines
+MOST_SAMPLES = 50_000_000
 #: how far a time may be from an even grid, in its steps: tables round their times
 _UNEVEN = 0.1
 #: m, which a recording may extend over
@@ -31,15 +33,23 @@ _EXTENTS = (1e-15, 1e-3)
 
 _AXES = ("x", "y", "z")
 _TABLES, _BINARIES = (".csv", ".tsv", ".txt"), (".h5", ".hdf5", ".nc")
-_HEADING = re.compile(r"(?P<name>\w+)\s*(?:[\[(]\s*(?P<unit>.*?)\s*[\])])?")
+#: column by the word that a heading begins with, and its SI unit
+_COLUMNS = {"t": "t", "time": "t", **{axis: axis for axis in _AXES}}
+_SI = {"t": "s", **dict.fromkeys(_AXES, "m")}
+#: what may stand around a heading
+_AROUND = '# "\r\n\t'
+#: headings that an error lists
+_NAMES_TOLD = 10
+_DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
 class Recording:
     """Positions of a bead at even times.
 
-    Raises `ResultError`, naming the sample, unless there are 100 or more, all finite, at times that
-    rise and are nowhere further than 0.1 steps from an even grid, and every position changes.
+    Raises `ResultError`, naming the sample, unless both are numbers, of those shapes, there are 100
+    or more, all finite, at times that rise and are nowhere further than 0.1 steps from an even
+    grid, and every position changes.
     """
 
     name: str
@@ -56,11 +66,13 @@ class Recording:
     """what was left out"""
 
     def __post_init__(self) -> None:
+        _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
             self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more")
         finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
         if not finite.all():
-            self._refuse("not finite", int(np.argmin(finite)))
+            at = int(np.argmin(finite))
+            self._refuse("not finite; calibrate the samples before and after it apart", at)
         steps = np.diff(self.times)
         if (steps <= 0).any():
             self._refuse("its time is not after the one before", 1 + int(np.argmax(steps <= 0)))
@@ -69,7 +81,8 @@ class Recording:
             usual = float(np.median(steps))
             off = np.abs(steps - usual)
             self._refuse(
-                f"its time breaks the even step of {usual:.4g} s, which samples must have",
+                f"its time breaks the even step of {usual:.4g} s, which samples must have; "
+                "calibrate those before and after a gap apart",
                 1 + int(np.argmax(off > 0.99 * off.max())),
             )
         for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
@@ -118,16 +131,7 @@ class Track:
     """what a run of ours was made from"""
 
     def __post_init__(self) -> None:
-        for name in ("times", "positions"):
-            try:
-                object.__setattr__(self, name, np.asarray(getattr(self, name), dtype=np.float64))
-            except (TypeError, ValueError):
-                raise ResultError(f"{self.name}: {name} must be an array of numbers") from None
-        if self.times.ndim != 1 or self.positions.shape != (len(self.times), 2):
-            raise ResultError(
-                f"{self.name}: times of shape {self.times.shape}, positions of shape "
-                f"{self.positions.shape}; must be (n,) and (n, 2)"
-            )
+        _of_shapes(self, 2)
         steps = np.diff(self.times)
         for wrong, why, first in (
             (~np.isfinite(self.times), "its time is not finite", 1),
@@ -152,19 +156,41 @@ class Track:
             )
 
 
+def _of_shapes(record: Recording | Track, axes: int) -> None:
+    """Make times and positions arrays; refuse them unless they are (n,) and (n, axes)."""
+    for name in ("times", "positions"):
+        try:
+            array = np.asarray(getattr(record, name), dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ResultError(f"{record.name}: {name} must be an array of numbers") from None
+        object.__setattr__(record, name, array)
+    shapes = record.times.shape, record.positions.shape
+    if record.times.ndim != 1 or record.positions.shape != (len(record.times), axes):
+        raise ResultError(
+            f"{record.name}: times of shape {shapes[0]}, positions of shape {shapes[1]}; must be "
+            f"(n,) and (n, {axes})"
+        )
+
+
 def load_recording(source: str | Path | xr.Dataset) -> Recording:
     """A run of ours, or the table in a file: columns t, x, y and z, of which t and x are needed.
 
     A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost. CSV
-    (.csv, .tsv, .txt; comma, semicolon or tab): headings such as "t", "x [um]" or "x (um)". HDF5
-    and NetCDF 4 (.h5, .hdf5, .nc): a dataset for each column, its unit in the attribute `units`.
-    Without a unit numbers are SI. "time" may stand for "t".
+    (.csv, .tsv, .txt; comma, semicolon or tab): a heading is t, time, x, y or z, in capitals or
+    not, beside the word position if need be, then the unit in brackets, or behind a slash, a space
+    or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4 (.h5,
+    .hdf5, .nc): a dataset for each column, named so, or with its unit in the attribute `units`.
+    Without a unit numbers are SI. Other columns are left alone.
 
     Raises `ResultError`, naming the file and the sample, for a file that is none of these, and for
     what `Recording` refuses.
     """
-    found = _read(source, gaps=False)
-    return Recording(*found) if isinstance(found, tuple) else _of_columns(str(source), found)
+    found = _read(source, ("t", "x"), gaps=False)
+    if isinstance(found, tuple):
+        return Recording(*found)
+    axes = tuple(axis for axis in _AXES if axis in found)
+    positions = np.stack([found[axis] for axis in axes], axis=1)
+    return Recording(str(source), found["t"], positions, axes)
 
 
 def load_track(source: str | Path | xr.Dataset) -> Track:
@@ -176,13 +202,10 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
     refuses.
     """
-    found = _read(source, gaps=True)
+    found = _read(source, ("t", "x", "y"), gaps=True)
     if isinstance(found, tuple):
         name, times, positions, _, scene, _ = found
         return Track(name, times, positions[:, :2], scene)
-    missing = [name for name in ("t", "x", "y") if name not in found]
-    if missing:
-        raise ResultError(f"{source}: has no column {' and no column '.join(missing)}")
     positions = np.stack([found["x"], found["y"]], axis=1)
     both = np.isfinite(positions).all(axis=1)
     if not both.any():
@@ -195,7 +218,9 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
 _Run = tuple[str, Array, Array, tuple[str, ...], Scene, str]
 
 
-def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> _Run | dict[str, Array]:
+def _read(
+    source: str | Path | xr.Dataset, needed: Sequence[str], *, gaps: bool
+) -> _Run | dict[str, Array]:
     """A run of ours, or the columns of a table; gaps: whether cells of a text may be empty."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"))
@@ -203,16 +228,17 @@ def _read(source: str | Path | xr.Dataset, *, gaps: bool) -> _Run | dict[str, Ar
     if not path.is_file():
         raise ResultError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
     if path.suffix.lower() in _TABLES:
-        return _text_columns(path, gaps=gaps)
+        return _text_columns(path, needed, gaps=gaps)
     if path.suffix.lower() not in _BINARIES:
         raise ResultError(f"{path}: must end in {', '.join(_TABLES + _BINARIES)}")
     try:
+        _refuse_other_files(path)
         with xr.open_dataset(
             path, engine="h5netcdf", phony_dims="sort", decode_times=False
         ) as dataset:
             if "scene" in dataset.attrs and "position" in dataset:
                 return _of_run(dataset, str(path))
-            return _binary_columns(path, dataset)
+            return _binary_columns(path, dataset, needed)
     except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
         raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {error}") from None
 
@@ -242,33 +268,19 @@ def _of_run(run: xr.Dataset, name: str) -> _Run:
     )  # fmt: skip
 
 
-def _of_columns(name: str, columns: Mapping[str, Array]) -> Recording:
-    axes = tuple(axis for axis in _AXES if axis in columns)
-    missing = [name for name in ("t", "x") if name not in columns]
-    if missing:
-        raise ResultError(f"{name}: has no column {' and no column '.join(missing)}")
-    positions = np.stack([columns[axis] for axis in axes], axis=1)
-    return Recording(name, columns["t"], positions, axes)
-
-
-def _text_columns(path: Path, *, gaps: bool) -> dict[str, Array]:
+def _text_columns(path: Path, needed: Sequence[str], *, gaps: bool) -> dict[str, Array]:
+    """The columns of a CSV; gaps: whether cells may be empty."""
+    row = _Row()
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-            heading = file.readline()
-            delimiter = next((mark for mark in ";\t" if mark in heading), ",")
-            scales: dict[tuple[int, str], float] = {}  # by index and column
-            for index, text in enumerate(heading.split(delimiter)):
-                match = _HEADING.fullmatch(text.strip('# "\r\n'))
-                if match and (column := _column(match["name"])):
-                    if column in (known for _, known in scales):
-                        raise ResultError(f"{path}: two columns for {column}")
-                    scales[index, column] = _scale(path, match["name"], match["unit"])
-            if not scales:
-                return {}
-            wanted = [index for index, _ in scales]
+            first = file.readline()
+            delimiter = next((mark for mark in ";\t" if mark in first), ",")
+            headings = first.split(delimiter)
+            found = _named_columns(path, [(each, None) for each in headings], needed)
+            wanted = [index for index, _ in found.values()]
             with warnings.catch_warnings(action="ignore", category=UserWarning):  # of no rows
                 table = np.loadtxt(
-                    file,
+                    row.each(file, delimiter, len(headings)),
                     delimiter=delimiter,
                     usecols=wanted,
                     comments=None,
@@ -277,69 +289,160 @@ def _text_columns(path: Path, *, gaps: bool) -> dict[str, Array]:
                     converters=_number_or_gap if gaps else None,
                 )
     except ValueError as error:
-        raise ResultError(
-            f"{path}: {_bad_line(path, delimiter, wanted, gaps=gaps) or error}"
-        ) from None
+        why = row.complaint(wanted, delimiter, gaps=gaps) or str(error).splitlines()[0]
+        raise ResultError(f"{path}: line {row.number}: {why}") from None
     except OSError as error:
         raise ResultError(f"{path}: cannot be read: {error.strerror}") from None
     values = table.T if table.size else np.empty((len(wanted), 0))
     return {
-        column: scale * row
-        for ((_, column), scale), row in zip(scales.items(), values, strict=True)
+        column: scale * row for (column, (_, scale)), row in zip(found.items(), values, strict=True)
     }
+
+
+class _Row:
+    """The line of a CSV that is being read."""
+
+    number, text = 1, ""
+
+    def each(self, file: Iterable[str], delimiter: str, most: int) -> Iterator[str]:
+        """The lines of `file`, each with at most so many cells and whole quotes."""
+        for self.number, self.text in enumerate(file, start=2):
+            if self.text.count('"') % 2:
+                raise ValueError("a quote is not closed")
+            if self.text.count(delimiter) >= most and '"' not in self.text:
+                cells = self.text.split(delimiter)
+                if any(cell.strip() for cell in cells[most:]):
+                    raise ValueError(
+                        f"has {len(cells)} cells for {most} headings; decimals need a point"
+                    )
+            yield self.text
+
+    def complaint(self, wanted: Sequence[int], delimiter: str, *, gaps: bool) -> str | None:
+        """What is wrong with the cells `wanted`, if anything."""
+        cells = [cell.strip('" \r\n') for cell in self.text.split(delimiter)]
+        for index in wanted:
+            text = cells[index] if index < len(cells) else ""
+            if gaps and index < len(cells) and not text:
+                continue
+            try:
+                float(text.replace("_", "no digit"))
+            except ValueError:
+                point = "; decimals need a point" if _DECIMAL_COMMA.fullmatch(text) else ""
+                return f"{_short(text)!r} is not a number{point}"
+        return None
 
 
 def _number_or_gap(text: str) -> float:
     return float(text.replace("_", "no digit")) if text.strip() else math.nan
 
 
-def _bad_line(path: Path, delimiter: str, wanted: list[int], *, gaps: bool) -> str | None:
-    """The first line without numbers in the columns `wanted`."""
-    with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        rows = csv.reader(file, delimiter=delimiter)
-        next(rows)
-        for row in filter(None, rows):
-            for index in wanted:
-                text = row[index] if index < len(row) else ""
-                if gaps and index < len(row) and not text.strip():
-                    continue
-                try:
-                    float(text.replace("_", "no digit"))
-                except ValueError:
-                    return f"line {rows.line_num}: {text!r} is not a number"
-    return None
-
-
-def _binary_columns(path: Path, dataset: xr.Dataset) -> dict[str, Array]:
+def _binary_columns(path: Path, dataset: xr.Dataset, needed: Sequence[str]) -> dict[str, Array]:
+    variables = list(dataset.variables.items())
+    headings = [(str(name), variable.attrs.get("units")) for name, variable in variables]
     columns = {}
-    for name, variable in dataset.variables.items():
-        column = _column(str(name))
-        if column is None:
-            continue
+    for column, (index, scale) in _named_columns(path, headings, needed).items():
+        name, variable = variables[index]
         if variable.ndim != 1 or variable.dtype.kind not in "fiu":
             raise ResultError(f"{path}: {name}: must be a one-dimensional array of numbers")
-        if column in columns:
-            raise ResultError(f"{path}: two columns for {column}")
-        scale = _scale(path, str(name), variable.attrs.get("units"))
         columns[column] = scale * variable.values.astype(np.float64)
     if len({len(values) for values in columns.values()}) > 1:
         raise ResultError(f"{path}: {', '.join(columns)}: must have the same length")
     return columns
 
 
-def _column(name: str) -> str | None:
-    """The column that a heading names: "t", "x", "y" or "z"."""
-    lower = name.lower()
-    if lower in ("t", "time"):
-        return "t"
-    return lower if lower in _AXES else None
+def _refuse_other_files(path: Path) -> None:
+    """Refuse an HDF5 file with numbers that lie in others, or with too many to be held.
+
+    A dataset may be long and hold nothing, and may name any file as the place of its numbers.
+    """
+    with h5py.File(path) as file:
+        for name in file:
+            linked = isinstance(file.get(name, getlink=True), h5py.ExternalLink)
+            item = None if linked else file.get(name)
+            if isinstance(item, h5py.Dataset):
+                linked = bool(item.external) or item.is_virtual or item.file != file
+                if item.shape and item.shape[0] > MOST_SAMPLES:
+                    raise ResultError(
+                        f"{path}: {name}: has {item.shape[0]:,} samples; must have at most "
+                        f"{MOST_SAMPLES:,}"
+                    )
+            if linked:
+                raise ResultError(f"{path}: {name}: lies in another file; must be in this one")
 
 
-def _scale(path: Path, name: str, unit: str | None) -> float:
-    """What a number in `unit` is in SI."""
-    if unit is None:
-        return 1.0
+def _named_columns(
+    path: Path, headings: Sequence[tuple[str, object]], needed: Sequence[str]
+) -> dict[str, tuple[int, float]]:
+    """Of each column that a heading names: which it is, and what one of its numbers is in SI.
+
+    headings: each with the unit that is given beside it, if any.
+    """
+    found: dict[str, tuple[int, float]] = {}
+    for index, (heading, beside) in enumerate(headings):
+        column, unit = _column_and_unit(heading)
+        if column is None:
+            continue
+        if column in found:
+            raise ResultError(f"{path}: two columns for {column}")
+        scales = {
+            _scale(path, heading, column, each) for each in (unit, beside) if each is not None
+        }
+        if len(scales) > 1:
+            raise ResultError(f"{path}: {heading}: is in {unit}, and in {beside}")
+        found[column] = index, scales.pop() if scales else 1.0
+    missing = [f"no column {column}" for column in needed if column not in found]
+    if missing:
+        names = [_short(heading.strip(_AROUND)) for heading, _ in headings]
+        there = f" among {', '.join(map(repr, names[:_NAMES_TOLD]))}" if any(names) else ""
+        there += ", ..." if len(names) > _NAMES_TOLD else ""
+        frames = any(name.lower().startswith("frame") for name in names)
+        raise ResultError(
+            f'{path}: has {" and ".join(missing)}{there}; headings are such as "t [s]" and '
+            f'"x [um]"{"; frames are no times: divide them by their rate" if frames else ""}'
+        )
+    return found
+
+
+def _column_and_unit(heading: str) -> tuple[str | None, str | None]:
+    """The column and the unit that a heading names, None where it names none.
+
+    A heading is t, time, x, y or z, beside the word position if need be; then the unit, if any:
+    in brackets, behind a slash, or behind a space or underscore.
+    """
+    name, unit = heading.strip(_AROUND), None
+    if name.endswith(("]", ")")):
+        name, _, unit = name[:-1].rpartition("[" if name.endswith("]") else "(")
+    elif "/" in name:
+        name, _, unit = name.partition("/")
+    words = [word for word in name.replace("_", " ").split() if word.lower() != "position"]
+    if not words or words[0].lower() not in _COLUMNS:
+        return None, None
+    column = _COLUMNS[words[0].lower()]
+    if len(words) == 1:
+        return column, unit and unit.strip()
+    if len(words) == 2 and unit is None and _is_unit(words[1], column):
+        return column, words[1]
+    return None, None
+
+
+def _is_unit(text: str, column: str) -> bool:
     try:
-        return to_si(f"1 {unit}", "s" if _column(name) == "t" else "m")
+        to_si(f"1 {text}", _SI[column])
+    except ValueError:
+        return False
+    return True
+
+
+def _scale(path: Path, heading: str, column: str, unit: object) -> float:
+    """What a number in `unit` is in SI."""
+    try:
+        return to_si(f"1 {unit}", _SI[column])
     except ValueError as error:
-        raise ResultError(f"{path}: {name}: {unit!r} {error}") from None
+        scaled = "; scale the column to lengths first" if column != "t" else ""
+        raise ResultError(
+            f"{path}: {_short(heading.strip(_AROUND))}: {_short(str(unit))!r} {error}{scaled}"
+        ) from None
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= 40 else text[:37] + "..."
