@@ -1,6 +1,7 @@
 """The quadrature against an integral in other variables to rounding, and what symmetry demands."""
 
 import csv
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -349,6 +350,36 @@ def test_error_is_within_the_tolerance_and_the_estimate(kind):
     error, estimate, allowed = misses(scene, places(scene, rng, 20)).T
     assert worst(error, allowed) <= 1
     assert worst(error, estimate) <= 10
+
+
+def test_error_is_estimated_where_the_rim_is_next_to_a_panel():
+    """Panels triple in cos(g) from the onset of total reflection; one may end beside the rim."""
+    scene = trap(index=1.2857, lens="tan", half_angle=62.48, profile="uniform")
+    rim, m = half_angle(scene), N_MEDIUM / 1.2857
+    points = []
+    for gamma, beyond in itertools.product((2.14, 1.9, 1.3), (5e-4, 3e-5)):
+        onset = np.cos(abs(rim - min(gamma, np.pi - gamma)) + beyond) / 3
+        ratios = 1 / np.sqrt(1 + np.array([[-1], [1]]) * onset**2) / m
+        points.extend(ratios * [np.sin(gamma), 0, np.cos(gamma)])
+    error, estimate, allowed = misses(scene, scene.bead.radius * np.array(points)).T
+    assert worst(error, allowed) <= 1
+    assert worst(error, estimate) <= 10
+
+
+@pytest.mark.parametrize("kind", ["sine", "uniform lighter"])
+def test_far_away_at_the_edge_of_the_cone_the_force_is_finite(kind):
+    """There the bead is a point, half in the light; its force falls with the distance squared."""
+    scene = trap(**KINDS[kind], radius=2e-7)
+    rng = np.random.default_rng(72)
+    distance = 10 ** rng.uniform(-2.5, 1, 2000)
+    gamma = half_angle(scene) * (1 + 10 ** rng.uniform(-17, -12, 2000) * rng.choice([-1, 1], 2000))
+    side = rng.choice([-1, 1], 2000)
+    direction = np.stack([np.sin(gamma), np.zeros(2000), side * np.cos(gamma)], axis=1)
+    field = light(scene).field(distance[:, None] * direction, gradient=True)
+    assert np.isfinite(field.force_gradient).all()
+    at_one_metre = np.linalg.norm(field.force, axis=1) * distance**2
+    assert at_one_metre.min() > 0
+    assert at_one_metre.max() < 3 * at_one_metre.min()
 
 
 @pytest.mark.parametrize("kind", ["sine", "thesis", "lighter", "linear"])

@@ -78,6 +78,8 @@ _CLOSE = 0.15
 _APART = 0.2
 #: angles nearer than this are as good as one: what they make of each other goes like its power 3/2
 _NO_GAP = 1e-8
+#: Lower bound on the width of a ring in cos(theta), in units of sin^2(theta_m/2)
+_NO_WIDTH = 1e-300
 #: 1/n_mP^2 - 1 below which the bead's index is nearly the medium's
 _NEARLY_EQUAL = 0.05
 #: Taylor's coefficients of sin(x)/x over x^2, the last first
@@ -461,6 +463,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
                 cuts[i] = cuts[i - 1]
                 i -= 1
             cuts[i] = cut_at
+        places = _without_close(cuts, places, first, second, critical)
         for k in range(places - 1):
             lo, hi = cuts[k], cuts[k + 1]
             length = hi - lo
@@ -529,6 +532,27 @@ def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
         places += 2
         away = 3.0 * away + 2.0 * gap
     return places
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _without_close(cuts, places, first, second, critical):  # type: ignore[no-untyped-def]
+    """Drop cuts close to a rim or to the onset of total reflection; how many are left.
+
+    The panel on the far side of such a cut would end so near to a root that it converges slowly,
+    and the last coefficients do not show it.
+    """
+    left = 1
+    for k in range(1, places - 1):
+        before, here, after = cuts[left - 1], cuts[k], cuts[k + 1]
+        if here not in (first, second, critical):
+            if before in (first, second, critical) and here - before < _CLOSE * (after - here):
+                continue
+            if after in (first, second, critical) and after - here < _CLOSE * (here - before):
+                continue
+        cuts[left] = here
+        left += 1
+    cuts[left] = cuts[places - 1]
+    return left + 1
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -693,7 +717,9 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
     cut = rules[k, KIND] == ARCS
     if cut:
         for i in range(n):
-            share[i] = _arcsine_of_root(min(max((2.0 - nearest[i]) / per_q[i], 0.0), 1.0))
+            # a ring as narrow as a point, far away: its arc is nothing or all, never 0/0
+            part = (2.0 - nearest[i]) / max(per_q[i], _NO_WIDTH)
+            share[i] = _arcsine_of_root(min(max(part, 0.0), 1.0))
             w[i] *= 4.0 * share[i]
         _arc_nodes(rule.azimuth[m], m, n, rays)
     else:
