@@ -387,7 +387,7 @@ def text(heading="t [ms],x [um],y [um]", **changed):
 @pytest.mark.parametrize(
     ("content", "options", "complaint"),
     [(text("t [ms],x [um]"), (), "has no column y"),
-     (text("t [ms],x [kg],y [um]"), (), "x: 'kg' has the wrong unit; must be convertible to m"),
+     (text("t [ms],x [kg],y [um]"), (), "x [kg]: 'kg' has the wrong unit"),
      (text(l9="1,0,-2"), (), "frame 8: its time is not after the one before"),
      (text(l9="nan,0,-2"), (), "frame 8: its time is not finite"),
      (text(l9="1.75,inf,-2"), (), "frame 8: not finite"),
