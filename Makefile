@@ -28,10 +28,10 @@ bench: .venv/.bench  ## measure again: results, figures and what the documentati
 	$(QUOTE)
 
 figures: .venv/.dev  ## every figure and number of the documentation again
-	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png
+	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png --overwrite
 	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
 	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \
-		--set simulation.samples=50001 --duration "1 s" --seed 1
+		--set simulation.samples=50001 --duration "1 s" --seed 1 --overwrite
 	$(BIN)/tweezer calibrate silica-1um.nc --skip "20 ms" \
 		--plot docs/figures/calibrate-silica-1um.png
 	$(BIN)/tweezer reproduce --out docs/figures/thesis

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 import re
+import resource
 import signal
 import subprocess
 import sys
@@ -15,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 
 import tweezer
 from tweezer import cli
@@ -184,13 +182,88 @@ def test_the_scene_of_the_command_line_is_the_scene_of_python(command_line):
     )
 
 
+def content(*names):
+    return [Path(name).read_bytes() for name in names]
+
+
 def test_a_rerun_replaces_the_files(command_line):
-    for name in ("thesis-990nm.nc", "thesis-990nm.png"):
-        Path(name).write_text("an old file")
     assert command_line("run", *SHORT).code == 0
-    assert tweezer.load_run("thesis-990nm.nc").sizes["time"] == 11
+    Path("thesis-990nm.png").write_text("an old figure")
+    first = Path("thesis-990nm.nc").stat().st_ino
+    assert command_line("run", *SHORT).code == 0
+    assert Path("thesis-990nm.nc").stat().st_ino != first
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     assert len(list(Path().iterdir())) == 2
+
+
+#: in no time: a bead that nothing but its drag acts on
+FREE = ["silica-1um", "--duration", "1 us", "--set", "simulation.samples=3",
+        "--set", "forces.optical=false"]  # fmt: skip
+
+
+def test_a_run_of_other_settings_is_not_replaced(command_line):
+    assert command_line("run", *FREE, "--out", "a.nc").code == 0
+    before = content("a.nc", "a.png")
+    other = ["run", *FREE, "--duration", "2 us", "--out", "a.nc"]
+    refused = command_line(*other)
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err == (
+        "a.nc: is there, and is of simulation.duration = 1e-06, not 2e-06; name another --out, or "
+        "--overwrite it\n"
+    )
+    assert content("a.nc", "a.png") == before
+    assert command_line(*other, "--overwrite").code == 0
+    assert all(new != old for new, old in zip(content("a.nc", "a.png"), before, strict=True))
+    assert sorted(path.name for path in Path().iterdir()) == ["a.nc", "a.png"]
+
+
+def test_a_file_that_is_no_run_is_not_replaced(command_line):
+    Path("a.nc").write_text("an old file")
+    refused = command_line("run", *FREE, "--out", "a.nc")
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err.startswith("a.nc: is there, and is no run that can be compared; name ")
+    assert Path("a.nc").read_text() == "an old file"
+    Path("silica-1um.png").write_text("an old figure")
+    refused = command_line("run", *FREE)
+    assert (refused.code, len(refused.err.splitlines())) == (2, 1)
+    assert refused.err.startswith("silica-1um.png: is there without silica-1um.nc; ")
+    assert Path("silica-1um.png").read_text() == "an old figure"
+    assert command_line("run", *FREE, "--overwrite").code == 0
+    assert tweezer.load_run("silica-1um.nc").sizes["time"] == 3
+    assert Path("silica-1um.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, monkeypatch):
+    sound = cli._simulate_with_progress
+
+    def while_another_runs(scene, seed):
+        Path("a.nc").write_text("of another process")
+        return sound(scene, seed)
+
+    monkeypatch.setattr(cli, "_simulate_with_progress", while_another_runs)
+    outcome = command_line("run", *FREE, "--out", "a.nc")
+    assert outcome.code == 0
+    assert outcome.out.splitlines()[-2:] == ["wrote a-2.nc", "wrote a-2.png"]
+    assert Path("a.nc").read_text() == "of another process"
+
+
+def test_an_output_that_is_a_link_is_refused(command_line):
+    Path("thesis.tex").write_text("precious")
+    for name in ("a.nc", "a.png", "a.json", "a.zarr"):
+        Path(name).symlink_to("thesis.tex")
+    thermal = [*FREE, "--set", "forces.brownian=true", "--trajectories", "3"]
+    for name, arguments in (
+        ("a.nc", ["run", *FREE, "--out", "a.nc", "--overwrite"]),
+        ("a.png", ["run", *FREE, "--plot", "a.png"]),
+        ("a.json", ["trap", "silica-1um", "--out", "a.json"]),
+        ("a.zarr", ["ensemble", *thermal, "--out", "a.zarr"]),
+        ("a.nc", ["ensemble", *thermal, "--statistics", "--out", "a.nc"]),
+    ):
+        refused = command_line(*arguments)
+        assert (refused.code, refused.out) == (2, "")
+        assert refused.err == f"{name}: is a link; name the file it leads to: thesis.tex\n"
+    assert Path("thesis.tex").read_text() == "precious"
+    assert len(list(Path().iterdir())) == 5
 
 
 def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
@@ -214,6 +287,14 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     assert np.isfinite(run["position"]).all()
     assert Path("thesis-990nm.png").is_file()
     assert re.search(r"interrupted, \d\.?\d* ms", outcome.out)
+    before = content("thesis-990nm.nc", "thesis-990nm.png")
+    for number in (2, 3):  # a run that has not ended replaces none, though it may be asked to
+        again = command_line("run", *LONG, "--overwrite")
+        assert again.code == 130
+        assert again.err.endswith(f"; what was reached is in thesis-990nm-{number}.nc\n")
+        assert tweezer.load_run(f"thesis-990nm-{number}.nc").attrs["status"] == "interrupted"
+        assert Path(f"thesis-990nm-{number}.png").is_file()
+    assert content("thesis-990nm.nc", "thesis-990nm.png") == before
 
 
 def test_an_interrupt_from_outside(tmp_path):
@@ -284,34 +365,23 @@ def test_a_failed_run_keeps_what_it_reached(command_line, monkeypatch, method):
     assert Path("thesis-990nm.png").is_file()
 
 
-def test_a_full_disk_leaves_the_old_files(command_line, monkeypatch):
-    def full(self, path, **_):
-        Path(path).write_text("half a fi")
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
-    Path("thesis-990nm.nc").write_text("an old run")
-    Path("thesis-990nm.png").write_text("an old figure")
-    outcome = command_line("run", *SHORT)
-    assert outcome.code == 2
-    assert outcome.err == "thesis-990nm.nc: cannot be written: No space left on device\n"
-    assert Path("thesis-990nm.nc").read_text() == "an old run"
-    assert Path("thesis-990nm.png").read_text() == "an old figure"
+@pytest.mark.parametrize(("largest", "name"), [(4096, "a.nc"), (49152, "a.png")])
+def test_a_full_disk_leaves_the_old_files(command_line, largest, name):
+    """A run is of 46 kB, a figure of more; what is not written is told, and the run's summary."""
+    assert command_line("run", *SHORT, "--out", "a.nc").code == 0
+    before = content("a.nc", "a.png")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (largest, limits[1]))
+    try:
+        outcome = command_line("run", *SHORT, "--out", "a.nc")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (outcome.code, outcome.err) == (2, f"{name}: cannot be written: File too large\n")
+    assert content("a.png") == before[1:]
+    assert (content("a.nc") == before[:1]) == (name == "a.nc")
+    assert outcome.out.endswith("wrote a.nc\n") == (name == "a.png")
+    assert tweezer.load_run("a.nc").attrs["status"] == "complete"
     assert len(list(Path().iterdir())) == 2
-
-
-def test_a_figure_that_cannot_be_written_leaves_the_old_one_and_the_run(command_line, monkeypatch):
-    def full(self, path, **_):
-        Path(path).write_text("half a fi")
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-
-    monkeypatch.setattr(Figure, "savefig", full)
-    Path("thesis-990nm.png").write_text("an old figure")
-    outcome = command_line("run", *SHORT)
-    assert outcome.code == 2
-    assert outcome.err == "thesis-990nm.png: cannot be written: No space left on device\n"
-    assert Path("thesis-990nm.png").read_text() == "an old figure"
-    assert tweezer.load_run("thesis-990nm.nc").attrs["status"] == "complete"
 
 
 def test_a_bead_too_small_for_a_continuum_is_one_warning(tmp_path):

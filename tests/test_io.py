@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import errno
+import gc
 import json
 import math
+import resource
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
 import tweezer
 from tweezer.errors import ResultError
-from tweezer.io import write_json
+from tweezer.io import unlike, write_json
 
 
 def test_a_run_is_read_back_bit_for_bit(turning_run, tmp_path):
@@ -73,19 +75,81 @@ def test_the_longest_name_of_a_file_is_not_too_long(turning_run, tmp_path):
     assert path.is_file()
 
 
-def test_a_full_disk_leaves_the_old_file(turning_run, tmp_path, monkeypatch):
+def test_a_full_disk_leaves_the_old_file(turning_run, tmp_path):
+    """Files of 4096 bytes at most: HDF5, were it to write them, would end the process."""
     path = tmp_path / "run.nc"
     path.write_text("an old file")
-
-    def write_half(self: xr.Dataset, path: Path, **_: object) -> None:
-        Path(path).write_text("half a fi")
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", write_half)
-    with pytest.raises(ResultError, match=r"run\.nc: cannot be written: No space left on device"):
-        tweezer.save_run(turning_run, path)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    try:
+        with pytest.raises(ResultError, match=r"run\.nc: cannot be written: File too large"):
+            tweezer.save_run(turning_run, path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    gc.collect()
     assert path.read_text() == "an old file"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_an_interrupt_while_a_file_is_written_leaves_nothing(tmp_path, monkeypatch):
+    def interrupted(self, target):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_json({"a": 1}, tmp_path / "a.json")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_link_is_neither_replaced_nor_followed(turning_run, tmp_path):
+    thesis, link = tmp_path / "thesis.tex", tmp_path / "run.nc"
+    thesis.write_text("precious")
+    link.symlink_to(thesis)
+    with pytest.raises(ResultError, match=r"run\.nc: cannot be written: is a link, to .*thesis"):
+        tweezer.save_run(turning_run, link)
+    assert (thesis.read_text(), link.readlink()) == ("precious", thesis)
+
+
+def test_any_damage_to_a_saved_run_is_noticed(turning_run, tmp_path):
+    """Bits turned, bytes changed, ends cut off: `ResultError`, or the run as it was."""
+    path = tweezer.save_run(turning_run, tmp_path / "run.nc")
+    sound = path.read_bytes()
+    draw = np.random.default_rng(4)
+    for number in range(300):
+        damaged = bytearray(sound)
+        at = int(draw.integers(len(sound)))
+        if number % 3:
+            damaged[at] ^= int(draw.integers(1, 256))
+        else:
+            del damaged[at:]
+        path.write_bytes(damaged)
+        try:
+            loaded = tweezer.load_run(path)
+        except ResultError:
+            continue
+        assert at >= len(sound) - 48  # what stands behind the content
+        xr.testing.assert_identical(loaded, turning_run)
+
+
+def test_a_run_that_something_else_has_written_or_changed_is_read(turning_run, tmp_path):
+    path = tmp_path / "run.nc"
+    turning_run.to_netcdf(path, engine="h5netcdf")
+    xr.testing.assert_identical(tweezer.load_run(path), turning_run)
+    tweezer.save_run(turning_run, path)
+    with h5py.File(path, "r+") as opened:
+        opened["position"][0, 0] = 7.0
+        opened.attrs["note"] = "corrected"
+    loaded = tweezer.load_run(path)
+    assert loaded["position"].values[0, 0] == 7.0
+    assert loaded.attrs["note"] == "corrected"
+
+
+def test_a_scene_that_is_none_is_a_result_error(turning_run):
+    for scene in ("{", "{}", '{"bead": 3}', 7):
+        with pytest.raises(ResultError, match="it names no valid scene"):
+            tweezer.scene_of(turning_run.assign_attrs(scene=scene))
+    with pytest.raises(ResultError, match="it names no valid scene"):
+        tweezer.scene_of(turning_run.drop_attrs())
 
 
 def test_a_folder_that_is_not_there(turning_run, tmp_path):
@@ -128,3 +192,44 @@ def test_json_has_null_for_a_number_that_is_not_known(tmp_path):
     text = (tmp_path / "results.json").read_text(encoding="utf-8")
     read = json.loads(text, parse_constant=pytest.fail)
     assert read == {**results, "unknown": [None, None]}
+
+
+FREE = tweezer.load_scene("silica-1um").replace(simulation={"model": None, "duration": 1e-6})
+THERMAL = FREE.replace(forces={"brownian": True})
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "difference"),
+    [((FREE, 0), (FREE, 0), ""),
+     ((FREE, 0), (FREE, 1), ""),
+     ((THERMAL, 1), (THERMAL, 1), ""),
+     ((THERMAL, 1), (THERMAL, 0), "of seed = 1, not 0"),
+     ((FREE, 0), (THERMAL, 0), "of forces.brownian = False, not True"),
+     ((THERMAL, 0), (FREE, 0), "of forces.brownian = True, not False"),
+     ((FREE, 0), (FREE.replace(beam={"wavelength": 1e-6}), 0),
+      "of beam.wavelength = 1.064e-06, not 1e-06"),
+     ((FREE, 0), (FREE.replace(simulation={"model": "full"}), 0),
+      "of simulation.model = none, not full"),
+     ((FREE.replace(simulation={"model": "full"}), 0), (FREE, 0),
+      "of simulation.model = full, not none")],
+)  # fmt: skip
+def test_a_run_tells_how_it_differs_from_another(first, second, difference, turning_run, tmp_path):
+    """By what was given, not by what was decided for it."""
+    scene, seed = first
+    attributes = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
+    if scene.forces.brownian:
+        attributes["seed"] = seed
+    path = tweezer.save_run(turning_run.assign_attrs(attributes), tmp_path / "a.nc")
+    assert unlike(path, *second) == difference
+
+
+def test_what_is_no_run_differs_from_all(turning_run, turning_scene, tmp_path):
+    path = tmp_path / "a.nc"
+    for attributes in ({}, {"scene_as_given": "{"}, {"scene_as_given": "[]"}):
+        run = turning_run.drop_attrs().assign_attrs(scene=turning_run.attrs["scene"], **attributes)
+        tweezer.save_run(run, path)
+        assert unlike(path, turning_scene, 0) == "no run that can be compared"
+    path.write_bytes(path.read_bytes()[:-1000])
+    assert unlike(path, turning_scene, 0) == "no run that can be compared"
+    tweezer.save_run(turning_run, path)
+    assert not unlike(path, turning_scene, 0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import importlib
+import itertools
 import math
 import os
 import sys
@@ -118,28 +119,45 @@ def run(
         Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
     ] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Figure to write (png, pdf, svg); SCENE.png if not given.")
+        Path | None,
+        typer.Option(help="Figure to write (png, pdf, svg); as OUT, with .png, if not given."),
     ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
+    ] = False,
 ) -> None:
-    """Release the bead of SCENE and follow it; write the trajectory and a figure."""
+    """Release the bead of SCENE and follow it; write the trajectory and a figure.
+
+    An OUT that is there is replaced by a run of the same scene, settings and seed, and by no other
+    without --overwrite. A run that is interrupted, or fails, replaces none: it is written beside.
+    """
     settings = _settings(set or [], duration=duration, model=model, method=method)
     described = _described(scene, settings)
     out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
-    plot = _writable(plot or Path(f"{described.name}.png"), _FIGURE_FORMATS)
+    figure = _writable(plot or out.with_suffix(".png"), _FIGURE_FORMATS)
+    if not overwrite:
+        if reason := _not_replaced(out, described, seed):
+            raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
+        if plot is None and figure.exists() and not out.exists():
+            raise ResultError(f"{figure}: is there without {out}; name a --plot, or --overwrite it")
     _bind_light(described)
     result = _simulate_with_progress(described, seed)
+    ended = result.attrs["status"] not in ("failed", "interrupted")
+    if out.exists() and not (ended and (overwrite or not _not_replaced(out, described, seed))):
+        out, figure = _beside(out, figure)
 
     from tweezer.io import save_run
 
     save_run(result, out)
-    _print_summary(described, result)
-    _tell_written(out)
+    try:
+        from tweezer.plots import run_figure
 
-    from tweezer.plots import run_figure
-
-    _write_figure(run_figure(result), plot)
-    _tell_written(plot)
-    if result.attrs["status"] in ("failed", "interrupted"):
+        _write_figure(run_figure(result), figure)
+    finally:
+        _print_summary(described, result)
+        _tell_written(out)
+    _tell_written(figure)
+    if not ended:
         _complain(f"{described.name}: {result.attrs['message']}; what was reached is in {out}")
         failed = result.attrs["status"] == "failed"
         raise typer.Exit(_FAILED if failed else _INTERRUPTED)
@@ -576,11 +594,32 @@ def _writable(path: Path, formats: tuple[str, ...]) -> Path:
     if not os.access(path.parent, os.W_OK):
         raise ResultError(f"{path}: cannot be written: no permission to write in {path.parent}")
     try:
+        if path.is_symlink():
+            raise ResultError(f"{path}: is a link; name the file it leads to: {path.readlink()}")
         if path.is_dir() and formats != _STORES:
             raise ResultError(f"{path}: is a folder")
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
     return path
+
+
+def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
+    """Why a run of `scene` does not take the place of `out`: "" if it does."""
+    if not out.exists():
+        return ""
+    from tweezer.io import unlike
+
+    reason = unlike(out, scene, seed or 0)
+    return reason and f"is there, and is {reason}"
+
+
+def _beside(out: Path, figure: Path) -> tuple[Path, Path]:
+    """The same names with the first number that makes them new."""
+    for number in itertools.count(2):
+        new = [path.with_stem(f"{path.stem}-{number}") for path in (out, figure)]
+        if not any(path.exists() for path in new):
+            break
+    return new[0], new[1]
 
 
 @contextlib.contextmanager
@@ -882,7 +921,7 @@ def _write_figure(figure: Figure, path: Path) -> None:
     from tweezer.io import replacing
 
     with replacing(path) as whole:
-        figure.savefig(whole, dpi=150)
+        figure.savefig(whole, format=path.suffix[1:].lower(), dpi=150)
 
 
 def _table(*headings: str) -> Table:

@@ -3,44 +3,67 @@
 from __future__ import annotations
 
 import contextlib
-import tempfile
+import hashlib
+import json
+import secrets
 from collections.abc import Iterator
+from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import pydantic_core
 import xarray as xr
+from pydantic import ValidationError
 
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
 
 _ENGINE: Literal["h5netcdf"] = "h5netcdf"
 
+#: stands behind the content of a saved run, before its SHA-256; HDF5 reads no further than its
+#: own end, and drops what is behind when it changes a file
+_SEAL = b"\ntweezer sha256:\n"
+
 
 def save_run(run: xr.Dataset, path: str | Path) -> Path:
     """Write `run` to `path` as NetCDF; the file there changes only once the new one is whole.
 
-    Raises `ResultError` if it cannot be written.
+    A digest stands behind the content, so that `load_run` notices damage. Raises `ResultError` if
+    it cannot be written.
     """
     path = Path(path)
+    content = run.to_netcdf(engine=_ENGINE)
     with replacing(path) as whole:
-        run.to_netcdf(whole, engine=_ENGINE)
+        whole.write(content)
+        whole.write(_SEAL + hashlib.sha256(content).digest())
     return path
 
 
 @contextlib.contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Lend a path to write to; what was written takes the place of `path` at the end.
+def replacing(path: Path) -> Iterator[BytesIO]:
+    """Lend memory to write to; its content takes the place of `path` at the end.
 
     Raises `ResultError` if it cannot be written; the file at `path` is then as it was.
     """
+    content = BytesIO()
+    yield content
     try:
-        with tempfile.TemporaryDirectory(prefix=".saving-", dir=path.parent) as folder:
-            whole = Path(folder) / path.name
-            yield whole
-            whole.replace(path)
+        write_whole(path, content)
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def write_whole(path: Path, content: BytesIO) -> None:
+    """Replace the file at `path`, by one that is whole. Raises OSError, also for a link."""
+    if path.is_symlink():
+        raise OSError(f"is a link, to {path.readlink()}")
+    unfinished = path.with_name(f".saving-{secrets.token_hex(8)}")
+    try:
+        with unfinished.open("xb") as file:
+            file.write(content.getbuffer())
+        unfinished.replace(path)
+    finally:
+        unfinished.unlink(missing_ok=True)
 
 
 def write_json(value: object, path: Path) -> None:
@@ -50,22 +73,72 @@ def write_json(value: object, path: Path) -> None:
     `ResultError` if it cannot be written.
     """
     with replacing(path) as whole:
-        whole.write_bytes(pydantic_core.to_json(value, indent=2, inf_nan_mode="null") + b"\n")
+        whole.write(pydantic_core.to_json(value, indent=2, inf_nan_mode="null") + b"\n")
 
 
 def load_run(path: str | Path) -> xr.Dataset:
-    """A saved run, read into memory. Raises `ResultError` for a file that is not one."""
+    """A saved run, read into memory.
+
+    Raises `ResultError` for a file that is not one, or is damaged: what `save_run` wrote and is
+    not as it was, is never read.
+    """
     try:
+        _check_seal(Path(path))
         run = xr.load_dataset(path, engine=_ENGINE)
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
-    except OSError as error:
-        raise ResultError(f"{path}: not a saved run: {error}") from None
+    except ResultError:
+        raise
+    except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged
+        reason = " ".join(str(error).split())
+        raise ResultError(f"{path}: not a saved run: {reason}") from None
     if "scene" not in run.attrs:
         raise ResultError(f"{path}: not a saved run: it names no scene")
     return run
 
 
+def _check_seal(path: Path) -> None:
+    """Raise `ResultError` if the digest is not that of the content; a file may have none."""
+    content = memoryview(path.read_bytes())
+    digest = hashlib.sha256().digest_size
+    end = len(content) - len(_SEAL) - digest
+    sealed = end > 0 and content[end:-digest] == _SEAL
+    if sealed and hashlib.sha256(content[:end]).digest() != content[-digest:]:
+        raise ResultError(f"{path}: damaged: its content is not what was saved")
+
+
 def scene_of(run: xr.Dataset) -> Scene:
-    """The scene that `run` was made from."""
-    return Scene.model_validate_json(run.attrs["scene"])
+    """The scene that `run` was made from. Raises `ResultError` if it names none that is valid."""
+    try:
+        return Scene.model_validate_json(run.attrs["scene"])
+    except (KeyError, ValidationError):
+        raise ResultError("not a run: it names no valid scene") from None
+
+
+def unlike(path: Path, scene: Scene, seed: int) -> str:
+    """How the file at `path` differs from a run of `scene` and `seed`: "" if it does not.
+
+    In words that follow "is". What only names a run, and how it was computed, does not count.
+    """
+    try:
+        made = load_run(path).attrs
+        there = _settings(json.loads(made["scene_as_given"]))
+    except (ResultError, KeyError, ValueError, AttributeError):
+        return "no run that can be compared"
+    here = _settings(scene.model_dump(mode="json", exclude_none=True))
+    if scene.forces.brownian:
+        there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}
+    for key in here | there:
+        if here.get(key) != there.get(key):
+            return f"of {key} = {there.get(key, 'none')}, not {here.get(key, 'none')}"
+    return ""
+
+
+def _settings(scene: dict[str, Any]) -> dict[str, Any]:
+    """Values by `section.key`."""
+    return {
+        f"{section}.{key}": value
+        for section, values in scene.items()
+        if isinstance(values, dict)
+        for key, value in values.items()
+    }

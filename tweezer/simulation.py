@@ -58,11 +58,11 @@ def simulate(
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
-    attributes hold the scene, the versions, the model, the method, what gave the force, steps,
-    force calls, run time (without that of the errors), how the run ended, the events, and the
-    errors of `error_budget`. `status` is "complete", "lost", "ended" (by an event of yours),
-    "interrupted" or "failed"; a run that ended early holds what it reached, and a failed one also
-    warns (`PhysicsWarning`).
+    attributes hold the scene, also as given, the versions, the model, the method, what gave the
+    force, steps, force calls, run time (without that of the errors), how the run ended, the events,
+    and the errors of `error_budget`. `status` is "complete", "lost", "ended" (by an event of
+    yours), "interrupted" or "failed"; a run that ended early holds what it reached, and a failed
+    one also warns (`PhysicsWarning`).
 
     With thermal motion the run is trajectory 0 of the ensemble of that seed, by fixed steps: there
     are no tolerances, events or error budget of the integration (NaN), and models without inertia
@@ -72,11 +72,12 @@ def simulate(
     events or a tolerance with thermal motion, or a seed without.
     """
     scene = _adjusted(scene, duration, model, method, tolerance)
+    as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     if scene.forces.brownian:
         for name, given in (("events", events), ("tolerance", tolerance)):
             if given:
                 raise SceneError(f"{name}: not with forces.brownian = true")
-        return _thermal_run(scene, 0 if seed is None else seed, progress)
+        return _thermal_run(scene, 0 if seed is None else seed, progress).assign_attrs(as_given)
     if seed is not None:
         raise SceneError("seed: is for forces.brownian = true")
     scene, why = chosen(scene)
@@ -97,6 +98,7 @@ def simulate(
     run = _dataset(scene, result.times, motion)
     run.attrs = {
         **_about_the_run(scene, equations.light.evaluator, why),
+        **as_given,
         "emitted_module": equations.name,
         "method": result.method,
         "status": result.status,

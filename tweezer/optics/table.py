@@ -159,7 +159,7 @@ def _save(path: Path, key: str, made: Made) -> None:
     np.savez(buffer, **{f.name: getattr(made, f.name) for f in dataclasses.fields(made)})
     content = buffer.getvalue()
     with replacing(path) as whole:
-        whole.write_bytes(hashlib.sha256(key.encode() + content).digest() + content)
+        whole.write(hashlib.sha256(key.encode() + content).digest() + content)
 
 
 def _load(path: Path, key: str) -> Made | None:

@@ -97,7 +97,7 @@ def reproduce(
 
 def _save(figure: Figure, path: Path) -> Path:
     with replacing(path) as whole:
-        figure.savefig(whole, dpi=100)
+        figure.savefig(whole, format="png", dpi=100)
     return path
 
 
@@ -121,7 +121,7 @@ def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
         ),
     ]  # fmt: skip
     with replacing(as_markdown) as whole:
-        whole.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        whole.write(("\n".join(lines) + "\n").encode())
     return [as_json, as_markdown]
 
 
