@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
+import gc
 import hashlib
+import importlib.util
 import os
+import pkgutil
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -13,12 +16,15 @@ import threading
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
+import numba
 import pytest
-from numba.core import caching, event
+from numba.core import event
+from numba.core.dispatcher import Dispatcher
 
 import tweezer
 from tweezer import cli, compiling
 from tweezer.compiling import compilation
+from tweezer.dynamics import bind
 from tweezer.warmup import usual_scenes
 
 ROOT = Path(__file__).parents[1]
@@ -51,10 +57,11 @@ print(numbers.tolist())
 VARIANTS = """
 import ctypes, sys
 import numba
+from tweezer.compiling import cached_njit
 from tweezer.dynamics.integrators import Pointer
 
 def made(number):
-    @numba.njit(cache=True)
+    @cached_njit()
     def add(x):
         return x + number
     return add
@@ -64,6 +71,25 @@ called = [kernel(0.0) for kernel in kernels]
 pointers = [Pointer(kernel, numba.float64(numba.float64)) for kernel in kernels]
 of = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
 print(*called, *(of(pointer.__wrapper_address__())(0.0) for pointer in pointers))
+"""
+
+#: a function of another library, kept by Numba; and what tweezer leaves of Numba's insides
+FOREIGN = """
+import sys
+if "tweezer" in sys.argv:
+    import tweezer.optics.kernels
+import itertools, numba
+from numba.core import bytecode, caching
+
+@numba.njit(cache=True)
+def twice(x):
+    return 2 * x
+
+assert twice(2.0) == 4.0
+cache = twice._cache
+print(sum(twice.stats.cache_hits.values()), numba.config.CACHE_LOCATOR_CLASSES,
+      *(type(each).__module__ for each in (cache, cache._cache_file)),
+      caching.IndexDataCacheFile.__module__, type(bytecode.FunctionIdentity._unique_ids).__name__)
 """
 
 
@@ -200,52 +226,6 @@ def test_every_scene_that_is_shipped_is_warmed_up_as_it_is():
         assert scene in usual_scenes(scene)
 
 
-def test_variants_kept_at_once_are_each_their_own(tmp_path):
-    """Two keep a variant of one function each: both have read the index before either writes it."""
-    both = threading.Barrier(2)
-
-    class Slow(caching.IndexDataCacheFile):
-        def _load_index(self):
-            index = super()._load_index()
-            with contextlib.suppress(threading.BrokenBarrierError):  # by whoever has to wait
-                both.wait(timeout=0.5)
-            return index
-
-    def keep(variant):
-        Slow(str(tmp_path), "function", "stamp").save(variant, f"code of {variant}")
-
-    threads = [threading.Thread(target=keep, args=(variant,)) for variant in ("grid", "map")]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    kept = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
-    assert {each: kept.load(each) for each in ("grid", "map")} == {
-        "grid": "code of grid", "map": "code of map",
-    }  # fmt: skip
-
-
-def test_what_is_kept_after_an_interruption_is_not_older_code(tmp_path):
-    """A source was edited, and the first that keeps its new code is stopped on the way."""
-
-    def files(stamp):
-        return caching.IndexDataCacheFile(str(tmp_path), "function", stamp)
-
-    files("old").save("grid", "old code of grid")
-
-    class Stopped(caching.IndexDataCacheFile):
-        def _save_data(self, name, data):
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        Stopped(str(tmp_path), "function", "new").save("map", "code of map")
-    assert files("new").load("map") is None
-    files("new").save("map", "code of map")
-    files("new").save("map", "the same again")
-    assert files("new").load("map") == "the same again"
-    assert len(list(tmp_path.glob("*.nbc"))) == 1
-
-
 def test_variants_kept_by_two_processes_are_each_their_own(tmp_path):
     """A loop is given a kernel by the address of its machine code, which is found by its name."""
     (tmp_path / "variants.py").write_text(VARIANTS, encoding="utf-8")
@@ -259,34 +239,162 @@ def test_variants_kept_by_two_processes_are_each_their_own(tmp_path):
     assert len(list(Path(cache).rglob("*.nbc"))) == 2
 
 
-def test_an_index_that_names_what_is_gone_is_begun_anew(tmp_path, monkeypatch):
-    """A variant for a program's own type: without that program it cannot be read."""
+def test_functions_of_other_libraries_are_left_to_numba(tmp_path):
+    (tmp_path / "foreign.py").write_text(FOREIGN, encoding="utf-8")
+
+    def said(*arguments):
+        return python("foreign.py", *arguments, cwd=tmp_path, PYTHONPATH=str(ROOT)).stdout.split()
+
+    numbas = ["numba.core.caching"] * 3 + ["count"]
+    assert said("tweezer") == ["0", *numbas]
+    assert said() == ["1", *numbas]
+    assert {path.suffix for path in (tmp_path / "__pycache__").iterdir()} == {".nbi", ".nbc"}
+
+
+def test_what_tweezer_keeps_it_keeps_in_its_own_files():
+    for module in pkgutil.walk_packages(tweezer.__path__, "tweezer."):
+        if module.name != "tweezer.__main__":
+            importlib.import_module(module.name)
+    bind(tweezer.load_scene("thesis-990nm"))
+    kept = [
+        each
+        for each in gc.get_objects()
+        if isinstance(each, Dispatcher)
+        and each.py_func.__module__.startswith("tweezer.")
+        and each.stats.cache_path is not None
+    ]
+    bound = ("ray", "kinematics", "langevin", "scaled_translation")
+    ours = [
+        each
+        for each in kept
+        if not (path := each.py_func.__module__).startswith("tweezer.generated")
+        or path.rpartition(".")[2] in bound
+    ]
+    assert len(ours) > 50
+    assert {type(each._cache) for each in ours} == {compiling._Cache}
+
+
+#: Numba's index of a function of that argument
+def under(kind):
+    return (kind, ("processor",), ("bytes", "closure"))
+
+
+def file_of(folder, sources="") -> compiling._File:
+    return compiling._File(str(folder / "function"), sources)
+
+
+def test_code_of_other_sources_is_not_found_and_replaced(tmp_path):
+    file_of(tmp_path, "old").save(under("grid"), "old code")
+    new = file_of(tmp_path, "new")
+    assert new.load(under("grid")) is None
+    new.save(under("grid"), "new code")
+    new.save(under("map"), "code of map")
+    assert new.load(under("grid")) == "new code"
+    assert new.load(under("map")) == "code of map"
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_an_interrupted_process_leaves_nothing(tmp_path, monkeypatch):
+    def stopped(self, target):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "replace", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        file_of(tmp_path).save(under("grid"), "code")
+    assert list(tmp_path.iterdir()) == []
+
+
+class Alike(type):
+    """Types that Numba writes alike."""
+
+    def __repr__(cls):
+        return "NamedTuple(float64 x 2)"
+
+
+def test_types_of_equal_names_do_not_share_code(tmp_path, monkeypatch):
+    """And one whose program is not there is compiled again."""
     program = ModuleType("program")
-    program.Spring = type("Spring", (), {"__module__": "program"})
-    files = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
+    for name in ("Spring", "Bowl"):
+        setattr(program, name, Alike(name, (), {"__module__": "program"}))
+    file = file_of(tmp_path)
     monkeypatch.setitem(sys.modules, "program", program)
-    files.save(program.Spring, "code for springs")
-    files.save("grid", "code of grid")
-    assert files.load("grid") == "code of grid"
-    del program.Spring
-    assert files.load("grid") is None
+    file.save(under(program.Spring), "code for springs")
+    assert file.load(under(program.Spring)) == "code for springs"
+    assert file.load(under(program.Bowl)) is None
     monkeypatch.undo()
-    assert files.load("grid") is None
-    files.save("grid", "code of grid, again")
-    assert files.load("grid") == "code of grid, again"
+    assert file.load(under(program.Spring)) is None
 
 
-@pytest.mark.parametrize("error", [OSError, NotImplementedError])
-def test_where_files_cannot_be_locked_nothing_is_kept(tmp_path, monkeypatch, error):
-    files = caching.IndexDataCacheFile(str(tmp_path), "function", "stamp")
-    files.save("grid", "code")
+def test_a_file_that_two_replace_is_always_whole(tmp_path):
+    codes = ["a" * 50_000, "b" * 100_000]
 
-    def refuse(self, **options):
-        raise error
+    def keep(code):
+        for _ in range(100):
+            file_of(tmp_path).save(under("grid"), code)
 
-    monkeypatch.setattr(compiling.FileLock, "acquire", refuse)
-    files.save("map", "code")
-    assert files.load("grid") is None
-    monkeypatch.undo()
-    assert files.load("grid") == "code"
-    assert files.load("map") is None
+    threads = [threading.Thread(target=keep, args=(code,)) for code in codes]
+    for thread in threads:
+        thread.start()
+    found = set()
+    while any(thread.is_alive() for thread in threads):
+        found.add(file_of(tmp_path).load(under("grid")))
+    assert found <= {None, *codes}
+    assert file_of(tmp_path).load(under("grid")) in codes
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.fixture
+def function(tmp_path, monkeypatch):
+    """A function of a module of its own, compiled as often as it is called."""
+    path = tmp_path / "small.py"
+    path.write_text("def twice(x):\n    return 2 * x\n", encoding="utf-8")
+    spec = importlib.util.spec_from_file_location(f"small_{tmp_path.name}", path)
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, spec.name, module)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    spec.loader.exec_module(module)
+
+    def compiled_again():
+        twice = compiling.cached_njit()(module.twice)
+        assert twice(2.0) == 4.0
+        return sum(twice.stats.cache_hits.values()), Path(twice.stats.cache_path)
+
+    return compiled_again
+
+
+def flip(content: bytes) -> bytes:
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.parametrize(
+    "damaged", [lambda content: b"", lambda content: content[:1000], flip], ids=["no", "cut", "bit"]
+)
+def test_damaged_code_is_compiled_again(function, damaged):
+    hits, folder = function()
+    assert hits == 0
+    assert function()[0] == 1
+    (file,) = folder.iterdir()
+    whole = file.read_bytes()
+    file.write_bytes(damaged(whole))
+    assert function()[0] == 0
+    assert len(file.read_bytes()) == len(whole)
+    assert function()[0] == 1
+
+
+def test_without_room_for_it_what_is_compiled_is_not_kept(function):
+    compiling._not_kept.cache_clear()
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+
+    def twice_without_room():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+        try:
+            return function()[0] + function()[0]
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+    with pytest.warns(UserWarning, match="not kept: File too large") as warned:
+        assert twice_without_room() == 0
+    assert len(warned) == 1
+    assert function()[0] == 0
+    assert function()[0] == 1

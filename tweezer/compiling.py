@@ -8,32 +8,35 @@ which Numba wants to know before the first function is defined.
 from __future__ import annotations
 
 import atexit
-import contextlib
 import functools
 import gc
-import itertools
+import hashlib
+import inspect
 import logging
+import pickle
 import secrets
 import shutil
+import sys
 import tempfile
 import time
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AbstractContextManager
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numba
-from filelock import FileLock
 from numba.core import caching, event
-from numba.core.bytecode import FunctionIdentity
 from numba.core.dispatcher import Dispatcher
+
+from tweezer.errors import warn
 
 _log = logging.getLogger("tweezer")
 
 #: s of compiling after which it is told to who uses the library
 _PATIENCE = 1.0
-#: s that another process is waited for, which keeps a function in milliseconds
-_LOCKED = 10.0
+#: Length of a SHA-256, bytes
+_DIGEST = 32
 
 
 class Compilation(event.Listener):
@@ -103,11 +106,15 @@ def _find_place() -> None:
         folder = tempfile.mkdtemp(prefix="tweezer-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         numba.config.CACHE_DIR = folder
-        warnings.warn(
+        _not_kept(
             "what is compiled is not kept: neither the folder of tweezer nor the user's cache "
-            "folder can be written; set NUMBA_CACHE_DIR to one that can",
-            stacklevel=2,
+            "folder can be written; set NUMBA_CACHE_DIR to one that can"
         )
+
+
+@functools.cache
+def _not_kept(why: str) -> None:
+    warn(why, UserWarning)
 
 
 def _tell(compiling: Compilation) -> None:
@@ -120,61 +127,112 @@ def _tell_once() -> None:
     _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 
-@contextlib.contextmanager
-def _locked(folder: str) -> Iterator[bool]:
-    """Whether what is compiled in a folder is this process's alone: not where locks do not work."""
-    lock = FileLock(f"{folder}/.lock", timeout=_LOCKED, mode=0o666, is_singleton=True)
-    try:
-        lock.acquire(poll_interval=5e-3)
-    except (OSError, NotImplementedError):
-        yield False
-        return
-    try:
-        yield True
-    finally:
-        lock.release()
+class _File:
+    """Compiled code of one function, in a file for each set of argument types and processor.
 
-
-class _Alone(caching.IndexDataCacheFile):
-    """Files of a compiled function, read and written by one process at a time.
-
-    Numba reads an index, numbers a file by it, writes the index and then the file: of two processes
-    that keep variants at once either may later be given the other's code, and so may who comes
-    after one that was stopped in between. Nothing is kept or found where files cannot be locked.
-
-    An index names the types of its variants, also those of a program's own module, for a field of
-    force that it brought. One that cannot be read without that module is begun anew: programs that
-    bring fields of their own do better with a NUMBA_CACHE_DIR of their own.
+    A file begins with a digest of the sources and of its content. One that is cut short, changed
+    or of other sources is not read: the function is compiled again. A file appears whole or not
+    at all, so that processes need no lock.
     """
 
-    def _load_index(self) -> Any:
-        try:
-            return super()._load_index()
-        except OSError:
-            raise
-        except Exception as error:  # reading it imports whatever it names
-            _log.debug("%s cannot be read: %s", self._index_path, error)
-            return {}
+    def __init__(self, base: str, sources: str) -> None:
+        self._base = base
+        self._sources = f"{numba.__version__}{sources}".encode()
 
     def load(self, key: Any) -> Any:
-        with _locked(self._cache_path) as alone:
-            return super().load(key) if alone else None
+        """The code kept under `key`, Numba's index; None if there is none."""
+        try:
+            whole = self._path(key).read_bytes()
+        except OSError:
+            return None
+        digest, content = whole[:_DIGEST], whole[_DIGEST:]
+        if digest != self._digest(content):
+            return None
+        try:
+            kept_under, code = pickle.loads(content)
+        except Exception as error:  # types of a program's own module, which cannot be imported now
+            _log.debug("%s cannot be read: %s", self._path(key), error)
+            return None
+        return code if kept_under == key else None
 
-    def save(self, key: Any, data: Any) -> None:
-        with _locked(self._cache_path) as alone:
-            if not alone:
-                return
-            index = self._load_index()
-            numbered = map(self._data_name, itertools.count(1))
-            name = index.get(key) or next(each for each in numbered if each not in index.values())
-            self._save_data(name, data)
-            self._save_index({**index, key: name})
+    def save(self, key: Any, code: Any) -> None:
+        """Keep code under `key`; raises `OSError`."""
+        content, path = caching.dumps((key, code)), self._path(key)
+        part = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
+        try:
+            part.write_bytes(self._digest(content) + content)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+
+    def _path(self, key: Any) -> Path:
+        types_and_processor = hashlib.sha256(repr(key[:2]).encode()).hexdigest()
+        return Path(f"{self._base}.{types_and_processor[:16]}.nbc")
+
+    def _digest(self, content: bytes) -> bytes:
+        return hashlib.sha256(self._sources + content).digest()
+
+
+class _Cache(caching.FunctionCache):
+    """Numba's cache of one function, with files that are checked as they are read."""
+
+    def __init__(self, function: Callable[..., Any], calls: str) -> None:
+        super().__init__(function)
+        base = Path(self.cache_path, self._impl.filename_base)
+        self._cache_file = _File(str(base), _source(function.__module__) + calls)
+
+    def save_overload(self, signature: Any, code: Any) -> None:
+        """Keep what was compiled, where there is room for it."""
+        try:
+            super().save_overload(signature, code)
+        except OSError as error:
+            _not_kept(f"what is compiled is not kept: {error.strerror}")
+
+
+def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> Any:
+    """`numba.njit` of a function that is kept, for a file's own functions.
+
+    calls: `sources` of the other files whose functions it calls: Numba does not look at these.
+    A closure is named after its values. Numba tells the machine code of two closures apart by
+    a number that only counts within a process: of two that were kept by two processes one would
+    be called in place of the other (Numba issue 10486).
+    """
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        if function.__closure__:
+            values = caching.dumps(tuple(cell.cell_contents for cell in function.__closure__))
+            function.__qualname__ += f"_{hashlib.sha256(values).hexdigest()[:16]}"
+        dispatcher = numba.njit(**options)(function)
+        dispatcher._cache = _Cache(function, calls)
+        if signature is not None:  # a call then looks at no types
+            dispatcher.compile(signature)
+            dispatcher.disable_compile()
+        return dispatcher
+
+    return compiled
+
+
+def cache_functions(module: ModuleType) -> ModuleType:
+    """An emitted module, whose functions are from now on kept as the others are."""
+    for each in vars(module).values():
+        function: Any = each
+        if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):
+            function._cache = _Cache(function.py_func, "")
+    return module
+
+
+def sources(*modules: ModuleType) -> str:
+    """Digest of the sources of modules, to be taken as they are imported.
+
+    Later a file may have changed under a running program.
+    """
+    return hashlib.sha256("".join(map(inspect.getsource, modules)).encode()).hexdigest()
+
+
+@functools.cache
+def _source(name: str) -> str:
+    return sources(sys.modules[name])
 
 
 _find_place()
-caching.IndexDataCacheFile = _Alone
-# Numba counts the functions that a process compiles, and variants of one function differ by that
-# number alone in the name of their machine code: of two compiled by two processes and kept, one
-# would be called in place of the other (numba issue 10486). Numbers that no two processes share:
-FunctionIdentity._unique_ids = iter(functools.partial(secrets.randbits, 64), None)
 event.register("numba:compile", Compilation(_tell))

@@ -29,6 +29,7 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
+from tweezer.compiling import cached_njit
 from tweezer.dynamics.integrators import kernel_signature
 from tweezer.dynamics.integrators.system import DIGEST, System, scratch, shine
 from tweezer.dynamics.solution import pointer
@@ -130,7 +131,6 @@ def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
 @functools.cache
 def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
     """The compiled loop over frames, for one kind of light: returns the log-likelihood."""
-    called = DIGEST  # of what it calls in another file
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
         types.FunctionType(kernel_signature(source)),
@@ -141,11 +141,10 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
         _matrix, _matrix, _matrix, _matrix,
     )  # fmt: skip
 
-    @njit(signature, cache=True, error_model="numpy", nogil=True)
+    @cached_njit(signature, calls=DIGEST, error_model="numpy", nogil=True)
     def loop(  # type: ignore[no-untyped-def]
         kernel, beyond, system, bead, camera, predicted, deviations, residuals, weights
     ):
-        _ = called
         n = 6 if bead.tau > 0 else 3
         work = _room(n)
         mean, P = work.mean, work.P

@@ -16,12 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.bead import BeadProperties, bead_properties
+from tweezer.compiling import cache_functions
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.errors import IntegrationError
 from tweezer.generated import kinematics
 from tweezer.optics import Light, light
 from tweezer.scene import Scene
+
+cache_functions(kinematics)
 
 Array = NDArray[np.float64]
 
@@ -342,8 +345,8 @@ def bind(scene: Scene) -> EquationsOfMotion:
 
     Of a scene that names no model, the unscaled ones.
     """
-    module = importlib.import_module(f"tweezer.generated.{_module_name(scene)}")
-    return EquationsOfMotion(scene, module, bead_properties(scene), light(scene))
+    emitted = importlib.import_module(f"tweezer.generated.{_module_name(scene)}")
+    return EquationsOfMotion(scene, cache_functions(emitted), bead_properties(scene), light(scene))
 
 
 def _module_name(scene: Scene) -> str:

@@ -39,8 +39,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from tweezer.compiling import cached_njit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -146,8 +147,7 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
 Kernel = Callable[..., None]
 
 
-@njit(
-    cache=True,
+@cached_njit(
     error_model="numpy",
     nogil=True,
     inline="always",
@@ -191,8 +191,7 @@ def _chart_of(rho, z, dd, sine, tau):  # type: ignore[no-untyped-def]
     return 5 + 5 * i + j, P, Q, P_rho, P_z, Q_rho, Q_z
 
 
-@njit(
-    cache=True,
+@cached_njit(
     error_model="numpy",
     nogil=True,
     inline="always",
@@ -220,7 +219,7 @@ def _piece_of(block, x, y, frames, roots, index):  # type: ignore[no-untyped-def
     return entry
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def find(positions, half_angle, reach, frames, roots, index, piece_out, place_out):  # type: ignore[no-untyped-def]
     """Where positions (n, 3), in radii, are in a table.
 
@@ -242,8 +241,7 @@ def find(positions, half_angle, reach, frames, roots, index, piece_out, place_ou
             place_out[at, 5], place_out[at, 6] = y_rho, y_z
 
 
-@njit(
-    cache=True,
+@cached_njit(
     error_model="numpy",
     nogil=True,
     inline="always",
@@ -256,8 +254,7 @@ def _sum(c, i, y):  # type: ignore[no-untyped-def]
     return low + ((c[i + 4] + c[i + 5] * y) + (c[i + 6] + c[i + 7] * y) * yy) * (yy * yy)
 
 
-@njit(
-    cache=True,
+@cached_njit(
     error_model="numpy",
     nogil=True,
     inline="always",
@@ -298,7 +295,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
     components = 3 if moment else 2
     width = ORDER * components
 
-    @njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
+    @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
     def read(  # type: ignore[no-untyped-def]
         positions,
         source,

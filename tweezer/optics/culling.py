@@ -12,8 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from tweezer.compiling import cached_njit
 
 Array = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ def tiles(directions: Array, strengths: Array) -> Tiles:
     )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def rays_near(tiles, first, p1, p2, p3, radius, rays):  # type: ignore[no-untyped-def]
     """Copy to `rays` the tiles from `first` that may hold a ray that hits; returns its count."""
     squared = p1 * p1 + p2 * p2 + p3 * p3

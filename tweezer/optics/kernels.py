@@ -2,17 +2,11 @@
 
 One kernel for every way to choose the rays: the thesis's grid, or the rules of a quadrature.
 It fills the rays that may hit the bead into scratch, sums them, and asks for more.
-
-Numba keys its cache on a function's own bytes and on the values in its closure, not on the
-functions it calls by name. So each kernel closes over a digest of the modules it calls: after one
-of them changes, no kernel compiled from the old one is found.
 """
 
 from __future__ import annotations
 
 import functools
-import hashlib
-import inspect
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -20,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import literally, njit
 
+from tweezer.compiling import cache_functions, cached_njit, sources
 from tweezer.generated import ray
 from tweezer.optics import culling, quadrature
 from tweezer.optics.culling import TILES_AT_ONCE, rays_near
@@ -57,11 +52,9 @@ from tweezer.optics.quadrature import (
 
 Kernel = Callable[..., None]
 
-#: digest of the sources of what the kernels call, taken at once: by the first call of a kernel a
-#: file may have changed under a running program
-_CALLED = hashlib.sha256(
-    "".join(inspect.getsource(module) for module in (ray, culling, quadrature)).encode()
-).hexdigest()
+cache_functions(ray)
+#: the files whose functions the kernels call
+_CALLED = sources(ray, culling, quadrature)
 
 #: cos^2 of refraction below which a ray counts as totally reflected: rounding cannot then put a
 #: negative number under the root, and Q is continuous there
@@ -110,7 +103,7 @@ def _efficiencies(  # type: ignore[no-untyped-def]
                 dG_of[at + i] = dG_of[i]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
     factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
     return factor * min(tail, 1.0) ** power
@@ -294,7 +287,7 @@ class Darkness(NamedTuple):
     """0 N"""
 
 
-@njit(cache=True)
+@cached_njit()
 def darkness(  # type: ignore[no-untyped-def]
     positions,  # noqa: ARG001
     source,  # noqa: ARG001
@@ -331,16 +324,19 @@ def kernel(
     results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N and (n,) N, of which the ones not
     asked for stay untouched. The grid has no error of its own to tell: 0.
     """
-    return _compile(_CALLED, by_grid, light, denser_medium, gradient, moment)
+    return _compile(by_grid, light, denser_medium, gradient, moment)
 
 
 def _compile(
-    digest: str, by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
+    by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
 ) -> Kernel:
     averaged, linear = light == "averaged-reflectance", light == "linear"
 
-    @njit(
-        cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}
+    @cached_njit(
+        calls=_CALLED,
+        error_model="numpy",
+        nogil=True,
+        fastmath={"reassoc", "contract", "arcp", "nsz"},
     )  # what a sum may do; NaN and infinity keep their meaning
     def sum_over_rays(  # type: ignore[no-untyped-def]
         positions,
@@ -354,7 +350,6 @@ def _compile(
         moment_gradient_out,
         error_out,
     ):
-        _ = digest
         room = scratch()
         rules = np.empty((MOST_PANELS, COLUMNS))
         found = np.empty((MOST_PANELS, 24))  # sums of each rule
@@ -503,7 +498,7 @@ def _compile(
     return sum_over_rays
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
     """R J R^T for a turn about z."""
     half = np.empty(9)

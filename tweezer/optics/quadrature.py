@@ -32,10 +32,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.polynomial import Chebyshev, Legendre, Polynomial, chebyshev
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
+
+from tweezer.compiling import cached_njit
 
 Array = NDArray[np.float64]
 
@@ -272,7 +273,7 @@ class Place(NamedTuple):
     """delta is small"""
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
     """The place of a bead at `lateral` from the axis and `axial` along it."""
     distance = math.hypot(lateral, axial)
@@ -289,7 +290,7 @@ def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
     return Place(ratio, cos_tilt, sin_tilt, delta, beside, delta < _SMALL_DELTA)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
     """Fill the table of rules for a place; returns how many."""
     digits = 1.0 - math.log10(rule.tolerance)
@@ -298,13 +299,13 @@ def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
     return _panels(place, rule, n_mP, digits, rules)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _ellipse(re, im):  # type: ignore[no-untyped-def]
     """Half the long axis of the ellipse with foci -1 and 1 through a point of the complex plane."""
     return 0.5 * (math.sqrt((re - 1.0) ** 2 + im * im) + math.sqrt((re + 1.0) ** 2 + im * im))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _level_of(nodes):  # type: ignore[no-untyped-def]
     """The smallest level of at least that many nodes; the last one if none has."""
     for level in range(len(LEVELS)):
@@ -313,7 +314,7 @@ def _level_of(nodes):  # type: ignore[no-untyped-def]
     return len(LEVELS) - 1
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     """The disc, if every ray hits the bead and it converges soon enough.
 
@@ -368,13 +369,13 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     return True
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _pole_of(place):  # type: ignore[no-untyped-def]
     """t at the pole, where x = 1; beside the bead t = 0 is where rays graze."""
     return math.atanh(1.0 / place.ratio) if place.beside else math.asinh(1.0 / place.delta)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
     """t at the pole less t at `angle` from it, without cancellation near the pole."""
     x = 1.0 - 2.0 * math.sin(0.5 * angle) ** 2
@@ -390,7 +391,7 @@ def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
     return math.asinh((pole - here) * (pole + here) / (a * here + pole * b))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     """The panels of rings and arcs; returns how many."""
     cuts = np.empty(MOST_PANELS // 2)
@@ -518,7 +519,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     return count
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
     """Cut where panels end that grow from two singular angles close together; how many cuts then.
 
@@ -534,7 +535,7 @@ def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
     return places
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _without_close(cuts, places, first, second, critical):  # type: ignore[no-untyped-def]
     """Drop cuts close to a rim or to the onset of total reflection; how many are left.
 
@@ -555,7 +556,7 @@ def _without_close(cuts, places, first, second, critical):  # type: ignore[no-un
     return left + 1
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
     """Azimuths for the rings from `lo` to `hi`, by how much of the cone the widest one spans."""
     widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
@@ -567,7 +568,7 @@ def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
     return min(azimuths, MOST_AZIMUTHS)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def]
     """Raise the nodes of rule k along what misses its tolerance; whether there was room to.
 
@@ -588,7 +589,7 @@ def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def
     return level > level_now or azimuths > azimuths_now
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _most_azimuths(level):  # type: ignore[no-untyped-def]
     return min(MOST_AZIMUTHS, MOST_RAYS // LEVELS[level] - 1)
 
@@ -603,13 +604,13 @@ _ROWS = 21
 _APART_IN_CACHE = 72
 
 
-@njit(cache=True)
+@cached_njit()
 def scratch():  # type: ignore[no-untyped-def]
     """Room for the largest rule: direction, weight and force of each ray, and more."""
     return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
 
@@ -636,7 +637,7 @@ def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignor
     return 2 * count
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -659,7 +660,7 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     return (m + 1) * n
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
     """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
 
@@ -729,7 +730,7 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
     return count
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """q, weight, and the argument of the light's series, of all nodes of arcs."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
@@ -748,7 +749,7 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
             weight[at + i] = part * w[i]
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """The same of whole rings."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
@@ -762,7 +763,7 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
             weight[at + i] = part * w[i]
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
     """Two or three rays for each ring, that exert what all of it does; returns how many.
 
@@ -805,7 +806,7 @@ def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
     return 3 * n
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
     """Directions of n rays from `at` on, of one azimuth about the pole."""
     u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
@@ -817,7 +818,7 @@ def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def
         u3[at + i] = cos_tilt * axial + sin_tilt * towards
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
     """A ray for each node of rings or arcs."""
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
@@ -832,7 +833,7 @@ def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
             rays[U3, at] = place.cos_tilt * axial + place.sin_tilt * towards
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _exponential(t):  # type: ignore[no-untyped-def]
     """exp for |t| up to 3.1 to rounding, by Taylor's series of exp(t/8): it vectorises."""
     y = 0.125 * t
@@ -844,7 +845,7 @@ def _exponential(t):  # type: ignore[no-untyped-def]
     return value * value
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
     """arcsin(sqrt(q)) from 0 to 1, to rounding: it vectorises."""
     small = min(q, 1.0 - q)
@@ -858,7 +859,7 @@ def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
     return angle if q <= 0.5 else 0.5 * math.pi - angle
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _sine(angle):  # type: ignore[no-untyped-def]
     """sin from 0 to pi/2, to rounding, by its Taylor series: it vectorises."""
     y = angle * angle
@@ -868,7 +869,7 @@ def _sine(angle):  # type: ignore[no-untyped-def]
     return angle * value
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
     """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
     if series.size == SHORT:
@@ -894,7 +895,7 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
         weight[i] *= y[i] * value_of[i] - last_of[i] + series[0]
 
 
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
     """Largest of the last coefficients of the forces of rule k along x, and of the azimuth, N.
 
@@ -943,7 +944,7 @@ def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-unty
     return along, around
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def unknown_light(place, rule, full):  # type: ignore[no-untyped-def]
     """Most force of the light that a series leaves out, N: |Q| <= 2 for every ray that hits."""
     hit = 4.0 * math.pi * math.sin(0.5 * rule.half_angle) ** 2

@@ -7,8 +7,6 @@ kernel comes as a function pointer, called once a batch.
 from __future__ import annotations
 
 import functools
-import hashlib
-import inspect
 import math
 from typing import Any
 
@@ -16,6 +14,7 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
+from tweezer.compiling import cached_njit, sources
 from tweezer.dynamics.brownian import (
     baoab,
     batch,
@@ -38,23 +37,8 @@ HEUN, FIRST_ORDER, ONE_CALL, EULER, HARMONIC, BAOAB = range(6)
 #: beads side by side: what they need stays in the first cache
 _BATCH = 64
 
-#: of all that the loop calls in other files (see `tweezer.optics.kernels`)
-_CALLED = hashlib.sha256(
-    "".join(
-        inspect.getsource(module)
-        for module in (
-            baoab,
-            batch,
-            euler,
-            exponential,
-            first_order,
-            heun,
-            noise,
-            one_call,
-            rotation,
-        )
-    ).encode()
-).hexdigest()
+#: the files whose functions the loop calls
+_CALLED = sources(baoab, batch, euler, exponential, first_order, heun, noise, one_call, rotation)
 
 _empty = np.zeros(0)
 _PLAN = typeof(Plan(0, 0.0, 0, 0.0, 0.0, *[_empty] * 5))
@@ -79,7 +63,6 @@ def loop(
     states (n, ...), as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
     out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1.
     """
-    called = _CALLED
     dims = 6 if rotates else 3
     gradient = scheme == FIRST_ORDER
     # an angle without inertia is drawn by itself, and BAOAB's position has no noise of its own
@@ -88,7 +71,6 @@ def loop(
     def advance(  # type: ignore[no-untyped-def]
         kernel, beyond, system, plan, weights, trajectories, states, sample, out
     ):
-        _ = called
         last = states.shape[1] - 1
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
@@ -138,13 +120,12 @@ def loop(
                 _save(beads, x, i, states[begin + i])
         return -1
 
-    # with types written out, numba looks at nothing when it is called
     signature = types.int64(
         types.FunctionType(kernel_signature(source)),
         types.FunctionType(kernel_signature(beyond)),
         system, _PLAN, _WEIGHTS, _integers, _matrix, types.int64, _tensor,
     )  # fmt: skip
-    return njit(signature, cache=True, error_model="numpy", nogil=True)(advance)
+    return cached_njit(signature, calls=_CALLED, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")

@@ -18,6 +18,8 @@ from numba import int64, njit, types, uint64
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from tweezer.compiling import cached_njit
+
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2
 
@@ -127,7 +129,7 @@ def _normal(word, key, place, step, trajectory, purpose):  # type: ignore[no-unt
     return _at_the_edge(word, key, place, step, trajectory, purpose)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-def]
     """Fill `out` (m, n) with normal numbers: column i of trajectories[i], (n,) int64.
 

@@ -8,7 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.compiling import cache_functions
 from tweezer.generated import langevin
+
+cache_functions(langevin)
 
 Array = NDArray[np.float64]
 

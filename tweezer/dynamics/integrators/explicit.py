@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit, typeof, types
 
+from tweezer.compiling import cached_njit
 from tweezer.dynamics.integrators.system import (
     DIGEST,
     GOING_ON,
@@ -64,12 +65,10 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
     (3,) steps, rejected steps, force calls. All three are kept up to date, so that a further call
     goes on.
     """
-    digest = DIGEST
 
     def advance(  # type: ignore[no-untyped-def]
         kernel, beyond, rates, system, tableau, control, y, clock, counts, records
     ):
-        _ = digest
         adaptive = by_tolerance(control)
         n, stages = y.size, tableau.b.size
         k = np.zeros((stages + 1 + len(tableau.extra), n))
@@ -137,7 +136,7 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 counts[2] += 1
 
     typed = signature(source, beyond, system, _TABLEAU)
-    return njit(typed, cache=True, error_model="numpy", nogil=True)(advance)
+    return cached_njit(typed, calls=DIGEST, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -198,7 +197,7 @@ def _first_step(  # type: ignore[no-untyped-def]
     return min(100.0 * step, (0.01 / fastest) ** (1.0 / tableau.estimate), control.end)
 
 
-@njit(cache=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-def]
     """States at `times`, ascending, from the steps that hold them: (n, state)."""
     step = 0

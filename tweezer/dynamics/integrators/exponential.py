@@ -33,6 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit, typeof, types
 
+from tweezer.compiling import cached_njit
 from tweezer.dynamics.integrators.system import (
     DIGEST,
     GOING_ON,
@@ -103,12 +104,10 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
     y: (6,) x, v; or (16,) x, angle turned (0), v, w in the inertial frame, and e. The dense output
     holds u0, u1, u2 of v, w.
     """
-    digest = DIGEST
 
     def advance(  # type: ignore[no-untyped-def]
         kernel, beyond, rates, system, relaxation, control, y, clock, counts, records
     ):
-        _ = digest
         adaptive = by_tolerance(control)
         many = relaxation.times.size
         turns = many == 6
@@ -181,7 +180,7 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 u[0, i] = u[4, i]
 
     typed = signature(source, beyond, system, _RELAXATION)
-    return njit(typed, cache=True, error_model="numpy", nogil=True)(advance)
+    return cached_njit(typed, calls=DIGEST, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -327,7 +326,7 @@ def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
     return bound
 
 
-@njit(cache=True, error_model="numpy")
+@cached_njit(error_model="numpy")
 def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-untyped-def]
     """States as the loop has them at `times`, ascending, from the steps that hold them."""
     phi = np.empty(5)

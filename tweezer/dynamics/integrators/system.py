@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: digest of this file: loops close over it, for numba does not see what a cached loop calls in
-#: another file (see `tweezer.optics.kernels`)
+#: Digest of this file, whose functions the loops call
 DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
 
 # how a call of a loop ended; or that it has not
