@@ -8,7 +8,7 @@ BENCHMARKS := force integrate brownian scaling depth
 REPORTS := report integrate_report brownian_report summary_report scaling_report depth_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
-.PHONY: demo test lint bench figures docs stress derivation notebooks clean
+.PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
@@ -43,6 +43,9 @@ docs: .venv/.dev  ## the site, into site/
 stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, and faults from outside
 	$(BIN)/python -m tests.stress 10000
 	$(BIN)/python -m tests.stress_faults
+
+environments: .venv/.dev  ## every command with the lowest and newest dependencies, and each Python found
+	$(BIN)/python -m tests.environments
 
 derivation: .venv/.dev  ## derive again and write generated/
 	$(BIN)/python -m derivation

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 import tweezer
 from tweezer.optics import force_map, light, tabulate
@@ -308,6 +309,23 @@ def test_without_a_place_to_keep_it(cache_folder, scene, monkeypatch):
     with warnings.catch_warnings():  # and that is said once
         warnings.simplefilter("error")
         assert force_map(scene).certified_error == made.certified_error
+
+
+@pytest.mark.usefixtures("cache_folder")
+def test_a_lock_that_is_held_for_ever_is_told_and_ends(scene, monkeypatch, caplog):
+    path = force_map(scene).path
+    assert [each.suffix for each in path.parent.iterdir()] == [".table"]
+    path.unlink()
+    module = sys.modules["tweezer.optics.table"]
+    monkeypatch.setattr(module, "_PATIENCE", 0.01)
+    monkeypatch.setattr(module, "_LONGEST_WAIT", 0.02)
+    with (
+        FileLock(path.with_suffix(".lock")),
+        pytest.warns(UserWarning, match="the table is not kept"),
+    ):
+        assert fresh(scene).path is None
+    assert "waiting up to 0.02 s for another process" in caplog.text
+    assert fresh(scene).path == path
 
 
 PROGRAM = """

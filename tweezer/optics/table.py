@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import inspect
 import io
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,11 +20,19 @@ from tweezer.optics import charts, kernels, quadrature, tabulate
 from tweezer.optics.tabulate import Made, Progress, build
 
 if TYPE_CHECKING:
+    from filelock import FileLock
+
     from tweezer.optics.light import Light
     from tweezer.scene import Optics
 
+_log = logging.getLogger("tweezer")
+
 #: tolerance of the quadrature that a table is made from, of the table's
 _FINER = 0.03
+#: Time after which a user reads that a table of another process is waited for, s
+_PATIENCE = 1.0
+#: Longest time that a table of another process is waited for, s
+_LONGEST_WAIT = 600.0
 #: how many tables stay in memory
 _MOST_IN_MEMORY = 16
 
@@ -131,7 +140,7 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
     lock = FileLock(path.with_suffix(".lock"))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
+        _wait_for(lock)
     except (OSError, NotImplementedError) as error:
         warn(f"{path}: the table is not kept: {error}", UserWarning)
         return make(), None
@@ -148,7 +157,23 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
             return made, None
         return made, path
     finally:
+        Path(lock.lock_file).unlink(missing_ok=True)
         lock.release()
+
+
+def _wait_for(lock: FileLock) -> None:
+    """Acquire the lock of a table, which keeps processes from making the same one at once.
+
+    A process that goes without it does no harm: a table's file is replaced as a whole.
+    """
+    try:
+        lock.acquire(timeout=_PATIENCE)
+    except TimeoutError:
+        _log.warning(
+            "waiting up to %g s for another process that makes this table: %s", _LONGEST_WAIT,
+            lock.lock_file,
+        )  # fmt: skip
+        lock.acquire(timeout=_LONGEST_WAIT)
 
 
 def _save(path: Path, key: str, made: Made) -> None:
