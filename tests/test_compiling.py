@@ -22,7 +22,7 @@ from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
 import tweezer
-from tweezer import cli, compiling
+from tweezer import cli, compiling, warmup
 from tweezer.compiling import compilation
 from tweezer.dynamics import bind
 from tweezer.warmup import usual_scenes
@@ -224,6 +224,36 @@ def test_every_scene_that_is_shipped_is_warmed_up_as_it_is():
     for name in tweezer.shipped_scenes():
         scene = tweezer.load_scene(name)
         assert scene in usual_scenes(scene)
+
+
+def test_beads_of_a_lower_index_and_fits_of_the_depth_are_warmed_up(monkeypatch):
+    """All the kinds of light that a kernel or a loop is compiled for, without compiling them."""
+    fields, filters = set(), set()
+
+    class Seen:
+        def __init__(self, scene, evaluator):
+            denser = scene.bead.refractive_index < scene.medium.refractive_index
+            self.scene, self.kind = scene, (scene.beam.polarisation, evaluator, denser)
+
+        def field(self, positions, *, gradient):
+            fields.add((*self.kind, gradient))
+
+        def by_quadrature(self, tolerance):
+            return Seen(self.scene, "quadrature")
+
+    monkeypatch.setattr(warmup, "light", lambda scene: Seen(scene, scene.optics.evaluator))
+    monkeypatch.setattr(warmup, "kalman_filter", lambda light: filters.add(light.kind[1]))
+    monkeypatch.setattr(warmup, "walk", lambda scene: SimpleNamespace(scene=scene))
+    monkeypatch.setattr(warmup, "chosen", lambda scene: (scene, ""))
+    monkeypatch.setattr(warmup, "simulate", lambda scene: None)
+    for name in tweezer.shipped_scenes():
+        for scene in usual_scenes(tweezer.load_scene(name)):
+            warmup.warm_up(scene)
+    assert filters == {"grid", "auto", "map"}
+    for gradient in (False, True):
+        assert ("circular", "quadrature", True, gradient) in fields
+        assert ("circular", "quadrature", False, gradient) in fields
+        assert ("averaged-reflectance", "grid", False, gradient) in fields
 
 
 def test_variants_kept_by_two_processes_are_each_their_own(tmp_path):

@@ -485,9 +485,10 @@ def warmup(
         list[str] | None, typer.Argument(help="Shipped scenes or TOML files; all shipped if none.")
     ] = None,
 ) -> None:
-    """Compile ahead what runs, ensembles and traps of SCENE need, and make its map if it has one.
+    """Compile ahead what the commands need for SCENE, and make its map if it has one.
 
-    Without SCENE: what the shipped scenes need, and the thermal motion of those without a grid.
+    Without SCENE: what the shipped scenes need, and of those without a grid also their thermal
+    motion, and a bead of a lower index than the medium.
     """
     from tweezer.scene import load_scene, shipped_scenes
 

@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 
 from tweezer.dynamics import chosen, walk
+from tweezer.dynamics.filter import kalman_filter
 from tweezer.errors import PhysicsWarning
 from tweezer.optics import light
 from tweezer.scene import Scene
@@ -17,19 +18,20 @@ _MOMENT = 1e-8
 
 
 def usual_scenes(scene: Scene) -> list[Scene]:
-    """What is usually asked of a scene that is shipped: itself, and its thermal motion.
+    """A shipped scene, and what users change in it: thermal motion by the map, a lighter bead.
 
-    A scene with the thesis's grid has no table of its force; of any other this is the motion that
-    the README shows.
+    A bead of a lower index than the medium reflects all of some rays, which takes other kernels.
+    A scene with the thesis's grid is the thesis's own, and stays as it is.
     """
     if scene.optics.evaluator == "grid":
         return [scene]
-    changes = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
-    return [scene, scene.replace(**changes)]
+    thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
+    lower_index = 0.9 * scene.medium.refractive_index
+    return [scene, scene.replace(**thermal), scene.replace(bead={"refractive_index": lower_index})]
 
 
 def warm_up(scene: Scene) -> None:
-    """Compile what runs, ensembles and traps of `scene` need, unless it is compiled.
+    """Compile what runs, ensembles, traps and fits of the depth of `scene` need, unless it is.
 
     Of a scene that reads its force from a map, also make that, unless it is made.
     """
@@ -40,6 +42,8 @@ def warm_up(scene: Scene) -> None:
         for bound in lights:
             for gradient in (False, True):
                 bound.field(np.zeros((1, 3)), gradient=gradient)
+        if scene.lit:
+            kalman_filter(lights[0])
         if scene.forces.brownian:
             scene = walk(scene).scene
         else:
