@@ -29,6 +29,8 @@ ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
+#: code, and formulas drawn
+_VERBATIM = re.compile(r"<(pre|code|script|style|math)\b.*?</\1>", re.DOTALL)
 #: code as it is; formulas of pages, between brackets by arithmatex; of notebooks, between dollars
 _FORMULA = re.compile(
     r"<(pre|code|script|style)\b.*?</\1>"
@@ -60,15 +62,19 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
         if found[1]:
             return found[0]
         display, inline = found[2] or found[3], found[4] or found[5]
-        latex = html.unescape(display or inline).strip()
+        latex = " ".join(html.unescape(display or inline).split())
         # MathML has no numbers of equations
-        latex = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
-        formula = convert(latex, display="block" if display else "inline")
-        if not _understood(formula):
+        numbered = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
+        formula = convert(numbered, display="block" if display else "inline")
+        if "<" in (display or inline) or not _understood(formula):
             _log.warning("%s: no MathML for %s", page.file.src_uri, latex)
-        return formula
+        formula = formula.replace("<math", f'<math alttext="{html.escape(latex)}"', 1)
+        return f'<div class="formula">{formula}</div>' if display else formula
 
-    return _FORMULA.sub(drawn, content)
+    content = _FORMULA.sub(drawn, content)
+    for dollar in re.finditer(r".{0,40}\$.{0,40}", _VERBATIM.sub("", content)):
+        _log.warning("%s: a formula without its end: %s", page.file.src_uri, dollar[0])
+    return content
 
 
 def _understood(formula: str) -> bool:

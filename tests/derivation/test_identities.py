@@ -231,6 +231,22 @@ def test_efficiencies_without_trigonometry_are_the_printed_ones():
     assert not _vanishes_on_angles(minus_gr - printed_gr)
 
 
+def test_reduced_equations_are_the_printed_ones_for_s_polarised_light():
+    """With Fresnel's R = sin^2(alpha - beta)/sin^2(alpha + beta), at 50 digits."""
+    at = {ray.alpha: sp.Rational(11, 10), ray.mu: sp.Rational(5, 6)}
+    at[ray.beta] = sp.asin(at[ray.mu] * sp.sin(at[ray.alpha]))
+    at[ray.S] = sp.sin(at[ray.alpha]) ** 2
+    R = (sp.sin(ray.alpha - ray.beta) / sp.sin(ray.alpha + ray.beta)) ** 2
+    for equation, printed in (
+        (ray.SCATTERING_REDUCED, ray.Q_sc),
+        (ray.GRADIENT_REDUCED, -ray.Q_gr / sp.sin(ray.alpha)),
+    ):
+        reduced = ray.in_S(equation.rhs).subs(at)
+        expected = printed.subs({ray.R_i: R, ray.T_i: 1 - R}).subs(at)
+        assert abs(sp.N(reduced - expected, 60)) < sp.Float("1e-50", 60)
+        assert abs(sp.N(expected, 10)) > 0.1
+
+
 def test_fresnel_coefficients_are_the_printed_ones():
     n_m, n_p = sp.symbols("n_m n_P", positive=True)
     ca, cb = sp.cos(ray.alpha), sp.cos(ray.beta)
