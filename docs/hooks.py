@@ -29,15 +29,28 @@ ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
-#: code, and formulas drawn
-_VERBATIM = re.compile(r"<(pre|code|script|style|math)\b.*?</\1>", re.DOTALL)
+#: code, and its copy that a button takes
+_CODE = (
+    r"<(?P<tag>pre|code|script|style)\b.*?</(?P=tag)>"
+    r'|<div class="clipboard-copy-txt".*?</div>'
+)
 #: code as it is; formulas of pages, between brackets by arithmatex; of notebooks, between dollars
 _FORMULA = re.compile(
-    r"<(pre|code|script|style)\b.*?</\1>"
+    rf"(?P<code>{_CODE})"
     r'|<div class="arithmatex">\\\[(.+?)\\\]</div>|\$\$(.+?)\$\$'
     r'|<span class="arithmatex">\\\((.+?)\\\)</span>|\$(?! )([^$]+?)(?<! )\$',
     re.DOTALL,
 )
+_DRAWN = re.compile(rf"{_CODE}|<math\b.*?</math>", re.DOTALL)
+#: what MathML spaces otherwise than TeX: names of functions, bars, slashes, a sign
+_SPACING = (
+    (r"<(m[io])[^>]*>(sin|cos|tan|exp|det)</\1>", r'<mo lspace=".17em" rspace=".1em">\2</mo>'),
+    (r'<mo stretchy="false">(&#x0007C;)</mo>', r"<mi>\1</mi>"),
+    (r"<mo>(&#x0002F;)</mo>", r'<mo lspace="0" rspace="0">\1</mo>'),
+    (r"(?<=&#x00(?:03D|02C|028);</mo>)<mo>(&#x02212;)</mo>", r'<mo form="prefix">\1</mo>'),
+)
+#: browsers draw its letters, not the attribute
+_BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F]);')
 
 
 def on_config(config: MkDocsConfig) -> None:
@@ -59,20 +72,25 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
     """LaTeX of pages and notebooks as MathML, which browsers draw by themselves."""
 
     def drawn(found: re.Match[str]) -> str:
-        if found[1]:
+        if found["code"]:
             return found[0]
-        display, inline = found[2] or found[3], found[4] or found[5]
+        display, inline = found[3] or found[4], found[5] or found[6]
         latex = " ".join(html.unescape(display or inline).split())
         # MathML has no numbers of equations
         numbered = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
         formula = convert(numbered, display="block" if display else "inline")
         if "<" in (display or inline) or not _understood(formula):
             _log.warning("%s: no MathML for %s", page.file.src_uri, latex)
+        for written, as_in_tex in _SPACING:
+            formula = re.sub(written, as_in_tex, formula)
+        formula = _BOLD_GREEK.sub(
+            lambda found: ">" + chr(int(found[1], 16) + 0x1D736 - 0x3B1), formula
+        )
         formula = formula.replace("<math", f'<math alttext="{html.escape(latex)}"', 1)
         return f'<div class="formula">{formula}</div>' if display else formula
 
     content = _FORMULA.sub(drawn, content)
-    for dollar in re.finditer(r".{0,40}\$.{0,40}", _VERBATIM.sub("", content)):
+    for dollar in re.finditer(r".{0,40}\$.{0,40}", _DRAWN.sub("", content)):
         _log.warning("%s: a formula without its end: %s", page.file.src_uri, dollar[0])
     return content
 

@@ -3,14 +3,18 @@
 Pages: the sources of the site, and the README. Notebooks are executed by test_notebooks.py.
 """
 
+import html
 import os
 import re
 import shutil
 import subprocess
 import sys
+from html.parser import HTMLParser
 from pathlib import Path
 from typing import NamedTuple
+from urllib.parse import unquote, urlsplit
 
+import nbformat
 import pytest
 import typer
 
@@ -111,30 +115,102 @@ def build(source, site):
     )  # fmt: skip
 
 
-def test_site_builds(tmp_path):
-    done = build(ROOT, tmp_path)
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of the site, built once."""
+    folder = tmp_path_factory.mktemp("site")
+    done = build(ROOT, folder)
     assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_site_is_whole(site):
     notebooks = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
-    assert {path.stem for path in (tmp_path / "notebooks").glob("*.html")} == notebooks
-    reference = (tmp_path / "python.html").read_text()
+    assert {path.stem for path in (site / "notebooks").glob("*.html")} == notebooks
+    reference = (site / "python.html").read_text()
     assert all(f'id="tweezer.{name}"' in reference for name in tweezer.__all__)
-    scene_keys = (tmp_path / "scenes.html").read_text()
+    scene_keys = (site / "scenes.html").read_text()
     for section, of in tweezer.Scene.model_fields.items():
         for key in getattr(of.annotation, "model_fields", [section]):
             assert f"<code>{key}</code>" in scene_keys, (section, key)
-    commands = (tmp_path / "commands.html").read_text()
+    commands = (site / "commands.html").read_text()
     for name, command in typer.main.get_command(cli.app).commands.items():
         assert f'id="tweezer-{name}"' in commands
         for parameter in command.params:
             option = parameter.opts[0]
             assert f"<code>{option}" in commands or not option.startswith("--"), (name, option)
-    latex = (ROOT / "docs/physics.md").read_text()
-    formulas = latex.count("\\(") + latex.count("\\[")
-    assert (tmp_path / "physics.html").read_text().count("<math") == formulas > 30
+
+
+def formulas(source):
+    """LaTeX of a page or a notebook, in its order."""
+    if source.suffix == ".md":
+        text = re.sub(r"^```.*?^```|`[^`]*`", "", source.read_text(), flags=re.DOTALL | re.M)
+        texts, between = [text], r"\\\[(.*?)\\\]|\\\((.*?)\\\)"
+    else:
+        texts, between = [], r"\$\$(.*?)\$\$|\$(.*?)\$"
+        for cell in nbformat.read(source, as_version=4).cells:
+            if cell.cell_type == "markdown":
+                texts.append(re.sub(r"`[^`]*`", "", cell.source))
+            shown = [output.get("data", {}) for output in cell.get("outputs", [])]
+            texts += [data["text/latex"] for data in shown if "text/latex" in data]
+    return [
+        " ".join("".join(each).split())
+        for text in texts
+        for each in re.findall(between, text, re.DOTALL)
+    ]
+
+
+def test_every_formula_arrives_whole(site):
+    """As one formula each, in their order, with the LaTeX that the source has."""
+    sources = [*(page for page in PAGES if page.name != "README.md" or page.parent != ROOT),
+               *(ROOT / "notebooks").glob("*.ipynb")]  # fmt: skip
+    found = {}
+    for source in sources:
+        page = source.relative_to(ROOT / "docs" if source.parent.name == "docs" else ROOT)
+        page = page.with_name("index") if page.name == "README.md" else page
+        drawn = re.findall(r'<math alttext="(.*?)"', (site / page.with_suffix(".html")).read_text())
+        found[source.name] = formulas(source)
+        assert [html.unescape(latex) for latex in drawn] == found[source.name], source
+    assert len(found["physics.md"]) > 30
+    assert len(found["01_euler_parameters.ipynb"]) > 30
+
+
+class Links(HTMLParser):
+    """Addresses that a page leads to, those that it loads, and its anchors."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.leads, self.loads, self.anchors = set(), set(), {""}
+        self.feed(page.read_text())
+
+    def handle_starttag(self, tag, attrs):
+        of = dict(attrs)
+        self.anchors |= {of.get("id"), of.get("name")}
+        if tag == "a" and of.get("href"):
+            self.leads.add(of["href"])
+        elif tag == "link" and of.get("rel") not in ("canonical", "prev", "next"):
+            self.loads.add(of["href"])
+        elif of.get("src"):
+            self.loads.add(of["src"])
+
+
+def test_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site):
+    links = {page: Links(page) for page in site.rglob("*.html") if page.name != "404.html"}
+    assert len(links) > 20
+    for page, of in links.items():
+        for address in of.leads | of.loads:
+            place = urlsplit(address)
+            if place.scheme or place.netloc:
+                assert address in of.leads or place.scheme == "data", (page.name, address)
+                continue
+            target = (page.parent / unquote(place.path)).resolve() if place.path else page
+            assert target.is_file(), (page.name, address)
+            if target in links:
+                assert unquote(place.fragment) in links[target].anchors, (page.name, address)
 
 
 def test_what_is_broken_fails(tmp_path):
-    """A link to nothing, a name that is not there, and a formula that is none."""
+    """A link to nothing, a name that is not there, and formulas that are none."""
     for name in ("docs", "notebooks", "derivation"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("*.ipynb"))
     for name in ("mkdocs.yml", "CONTRIBUTING.md"):
@@ -142,10 +218,21 @@ def test_what_is_broken_fails(tmp_path):
     (tmp_path / "tweezer").symlink_to(ROOT / "tweezer")
     with (tmp_path / "docs/models.md").open("a") as page:
         page.write("\n[one](nowhere.md) [two][tweezer.nothing] \\(\\nonsense\\)\n")
+    broken = nbformat.v4.new_notebook(
+        cells=[
+            nbformat.v4.new_markdown_cell("# Broken\n\n$e_0$, and a list: $a\n+ b$"),
+            nbformat.v4.new_markdown_cell("Two parts: $c\n\nd"),
+        ],
+        metadata=nbformat.read(next(iter((ROOT / "notebooks").glob("*.ipynb"))), 4).metadata,
+    )
+    nbformat.write(broken, tmp_path / "notebooks/broken.ipynb")
     done = build(tmp_path, tmp_path / "site")
     assert done.returncode != 0
-    for complaint in ("nowhere.md", "tweezer.nothing", "no MathML for \\nonsense"):
-        assert f"{complaint}" in done.stderr
+    for complaint in (
+        "nowhere.md", "tweezer.nothing", "no MathML for \\nonsense", "no MathML for a</p>",
+        "a formula without its end: <p>Two parts: $c",
+    ):  # fmt: skip
+        assert complaint in done.stderr
 
 
 def test_readme_quotes_the_committed_results():
