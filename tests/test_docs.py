@@ -17,6 +17,8 @@ from urllib.parse import unquote, urlsplit
 import nbformat
 import pytest
 import typer
+from selenium import webdriver
+from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
 from tests.benchmarks import pages, summary_report
@@ -207,6 +209,77 @@ def test_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site):
             assert target.is_file(), (page.name, address)
             if target in links:
                 assert unquote(place.fragment) in links[target].anchors, (page.name, address)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium without a window, of Debian's packages chromium and chromium-driver."""
+    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
+    if not all(programs):
+        pytest.skip("no chromium and chromedriver on this machine")
+    options = webdriver.ChromeOptions()
+    options.binary_location = programs[0]
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
+    yield driver
+    driver.quit()
+
+
+#: of the page and of the window, in pixels
+WIDTHS = "return [document.documentElement.scrollWidth, window.innerWidth]"
+#: formulas that are not drawn; matrices, and those whose bracket is lower than they are; the font
+LAYOUT = """
+const height = element => element.getBoundingClientRect().height;
+const low = [...document.querySelectorAll("math mtable")].filter(table => {
+  const bracket = table.previousElementSibling;
+  return bracket && height(bracket) < 0.9 * height(table);
+});
+return {
+  empty: [...document.querySelectorAll("math")].filter(formula => height(formula) < 4).length,
+  low: low.length,
+  matrices: document.querySelectorAll("math mtable").length,
+  font: document.fonts.check("16px 'TeX Gyre Termes Math'"),
+};
+"""
+
+
+def test_pages_opened_from_a_folder(site, browser):
+    """On a wide screen and on a phone's: none is wider, and formulas are drawn in their font."""
+    matrices = 0
+    for page in sorted(site.rglob("*.html")):
+        if page.name == "404.html":  # for a server: its addresses begin at the root
+            continue
+        browser.get(page.as_uri())
+        browser.execute_async_script("document.fonts.ready.then(arguments[0])")
+        for width in (1280, 400):
+            screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+            WebDriverWait(browser, 5).until(  # sidebars move in and out
+                lambda driver, width=width: driver.execute_script(WIDTHS) == [width, width],
+                f"{page.name} is not {width} pixels wide",
+            )
+            layout = browser.execute_script(LAYOUT)
+            assert (layout["empty"], layout["low"]) == (0, 0), page.name
+        assert layout["font"] or "<math" not in page.read_text(), page.name
+        assert browser.get_log("browser") == [], page.name
+        matrices += layout["matrices"]
+    assert matrices > 20
+
+
+def test_search_from_a_folder(site, browser):
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    browser.set_window_size(1280, 900)
+    browser.get((site / "index.html").as_uri())
+    browser.find_element("class name", "md-search__input").send_keys("stiffness")
+    results = WebDriverWait(browser, 30).until(
+        lambda driver: driver.find_elements("css selector", "a.md-search-result__link")
+    )
+    addresses = [urlsplit(result.get_attribute("href")) for result in results]
+    assert len(addresses) > 3
+    assert all(Path(unquote(address.path)).is_file() for address in addresses)
+    assert "06_trap_characterisation.html" in {Path(address.path).name for address in addresses}
 
 
 def test_what_is_broken_fails(tmp_path):
