@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import resource
 import signal
 import subprocess
 import sys
 import warnings
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -73,6 +75,50 @@ def test_help_names_every_option(command_line, command, options):
     assert outcome.code == 0
     for option in options:
         assert option in outcome.out
+    assert "--set KEY=VALUE" in outcome.out
+    assert "May be repeated" in " ".join(outcome.out.split())
+
+
+@pytest.mark.parametrize("command", [["tweezer"], ["tweezer", "bench"]], ids=" ".join)
+def test_summaries_are_whole(command_line, command):
+    """On the site's page too, which has 45 columns for them."""
+    outcome = command_line(*command[1:], "--help")
+    listed = outcome.out.partition("Commands:\n")[2].splitlines()
+    assert len(listed) >= 5
+    for line in listed:
+        summary = line.split(maxsplit=1)[1]
+        assert summary.endswith(".")
+        assert len(summary) <= 45
+        assert not summary.endswith("...")
+
+
+def test_the_version(tmp_path):
+    expected = version("tweezer")
+    assert tweezer.__version__ == expected
+    program = [sys.executable, "-m", "tweezer", "--version"]
+    told = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert (told.stdout, told.stderr) == (f"tweezer {expected}\n", "")
+
+
+def test_shells_can_complete_commands(tmp_path):
+    asked = {"_TWEEZER_COMPLETE": "complete_bash", "COMP_WORDS": "tweezer cal", "COMP_CWORD": "1"}
+    program = [sys.executable, "-c", "import sys; sys.argv = ['tweezer']\n"
+               "from tweezer.cli import main; main()"]  # fmt: skip
+    told = subprocess.run(
+        program, cwd=tmp_path, env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    assert told.stdout.split() == ["calibrate"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+def test_output_that_cannot_be_written_is_one_line(tmp_path):
+    with Path("/dev/full").open("w") as full:
+        told = subprocess.run(
+            [sys.executable, "-m", "tweezer", "scenes"],
+            cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert told.returncode == 1
+    assert told.stderr == "what is printed cannot be written: No space left on device\n"
 
 
 def test_scenes_lists_all(command_line):

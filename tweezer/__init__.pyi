@@ -32,6 +32,7 @@ from .io import load_run, save_run, scene_of
 from .optics import optical_force, optical_jacobian, optical_torque
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
+from .version import __version__
 
 __all__ = [
     "BeadProperties",
@@ -51,6 +52,7 @@ __all__ = [
     "Tuning",
     "TweezerError",
     "UnitWarning",
+    "__version__",
     "bead_properties",
     "bind",
     "calibrate",

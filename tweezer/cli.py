@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import errno
 import importlib
 import itertools
 import math
@@ -33,19 +34,21 @@ if TYPE_CHECKING:
 app = typer.Typer(
     help="Simulate a bead in an optical trap.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
 bench = typer.Typer(
-    help="Measure how fast and how exact tweezer is, from a checkout of its sources.",
+    help="Measure speed and errors, from a checkout.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
 app.add_typer(bench, name="bench")
-SceneName = Annotated[str, typer.Argument(help="Shipped scene or TOML file.")]
+SceneName = Annotated[str, typer.Argument(help="Shipped scene or TOML file.", metavar="SCENE")]
 Changes = Annotated[
-    list[str] | None, typer.Option(help='Change the scene: --set "beam.power=80 mW".')
+    list[str] | None,
+    typer.Option(
+        help='Change the scene: --set "beam.power=80 mW". May be repeated.', metavar="KEY=VALUE"
+    ),
 ]
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
 FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
@@ -75,10 +78,28 @@ def main() -> None:
     except TweezerError as error:
         _complain(str(error))
         sys.exit(_BAD_INPUT)
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        _complain(f"what is printed cannot be written: {error.strerror}")
+        os._exit(_FAILED)  # the interpreter would try once more
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from tweezer.version import __version__
+
+        _out.print(f"tweezer {__version__}", highlight=False)
+        raise typer.Exit
 
 
 @app.callback()
-def _commands() -> None:
+def _commands(
+    version: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Show the version."),
+    ] = False,
+) -> None:
     pass
 
 
@@ -126,10 +147,11 @@ def run(
         bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
     ] = False,
 ) -> None:
-    """Release the bead of SCENE and follow it; write the trajectory and a figure.
+    """Follow the bead of SCENE.
 
-    An OUT that is there is replaced by a run of the same scene, settings and seed, and by no other
-    without --overwrite. A run that is interrupted, or fails, replaces none: it is written beside.
+    Writes the trajectory and a figure. An OUT that is there is replaced by a run of the same scene,
+    settings and seed, and by no other without --overwrite. A run that is interrupted, or fails,
+    replaces none: it is written beside.
     """
     settings = _settings(set or [], duration=duration, model=model, method=method)
     described = _described(scene, settings)
@@ -170,7 +192,10 @@ def trap(
     out: JsonFile = None,
     plot: FigureFile = None,
 ) -> None:
-    """Characterise the trap of SCENE: equilibrium, stiffness, escape, range, efficiencies."""
+    """Characterise the trap of SCENE.
+
+    Equilibrium, stiffness, escape, range, efficiencies.
+    """
     described = _described(scene, _settings(set or []))
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
@@ -193,7 +218,10 @@ def trap(
 def tune(
     scene: SceneName,
     factor: Annotated[
-        list[float] | None, typer.Option(help="A scaling factor a2; from epsilon to 1 if none.")
+        list[float] | None,
+        typer.Option(
+            help="A scaling factor; may be repeated. From epsilon to 1 if none.", metavar="A2"
+        ),
     ] = None,
     duration: Annotated[
         str | None, typer.Option(help='Time compared over: "1 ms", or seconds.')
@@ -206,7 +234,10 @@ def tune(
     out: JsonFile = None,
     plot: FigureFile = None,
 ) -> None:
-    """Scaled against unscaled response of SCENE for a list of a2: the thesis's search."""
+    """Scaled against unscaled motion of SCENE.
+
+    For a list of a2: the thesis's search.
+    """
     from tweezer.units import PositiveLength
 
     described = _described(scene, _settings(set or [], duration=duration))
@@ -275,9 +306,10 @@ def ensemble(
     ] = None,
     set: Changes = None,
 ) -> None:
-    """Release the bead of SCENE many times, each with its own thermal motion.
+    """Release the bead of SCENE many times.
 
-    Stopped at any time, by Ctrl-C or worse, it goes on with --resume where it was.
+    Each time with thermal motion of its own. Stopped at any time, by Ctrl-C or worse, it goes on
+    with --resume where it was.
     """
     from tweezer.units import Time
 
@@ -307,7 +339,11 @@ def ensemble(
 @app.command()
 def calibrate(
     recording: Annotated[
-        str, typer.Argument(help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z.")
+        str,
+        typer.Argument(
+            help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z.",
+            metavar="RECORDING",
+        ),
     ],
     temperature: Annotated[
         str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
@@ -326,7 +362,10 @@ def calibrate(
     out: JsonFile = None,
     plot: FigureFile = None,
 ) -> None:
-    """Stiffness of the trap from a RECORDING of the bead's thermal motion, by several methods."""
+    """Stiffness of a trap from a RECORDING.
+
+    From the thermal motion of the bead, by several methods.
+    """
     from tweezer.analysis import calibrate as calibrated
     from tweezer.analysis import load_recording
     from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
@@ -377,13 +416,16 @@ def reproduce(
         list[str] | None,
         typer.Argument(
             help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; study. All if none.",
-            metavar="[WHAT]...",
+            metavar="WHAT",
         ),
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("thesis-results"),
     seed: Annotated[int, typer.Option(help="Of the thermal motions.")] = 1,
 ) -> None:
-    """Reproduce the thesis: its figures, its claims with verdicts, and its lost 500 nm bead."""
+    """Reproduce the thesis: figures and claims.
+
+    The claims with verdicts, and the lost 500 nm bead.
+    """
     from tweezer.thesis import reproduce as reproduced
 
     with (
@@ -402,9 +444,12 @@ def reproduce(
 @app.command("fit-depth")
 def fit_depth(
     track: Annotated[
-        str, typer.Argument(help="CSV, HDF5 or NetCDF with t, x, y; or NetCDF file of a run.")
+        str,
+        typer.Argument(
+            help="CSV, HDF5 or NetCDF with t, x, y; or NetCDF file of a run.", metavar="TRACK"
+        ),
     ],
-    scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.")],
+    scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.", metavar="SCENE")],
     noise: Annotated[
         str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
     ] = None,
@@ -414,13 +459,19 @@ def fit_depth(
     ] = None,
     fit: Annotated[
         list[str] | None,
-        typer.Option(help="What else to fit: power, radius, scaling_factor, release."),
+        typer.Option(
+            help="What else to fit: power, radius, scaling_factor, release. May be repeated.",
+            metavar="NAME",
+        ),
     ] = None,
     set: Changes = None,
     out: JsonFile = None,
     plot: FigureFile = None,
 ) -> None:
-    """Where along the light the bead of a TRACK in the plane started."""
+    """Depth at which the bead of a TRACK started.
+
+    The depth is along the light, the track in the plane across it.
+    """
     from tweezer.units import Length, PositiveLength
 
     described = _described(scene, _settings(set or []))
@@ -466,12 +517,16 @@ def force_map(
     scene: SceneName,
     set: Annotated[
         list[str] | None,
-        typer.Option(help='Change the scene: --set "optics.table_tolerance=1e-8".'),
+        typer.Option(
+            help='Change the scene: --set "optics.table_tolerance=1e-8". May be repeated.',
+            metavar="KEY=VALUE",
+        ),
     ] = None,
 ) -> None:
-    """Make the map of the force of SCENE, or find it made, and say how exact it is.
+    """Make the map of the force of SCENE.
 
-    It is kept: evaluator = "map" in [optics] then reads it.
+    Or find it made, and say how exact it is. It is kept: evaluator = "map" in [optics] then reads
+    it.
     """
     described = _described(scene, {"optics.evaluator": "map", **_settings(set or [])})
     if (other := described.optics.evaluator) != "map":
@@ -482,13 +537,14 @@ def force_map(
 @app.command()
 def warmup(
     scene: Annotated[
-        list[str] | None, typer.Argument(help="Shipped scenes or TOML files; all shipped if none.")
+        list[str] | None,
+        typer.Argument(help="Shipped scenes or TOML files; all shipped if none.", metavar="SCENE"),
     ] = None,
 ) -> None:
-    """Compile ahead what the commands need for SCENE, and make its map if it has one.
+    """Compile ahead what commands on SCENE need.
 
-    Without SCENE: what the shipped scenes need, and of those without a grid also their thermal
-    motion, and a bead of a lower index than the medium.
+    Its map is made too, if it has one. Without SCENE: what the shipped scenes need, and of those
+    without a grid also their thermal motion, and a bead of a lower index than the medium.
     """
     from tweezer.scene import load_scene, shipped_scenes
 
@@ -540,23 +596,24 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
 
 _add_benchmark(
     "force", "report",
-    "Error against time of the optical force: grid, quadrature, map, and a sum in NumPy.",
+    "Optical force: error against time. Grid, quadrature, map, and a sum in NumPy.",
 )  # fmt: skip
 _add_benchmark(
     "integrate", "integrate_report",
-    "Error against time of the integration: ours, SciPy's, heyoka, the thesis's scaling.",
+    "Integration: error against time. Ours, SciPy's, heyoka, the thesis's scaling.",
 )  # fmt: skip
 _add_benchmark(
     "brownian", "brownian_report",
-    "Thermal motion: steps a second, bias against step and cost, scaling, memory.",
+    "Thermal motion: speed and bias. Against step and cost; scaling, memory.",
 )  # fmt: skip
 _add_benchmark(
     "scaling", "scaling_report",
-    "Ensembles past one machine: costs of blocks, files and tasks, and a model of clusters.",
+    "Ensembles past one machine. Costs of blocks, files and tasks, and a model of clusters.",
 )  # fmt: skip
 _add_benchmark(
-    "depth", "depth_report", "Coverage and bias of the start in z that tracks in the plane tell."
-)
+    "depth", "depth_report",
+    "Depth from tracks: coverage and bias. Of starts in z that tracks in the plane tell.",
+)  # fmt: skip
 
 
 def _benchmark(name: str) -> ModuleType:
@@ -895,11 +952,10 @@ def _efficiency(found: Efficiency | None) -> str:
 
 
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
-    import dataclasses
-    from importlib.metadata import version
+    from tweezer.version import __version__
 
     result = {
-        "tweezer_version": version("tweezer"),
+        "tweezer_version": __version__,
         "scene": scene.model_dump(mode="json", exclude_none=True),
         "trap": dataclasses.asdict(characterised),
     }

@@ -1,0 +1,5 @@
+"""`python -m tweezer`: the command line."""
+
+from tweezer.cli import main
+
+main()
