@@ -203,6 +203,15 @@ def test_replace_changes_what_it_names_and_nothing_else(scene):
     assert undone == scene
 
 
+def test_a_scene_is_shown_in_short(scene):
+    assert repr(scene) == str(scene) == "<Scene 'thesis-990nm': 0.99 um bead, 156 mW>"
+    changed = scene.replace(beam={"power": "80 mW"}, simulation={"model": None})
+    assert repr(changed) == (
+        "<Scene 'thesis-990nm': 0.99 um bead, 80 mW; beam.power = 0.08; simulation.model = None>"
+    )
+    assert repr(changed.replace(name="mine")) == "<Scene 'mine': 0.99 um bead, 80 mW>"
+
+
 def test_replacing_nothing_is_the_same_scene(scene):
     assert scene.replace() == scene
     assert scene.replace(beam={}) == scene

@@ -462,6 +462,18 @@ class Scene(Section):
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
 
+    def __repr__(self) -> str:
+        """In short: the bead, the power, and what differs from the shipped scene of this name."""
+        power = self.beam.power_through_pupil or self.beam.power or 0.0
+        told = f"{2e6 * self.bead.radius:.4g} um bead, {1e3 * power:.4g} mW"
+        if self.name in (shipped := shipped_scenes()):
+            here, there = _flat(self), _flat(load_scene(shipped[self.name]))
+            changed = [key for key in sorted(here | there) if here.get(key) != there.get(key)]
+            told = "; ".join([told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
+        return f"<Scene {self.name!r}: {told}>"
+
+    __str__ = __repr__
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         aperture = self.lens.numerical_aperture
@@ -587,6 +599,16 @@ class Scene(Section):
             else:
                 data[section] = changes
         return _validated(data, sections)
+
+
+def _flat(scene: Scene) -> dict[str, Any]:
+    """The values of `scene` by dotted key."""
+    return {
+        f"{section}.{key}": value
+        for section, values in scene.model_dump().items()
+        if isinstance(values, dict)
+        for key, value in values.items()
+    }
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:

@@ -59,7 +59,11 @@ def test_the_smallest_model_that_holds_the_scene_is_bound(model, rotation, rotat
     ids=["no power", "light off"],
 )
 def test_darkness_turns_nothing(changes):
-    assert bind(tweezer.load_scene("thesis-990nm").replace(**changes)).name == "scaled_translation"
+    bound = bind(tweezer.load_scene("thesis-990nm").replace(**changes))
+    assert bound.name == "scaled_translation"
+    assert repr(bound) == (
+        "<EquationsOfMotion scaled_translation of 'thesis-990nm' in q1, q2, q3, v1, v2, v3>"
+    )
 
 
 @pytest.mark.parametrize(

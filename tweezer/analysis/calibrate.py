@@ -140,6 +140,15 @@ class Calibration:
     """what was left out of the recording"""
     axes: tuple[AxisCalibration, ...]
 
+    def __repr__(self) -> str:
+        """In short: of each axis the first stiffness that nothing speaks against."""
+        told = []
+        for axis in self.axes:
+            best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
+            value = f"{1e6 * best.stiffness:.4g} +- {1e6 * best.uncertainty:.2g} pN/um"
+            told.append(f"{axis.axis} {'not to be trusted' if best.caveat else value}")
+        return f"<Calibration of {self.name}: {', '.join(told)}>"
+
 
 def calibrate(
     source: Recording | xr.Dataset | str | Path,

@@ -100,6 +100,17 @@ class Trap:
     caveat: str | None
     """what ray optics is worth for this bead (`ray_optics_caveat`)"""
 
+    def __repr__(self) -> str:
+        """In short: equilibrium and stiffness."""
+        told = "no stable equilibrium"
+        if self.equilibrium is not None:
+            stiffness = ", ".join(f"{1e6 * self.equilibrium.stiffness[i][i]:.4g}" for i in range(3))
+            told = (
+                f"equilibrium at z = {1e6 * self.equilibrium.position[2]:.4g} um, stiffness "
+                f"{stiffness} pN/um"
+            )
+        return f"<Trap by {self.evaluator}, {1e3 * self.power_through_pupil:.4g} mW: {told}>"
+
 
 def characterise(scene: Scene) -> Trap:
     """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.

@@ -78,6 +78,11 @@ class EquationsOfMotion:
         self.initial_state = self._initial_state()
         self.absolute_tolerance = self._absolute_tolerance()
 
+    def __repr__(self) -> str:
+        """In short: model, scene, variables."""
+        variables = ", ".join(self.module.STATE)
+        return f"<EquationsOfMotion {self.name} of {self.scene.name!r} in {variables}>"
+
     @functools.cached_property
     def relaxation(self) -> Relaxation:
         """The linear drag, for the exponential method: what the emitted rates say of it.
