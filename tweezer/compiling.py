@@ -2,7 +2,10 @@
 
 Compiled functions are kept beside their sources, or in the user's cache folder where these cannot
 be written, or in NUMBA_CACHE_DIR. Importing this module sees to it that there is such a place,
-which Numba wants to know before the first function is defined.
+which Numba wants to know before the first function is defined. The digest in a file tells of
+damage, not of malice: whoever can write to the folder can run code in the processes that read it.
+
+Numba's own cache is left as it is for the functions of other libraries.
 """
 
 from __future__ import annotations
