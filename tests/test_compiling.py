@@ -304,7 +304,7 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
     assert {type(each._cache) for each in ours} == {compiling._Cache}
 
 
-#: Numba's index of a function of that argument
+#: Numba's key of a function of that argument
 def under(kind):
     return (kind, ("processor",), ("bytes", "closure"))
 

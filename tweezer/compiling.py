@@ -1,11 +1,11 @@
-"""What Numba compiles: where it is kept, and that it is told.
+"""The cache of compiled functions, and the notice while compiling.
 
 Compiled functions are kept beside their sources, or in the user's cache folder where these cannot
 be written, or in NUMBA_CACHE_DIR. Importing this module sees to it that there is such a place,
-which Numba wants to know before the first function is defined. The digest in a file tells of
-damage, not of malice: whoever can write to the folder can run code in the processes that read it.
+which Numba wants to know before the first function is defined. The digest in a file shows damage,
+not malice: whoever can write to the folder can run code in the processes that read it.
 
-Numba's own cache is left as it is for the functions of other libraries.
+Functions of other libraries are left to Numba's own cache.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from tweezer.errors import warn
 
 _log = logging.getLogger("tweezer")
 
-#: s of compiling after which it is told to who uses the library
+#: Time of compiling after which the user is told, s
 _PATIENCE = 1.0
 #: Length of a SHA-256, bytes
 _DIGEST = 32
@@ -143,7 +143,7 @@ class _File:
         self._sources = f"{numba.__version__}{sources}".encode()
 
     def load(self, key: Any) -> Any:
-        """The code kept under `key`, Numba's index; None if there is none."""
+        """The code kept under `key`, Numba's key of a variant; None if there is none."""
         try:
             whole = self._path(key).read_bytes()
         except OSError:
@@ -193,12 +193,15 @@ class _Cache(caching.FunctionCache):
 
 
 def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> Any:
-    """`numba.njit` of a function that is kept, for a file's own functions.
+    """`numba.njit`, of a function that is kept in the cache.
 
-    calls: `sources` of the other files whose functions it calls: Numba does not look at these.
+    signature: argument types to compile for at once, as in `numba.njit`. calls: `sources` of the
+    other files whose compiled functions it calls. The function is compiled again when one of them
+    changes, which Numba does not look at.
+
     A closure is named after its values. Numba tells the machine code of two closures apart by
-    a number that only counts within a process: of two that were kept by two processes one would
-    be called in place of the other (Numba issue 10486).
+    a number that counts within one process only. Of two closures that two processes have kept, one
+    would be called in place of the other (Numba issue 10486).
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -216,7 +219,7 @@ def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> An
 
 
 def cache_functions(module: ModuleType) -> ModuleType:
-    """An emitted module, whose functions are from now on kept as the others are."""
+    """Keep the functions of an emitted module in this cache; returns the module."""
     for each in vars(module).values():
         function: Any = each
         if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):
@@ -225,9 +228,9 @@ def cache_functions(module: ModuleType) -> ModuleType:
 
 
 def sources(*modules: ModuleType) -> str:
-    """Digest of the sources of modules, to be taken as they are imported.
+    """Digest of the sources of modules.
 
-    Later a file may have changed under a running program.
+    It is taken while they are imported, because later a file may change under a running program.
     """
     return hashlib.sha256("".join(map(inspect.getsource, modules)).encode()).hexdigest()
 
