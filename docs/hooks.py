@@ -77,8 +77,9 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
         display, inline = found[3] or found[4], found[5] or found[6]
         latex = " ".join(html.unescape(display or inline).split())
         # MathML has no numbers of equations
-        numbered = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
-        formula = convert(numbered, display="block" if display else "inline")
+        plain = re.sub(r"\\tag\{(.*?)\}", r"\\qquad\\text{(\1)}", latex)
+        plain = re.sub(r"\\mathbf (\w)", r"\\mathbf{\1}", plain)  # for latex2mathml
+        formula = convert(plain, display="block" if display else "inline")
         if "<" in (display or inline) or not _understood(formula):
             _log.warning("%s: no MathML for %s", page.file.src_uri, latex)
         for written, as_in_tex in _SPACING:
