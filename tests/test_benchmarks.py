@@ -7,12 +7,14 @@ import time
 
 import numpy as np
 import pytest
+from rich.console import Console
 from scipy.linalg import eigh_tridiagonal
 
 import tweezer
 from tests.benchmarks import (
     brownian,
     brownian_report,
+    depth_report,
     force,
     integrate_report,
     numpy_sum,
@@ -150,6 +152,29 @@ def test_quick_run_of_the_integration(command_line, tmp_path):
     # without inertia the bead is off by tau over the trap's time
     assert errors["first-order", "dop853", 1e-9] < 1e-2 * errors["overdamped", "dop853", 1e-9]
     assert integrate_report.block(results).startswith("<!-- bench-integrate -->")
+
+
+@pytest.mark.parametrize("terminal", [True, False], ids=["80 columns", "pipe"])
+@pytest.mark.parametrize(
+    ("name", "report"),
+    [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
+     ("scaling", scaling_report), ("depth", depth_report)],
+)  # fmt: skip
+def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
+    """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
+    monkeypatch.setattr(cli, "_out", Console(width=80, force_terminal=terminal, no_color=True))
+    for rows in report.tables(pages.committed(name)):
+        cli._print_benchmark(rows)
+        printed = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
+        lines = [line.split() for line in printed.splitlines() if line.strip(" ─")]
+        if terminal:
+            assert max(map(len, printed.splitlines())) <= 80
+            words = {word.strip(":") for line in lines for word in line}
+            cells = (cell for row in rows for cell in row)
+            assert {word.strip(":") for cell in cells for word in cell.split()} <= words
+        else:
+            filled = [[word for cell in row for word in cell.split()] for row in rows]
+            assert lines == [row for row in filled if row]
 
 
 def test_page_quotes_the_committed_integration():

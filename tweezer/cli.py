@@ -582,11 +582,8 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         plot = plot and _writable(plot, _FIGURE_FORMATS)
         with _err.status(name) as status:
             results = benchmark.measure(quick=quick, say=status.update)
-        for headings, *rows in report.tables(results):
-            table = _table(*headings)
-            for row in rows:
-                table.add_row(*row)
-            _out.print(table)
+        for table in report.tables(results):
+            _print_benchmark(table)
         if out:
             _write_json(results, out)
         if plot:
@@ -986,6 +983,34 @@ def _table(*headings: str) -> Table:
     from rich.table import Table
 
     return Table(*headings, box=box.SIMPLE_HEAD)
+
+
+def _print_benchmark(rows: list[list[str]]) -> None:
+    """Print a table with whole words; the first row is that of the headings.
+
+    Rows are lists where a terminal is too narrow for the columns; a pipe or a file has no width.
+    """
+    console = _out if _out.is_terminal else Console(width=10_000)
+    columns = list(zip(*rows, strict=True))
+    by_cells = [max(map(len, cells)) for cells in columns]
+    by_words = [
+        max(len(word) for cell in cells for word in [*cell.split(), ""]) for cells in columns
+    ]
+    by_words[0] = max(by_words[0], min(by_cells[0], 30))  # names of rows rather in one line
+    headings, *rest = rows
+    for widths in (by_cells, by_words):
+        if sum(widths) + 3 * len(widths) + 1 <= console.width:
+            table = _table(*headings)
+            for column, width in zip(table.columns, widths, strict=True):
+                column.width = width
+            for row in rest:
+                table.add_row(*row)
+            console.print(table)
+            return
+    for name, *values in rest:
+        console.print(f"\n{headings[0]}: {name}", highlight=False)
+        for heading, value in zip(headings[1:], values, strict=True):
+            console.print(f"  {heading}: {value}", highlight=False)
 
 
 def _complain(text: str) -> None:

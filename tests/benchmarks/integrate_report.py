@@ -37,21 +37,22 @@ _STYLES = {
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """All entries, and what was not taken; the first row is that of the headings."""
+    """A table for each motion, and what was not taken; the first row is that of the headings."""
     entries = [
-        ["motion", "model, method", "tolerance", "error before, µm", "in the trap, µm", "ms",
-         "force calls"],
-        *(
-            [
-                label, f"{entry['model']}, {entry['method']}", _setting(entry),
-                f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}", rounded(entry["ms"]),
-                f"{entry['force_calls']}",
-            ]
-            for label, of in results["motions"].items()
-            for entry in of["entries"]
-        ),
+        [
+            [label, "tolerance", "error before, µm", "in the trap, µm", "ms", "force calls"],
+            *(
+                [
+                    f"{entry['model']}, {entry['method']}", _setting(entry),
+                    f"{entry['before_um']:.1e}", f"{entry['during_um']:.1e}",
+                    rounded(entry["ms"]), f"{entry['force_calls']}",
+                ]
+                for entry in of["entries"]
+            ),
+        ]
+        for label, of in results["motions"].items()
     ]  # fmt: skip
-    return [entries, pages.as_table(left_out(results))]
+    return [*entries, pages.as_table(left_out(results))]
 
 
 def converged(entries: list[dict[str, Any]], model: str) -> dict[str, Any]:
