@@ -343,13 +343,14 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     assert content("thesis-990nm.nc", "thesis-990nm.png") == before
 
 
-def test_an_interrupt_from_outside(tmp_path):
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_an_interrupt_from_outside(name, tmp_path):
     program = (
         "import os, signal\n"
         "from rich.progress import Progress\n"
         "from tweezer.cli import main\n"
         "def update(self, task, completed=0.0, **told):\n"
-        "    if completed > 1e-3: os.kill(os.getpid(), signal.SIGINT)\n"
+        f"    if completed > 1e-3: os.kill(os.getpid(), signal.{name})\n"
         "Progress.update = update\n"
         "main()\n"
     )
@@ -439,6 +440,40 @@ def test_a_bead_too_small_for_a_continuum_is_one_warning(tmp_path):
     knudsen, caveat = without_the_compiler(done.stderr)
     assert knudsen.startswith("warning: Knudsen number 0.0015 is above 0.001")
     assert "wavelengths across" in caveat
+
+
+def test_a_reader_that_leaves_costs_no_file(tmp_path):
+    """As `tweezer run ... | head -1` does."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-c", "from tweezer.cli import main; main()", "run", *FREE],
+        cwd=tmp_path, stdout=writing, stderr=subprocess.PIPE, text=True, check=False,
+    )  # fmt: skip
+    os.close(writing)
+    assert done.returncode == 1
+    assert len(without_the_compiler(done.stderr)) <= 1
+    assert {path.name for path in tmp_path.iterdir()} == {"silica-1um.nc", "silica-1um.png"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [(["run", "silica-1um", "--seed", "3"], "seed: is for forces.brownian = true"),
+     (["run", *FREE, "--set", "forces.brownian=true", "--seed", "-3"],
+      "seed = -3: must be a whole number from 0 to 2^63 - 1"),
+     (["ensemble", "silica-1um", "--trajectories", "3"],
+      "forces.brownian = False: there is no thermal motion; allowed: true"),
+     (["ensemble", *FREE, "--set", "forces.brownian=true", "--trajectories", "0"],
+      "trajectories = 0: must be a whole number from 1 to 1e+09"),
+     (["ensemble", *FREE, "--set", "forces.brownian=true", "--trajectories", "3", "--statistics",
+       "--skip", "1 s"], "skip = 1.0: must leave at least 2 of 3 samples")],
+)  # fmt: skip
+def test_arguments_are_refused_before_the_light_is_bound(
+    command_line, monkeypatch, arguments, line
+):
+    monkeypatch.delattr(cli, "_bind_light")
+    outcome = command_line(*arguments)
+    assert (outcome.code, outcome.out, outcome.err) == (2, "", f"{line}\n")
 
 
 def test_trap_prints_what_characterise_tells(command_line):

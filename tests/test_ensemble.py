@@ -8,6 +8,7 @@ import hashlib
 import importlib
 import itertools
 import os
+import re
 import resource
 import shutil
 import threading
@@ -660,10 +661,17 @@ def test_bad_arguments_are_refused(changes, complaint, tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_scheduler_that_is_not_there(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("address", "reason"),
+    [("tcp://127.0.0.1:1", "Timed out trying to connect"),
+     ("tls://127.0.0.1:1", "TLS expects .*; certificates are named in Dask's configuration"),
+     ("ucx://127.0.0.1:1", "")],
+)  # fmt: skip
+def test_a_scheduler_that_is_not_there(address, reason, tmp_path, monkeypatch):
     monkeypatch.setattr("tweezer.ensembles.workers._PATIENCE", 0.5)
-    with pytest.raises(tweezer.SceneError, match=r"scheduler = 'tcp://127\.0\.0\.1:1': not reach"):
-        tweezer.ensemble(FREE, 3, scheduler="tcp://127.0.0.1:1", out=tmp_path / "a.zarr")
+    with pytest.raises(tweezer.SceneError) as told:
+        tweezer.ensemble(FREE, 3, scheduler=address, out=tmp_path / "a.zarr")
+    assert re.fullmatch(f"scheduler = '{address}': not reached: {reason}.*", str(told.value))
     assert not list(tmp_path.iterdir())
 
 
@@ -686,7 +694,7 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
                 tweezer.ensemble(scene, trajectories, seed=seed, **kind, resume=True)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "FORMAT", 0)
-            with pytest.raises(tweezer.ResultError, match="format 3, which cannot be"):
+            with pytest.raises(tweezer.ResultError, match="format 4, which cannot be"):
                 tweezer.ensemble(FREE, 50, **kind, resume=True)
         assert content(tmp_path) == before
 
@@ -720,6 +728,154 @@ def test_what_is_no_ensemble_is_left_alone(tmp_path):
     with pytest.raises(tweezer.ResultError, match="no such folder"):
         tweezer.ensemble(FREE, 3, out=tmp_path / "none" / "b.zarr")
     assert content(tmp_path) == before
+
+
+@pytest.mark.parametrize("gathered", [False, True])
+def test_a_folder_it_has_not_made_is_left_alone(gathered, small, tmp_path):
+    """Nor are files in its own folder that are not its own; a link is never followed."""
+    out = tmp_path / ("a.nc" if gathered else "a.zarr")
+    part, victim = tmp_path / f"{out.name}.part", tmp_path / "victim"
+    kind = {"out": out, "statistics": gathered}
+    for folder in (part / "raw", victim / "new"):
+        folder.mkdir(parents=True)
+        (folder / "0.npz").write_text("precious")
+    (part / "0.npz").write_text("precious")
+    before = content(tmp_path)
+    for resume in (False, True):
+        with pytest.raises(tweezer.ResultError, match="in the way, and of no ensemble; name anoth"):
+            tweezer.ensemble(FREE, 3, **kind, resume=resume)
+        assert content(tmp_path) == before
+    part.rename(tmp_path / "mine")
+    before = content(tmp_path)
+    part.symlink_to(victim)
+    with pytest.raises(tweezer.ResultError, match="in the way"):
+        tweezer.ensemble(FREE, 3, **kind)
+    part.unlink()
+    part.write_text("a file")
+    with pytest.raises(tweezer.ResultError, match="in the way"):
+        tweezer.ensemble(FREE, 3, **kind)
+    part.unlink()
+    part.mkdir()  # by a process that was killed before it wrote anything
+    tweezer.ensemble(FREE, 50, **kind, workers=1, progress=interrupt_after(BEGUN))
+    assert part.is_dir()
+    (part / "notes.txt").write_text("precious")
+    (part / "new").symlink_to(victim)
+    tweezer.ensemble(FREE, 50, **kind, resume=True)
+    assert {path.name for path in part.iterdir()} == {"notes.txt"}
+    written = [f"{out.name}/{name}" for name in content(out)] if out.is_dir() else [out.name]
+    after = content(tmp_path)
+    assert set(after) == {*before, *written, f"{part.name}/notes.txt"}
+    assert {name: after[name] for name in before} == before
+
+
+def test_a_marker_that_is_a_link_is_not_written_to(tmp_path):
+    (tmp_path / "thesis.tex").write_text("precious")
+    (tmp_path / "a.zarr.part").mkdir()
+    (tmp_path / "a.zarr.part" / "of-an-ensemble").symlink_to(tmp_path / "thesis.tex")
+    with pytest.raises(tweezer.ResultError, match="in the way"):
+        tweezer.ensemble(FREE, 3, out=tmp_path / "a.zarr")
+    assert (tmp_path / "thesis.tex").read_text() == "precious"
+
+
+def test_a_partial_file_that_zarr_has_not_left_is_kept(tmp_path):
+    out = tmp_path / "a.zarr"
+    tweezer.ensemble(FREE, 3, out=out)
+    mine = [out / "my.partial", out / "position" / "c" / "0" / "notes.partial"]
+    for path in mine:
+        path.write_text("precious")
+    tweezer.ensemble(FREE, 3, out=out, resume=True)
+    assert all(path.read_text() == "precious" for path in mine)
+
+
+def empty(path):
+    path.write_bytes(b"")
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:-1])
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, empty, cut], ids=["gone", "empty", "cut"])
+@pytest.mark.parametrize("part", [None, 0.5], ids=["complete", "begun"])
+@pytest.mark.parametrize(
+    "chunk", ["position/c/1/0/0", "position/c/12/6/0", "velocity/c/2/1/0", "lost_time/c/1"]
+)
+def test_a_damaged_chunk_is_computed_again(damage, part, chunk, stores, small, tmp_path):
+    """In whole blocks, and in the last, which is of 4; of a complete store, and of one begun."""
+    complete, begun = stores
+    out = tmp_path / "a.zarr"
+    shutil.copytree(begun if part else complete, out)
+    if part:
+        shutil.copytree(begun.with_name("begun.zarr.part"), tmp_path / "a.zarr.part")
+    if (out / chunk).exists():  # some are not reached yet
+        damage(out / chunk)
+    again = tweezer.ensemble(INERTIAL, 100, out=out, workers=1, resume=True)
+    assert again.attrs["trajectories_done"] == 100
+    assert content(out) == content(complete)
+    assert not (tmp_path / "a.zarr.part").exists()
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    """A complete ensemble and one half done, to be damaged in copies."""
+    folder = tmp_path_factory.mktemp("stores")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(job, "_BATCH", 8)
+        patch.setattr(job, "_WINDOW_NUMBERS", 3 * 8 * 32)
+        tweezer.ensemble(INERTIAL, 100, out=folder / "whole.zarr")
+        tweezer.ensemble(
+            INERTIAL, 100, out=folder / "begun.zarr", workers=1, progress=interrupt_after(0.5)
+        )
+    return folder / "whole.zarr", folder / "begun.zarr"
+
+
+def test_a_block_that_is_damaged_is_told_as_not_computed(small, tmp_path, monkeypatch):
+    out = tmp_path / "a.zarr"
+    tweezer.ensemble(FREE, 32, out=out)
+    (out / "position" / "c" / "1" / "2" / "0").unlink()
+    fails_after(monkeypatch, -1, trajectory=8)
+    with pytest.raises(tweezer.IntegrationError):
+        tweezer.ensemble(FREE, 32, out=out, resume=True)
+    lost_time = xr.open_zarr(out, chunks=None)["lost_time"]
+    np.testing.assert_array_equal(np.isnan(lost_time), np.arange(32) // 8 == 1)
+
+
+def test_a_complete_store_is_neither_read_nor_computed_again(small, tmp_path, monkeypatch):
+    """Also where all beads of a block are lost, so that its last chunks hold no number."""
+    out = tmp_path / "a.zarr"
+    scene = FREE.replace(simulation={"loss_distance": 470e-9})
+    runs = tweezer.ensemble(scene, 16, out=out)
+    assert np.isnan(runs["position"][:8, 96:]).all()
+    monkeypatch.delattr(Walk, "advance")
+    assert tweezer.ensemble(scene, 16, out=out, resume=True).attrs["trajectories_done"] == 16
+
+
+@pytest.mark.parametrize("name", ["zarr.json", "time/c/0", "axis/c/0"])
+@pytest.mark.parametrize("text", ["[]", "null", "{}", "{", None])
+def test_a_damaged_store_that_cannot_be_mended_is_told_in_one_line(name, text, tmp_path):
+    out = tmp_path / "a.zarr"
+    tweezer.ensemble(FREE, 3, out=out)
+    (out / name).unlink() if text is None else (out / name).write_text(text)
+    before = content(out)
+    with pytest.raises(tweezer.ResultError) as told:
+        tweezer.ensemble(FREE, 3, out=out, resume=True)
+    assert "\n" not in str(told.value)
+    assert content(out) == before
+
+
+def test_more_trajectories_than_the_disk_holds_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: shutil._ntuple_diskusage(2, 1, 1e12))
+    with pytest.raises(tweezer.ResultError, match=r"take 2\.43e\+03 GB, and 1e\+03 GB are free"):
+        tweezer.ensemble(FREE, 10**9, out=tmp_path / "a.zarr")
+    assert not list(tmp_path.iterdir())
+
+
+def test_averages_of_a_trapped_bead_that_turns_are_taken_from_the_trap():
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, start={"angular_velocity": [2e5, -1e5, 3e5]}
+    )
+    bound = walk(scene)
+    assert job.plan_of(bound, 0).origin == pytest.approx(bound.equilibrium.position, abs=0)
 
 
 def test_a_failed_ensemble_keeps_what_was_written(small, tmp_path, monkeypatch):

@@ -9,6 +9,7 @@ import importlib
 import itertools
 import math
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator
@@ -71,8 +72,14 @@ _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
 
 
 def main() -> None:
-    """Run the command line; an error made on purpose is one line and exit code 2."""
+    """Run the command line; an error made on purpose is one line and exit code 2.
+
+    To be terminated, or left by its terminal, is to be interrupted: what was reached is written.
+    """
     warnings.showwarning = _show_warning  # type: ignore[assignment]
+    for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
     try:
         app()
     except TweezerError as error:
@@ -153,8 +160,11 @@ def run(
     settings and seed, and by no other without --overwrite. A run that is interrupted, or fails,
     replaces none: it is written beside.
     """
+    from tweezer.arguments import check_run
+
     settings = _settings(set or [], duration=duration, model=model, method=method)
     described = _described(scene, settings)
+    check_run(described, seed)
     out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
     figure = _writable(plot or out.with_suffix(".png"), _FIGURE_FORMATS)
     if not overwrite:
@@ -311,12 +321,17 @@ def ensemble(
     Each time with thermal motion of its own. Stopped at any time, by Ctrl-C or worse, it goes on
     with --resume where it was.
     """
+    from tweezer.arguments import check_ensemble
     from tweezer.units import Time
 
     described = _described(scene, _settings(set or [], duration=duration))
     skipped = _quantity("--skip", skip, Time) if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     out = _writable(out, ("nc",) if statistics else _STORES)
+    check_ensemble(
+        described, trajectories, seed=seed, out=out, statistics=statistics, skip=skipped,
+        scheduler=scheduler, workers=workers,
+    )  # fmt: skip
     _bind_light(described)
     with (
         _progress(described.name, 1.0) as progress,

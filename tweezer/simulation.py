@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.analysis.derived import derived_quantities
+from tweezer.arguments import check_run
 from tweezer.dynamics import (
     Event,
     Motion,
@@ -72,14 +73,13 @@ def simulate(
     events or a tolerance with thermal motion, or a seed without.
     """
     scene = _adjusted(scene, duration, model, method, tolerance)
+    check_run(scene, seed)
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     if scene.forces.brownian:
         for name, given in (("events", events), ("tolerance", tolerance)):
             if given:
                 raise SceneError(f"{name}: not with forces.brownian = true")
         return _thermal_run(scene, 0 if seed is None else seed, progress).assign_attrs(as_given)
-    if seed is not None:
-        raise SceneError("seed: is for forces.brownian = true")
     scene, why = chosen(scene)
     simulation = scene.simulation
     began = time.perf_counter()

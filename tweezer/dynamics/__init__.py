@@ -6,7 +6,7 @@ from tweezer.dynamics.choose import chosen
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
-from tweezer.dynamics.walk import Walk, check_seed, walk
+from tweezer.dynamics.walk import Walk, walk
 
 __all__ = [
     "EquationsOfMotion",
@@ -17,7 +17,6 @@ __all__ = [
     "Walk",
     "bind",
     "capture",
-    "check_seed",
     "chosen",
     "closest_approach",
     "error_budget",

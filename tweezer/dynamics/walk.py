@@ -12,6 +12,7 @@ from numba import typeof
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
+from tweezer.arguments import check_thermal
 from tweezer.bead import bead_properties
 from tweezer.dynamics.brownian import march, noise, propagator
 from tweezer.dynamics.brownian.batch import Plan
@@ -160,12 +161,6 @@ class Walk:
         return (*pointers, system, self.plan, self.weights), advance
 
 
-def check_seed(seed: int) -> None:
-    """Raises `SceneError` unless it is a seed of thermal motion."""
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
-        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
-
-
 def walk(scene: Scene, seed: int = 0) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
@@ -177,9 +172,7 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
     """
-    if not scene.forces.brownian:
-        raise SceneError("forces.brownian = False: there is no thermal motion; allowed: true")
-    check_seed(seed)
+    check_thermal(scene, seed)
     reasons = []
     simulation = scene.simulation
     if simulation.model is None:

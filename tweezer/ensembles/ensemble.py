@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from tweezer.arguments import check_ensemble, samples_skipped
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import Job
 from tweezer.ensembles.store import (
@@ -28,7 +29,6 @@ from tweezer.ensembles.store import (
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import Scene
-from tweezer.units import to_si
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -39,8 +39,6 @@ Array = NDArray[np.float64]
 _AHEAD = 4
 #: s between reports of progress, and between looks at how many workers there are
 _TICK, _LOOK = 0.2, 2.0
-#: trajectories of an ensemble
-_MOST = 10**9
 #: bytes of trajectories that are held in memory, at most
 _MEMORY = 2**31
 
@@ -100,7 +98,10 @@ def ensemble(
     """
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
-    _check(trajectories, out, statistics, skip, scheduler, workers)
+    check_ensemble(
+        scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
+        scheduler=scheduler, workers=workers,
+    )  # fmt: skip
     bound = walk(scene, seed)
     needed = 8 * len(bound.columns) * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
@@ -108,49 +109,13 @@ def ensemble(
             f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "
             "hold in memory: name a Zarr store, or gather statistics"
         )
-    skipped = _skipped(skip, bound.times) if statistics else None
+    skipped = samples_skipped(scene, skip) if statistics else None
     job = Job.of(bound, trajectories, skipped, None if out is None else Path(out).absolute())
     run = functools.partial(_run, job, bound, scheduler, workers, progress)
     if job.out is None:
         return run()
     with at_work(job, bound, resume):
         return run()
-
-
-def _check(
-    trajectories: int,
-    out: str | Path | None,
-    statistics: bool,
-    skip: float | str,
-    scheduler: str | Client | None,
-    workers: int | None,
-) -> None:
-    for name, value in (
-        ("trajectories", trajectories),
-        ("workers", 1 if workers is None else workers),
-    ):
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST:
-            raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
-    if skip and not statistics:
-        raise SceneError(f"skip = {skip!r}: only for statistics")
-    if scheduler is not None and workers is not None:
-        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
-    if scheduler is not None and out is None:
-        raise SceneError("out: missing; the workers of a scheduler write there")
-    if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
-        raise ResultError(f"{out}: must end in {suffix}")
-
-
-def _skipped(skip: float | str, times: Array) -> int:
-    """The first sample not before `skip`."""
-    try:
-        seconds = to_si(skip, "s", 0.0)
-    except ValueError as error:
-        raise SceneError(f"skip = {skip!r}: {error}") from None
-    skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))
-    if skipped > len(times) - 2:
-        raise SceneError(f"skip = {skip!r}: must leave at least 2 of {len(times)} samples")
-    return skipped
 
 
 def _run(

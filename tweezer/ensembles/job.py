@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: of the files; those of another number cannot be resumed
-FORMAT = 3
+FORMAT = 4
 #: trajectories a block is a multiple of, and the most; blocks aimed at, so that all cores work
 _BATCH, _MOST, _BLOCKS = 64, 1024, 16
 #: numbers held of all samples in one window of a block, 25 MB, at most; steps of such a window, at
@@ -110,6 +110,11 @@ class Job:
     def checkpoint(self, index: int) -> Path:
         """What a block goes on from."""
         return self.part / f"{index}.npz"
+
+    @property
+    def marker(self) -> Path:
+        """Says that `part` was made for an ensemble."""
+        return self.part / "of-an-ensemble"
 
     @property
     def total(self) -> Path:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
+import re
 import shutil
-import tempfile
 import warnings
 import zipfile
 from collections.abc import Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -32,17 +34,23 @@ from tweezer.ensembles.job import (
 )
 from tweezer.ensembles.statistics import Statistics
 from tweezer.errors import ResultError
-from tweezer.io import load_run, save_run
+from tweezer.io import load_run, save_run, write_whole
 
 #: arrays by name: in memory or in the store
 Samples = Mapping[str, Any]
 #: what a block gathered, by name: nothing where trajectories are written
 Gathered = Mapping[str, NDArray[np.float64]]
 
+#: bytes of the checksum behind the numbers of a chunk
+_CHECKSUM = 4
 #: blocks joined to the statistics before these are written
 _JOINED = 16
 #: what reading a file that is not what it should be raises
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
+#: names of what an ensemble at work writes beside its output, and of what Zarr leaves in the store
+#: of a write that was cut short
+_AT_WORK = re.compile(r"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]+|new")
+_TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
 
 def _begun(job: Job, bound: Walk, resume: bool) -> bool:
@@ -73,8 +81,11 @@ def _made(job: Job) -> Attributes | None:
             return dict(load_run(job.out).attrs)
         if job.skipped is not None and job.total.exists():
             return dict(json.loads(str(_read(job.total)["attributes"])))
-    except _UNREADABLE as error:
-        raise ResultError(f"{job.out}: not an ensemble: {error}") from None
+    except ResultError:
+        raise
+    except Exception as error:  # Zarr raises of any kind where a file is damaged
+        reason = " ".join(str(error).split())
+        raise ResultError(f"{job.out}: not an ensemble: {reason}") from None
     return None
 
 
@@ -87,6 +98,8 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
     assert job.out is not None
     if not job.out.parent.is_dir():
         raise ResultError(f"{job.out}: no such folder: {job.out.parent}")
+    if job.out.is_symlink():
+        raise ResultError(f"{job.out}: is a link; name what it leads to: {job.out.readlink()}")
     with telling(job):
         lock = FileLock(job.lock)
         try:
@@ -96,19 +109,55 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
     try:
         begun = _begun(job, bound, resume)
         with telling(job):
-            job.part.mkdir(exist_ok=True)
-            for path in job.part.iterdir():  # of an ensemble no longer there, or its workers
-                if path.is_dir():
-                    shutil.rmtree(path, ignore_errors=True)
-                elif not begun or path.suffix == ".run":
-                    path.unlink(missing_ok=True)
-        yield
+            _make_part(job)
+            for path in _at_work(job):  # of an ensemble no longer there, or its workers
+                if not begun or path.suffix != ".npz":
+                    _remove(path)
+        try:
+            yield
+        finally:
+            with contextlib.suppress(OSError):
+                if not any(_at_work(job)):
+                    job.marker.unlink(missing_ok=True)
+                    job.part.rmdir()  # if nothing is in it
     finally:
-        with contextlib.suppress(OSError):
-            job.part.rmdir()  # if nothing is in it
         with contextlib.suppress(OSError):
             job.lock.unlink()  # while it is held: who waits for it sees that it is gone
         lock.release()
+
+
+def _make_part(job: Job) -> None:
+    """The folder beside the output, with its marker.
+
+    Raises `ResultError` for a link of that name, and for a folder with other files in it.
+    """
+    part, marker = job.part, job.marker
+    marked = marker.is_file() and not marker.is_symlink()
+    foreign = part.exists() and not marked and (not part.is_dir() or any(part.iterdir()))
+    if part.is_symlink() or foreign:
+        raise ResultError(f"{job.out}: {part} is in the way, and of no ensemble; name another file")
+    part.mkdir(exist_ok=True)
+    if not marked:
+        marker.write_text(f"what the ensemble {job.out} goes on from\n", encoding="utf-8")
+
+
+def _at_work(job: Job) -> Iterator[Path]:
+    """What an ensemble has left in its folder."""
+    return (path for path in job.part.iterdir() if _AT_WORK.fullmatch(path.name))
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _clear(job: Job) -> None:
+    """Remove what a complete ensemble has left in its folder; what cannot be does no harm."""
+    with contextlib.suppress(OSError):
+        for path in _at_work(job):
+            _remove(path)
 
 
 @contextlib.contextmanager
@@ -125,10 +174,9 @@ def telling(job: Job) -> Iterator[None]:
 
 def keep(path: Path, arrays: Mapping[str, Any]) -> None:
     """Write `arrays` to `path`, whole or not at all."""
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        whole = Path(folder) / path.name
-        np.savez(whole, **arrays)
-        whole.replace(path)
+    content = BytesIO()
+    np.savez(content, **arrays)
+    write_whole(path, content)
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -146,8 +194,11 @@ def kept(path: Path, identity: str) -> dict[str, Any] | None:
 
 
 def stored(job: Job) -> Samples:
-    """The arrays of the store."""
-    return dict(zarr.open_group(job.out, mode="r+").arrays())
+    """The arrays of the store. A chunk without a number is written too: none is missing then."""
+    return {
+        name: array.with_config({"write_empty_chunks": True})
+        for name, array in zarr.open_group(job.out, mode="r+").arrays()
+    }
 
 
 class Trajectories:
@@ -158,23 +209,26 @@ class Trajectories:
 
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.bound = job, bound
+        self.missing = list(range(job.blocks))
         if job.out is None:
             self.arrays: Samples = {
                 name: np.full(shape, np.nan) for name, _, shape, _ in self._variables()
             }
         else:
-            if not job.out.exists():
+            begun = job.out.exists()
+            if not begun:
                 with telling(job):
                     self._create(job.out)
-            self.arrays = stored(job)
-        try:
-            missing = np.isnan(self.arrays["lost_time"][:])
-        except _UNREADABLE as error:
-            raise ResultError(f"{job.out}: damaged: {error}") from None
-        self.missing = [i for i in range(job.blocks) if missing[job.members(i)].any()]
+            self._open()
+            if begun:
+                with telling(job):
+                    self.missing = [i for i in self.missing if not self._found(i)]
+        self.left = set(self.missing)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Block `index` was written by who computed it."""
+        """Block `index` was written by who computed it, unless it has gathered nothing."""
+        if gathered is not None:
+            self.left.discard(index)
 
     def finish(self, complete: bool) -> xr.Dataset:
         """What there is; if that is all, the folder beside the store is not needed any more."""
@@ -190,12 +244,64 @@ class Trajectories:
         else:
             if complete:
                 with contextlib.suppress(OSError):
-                    for torn in job.out.rglob("*.partial"):  # of a process that was killed
-                        torn.unlink(missing_ok=True)
-                shutil.rmtree(job.part, ignore_errors=True)
+                    for name, *_ in self._variables():
+                        for path in (job.out / name / "c").rglob("*.partial"):
+                            if _TORN.fullmatch(path.name):
+                                path.unlink(missing_ok=True)
+                _clear(job)
             dataset = xr.open_zarr(job.out, chunks=None)
-        done = int((~np.isnan(self.arrays["lost_time"][:])).sum())
+        left = (job.members(index) for index in self.left)
+        done = job.trajectories - sum(members.stop - members.start for members in left)
         return _ended(dataset, complete, done)
+
+    def _open(self) -> None:
+        """Find the arrays of the store. Raises `ResultError` if they are not those of the job."""
+        damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
+        try:
+            self.arrays = stored(self.job)
+            as_written = all(
+                (self.arrays[name].shape, self.arrays[name].chunks) == (shape, self._chunks(shape))
+                and self.arrays[name].dtype == np.float64
+                for name, _, shape, _ in self._variables()
+            ) and all(
+                np.array_equal(self.arrays[name][:], values)
+                for name, values, _ in self._coordinates()
+            )
+        except Exception as error:  # Zarr raises of any kind where a file is damaged
+            raise ResultError(f"{damaged}: {' '.join(str(error).split())}") from None
+        if not as_written:
+            raise ResultError(damaged)
+
+    def _found(self, index: int) -> bool:
+        """Whether a block is in the store, by the sizes of its files, which are not read.
+
+        If it is not, its end is not in the store either, and it goes on from its checkpoint only
+        if all chunks before are there.
+        """
+        job, names = self.job, columns_of(self.bound)
+        windows = range(len(job.cuts) - 1)
+        lacking = (w for w in windows if not all(self._whole(name, index, w, 0) for name in names))
+        reached = next(lacking, len(windows))
+        if reached == len(windows) and self._whole("lost_time", index):
+            return True
+        self._chunk("lost_time", index).unlink(missing_ok=True)
+        begun = kept(job.checkpoint(index), identity_of(job, self.bound))
+        if begun and int(begun["window"]) > min(reached, windows[-1]):
+            job.checkpoint(index).unlink()
+        return False
+
+    def _chunk(self, name: str, *at: int) -> Path:
+        """The file of a chunk."""
+        assert self.job.out is not None
+        return self.job.out / name / str(self.arrays[name].metadata.encode_chunk_key(at))
+
+    def _whole(self, name: str, *at: int) -> bool:
+        """Whether the file of a chunk has its size: numbers and a checksum, not compressed."""
+        size = 8 * math.prod(self.arrays[name].chunks) + _CHECKSUM
+        try:
+            return self._chunk(name, *at).stat().st_size == size
+        except FileNotFoundError:
+            return False
 
     def _variables(self) -> Iterator[tuple[str, tuple[str, ...], tuple[int, ...], Attributes]]:
         """Name, dimensions, shape and attributes."""
@@ -217,14 +323,25 @@ class Trajectories:
         for dimension in dict.fromkeys(QUANTITIES[name][1] for name in columns_of(self.bound)):
             yield dimension, np.array(COORDINATES[dimension]), {}
 
+    def _chunks(self, shape: tuple[int, ...]) -> tuple[int, ...]:
+        """A window of a block."""
+        return tuple(map(min, shape, (self.job.block, self.job.cuts[1], shape[-1])))
+
     def _create(self, out: Path) -> None:
         """The store before any sample."""
+        taken = sum(8 * math.prod(shape) for _, _, shape, _ in self._variables())
+        free = shutil.disk_usage(out.parent).free
+        if taken > free:
+            raise ResultError(
+                f"{out}: {self.job.trajectories} trajectories take {taken / 1e9:.3g} GB, and "
+                f"{free / 1e9:.3g} GB are free: name another folder, or gather statistics"
+            )
         whole = self.job.part / "new"
         group = zarr.create_group(whole, attributes=attributes_of(self.job, self.bound))
         for name, dimensions, shape, attributes in self._variables():
             group.create_array(
                 name, shape=shape, dtype="float64", fill_value=np.nan, dimension_names=dimensions,
-                chunks=tuple(map(min, shape, (self.job.block, self.job.cuts[1], shape[-1]))),
+                chunks=self._chunks(shape),
                 compressors=[Crc32cCodec()],  # noise is not made smaller
                 attributes=attributes,
             )  # fmt: skip
@@ -319,9 +436,9 @@ class Joined:
                 with telling(job):
                     self._write()
                     if complete:
-                        save_run(dataset, job.part / job.out.name).replace(job.out)
+                        save_run(dataset, job.out)
         if complete and job.out is not None:
-            shutil.rmtree(job.part, ignore_errors=True)
+            _clear(job)
         return _ended(dataset, complete, int(dataset["trajectories"]))
 
 

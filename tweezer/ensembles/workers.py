@@ -84,8 +84,10 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
         else:
             try:
                 client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
-            except (OSError, ValueError) as error:
+            except (OSError, ValueError, TypeError) as error:
                 reason = " ".join(str(error).split())
+                if scheduler.startswith("tls:"):
+                    reason += "; certificates are named in Dask's configuration, distributed.comm"
                 raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
         executor = client.get_executor(pure=False)
         run = job.part / f"{uuid.uuid4().hex}.run"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from tweezer.dynamics import check_seed
+from tweezer.arguments import check_seed
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
 from tweezer.thesis.figures import FIGURES, figure, study_figure

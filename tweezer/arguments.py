@@ -1,0 +1,84 @@
+"""Arguments of runs and ensembles, checked before anything heavy is loaded or computed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from tweezer.errors import ResultError, SceneError
+from tweezer.scene import Scene
+from tweezer.units import to_si
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: trajectories of an ensemble
+_MOST = 10**9
+
+
+def check_seed(seed: int) -> None:
+    """Raises `SceneError` unless it is a seed of thermal motion."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
+
+
+def check_run(scene: Scene, seed: int | None) -> None:
+    """Raises `SceneError` for a seed that is none, or is given without thermal motion."""
+    if seed is None:
+        return
+    if not scene.forces.brownian:
+        raise SceneError("seed: is for forces.brownian = true")
+    check_seed(seed)
+
+
+def check_thermal(scene: Scene, seed: int) -> None:
+    """Raises `SceneError` for a scene without thermal motion, and a seed that is none."""
+    if not scene.forces.brownian:
+        raise SceneError("forces.brownian = False: there is no thermal motion; allowed: true")
+    check_seed(seed)
+
+
+def check_ensemble(
+    scene: Scene,
+    trajectories: int,
+    *,
+    seed: int,
+    out: str | Path | None,
+    statistics: bool,
+    skip: float | str,
+    scheduler: str | Client | None,
+    workers: int | None,
+) -> None:
+    """Raises `SceneError` or `ResultError` for arguments of `tweezer.ensemble` that are none."""
+    for name, value in (
+        ("trajectories", trajectories),
+        ("workers", 1 if workers is None else workers),
+    ):
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST:
+            raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
+    check_thermal(scene, seed)
+    if skip and not statistics:
+        raise SceneError(f"skip = {skip!r}: only for statistics")
+    samples_skipped(scene, skip)
+    if scheduler is not None and workers is not None:
+        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+    if scheduler is not None and out is None:
+        raise SceneError("out: missing; the workers of a scheduler write there")
+    if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
+        raise ResultError(f"{out}: must end in {suffix}")
+
+
+def samples_skipped(scene: Scene, skip: float | str) -> int:
+    """The first sample not before `skip`, s or text. Raises `SceneError` if hardly one is left."""
+    import numpy as np
+
+    try:
+        seconds = to_si(skip, "s", 0.0)
+    except ValueError as error:
+        raise SceneError(f"skip = {skip!r}: {error}") from None
+    samples = scene.simulation.samples
+    times = np.linspace(0.0, scene.simulation.duration, samples)
+    skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))
+    if skipped > samples - 2:
+        raise SceneError(f"skip = {skip!r}: must leave at least 2 of {samples} samples")
+    return skipped
