@@ -29,6 +29,9 @@ ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
+#: pages that are made from a source; links of docs/ lead to what the repository has
+MADE = {"tweezer/scene.py": "scenes.md", "tweezer/cli.py": "commands.md"}
+
 #: code, and its copy that a button takes
 _CODE = (
     r"<(?P<tag>pre|code|script|style)\b.*?</(?P=tag)>"
@@ -66,6 +69,16 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
         files.append(File(path, str(ROOT), config.site_dir, config.use_directory_urls))
     for uri, text in (("scenes.md", scene_reference()), ("commands.md", command_reference())):
         files.append(File.generated(config, uri, content=text))
+
+
+def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
+    """Links out of docs/, to where the site has their pages."""
+
+    def on_the_site(link: re.Match[str]) -> str:
+        return f"]({MADE.get(link[1], link[1])}{link[2] or ''})"
+
+    outside = page.file.src_uri in ELSEWHERE
+    return markdown if outside else re.sub(r"\]\(\.\./([^)#]+)(#.*?)?\)", on_the_site, markdown)
 
 
 def on_page_content(content: str, page: Page, **_: Any) -> str:

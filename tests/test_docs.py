@@ -177,6 +177,15 @@ def test_every_formula_arrives_whole(site):
     assert len(found["01_euler_parameters.ipynb"]) > 30
 
 
+def test_links_lead_somewhere_in_the_repository():
+    for page in PAGES:
+        text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+        for address in re.findall(r"\]\(([^)\s]+)\)", text):
+            place = urlsplit(address)
+            if not place.scheme and place.path:
+                assert (page.parent / place.path).exists(), (page.name, address)
+
+
 class Links(HTMLParser):
     """Addresses that a page leads to, those that it loads, and its anchors."""
 
