@@ -1,8 +1,8 @@
 """Every command once in fresh environments: lowest and newest dependencies, each Python found.
 
-`python -m tests.environments [PYTHON ...]` says what failed, and ends with 1 if anything did;
-`make environments` calls it. It needs the network and about five minutes of one core for each
-environment. `--only TEXT` takes the environments whose name contains it.
+`python -m tests.environments [PYTHON ...]` says how each command ended, and ends with 1 if any
+failed; `make environments` calls it. It needs the network and about ten minutes of one core for
+each environment. `--only TEXT` takes the environments whose name contains it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -24,13 +25,15 @@ USERS = ("generated", "derivation")
 
 THERMAL = "--set forces.brownian=true --set optics.evaluator=map --set simulation.samples=2001"
 DEPTH = "--set optics.evaluator=map --set simulation.model=full --set simulation.method=auto"
+#: After this command no other compiles anything for as long as a second.
+WARMUP = "tweezer warmup"
 #: What to do, in this order, in one folder
 COMMANDS = (
     "tweezer --help",
     "tweezer run --help",
     "tweezer scenes",
     "tweezer map silica-1um",
-    "tweezer warmup silica-1um",
+    WARMUP,
     f"tweezer run silica-1um {THERMAL} --duration '100 ms' --seed 1 --out thermal.nc",
     "tweezer calibrate thermal.nc --plot calibration.png",
     f"tweezer ensemble silica-1um {THERMAL} --duration '1 ms' --trajectories 3 --out e.zarr",
@@ -81,7 +84,7 @@ def install(folder: Path, python: str, resolution: str, wheel: str) -> Path:
 
 
 def failures(programs: Path, folder: Path) -> int:
-    """How many commands fail in a folder; each is told with the end of what it says."""
+    """How many commands fail in a folder, or compile after the warm-up; prints how each ended."""
     folder.mkdir()
     for name in USERS:
         (folder / f"{name}.py").write_text("raise RuntimeError('this is a module of the user')\n")
@@ -93,16 +96,21 @@ def failures(programs: Path, folder: Path) -> int:
         "XDG_CACHE_HOME": str(folder / "cache"),
     }
     environment.pop("PYTHONPATH", None)
-    failed = 0
+    failed, warm = 0, False
     for command in COMMANDS:
+        began = time.perf_counter()
         program, *arguments = shlex.split(command)
         done = subprocess.run(
             [programs / program, *arguments], cwd=folder, env=environment, capture_output=True,
             text=True, check=False,
         )  # fmt: skip
-        if done.returncode:
+        compiled_late = warm and "compiling, once" in done.stderr
+        warm |= command == WARMUP
+        ended = f"ended with {done.returncode}" if done.returncode else "done"
+        ended += ", but compiled after the warm-up" if compiled_late else ""
+        print(f"    {time.perf_counter() - began:6.0f} s  {command}: {ended}", flush=True)
+        if done.returncode or compiled_late:
             failed += 1
-            print(f"    {command} ended with {done.returncode}:", flush=True)
             print("\n".join(f"        {line}" for line in done.stderr.splitlines()[-4:]))
     return failed
 
