@@ -487,8 +487,8 @@ def test_trap_prints_what_characterise_tells(command_line):
     (unstable,) = [place for place in trap.equilibria if not place.stable]
     for row, value in {
         "power through the pupil": "80 mW, 86.47 % of the beam",
-        "backward Q, largest": f"{backward.Q:.4g}, {1e6 * backward.at:.4g} um from the focus",
-        "lateral Q, largest": f"{lateral.Q:.4g}, {1e6 * lateral.at:.4g} um from the focus",
+        "backward Q, largest": f"{backward.Q:.4g}, at {1e6 * backward.at:.4g} um",
+        "lateral Q, largest": f"{lateral.Q:.4g}, at {1e6 * lateral.at:.4g} um",
         "stable equilibrium": f"z = {1e6 * trap.equilibrium.position[2]:.4g} um, on the axis",
         r"stiffness \(x, y, z\)": f"{kx:.4g}, {ky:.4g}, {kz:.4g} pN/um",
         "corner frequencies": f"{fx:.4g}, {fy:.4g}, {fz:.4g} Hz",
@@ -497,14 +497,28 @@ def test_trap_prints_what_characterise_tells(command_line):
         "force by": "quadrature",
     }.items():
         assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
+    worth = trap.ray_optics
+    beside = {"+z": worth.escape_forward, "-z": worth.escape_backward}
     for escape in trap.escapes:
         ends = "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}"
         numbers = [f"{1e12 * escape.force:.4g}", f"{1e6 * escape.force_at:.4g}",
-                   f"{escape.energy_kT:.4g}", ends]  # fmt: skip
+                   f"{escape.energy_kT:.4g}", ends,
+                   "{:.2g} to {:.2g}".format(
+                       *beside.get(escape.direction, worth.escape_across))]  # fmt: skip
         cells = " +".join(re.escape(text) for text in (escape.direction, *numbers))
         assert re.search(rf"^ +{cells} *$", outcome.out, re.MULTILINE), escape.direction
+    across, along = worth.stiffness_across, worth.stiffness_along
+    times = "{:.2g} to {:.2g} times that, z {:.2g} to {:.2g} times".format(*across, *along)
+    assert re.search(rf"^ +by wave optics +{times} *$", outcome.out, re.MULTILINE)
     assert (outcome.err, outcome.caveat) == ("", f"warning: {trap.caveat}\n")
     assert not list(Path().iterdir())
+
+
+def test_every_number_of_a_trap_of_a_weak_lens_is_marked(command_line):
+    outcome = command_line("trap", "silica-1um", "--set", "lens.numerical_aperture=0.3")
+    for row in ("stable equilibrium", "stiffness (x, y, z)", "corner frequencies", "+x ", "-z "):
+        (line,) = [line for line in outcome.out.splitlines() if line.lstrip().startswith(row)]
+        assert line.rstrip().endswith("not to be trusted"), row
 
 
 def test_trap_writes_what_it_is_asked_to(command_line):
@@ -522,6 +536,9 @@ def test_trap_writes_what_it_is_asked_to(command_line):
     assert [escape["range"] for escape in written["trap"]["escapes"]] == [
         escape.range for escape in trap.escapes
     ]
+    worth = written["trap"]["ray_optics"]
+    assert tuple(worth["escape_across"]) == trap.ray_optics.escape_across
+    assert Path("mine.svg").stat().st_size < 1e6
 
 
 def test_trap_tells_off_diagonal_stiffness(command_line):

@@ -384,11 +384,6 @@ def test_a_weak_lens_pushes_the_bead_away():
     assert trap.lateral_efficiency.Q > 0.01
 
 
-def test_the_caveat_of_ray_optics_is_told_for_small_beads():
-    assert "wavelengths" in tweezer.characterise(silica()).caveat
-    assert tweezer.characterise(silica(bead={"diameter": "10 um"})).caveat is None
-
-
 def test_figure_shows_the_bead_where_it_is_trapped():
     scene = silica()
     trap = tweezer.characterise(scene)
@@ -406,6 +401,13 @@ def test_figure_shows_the_bead_where_it_is_trapped():
     curve = axial.lines[2].get_xydata()
     expected = tweezer.optical_force(scene, [0, 0, curve[100, 0] * 1e-6])[2] + weight(scene)
     assert curve[100, 1] == pytest.approx(expected * 1e12, rel=1e-9)
+    assert trap.caveat[1:] in figure.texts[-1].get_text().replace("\n", " ")
+    figure.savefig(Path("/dev/null"), format="png")
+
+
+def test_figure_prints_a_description_as_it_stands():
+    scene = tweezer.load_scene({**silica().model_dump(mode="json"), "description": r"$\frac{ $"})
+    figure = trap_figure(scene, tweezer.characterise(scene))
     figure.savefig(Path("/dev/null"), format="png")
 
 
@@ -421,3 +423,4 @@ def test_figure_of_no_trap(changes):
     figure.savefig(Path("/dev/null"), format="png")
     assert figure.axes[0].get_title() == "no stable equilibrium; through the focus"
     assert not [patch for patch in figure.axes[1].patches if isinstance(patch, Circle)]
+    assert len(figure.axes) == (4 if scene.lit else 3)  # a bar of colours

@@ -500,6 +500,7 @@ def fit_depth(
 
     from tweezer.analysis import fit_depth as fitted
     from tweezer.analysis import load_track
+    from tweezer.optics import ray_optics_worth
 
     loaded = load_track(track)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
@@ -508,7 +509,7 @@ def fit_depth(
         found = fitted(
             loaded, described, noise=given, search=range_, fit=fit or (), progress=progress
         )
-    _print_depth(found)
+    _print_depth(found, described)
     if out:
         result = {
             field.name: getattr(found, field.name)
@@ -519,7 +520,8 @@ def fit_depth(
             name: [dataclasses.asdict(each) for each in getattr(found, name)]
             for name in ("minima", "parameters")
         }
-        _write_json({**result, **lists}, out)
+        worth = ray_optics_worth(described)
+        _write_json({**result, **lists, "ray_optics": worth and dataclasses.asdict(worth)}, out)
     if plot:
         from tweezer.plots import depth_figure
 
@@ -757,6 +759,7 @@ def _print_map(scene: Scene, made: Map) -> None:
     if made.path:
         table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
     table.add_row("time to make", f"{made.build_time:.2g} s")
+    _add_worth(table, scene)
     _out.print(table)
     if made.path:
         _out.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
@@ -782,6 +785,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
     error = float(result["force_error"].max())
     table.add_row("force by", attributes["force_evaluator"])
+    _add_worth(table, scene)
     if largest > 0:
         share = f"{100 * error / largest:.1g} % of the largest"
         table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
@@ -795,6 +799,14 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("force calls", f"{attributes['force_calls']}")
     table.add_row("time", f"{attributes['wall_time']:.2f} s")
     _out.print(table)
+
+
+def _add_worth(table: Table, scene: Scene) -> None:
+    """How far ray optics is off, beside what was computed by it."""
+    from tweezer.optics import ray_optics_worth
+
+    if worth := ray_optics_worth(scene):
+        table.add_row("ray optics", worth.in_short)
 
 
 def _add_approach(table: Table, summary: Summary) -> None:
@@ -832,6 +844,7 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
         table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
                       f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
     table.add_row("model, method", f"{attributes['model']}; {attributes['method']}")
+    _add_worth(table, scene)
     table.add_row("step", f"{attributes['step']:.3g} s")
     _out.print(table)
 
@@ -891,7 +904,7 @@ def _print_calibration(calibration: Calibration) -> None:
         _show_warning(calibration.note)
 
 
-def _print_depth(found: DepthFit) -> None:
+def _print_depth(found: DepthFit, scene: Scene) -> None:
     table = _table(f"{found.name}, {found.scene}", "")
     table.add_row("start in z", f"{1e6 * found.z:.4g} um from the focus")
     pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in found.intervals)
@@ -908,11 +921,14 @@ def _print_depth(found: DepthFit) -> None:
         table.add_row(each.name, value.rstrip())
     table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
     table.add_row("residuals white, p", f"{found.p_value:.2g}")
+    _add_worth(table, scene)
     _out.print(table)
     _out.print(found.statement, highlight=False, soft_wrap=True)
 
 
 def _print_trap(scene: Scene, characterised: Trap) -> None:
+    from tweezer.optics.worth import between
+
     table = _table(scene.name, "")
     power = f"{1e3 * characterised.power_through_pupil:.4g} mW"
     if characterised.fraction_through_pupil is not None:
@@ -925,14 +941,24 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
         table.add_row("equilibrium", "no stable equilibrium")
     else:
         (kx, kxy, _), (_, ky, _), (_, _, kz) = place.stiffness
-        table.add_row("stable equilibrium", f"z = {1e6 * place.position[2]:.4g} um, on the axis")
-        table.add_row("stiffness (x, y, z)", _three(1e6 * kx, 1e6 * ky, 1e6 * kz) + " pN/um")
+        worth = characterised.ray_optics
+        doubt = "" if worth is None or worth.trusted else ", not to be trusted"
+        height = f"z = {_micrometres(place.position[2])} um"
+        table.add_row("stable equilibrium", f"{height}, {doubt[2:] or 'on the axis'}")
+        if worth and worth.equilibrium_shift:
+            low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
+            table.add_row("  by wave optics", f"{low} to {high} um from there")
+        stiffness = _three(1e6 * kx, 1e6 * ky, 1e6 * kz)
+        table.add_row("stiffness (x, y, z)", f"{stiffness} pN/um{doubt}")
         if abs(kxy) > 1e-6 * kx:
-            table.add_row("stiffness, xy", f"{1e6 * kxy:.4g} pN/um")
-        table.add_row("corner frequencies", _three(*frequencies) + " Hz")
+            table.add_row("stiffness, xy", f"{1e6 * kxy:.4g} pN/um{doubt}")
+        if worth and worth.stiffness_across:
+            across, along = between(worth.stiffness_across), between(worth.stiffness_along)
+            table.add_row("  by wave optics", f"{across} times that, z {along} times")
+        table.add_row("corner frequencies", f"{_three(*frequencies)} Hz{doubt}")
     unstable = [place for place in characterised.equilibria if not place.stable]
     if unstable:
-        heights = ", ".join(f"{1e6 * place.position[2]:.4g}" for place in unstable)
+        heights = ", ".join(_micrometres(place.position[2]) for place in unstable)
         table.add_row("unstable equilibria", f"z = {heights} um")
     error = characterised.force_error
     table.add_row("error of the force", f"{1e12 * error:.1g} pN")
@@ -943,16 +969,32 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
 
 
 def _print_escapes(characterised: Trap) -> None:
-    table = _table("escape", "force, pN", "at, um", "energy, kT", "range, um")
+    from tweezer.optics.worth import between
+
+    worth = characterised.ray_optics
+    headings = ("escape", "force, pN", "at, um", "energy, kT", "range, um")
+    table = _table(*headings, "by waves, times")
     for escape in characterised.escapes:
+        by_waves = ""
+        if worth and not worth.trusted:
+            by_waves = "not to be trusted"
+        elif worth and worth.escape_across:
+            axial = {"+z": worth.escape_forward, "-z": worth.escape_backward}
+            by_waves = between(axial.get(escape.direction, worth.escape_across))
         table.add_row(
             escape.direction,
             f"{1e12 * escape.force:.4g}",
             f"{1e6 * escape.force_at:.4g}",
             f"{escape.energy_kT:.4g}",
             "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}",
+            by_waves,
         )
     _out.print(table)
+
+
+def _micrometres(metres: float) -> str:
+    """Four digits; no -0, nor the rounding of a zero."""
+    return f"{round(1e6 * metres, 9) + 0.0:.4g}"
 
 
 def _three(x: float, y: float, z: float) -> str:
@@ -960,7 +1002,7 @@ def _three(x: float, y: float, z: float) -> str:
 
 
 def _efficiency(found: Efficiency | None) -> str:
-    return "none" if found is None else f"{found.Q:.4g}, {1e6 * found.at:.4g} um from the focus"
+    return "none" if found is None else f"{found.Q:.4g}, at {_micrometres(found.at)} um"
 
 
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:

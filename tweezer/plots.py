@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,7 +30,7 @@ from tweezer.analysis import (
 from tweezer.analysis.depth import LEVEL
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
-from tweezer.optics import cone, optical_force
+from tweezer.optics import cone, optical_force, ray_optics_caveat
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -38,6 +39,20 @@ if TYPE_CHECKING:
 _MICRO, _MILLI, _PICO, _NANO = 1e6, 1e3, 1e12, 1e9
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
 _LIGHT, _PATH, _MUTED = "#cc3311", "#332288", "#777777"
+#: Largest force of the part of a field in which no lines are drawn, of the largest of all
+_NO_LINES = 1e-3
+
+
+def _add_title(figure: Figure, text: str, **style: Any) -> None:
+    """Above all panels; `text` as it stands: a dollar sign in a name is no formula."""
+    figure.suptitle(text, parse_math=False, **style)
+
+
+def _add_caveat(figure: Figure, scene: Scene) -> None:
+    """What ray optics is worth, below all panels."""
+    if caveat := ray_optics_caveat(scene):
+        lines = textwrap.fill(caveat[0].upper() + caveat[1:] + ".", 170)
+        figure.text(0.5, 0.008, lines, ha="center", va="bottom", fontsize=7, color=_MUTED)
 
 
 def run_figure(run: xr.Dataset) -> Figure:
@@ -47,7 +62,7 @@ def run_figure(run: xr.Dataset) -> Figure:
         [["path", "position"], ["path", "speed"]],
         width_ratios=(1, 1.2),
         gridspec_kw={
-            "left": 0.06, "right": 0.93, "bottom": 0.09, "top": 0.88,
+            "left": 0.06, "right": 0.93, "bottom": 0.14, "top": 0.88,
             "wspace": 0.22, "hspace": 0.09,
         },
     )  # fmt: skip
@@ -60,7 +75,8 @@ def run_figure(run: xr.Dataset) -> Figure:
     model = run.attrs["model"]
     if model == "scaled":
         model += f", a₂ = {scene_of(run).simulation.scaling_factor:g}"
-    figure.suptitle(f"{run.attrs['title']}\n{model} · {run.attrs['method']}", fontsize=11)
+    _add_title(figure, f"{run.attrs['title']}\n{model} · {run.attrs['method']}", fontsize=11)
+    _add_caveat(figure, scene_of(run))
     return figure
 
 
@@ -158,7 +174,7 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
         [["axial", "field"], ["lateral", "field"]],
         width_ratios=(1, 1.05),
         gridspec_kw={
-            "left": 0.09, "right": 0.94, "bottom": 0.09, "top": 0.86,
+            "left": 0.09, "right": 0.94, "bottom": 0.14, "top": 0.86,
             "wspace": 0.2, "hspace": 0.38,
         },
     )  # fmt: skip
@@ -167,11 +183,13 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
     _draw_field(axes["field"], scene, trap)
     figure.align_ylabels([axes["axial"], axes["lateral"]])
     power = trap.power_through_pupil * _MILLI
-    figure.suptitle(
+    _add_title(
+        figure,
         f"{scene.description or scene.name}\n"
         f"{power:.3g} mW through the pupil · light and weight · {trap.evaluator}",
         fontsize=11,
     )
+    _add_caveat(figure, scene)
     return figure
 
 
@@ -228,9 +246,11 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
     side = 1 if escape.direction[0] == "+" else -1
     place = ((centre + side * escape.force_at) * _MICRO, -side * escape.force * _PICO)
     axes.plot(*place, "o", mfc="white", mec=colour, ms=5, zorder=5)
+    # away from the trap, unless the axes end there
+    outward = side if abs(place[0]) < 0.6 * axes.get_xlim()[1] else -side
     axes.annotate(
-        f"{escape.force * _PICO:.3g} pN", place, xytext=(6 * side, -4 * side),
-        textcoords="offset points", ha="left" if side > 0 else "right",
+        f"{escape.force * _PICO:.3g} pN", place, xytext=(6 * outward, -4 * side),
+        textcoords="offset points", ha="left" if outward > 0 else "right",
         va="top" if side > 0 else "bottom", fontsize=8, color=colour,
     )  # fmt: skip
 
@@ -238,22 +258,34 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
 def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
     """Direction and size of the force on a bead with its centre there; bead to scale."""
     centre, r = _centre(trap), scene.bead.radius
-    x = z = np.linspace(-1, 1, 121) * _reach(scene, trap)
+    x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))
     points[..., 0], points[..., 2] = np.meshgrid(x, z)
     force = _net_force(scene, points) * _PICO
     size = np.linalg.norm(force, axis=-1)
-    shown = axes.pcolormesh(
-        x * _MICRO, z * _MICRO, size, vmin=0, cmap="Blues", shading="gouraud", zorder=0
-    )
-    axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
-    if size.any():
-        # where next to no force acts the lines would show nothing but noise
-        lines = np.where(size[..., None] > 1e-5 * size.max(), force, np.nan)
+    if np.ptp(size) > 0:
+        shown = axes.pcolormesh(
+            x * _MICRO, z * _MICRO, size,
+            vmin=0, cmap="Blues", shading="gouraud", zorder=0, rasterized=True,
+        )  # fmt: skip
+        axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
+        # unit vectors: between two samples the larger force would outweigh the smaller
+        strong = size[..., None] > _NO_LINES * size.max()
+        lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
         axes.streamplot(
             x * _MICRO, z * _MICRO, lines[..., 0], lines[..., 2],
             density=1.3, color="#444444", linewidth=0.6, arrowsize=0.8, zorder=2,
         )  # fmt: skip
+    else:
+        axes.text(
+            0.5,
+            0.5,
+            "no force of light",
+            transform=axes.transAxes,
+            ha="center",
+            va="center",
+            color=_MUTED,
+        )
     reach = _reach(scene, trap) * _MICRO
     if scene.lit:
         _draw_cone(axes, scene, reach, ec=_LIGHT, fc="none", alpha=0.6, lw=0.8, zorder=1)
@@ -284,7 +316,8 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     )  # fmt: skip
     axes.set_xlabel("scaling factor a\u2082")
     axes.set_ylabel("off the unscaled bead, \u00b5m", color="#004488")
-    axes.set_title(f"{name}: {1e3 * tuning.duration:.4g} ms of the scaled model", fontsize=10)
+    title = f"{name}: {1e3 * tuning.duration:.4g} ms of the scaled model"
+    axes.set_title(title, fontsize=10, parse_math=False)
     axes.grid(color="0.9", linewidth=0.6)
     work = axes.twinx()
     work.loglog(factors, [entry.force_calls for entry in tuning.entries], "s--", color="#bb5566")
@@ -315,7 +348,8 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     drag = "drag fitted"
     if calibration.drag is not None:
         drag = f"drag {calibration.drag * _NANO:.3g} nN s/m"
-    figure.suptitle(
+    _add_title(
+        figure,
         f"{calibration.name}\n{calibration.temperature:.5g} K · {drag} · "
         f"{calibration.samples} samples, one every {calibration.step * _MILLI:.3g} ms",
         fontsize=11,
@@ -461,7 +495,8 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
     panels["depth"].set(xlabel="time (ms)", ylabel="z along the light (µm)")
     panels["depth"].set_title("the coordinate not seen, as the filter has it", fontsize=9)
     _draw_profile(panels["profile"], found)
-    figure.suptitle(f"{found.name} · {found.scene}\n{found.statement}", fontsize=10, wrap=True)
+    title = f"{found.name} · {found.scene}\n{found.statement}"
+    _add_title(figure, title, fontsize=10, wrap=True)
     return figure
 
 

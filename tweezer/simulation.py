@@ -28,7 +28,7 @@ from tweezer.dynamics import (
     walk,
 )
 from tweezer.errors import IntegrationError, SceneError, warn
-from tweezer.optics import light, ray_optics_caveat
+from tweezer.optics import light, worth_attributes
 from tweezer.scene import Scene
 
 AXES = ["x", "y", "z"]
@@ -204,7 +204,7 @@ def _about_the_run(scene: Scene, evaluator: str, why: str) -> dict[str, Any]:
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
         "force_evaluator": evaluator,
-        "ray_optics_caveat": ray_optics_caveat(scene) or "",
+        **worth_attributes(scene),
         "chosen": why,
         "tweezer_version": version("tweezer"),
         "numpy_version": version("numpy"),

@@ -22,7 +22,6 @@ from tweezer.optics import (
     fraction_through_pupil,
     grid,
     light,
-    ray_optics_caveat,
     total_power,
 )
 from tweezer.optics.beam import intensity
@@ -306,31 +305,6 @@ def test_a_refused_table_is_one_line_on_the_command_line(command_line):
     assert line.startswith("beam.profile_intensity: points too uneven; a series of degree 120")
     assert not outcome.out
     assert [path.name for path in Path().iterdir()] == ["scene.toml"]
-
-
-@pytest.mark.parametrize(
-    ("wavelengths", "error"),
-    [
-        (0.5, "by a factor of 2 or more"),
-        (0.99, "by a factor of 2 or more"),
-        (1.01, "by tens of per cent"),
-        (1.99, "by tens of per cent"),
-        (2.01, "by a few per cent"),
-        (9.99, "by a few per cent"),
-        (10.01, None),
-        (300.0, None),
-    ],
-)
-def test_ray_optics_is_for_beads_of_ten_wavelengths_in_the_medium(wavelengths, error):
-    scene = scene_of(sigma=1e-3)
-    scene = scene.replace(bead={"diameter": wavelengths * 8e-7 / INDEX})
-    caveat = ray_optics_caveat(scene)
-    assert (caveat is None) == (error is None)
-    if caveat is not None:
-        assert f"is {wavelengths:.2g} wavelengths across" in caveat
-        assert error in caveat
-        assert len(caveat.splitlines()) == 1
-    assert ray_optics_caveat(scene.replace(beam={"power": 0})) is None
 
 
 @pytest.mark.filterwarnings("ignore:beam.profile_intensity. points so uneven")

@@ -29,7 +29,14 @@ from tweezer.equilibria import (
     opposite,
     point,
 )
-from tweezer.optics import cone, light, ray_optics_caveat, total_power
+from tweezer.optics import (
+    RayOpticsWorth,
+    cone,
+    light,
+    ray_optics_caveat,
+    ray_optics_worth,
+    total_power,
+)
 from tweezer.optics.light import SPEED_OF_LIGHT
 from tweezer.scene import Scene
 
@@ -98,7 +105,9 @@ class Trap:
     """largest error of any force these numbers come from, N: as estimated, or certified by the map,
     or for the grid the distance to the quadrature"""
     caveat: str | None
-    """what ray optics is worth for this bead (`ray_optics_caveat`)"""
+    """what ray optics is worth for this bead (`ray_optics_caveat`); None in the dark"""
+    ray_optics: RayOpticsWorth | None
+    """the same in numbers: how far equilibrium, stiffness and escape forces may be off"""
 
     def __repr__(self) -> str:
         """In short: equilibrium and stiffness."""
@@ -167,6 +176,7 @@ def characterise(scene: Scene) -> Trap:
         evaluator=light(scene).evaluator,
         force_error=light_force.error,
         caveat=ray_optics_caveat(scene),
+        ray_optics=ray_optics_worth(scene),
     )
 
 

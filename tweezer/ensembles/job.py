@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
+from tweezer.optics import worth_attributes
 
 Array = NDArray[np.float64]
 Attributes = dict[str, Any]
@@ -178,6 +179,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "model": bound.scene.simulation.model or "",
         "method": bound.scene.simulation.method,
         "chosen": bound.why,
+        **worth_attributes(bound.scene),
         "samples_skipped": job.skipped or 0,
         "trajectories_per_block": job.block,
         "samples_per_window": max(b - a for a, b in itertools.pairwise(job.cuts)),

@@ -5,7 +5,6 @@ from tweezer.optics.beam import (
     Cone,
     cone,
     fraction_through_pupil,
-    ray_optics_caveat,
     total_power,
 )
 from tweezer.optics.light import (
@@ -19,11 +18,18 @@ from tweezer.optics.light import (
 )
 from tweezer.optics.rays import grid
 from tweezer.optics.table import Table
+from tweezer.optics.worth import (
+    RayOpticsWorth,
+    ray_optics_caveat,
+    ray_optics_worth,
+    worth_attributes,
+)
 
 __all__ = [
     "Cone",
     "Field",
     "Light",
+    "RayOpticsWorth",
     "Table",
     "cone",
     "force_map",
@@ -34,5 +40,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "ray_optics_caveat",
+    "ray_optics_worth",
     "total_power",
+    "worth_attributes",
 ]

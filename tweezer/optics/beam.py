@@ -24,15 +24,6 @@ _LEAST_FRACTION = 1e-100
 #: largest degree of a series; light then reaches at least 85 degrees off the axis
 LARGEST_DEGREE = 120
 
-#: wavelengths across a bead from which ray optics is taken as it is
-_RAY_OPTICS = 10.0
-#: below so many wavelengths across, how far ray optics is off near the focus
-_RAY_OPTICS_ERROR = (
-    (1.0, "by a factor of 2 or more"),
-    (2.0, "by tens of per cent"),
-    (_RAY_OPTICS, "by a few per cent"),
-)
-
 
 @dataclass(frozen=True)
 class Cone:
@@ -148,26 +139,6 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
     assert lens.numerical_aperture is not None
     sine = rho / lens.radius * lens.numerical_aperture / medium.refractive_index
     return sine, np.sqrt((1 - sine) * (1 + sine))
-
-
-def ray_optics_caveat(scene: Scene) -> str | None:
-    """One line on the error of ray optics for a bead below 10 wavelengths in the medium, or None.
-
-    The error is an order of magnitude, of the stiffness near the focus. It rests on exact (Mie)
-    stiffnesses of polystyrene in water at 1064 nm: at 500 nm, 0.6 wavelengths in the medium, they
-    differ from ray optics by factors of 2 (across) to 4 (along the axis), at 2 um, 2.5 wavelengths,
-    by 3 to 6 %. The exact stiffness also oscillates with size, and only its average over sizes
-    tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021, 2003). Light
-    that grazes the bead adds a term that falls only like (r/wavelength)^(-2/3).
-    """
-    wavelengths = 2 * scene.bead.radius * scene.medium.refractive_index / scene.beam.wavelength
-    if not scene.lit or wavelengths >= _RAY_OPTICS:
-        return None
-    error = next(error for limit, error in _RAY_OPTICS_ERROR if wavelengths < limit)
-    return (
-        f"the bead is {wavelengths:.2g} wavelengths across in the medium; below {_RAY_OPTICS:g}, "
-        f"ray optics is off {error} near the focus, and more where light grazes the bead"
-    )
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tweezer.errors import SceneError, warn
 from tweezer.optics import charts
-from tweezer.optics.beam import Cone, cone, ray_optics_caveat
+from tweezer.optics.beam import Cone, cone
 from tweezer.optics.charts import Pieces
 from tweezer.optics.culling import Tiles, tiles
 from tweezer.optics.kernels import VANISHING, Darkness, Kernel, darkness, kernel
@@ -19,6 +19,7 @@ from tweezer.optics.quadrature import Rule, rule
 from tweezer.optics.rays import grid
 from tweezer.optics.table import Table, stored
 from tweezer.optics.tabulate import Progress
+from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import NO_MAP, Scene
 
 Array = NDArray[np.float64]
@@ -172,8 +173,8 @@ def light(scene: Scene) -> Light:
     """The light of `scene`, with the evaluator that its `optics` section names.
 
     The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
-    (`PhysicsWarning`) of what ray optics is worth for a small bead: see `ray_optics_caveat`. Warns
-    of a beam's table that its series does not follow to 0.1 % of the peak.
+    (`PhysicsWarning`) of what ray optics is worth: see `ray_optics_caveat`. Warns of a beam's
+    table that its series does not follow to 0.1 % of the peak.
     """
     if (caveat := ray_optics_caveat(scene)) is not None:
         _warn_once(caveat)
