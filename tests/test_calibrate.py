@@ -27,6 +27,7 @@ from tweezer.analysis.calibrate import (
     _of_products,
     _of_squared_displacements,
 )
+from tweezer.rounding import with_uncertainty
 
 T = 293.15
 K = 1e-5
@@ -105,6 +106,47 @@ def test_rates(name):
     assert bead.variance * bead.stiffness == pytest.approx(KT, rel=1e-9, abs=0)
 
 
+@pytest.mark.parametrize("exposure", [1e-4, 0.3, 0.8])
+@pytest.mark.parametrize("name", MASSES)
+def test_exposed_positions_are_means_over_the_exposure(name, exposure):
+    """Against the mean over two exposures of <x(s) x(t)>, by quadrature; and E|sum x e^-iwt|^2 as
+    above.
+    """
+    samples, step = 64, 0.8
+    bead = dataclasses.replace(TrappedBead(K, DRAG, T, mass(name)), exposure=exposure * TAU)
+
+    def exposed(lag):
+        def weighted(apart):
+            past = np.array([abs(lag + apart)])
+            return (exposure - abs(apart)) / exposure**2 * covariance(name, past)[0]
+
+        kinks = [0.0, -lag] if lag < exposure else [0.0]
+        return quad(weighted, -exposure, exposure, points=kinks, epsabs=1e-12)[0]
+
+    lags = np.array([0.0, 0.4 * exposure, 0.8, 1.6])
+    expected = KT / K * np.array([exposed(lag) for lag in lags])
+    np.testing.assert_allclose(bead.autocovariance(lags * TAU), expected, rtol=1e-9)
+    assert bead.variance == pytest.approx(expected[0], rel=1e-9)
+    C = toeplitz(bead.autocovariance(step * TAU * np.arange(samples)))
+    waves = np.exp(-2j * np.pi * np.outer(np.arange(1, 32), np.arange(samples)) / samples)
+    periodogram = 2 * step * TAU / samples * np.einsum("fi,ij,fj->f", waves, C, waves.conj()).real
+    frequencies = np.arange(1, 32) / (samples * step * TAU)
+    found = bead.sampled_spectrum(frequencies, step * TAU, samples)
+    np.testing.assert_allclose(found, periodogram, rtol=1e-8)
+
+
+def test_the_spectrum_of_exposed_positions_is_that_of_pylake():
+    """Its Lorentzian times sinc^2, over 201 aliases: those left out are below 2e-5."""
+    models = pylake.force_calibration.detail.power_models
+    rate, bead = 1 / (2 * TAU), TrappedBead(K, DRAG, T, exposure=1.6 * TAU)
+    blurred = models.motion_blur_spectrum(models.passive_power_spectrum_model, bead.exposure)
+    frequencies = np.linspace(0.01, 0.49, 25) * rate
+    theirs = models.alias_spectrum(blurred, rate, 100)(
+        frequencies, bead.corner_frequency, bead.diffusion
+    )
+    np.testing.assert_allclose(bead.sampled_spectrum(frequencies, 1 / rate), theirs, rtol=2e-5)
+
+
 def test_averages_over_a_record_are_their_definitions():
     x = np.cumsum(np.random.default_rng(1).standard_normal(501))
     about = x - x.mean()
@@ -132,6 +174,19 @@ def test_standard_error_of_a_correlated_mean():
     assert standard_error(series) == pytest.approx(10 / math.sqrt(series.size), rel=0.09)
     assert statistical_inefficiency(white) == pytest.approx(1, rel=0.02)
     assert statistical_inefficiency(np.arange(1000.0)) > 100
+
+
+def test_statistical_inefficiency_is_its_definition():
+    """Sums written out: rho_j to the first W of three times the sum, times 1 + (2W + 1)/n."""
+    x = np.random.default_rng(12).standard_normal(60).cumsum()[::2]
+    about = x - x.mean()
+    rho = [(about[: 30 - j] @ about[j:]) / (30 - j) for j in range(30)]
+    inefficiency, window = 1.0, 0
+    while window < 3 * inefficiency:
+        window += 1
+        inefficiency += 2 * rho[window] / rho[0]
+    assert window > 3
+    assert statistical_inefficiency(x) == pytest.approx(inefficiency * (1 + (2 * window + 1) / 30))
 
 
 #: name, step and length in tau
@@ -243,6 +298,137 @@ def test_pylake_recovers_the_same_stiffness():
     assert k == pytest.approx(2 * math.pi * DRAG * corner, abs=ours.uncertainty)
 
 
+def test_blocks_of_ordinates_change_no_number(monkeypatch):
+    """4,095 ordinates in 1,000 blocks: the stiffness moves by less than a fiftieth of its error,
+    the drag by less than an eighth.
+    """
+    step = 0.1 * TAU
+    positions = trapped(step, 8192, K, DRAG, None, T, 41)[0]
+    blocks = tweezer.calibrate(record(positions, step), temperature=T).axes[0].fit
+    monkeypatch.setattr("tweezer.analysis.whittle._BLOCKS", 10**6)
+    each = tweezer.calibrate(record(positions, step), temperature=T).axes[0].fit
+    assert blocks.stiffness_uncertainty == pytest.approx(each.stiffness_uncertainty, rel=1e-3)
+    assert abs(blocks.bead.stiffness - each.bead.stiffness) < each.stiffness_uncertainty / 50
+    assert abs(blocks.bead.drag - each.bead.drag) < each.drag_uncertainty / 8
+
+
+@pytest.mark.parametrize("known", [{}, {"drag": DRAG}], ids=["drag fitted", "drag given"])
+def test_an_exposure_is_corrected_for_if_given_and_seen_if_not(known):
+    """A whole step of 1.5 tau. Of 11 numbers each is within 4 uncertainties: false alarm 7e-4."""
+    step = 1.5 * TAU
+    positions = trapped(step, 8000, K, DRAG, None, T, 51, exposure=step)[0]
+    given = tweezer.calibrate(record(positions, step), temperature=T, exposure=step, **known)
+    assert given.exposure == step
+    for estimate in given.axes[0].estimates:
+        assert not estimate.caveat
+        assert abs(estimate.stiffness - K) < 4 * estimate.uncertainty
+    blind = tweezer.calibrate(record(positions, step), temperature=T, **known)
+    assert blind.exposure is None
+    for estimate in blind.axes[0].estimates:
+        assert "blur" in names(estimate.findings)
+    assert blind.axes[0]["equipartition"].stiffness > 1.5 * K
+
+
+def test_an_exposure_that_the_record_cannot_tell_is_asked_for():
+    """Samples every 3 tau, drag fitted: exposed for long, a softer trap looks the same."""
+    step = 3 * TAU
+    for exposure in (0.0, step):
+        positions = trapped(step, 3000, K, DRAG, None, T, 52, exposure=exposure)[0]
+        found = tweezer.calibrate(record(positions, step), temperature=T).axes[0]
+        assert names(found.findings) & {"exposure", "blur"}
+        found = tweezer.calibrate(record(positions, step), temperature=T, exposure=exposure)
+        assert not found.axes[0].findings
+
+
+def test_equipartition_is_as_uncertain_as_the_motion_makes_it():
+    """Var(s^2)/s^4 = 2/n sum of e^(-2 |j| h): 2 coth(h)/n, of which the mean takes 2 tau/t less."""
+    samples, h = 20_000, 0.2
+    positions = trapped(h * TAU, samples, K, DRAG, None, T, 53)[0]
+    found = tweezer.calibrate(record(positions, h * TAU), temperature=T, drag=DRAG).axes[0]
+    estimate = found["equipartition"]
+    expected = math.sqrt(2 / math.tanh(h * estimate.stiffness / K) / samples)
+    assert estimate.uncertainty / estimate.stiffness == pytest.approx(expected, rel=0.01)
+
+
+def names(findings):
+    return {finding.name for finding in findings}
+
+
+def spoilt(how, positions):
+    """The record with one of the things that microscopes do to it."""
+    size, n = positions.std(), positions.size
+    if how == "drift":
+        return positions + 2 * size * np.linspace(-0.5, 0.5, n)
+    if how == "drift there and back":
+        return positions + 2 * size * np.abs(np.linspace(-1, 1, n))
+    if how == "noise":
+        return positions + 0.3 * size * np.random.default_rng(1).standard_normal(n)
+    if how == "halves":
+        return np.append(positions[: n // 2], 1.4 * positions[n // 2 :])
+    return (positions[1:] + positions[:-1]) / 2  # blur
+
+
+@pytest.mark.parametrize("known", [{}, {"drag": DRAG}], ids=["drag fitted", "drag given"])
+@pytest.mark.parametrize("how", ["drift", "drift there and back", "noise", "halves", "blur"])
+def test_what_spoils_a_record_is_said_of_every_number(how, known):
+    """Each is 5 or more standard deviations of its test: one is missed with probability 3e-3."""
+    step = 0.2 * TAU
+    positions = spoilt(how, trapped(step, 4000, K, DRAG, None, T, 54)[0])
+    found = tweezer.calibrate(record(positions, step), temperature=T, **known).axes[0]
+    assert how.split()[0] in names(found.findings)
+    assert len(found.estimates) == (6 if known else 4)
+    for estimate in found.estimates:
+        assert set(found.findings) <= set(estimate.findings)
+
+
+def test_a_record_of_a_trapped_bead_is_seldom_marked():
+    """40 records: each is marked with probability 0.03; more than 5 are with 2e-3."""
+    step = 0.2 * TAU
+    records = trapped(step, 1500, K, DRAG, None, T, 55, 40)
+    found = [tweezer.calibrate(record(x, step), temperature=T).axes[0] for x in records]
+    assert sum(bool(each.findings) for each in found) <= 5
+
+
+def test_white_noise_leaves_the_autocorrelation_as_it_is():
+    """Noise of 0.2 adds 4 % to lag 0 alone: without it k moves by less than half its error."""
+    step = 0.1 * TAU
+    positions = trapped(step, 8000, K, DRAG, None, T, 56)[0]
+    noise = 0.2 * positions.std() * np.random.default_rng(2).standard_normal(8000)
+    clean, noisy = (
+        tweezer.calibrate(record(x, step), temperature=T, drag=DRAG).axes[0]["autocorrelation"]
+        for x in (positions, positions + noise)
+    )
+    assert abs(clean.stiffness - noisy.stiffness) < clean.uncertainty / 2
+
+
+def test_the_diffusion_of_a_free_bead():
+    """24 beads, each position the mean of two and 50 nm off by noise, drifting: D is right on
+    average within 4 of its errors (false alarm 6e-5), and scatters as it says to 0.45 (3 errors).
+    """
+    D, step = KT / DRAG, 0.05
+    rng = np.random.default_rng(57)
+    fine = np.cumsum(math.sqrt(D * step) * rng.standard_normal((24, 3000)), axis=1)
+    seen = (fine[:, ::2] + fine[:, 1::2]) / 2 + 50e-9 * rng.standard_normal((24, 1500))
+    seen += 1e-7 * step * np.arange(1500)
+    found = [tweezer.calibrate(record(x, step), temperature=T).axes[0] for x in seen]
+    assert all("free" in names(each.findings) for each in found)
+    diffusion = np.array([each.free_diffusion for each in found])
+    errors = np.array([each.free_diffusion_uncertainty for each in found])
+    assert abs(diffusion.mean() - D) < 4 * diffusion.std() / math.sqrt(24)
+    assert errors.mean() == pytest.approx(diffusion.std(), rel=0.45)
+
+
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "text"),
+    [(50.3456, 0.4912, "50.35 +- 0.49"), (1069.2, 19.3, "1069 +- 19"),
+     (4915.0, 158.0, "4920 +- 160"), (0.00001, 0.0996, "0.00 +- 0.10"),
+     (-0.00001, 0.02, "0.000 +- 0.020"), (1.325e-16, 2.4e-19, "1.3250e-16 +- 0.0024e-16"),
+     (8.15e8, 2.2e6, "8.150e8 +- 0.022e8"), (3.14159, math.nan, "3.142")],
+)  # fmt: skip
+def test_numbers_have_the_digits_that_their_uncertainty_leaves(value, uncertainty, text):
+    assert with_uncertainty(value, uncertainty) == text
+
+
 def caveats(positions, step, **known):
     found = tweezer.calibrate(record(positions, step), **{"temperature": T, "drag": DRAG, **known})
     return {estimate.method: estimate.caveat for estimate in found.axes[0].estimates}
@@ -280,10 +466,10 @@ def test_what_is_not_to_be_trusted_says_why():
     assert "not that of a trapped bead" in caveats(ringing, step)["power spectrum"]
     # sampled every 8 tau: the samples are independent and say nothing of time
     slow = trapped(8 * TAU, 2000, K, DRAG, None, T, 23)[0]
-    said = caveats(slow, 8 * TAU)
+    said = caveats(slow, 8 * TAU, exposure=0.0)
     assert not said["power spectrum"]
     assert not said["equipartition"]
-    assert said["autocorrelation"].startswith("not determined")
+    assert said["autocorrelation"] == "not determined"
     # a static tilt of the record: no method agrees with the spectrum, or that is refused
     drifting = positions + np.linspace(0, 8 * math.sqrt(KT / K), samples)
     assert all(caveats(drifting, step).values())
@@ -296,6 +482,9 @@ def test_bad_numbers_are_refused():
             caveats(positions, TAU, **known)
     with pytest.raises(tweezer.ResultError, match="needs the temperature"):
         caveats(positions, TAU, temperature=None)
+    for exposure in (-1e-6, 1.1 * TAU, math.nan):
+        with pytest.raises(tweezer.ResultError, match="must be from 0 to the step"):
+            caveats(positions, TAU, exposure=exposure)
 
 
 def test_potential_of_a_double_well():
@@ -434,14 +623,14 @@ def test_escape_of_a_free_bead_takes_its_diffusion_time():
 def test_a_fit_is_the_best_of_its_neighbours():
     """The likelihood at the fit is not exceeded by one a hundredth of an uncertainty away."""
     step = 0.2 * TAU
-    positions = trapped(step, 3000, K, DRAG, None, T, 31)[0]
+    positions = trapped(step, 2000, K, DRAG, None, T, 31)[0]
     fit = tweezer.calibrate(record(positions, step), temperature=T).axes[0].fit
     frequencies, density = power_spectrum(positions, step)
     used = frequencies <= fit.highest_frequency
 
     def likelihood(k, drag):
         bead = dataclasses.replace(fit.bead, stiffness=k, drag=drag)
-        model = bead.sampled_spectrum(frequencies[used], step, 3000)
+        model = bead.sampled_spectrum(frequencies[used], step, 2000)
         return stats.expon.logpdf(density[used], scale=model).sum()
 
     k, drag = fit.bead.stiffness, fit.bead.drag

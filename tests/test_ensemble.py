@@ -29,6 +29,7 @@ from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import job, statistics, store
 from tweezer.ensembles import workers as workers_module
 from tweezer.ensembles.statistics import joined, moments
+from tweezer.rounding import with_uncertainty
 
 ensemble_module = importlib.import_module("tweezer.ensembles.ensemble")
 
@@ -1005,7 +1006,7 @@ def test_command_of_statistics(command_line):
     found = tweezer.load_run("silica-1um-statistics.nc")
     variance, error = (float(found[f"stationary_variance{of}"][2]) for of in ("", "_error"))
     deviation = 1e9 * variance**0.5
-    assert f"{deviation:.4g} +- {deviation * error / variance / 2:.2g}" in outcome.out
+    assert with_uncertainty(deviation, deviation * error / variance / 2) in outcome.out
     assert f"{int(found['windows'])} of" in outcome.out
     again = command_line(*arguments)
     assert (again.code, len(again.err.splitlines())) == (2, 1)

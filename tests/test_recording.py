@@ -15,6 +15,7 @@ from tests.reference.trapped_bead import trapped
 from tweezer.analysis import Recording
 from tweezer.io import save_run
 from tweezer.plots import calibration_figure
+from tweezer.rounding import rounded, with_uncertainty
 
 T, K, DRAG, STEP = 293.15, 1e-5, 6 * math.pi * 1.002e-3 * 0.5e-6, 1e-4
 KNOWN = ["--temperature", "20 degC", "--radius", "500 nm", "--viscosity", "1.002 mPa s"]
@@ -314,11 +315,14 @@ def test_command(command_line, positions):
     assert [axis["axis"] for axis in written["axes"]] == ["x", "y", "z"]
     for axis in written["axes"]:
         for estimate in axis["estimates"]:
-            row = f" +{estimate['method']} +{1e6 * estimate['stiffness']:.4g} +[0-9.]+ *"
-            assert re.search(f"^{row}$", outcome.out, re.MULTILINE), row
-        assert f"corner frequency {axis['fit']['bead']['stiffness'] / DRAG / 2 / math.pi:.4g}" in (
-            outcome.out
+            k, error = rounded(1e6 * estimate["stiffness"], 1e6 * estimate["uncertainty"])
+            assert re.search(f"^ +{estimate['method']} +{k} +{error} *$", outcome.out, re.MULTILINE)
+            assert estimate["findings"] == axis["findings"] == []
+        fit = axis["fit"]
+        corner = with_uncertainty(
+            fit["bead"]["stiffness"] / DRAG / 2 / math.pi, fit["corner_frequency_uncertainty"]
         )
+        assert f"corner frequency {corner} Hz" in outcome.out
     assert Path("k.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -337,6 +341,27 @@ def test_command_with_inertia_and_without_a_drag(command_line, positions):
     assert "autocorrelation" not in outcome.out
 
 
+def test_command_on_a_free_bead_and_on_a_camera(command_line):
+    free = np.cumsum(3e-8 * np.random.default_rng(1).standard_normal((1000, 1)), axis=0)
+    write_table("free.csv", free, "t,x")
+    outcome = command_line("calibrate", "free.csv", "--temperature", "20 degC", "--out", "k.json")
+    assert outcome.code == 0
+    first, *rest = outcome.out.splitlines()
+    assert first.startswith("x: no trap is seen: the bead looks free")
+    assert rest == ["wrote k.json"]
+    (axis,) = json.loads(Path("k.json").read_text())["axes"]
+    assert "free" in [finding["name"] for finding in axis["findings"]]
+    D, uncertainty = (1e12 * axis[f"free_diffusion{of}"] for of in ("", "_uncertainty"))
+    assert first.endswith(f"{with_uncertainty(D, uncertainty)} um^2/s")
+    camera = trapped(STEP, 4000, K, DRAG, None, T, 9, exposure=STEP).T
+    write_table("camera.csv", camera, "t,x")
+    blind = command_line("calibrate", "camera.csv", *KNOWN)
+    assert blind.out.count("not trusted: 1") == 7  # six methods, and the corner frequency
+    assert " 1  its positions look averaged over" in blind.out
+    seen = command_line("calibrate", "camera.csv", *KNOWN, "--exposure", f"{STEP} s")
+    assert "not trusted" not in seen.out
+
+
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [([], "mine.csv: needs --temperature"),
@@ -346,6 +371,7 @@ def test_command_with_inertia_and_without_a_drag(command_line, positions):
      ([*KNOWN, "--skip", "-1"], "--skip '-1': must be from 0"),
      ([*KNOWN, "--skip", "10 s"], "mine.csv: has 0 samples"),
      (["--temperature", "0"], "--temperature '0': must be from 50 to 5000 K"),
+     ([*KNOWN, "--exposure", "1 s"], "mine.csv: exposure = 1 s: must be from 0 to the step"),
      ([*KNOWN, "--out", "k.nc"], "k.nc: must end in .json")],
 )  # fmt: skip
 def test_bad_options_are_refused_in_one_line(command_line, positions, options, complaint):

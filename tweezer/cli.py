@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Annotated
@@ -21,13 +21,22 @@ import typer
 from rich.console import Console
 
 from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
+from tweezer.rounding import rounded, with_uncertainty
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
     from rich.table import Table
 
-    from tweezer.analysis import Calibration, DepthFit, Efficiency, Summary, Trap
+    from tweezer.analysis import (
+        AxisCalibration,
+        Calibration,
+        DepthFit,
+        Efficiency,
+        Finding,
+        Summary,
+        Trap,
+    )
     from tweezer.compiling import Compilation
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
@@ -373,6 +382,10 @@ def calibrate(
         str | None,
         typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
     ] = None,
+    exposure: Annotated[
+        str | None,
+        typer.Option(help='Time that each position is averaged over: "2 ms", up to the step.'),
+    ] = None,
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
@@ -396,6 +409,7 @@ def calibrate(
         if text is not None
     }
     skipped = _quantity("--skip", skip, Time)
+    exposed = None if exposure is None else _quantity("--exposure", exposure, Time)
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     loaded = load_recording(recording).since(skipped)
@@ -414,7 +428,9 @@ def calibrate(
         drag = 6 * math.pi * given["viscosity"] * given["radius"]
     if "density" in given:
         mass = 4 / 3 * math.pi * given["density"] * given["radius"] ** 3
-    calibration = calibrated(loaded, temperature=given.get("temperature"), drag=drag, mass=mass)
+    calibration = calibrated(
+        loaded, temperature=given.get("temperature"), drag=drag, mass=mass, exposure=exposed
+    )
     _print_calibration(calibration)
     if out:
         _write_json(dataclasses.asdict(calibration), out)
@@ -834,12 +850,12 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("samples", f"{attributes['samples']} in {1e3 * attributes['duration']:.4g} ms")
     if "stationary_mean" in result:
         mean, error = (1e6 * result[f"stationary_mean{of}"].values for of in ("", "_error"))
-        row = map(_with_error, (f"{value:.4f}" for value in mean), error)
+        row = map(with_uncertainty, mean, error)
         table.add_row("mean (x, y, z)", ", ".join(row) + " um from the focus")
         variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
         deviation = variance**0.5
         error = 1e9 * error / (2 * deviation)
-        row = map(_with_error, (f"{1e9 * value:.4g}" for value in deviation), error)
+        row = map(with_uncertainty, 1e9 * deviation, error)
         table.add_row("standard deviation (x, y, z)", ", ".join(row) + " nm")
         table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
                       f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
@@ -849,12 +865,10 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
     _out.print(table)
 
 
-def _determined(value: float, uncertainty: float) -> str:
-    return f"{value:.4g} +- {uncertainty:.2g}" if uncertainty < value else "not determined, in"
-
-
-def _with_error(value: str, error: float) -> str:
-    return value if math.isnan(error) else f"{value} +- {error:.2g}"
+def _determined(value: float, uncertainty: float, unit: str) -> str:
+    if not 0 < uncertainty < value:
+        return "not determined"
+    return f"{with_uncertainty(value, uncertainty)} {unit}"
 
 
 def _quantity(option: str, text: str, annotation: object) -> float:
@@ -882,26 +896,52 @@ def _length(metres: float) -> str:
 
 def _print_calibration(calibration: Calibration) -> None:
     for axis in calibration.axes:
-        table = _table(f"{axis.axis}: stiffness by", "pN/um", "+-", "")
-        for estimate in axis.estimates:
-            table.add_row(
-                estimate.method,
-                f"{1e6 * estimate.stiffness:.4g}",
-                f"{1e6 * estimate.uncertainty:.2g}",
-                estimate.caveat and f"not to be trusted: {estimate.caveat}",
-            )
-        _out.print(table)
-        fit, free = axis.fit, axis.free_fit
-        diffusion = 1e12 * free.bead.diffusion
-        _out.print(
-            "corner frequency "
-            f"{_determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty)} Hz; "
-            f"diffusion {_determined(diffusion, 1e12 * axis.diffusion_uncertainty)} um^2/s; "
-            f"p = {fit.p_value:.2g}",
-            highlight=False, soft_wrap=True,
-        )  # fmt: skip
+        if {finding.name for finding in axis.findings} & {"free", "drift"} == {"free"}:
+            _print_free(axis)
+        else:
+            _print_trapped(axis)
     if calibration.note:
         _show_warning(calibration.note)
+
+
+def _print_free(axis: AxisCalibration) -> None:
+    D, uncertainty = axis.free_diffusion, axis.free_diffusion_uncertainty
+    diffusion = "not determined"
+    if D is not None and uncertainty is not None:
+        diffusion = _determined(1e12 * D, 1e12 * uncertainty, "um^2/s")
+    _out.print(
+        f"{axis.axis}: no trap is seen: the bead looks free, or the record is too short; the "
+        f"diffusion of a free bead, from displacements: {diffusion}",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _print_trapped(axis: AxisCalibration) -> None:
+    """A table of estimates, and below it what speaks against them, by its number there."""
+    every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
+    listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
+
+    def mark(against: Iterable[Finding]) -> str:
+        numbers = ", ".join(str(listed.index(f) + 1) for f in against if f in listed)
+        return numbers and f"not trusted: {numbers}"
+
+    table = _table(f"{axis.axis}: stiffness by", "pN/um", "+-", "")
+    for estimate in axis.estimates:
+        k, error = rounded(1e6 * estimate.stiffness, 1e6 * estimate.uncertainty)
+        judgement = mark(estimate.findings)
+        if any(finding.name == "undetermined" for finding in estimate.findings):
+            k = error = "-"
+            judgement = "; ".join(filter(None, ["not determined", judgement]))
+        table.add_row(estimate.method, k, error, judgement)
+    _out.print(table)
+    for number, finding in enumerate(listed, 1):
+        _out.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
+    fit, free = axis.fit, axis.free_fit
+    corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, "Hz")
+    diffusion = _determined(1e12 * free.bead.diffusion, 1e12 * axis.diffusion_uncertainty, "um^2/s")
+    line = f"corner frequency {corner}; diffusion {diffusion}; p = {free.p_value:.2g}"
+    against = mark(axis.findings)
+    _out.print(f"{line}; {against}" if against else line, highlight=False, soft_wrap=True)
 
 
 def _print_depth(found: DepthFit, scene: Scene) -> None:

@@ -11,12 +11,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
+from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.constants import Boltzmann
 
 from tweezer.analysis import (
     Calibration,
     DepthFit,
     Escape,
+    Finding,
     Recording,
     Track,
     Trap,
@@ -31,6 +33,7 @@ from tweezer.analysis.depth import LEVEL
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force, ray_optics_caveat
+from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -403,18 +406,20 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
         axes.errorbar(
             at, mean, mean / np.sqrt(counts[kept]), fmt=".", ms=3, lw=0.7, color=colour, alpha=0.6
         )
+        drawn = frequencies >= at[0]
+        frequencies = frequencies[drawn]
         fitted = frequencies <= found.fit.highest_frequency
         bead, uncertainty = found.fit.bead, found.fit.corner_frequency_uncertainty
         curve = bead.sampled_spectrum(frequencies, recording.step)
+        corner = with_uncertainty(bead.corner_frequency, uncertainty, "±")
         axes.plot(
             frequencies[fitted], curve[fitted], color=colour, lw=1.4, zorder=3,
-            label=f"{found.axis}: $f_c$ = {bead.corner_frequency:.4g} ± {uncertainty:.2g} Hz, "
-            f"p = {found.fit.p_value:.2g}",
+            label=f"{found.axis}: $f_c$ = {corner} Hz{_mark(found.findings)}",
         )  # fmt: skip
         axes.plot(frequencies, curve, color=colour, lw=0.8, ls=":", zorder=3)
-        axes.axvline(bead.corner_frequency, color=colour, lw=0.6, ls="--")
+        axes.axvline(bead.corner_frequency, ymax=0.08, color=colour, lw=1.0)
     axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
-    axes.legend(frameon=False, fontsize=8, loc="lower left")
+    _legend_below(axes)
     form = "Lorentzian" if calibration.mass is None else "inertial form"
     axes.set_title(f"power spectrum; {form} with its aliases", fontsize=9)
 
@@ -435,10 +440,16 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
         times = np.geomspace(lags[0], lags[-1], 200) * step
         axes.plot(
             times, bead.mean_squared_displacement(times) * _NANO**2, color=colour, lw=1.2,
-            label=f"{found.axis}: {_stiffness(estimate.stiffness, estimate.uncertainty)}",
+            label=f"{found.axis}: {_stiffness(estimate.stiffness, estimate.uncertainty)}"
+            f"{_mark(estimate.findings)}",
         )  # fmt: skip
     axes.set(xscale="log", yscale="log", xlabel="lag (s)", ylabel="displacement² (nm²)")
-    axes.legend(frameon=False, fontsize=8, loc="lower right")
+    for along in (axes.xaxis, axes.yaxis):
+        low, high = along.get_view_interval()
+        if high < 100 * low:  # few powers of ten
+            along.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            along.set_minor_formatter(NullFormatter())
+    _legend_below(axes)
     axes.set_title("mean squared displacement", fontsize=9)
 
 
@@ -449,7 +460,8 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
         colour = _COLOURS[found.axis]
         label = "too few independent samples"
         if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:
-            label = _stiffness(well.stiffness, well.uncertainty)
+            estimate = found["potential"]
+            label = _stiffness(estimate.stiffness, estimate.uncertainty) + _mark(estimate.findings)
             reach = math.sqrt(2 * 4.5 * kT / well.stiffness) * np.linspace(-1, 1, 101)
             axes.plot(
                 (well.minimum - found.centre + reach) * _NANO, well.stiffness * reach**2 / 2 / kT,
@@ -460,13 +472,22 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
             fmt="o", ms=3, lw=0.8, color=colour, alpha=0.7, label=f"{found.axis}: {label}",
         )  # fmt: skip
     axes.set(xlabel="from the mean (nm)", ylabel="potential ($k_B T$)")
-    axes.set_ylim(-0.3, 1.3 * axes.get_ylim()[1])
-    axes.legend(frameon=False, fontsize=8, loc="upper center")
+    axes.set_ylim(bottom=-0.3)
+    _legend_below(axes)
     axes.set_title("potential, from the histogram", fontsize=9)
 
 
 def _stiffness(k: float, uncertainty: float) -> str:
-    return f"k = {k * _MICRO:.4g} ± {uncertainty * _MICRO:.2g} pN/µm"
+    return f"k = {with_uncertainty(k * _MICRO, uncertainty * _MICRO, '±')} pN/µm"
+
+
+def _mark(findings: tuple[Finding, ...]) -> str:
+    return ", not trusted" if findings else ""
+
+
+def _legend_below(axes: Axes) -> None:
+    """Below the axis, where no data are."""
+    axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
 def depth_figure(track: Track, found: DepthFit) -> Figure:

@@ -14,8 +14,12 @@ from scipy.linalg import expm
 BOLTZMANN = 1.380649e-23
 
 
-def trapped(time_step, samples, k, drag, mass, temperature, seed, trajectories=1):
-    """Positions (trajectories, samples), m, from thermal equilibrium; mass None: overdamped."""
+def trapped(time_step, samples, k, drag, mass, temperature, seed, trajectories=1, exposure=0.0):
+    """Positions (trajectories, samples), m, from thermal equilibrium; mass None: overdamped.
+
+    With an exposure each is the mean over that time, from its sample on: the integral of the
+    position is one more variable of the same linear equation.
+    """
     kT = BOLTZMANN * temperature
     if mass is None:
         rates, noise = np.array([[-k / drag]]), np.array([[2 * kT / drag]])
@@ -28,16 +32,31 @@ def trapped(time_step, samples, k, drag, mass, temperature, seed, trajectories=1
     size = np.sqrt(equilibrium)
     rates, noise = rates * size / size[:, None], noise / np.outer(size, size)
     n = len(size)
-    block = expm(time_step * np.block([[-rates, noise], [np.zeros((n, n)), rates.T]]))
-    step = block[n:, n:].T
-    kick = np.linalg.cholesky(step @ block[:n, n:])
     rng = np.random.default_rng(seed)
     state = rng.standard_normal((n, trajectories))
     positions = np.empty((samples, trajectories))
+    step, kick = propagator(rates, noise, time_step - exposure)
+    if exposure:
+        exposing = np.zeros((n + 1, n + 1))
+        exposing[:n, :n], exposing[n, 0] = rates, 1 / exposure
+        noise = np.pad(noise, (0, 1))
+        seen, kick_seen = propagator(exposing, noise, exposure)
     for i in range(samples):
         positions[i] = state[0]
+        if exposure:
+            state = seen[:, :n] @ state + kick_seen @ rng.standard_normal((n + 1, trajectories))
+            state, positions[i] = state[:n], state[n]
         state = step @ state + kick @ rng.standard_normal((n, trajectories))
     return size[0] * positions.T
+
+
+def propagator(rates, noise, time):
+    """The linear map of a state over `time`, and a root of the covariance that noise adds."""
+    n = len(rates)
+    block = expm(time * np.block([[-rates, noise], [np.zeros((n, n)), rates.T]]))
+    step = block[n:, n:].T
+    added = step @ block[:n, n:]
+    return step, np.linalg.cholesky(added) if time else np.zeros((n, n))
 
 
 def double_well(barrier, minima, samples, temperature, seed):

@@ -13,6 +13,7 @@ from tweezer.analysis.calibrate import (
 )
 from tweezer.analysis.depth import DepthFit, Minimum, Parameter, fit_depth
 from tweezer.analysis.derived import derived_quantities
+from tweezer.analysis.findings import Finding
 from tweezer.analysis.recording import Recording, Track, load_recording, load_track
 from tweezer.analysis.spectra import (
     TrappedBead,
@@ -35,6 +36,7 @@ __all__ = [
     "Escape",
     "EscapeTimes",
     "Estimate",
+    "Finding",
     "Minimum",
     "Parameter",
     "Potential",

@@ -13,43 +13,49 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
-from scipy.linalg import LinAlgWarning, cholesky, inv, solve_triangular
-from scipy.optimize import least_squares, minimize
+from scipy.linalg import LinAlgWarning, cholesky, solve_triangular
+from scipy.optimize import brentq, least_squares
 from scipy.special import chdtri, ndtr
 
+from tweezer.analysis.findings import (
+    Finding,
+    Fits,
+    examine,
+    free_diffusion,
+    relative_variance_of_variance,
+    spectrum_p_value,
+)
 from tweezer.analysis.recording import Recording, load_recording
 from tweezer.analysis.spectra import (
     TrappedBead,
     autocovariance,
     mean_squared_displacement,
-    power_spectrum,
     standard_error,
     statistical_inefficiency,
 )
+from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted, inverse, usable
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: the spectrum is fitted up to so many times the frequency where it rolls off; to where the square
-#: of the part that leaked, times the ordinates, is that; and over no fewer ordinates than that
-_RANGE, _LEAKAGE, _LEAST_ORDINATES = 20.0, 0.1, 50
-#: lags of the fits in time, in relaxation times, and how many
+#: Lags of the fits in time, in relaxation times, and their number.
 _LAGS, _LAG_COUNT = (0.1, 2.0), 10
-#: after so many relaxation times nothing is remembered
+#: Number of relaxation times after which nothing is remembered.
 _FORGOTTEN = 20.0
 
-#: what is not trusted: a record of fewer relaxation times, for with 21 of them one free bead in a
-#: hundred looks trapped (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)); a
-#: relative uncertainty above; a spectrum whose p-value is below; two numbers further apart, in
-#: standard uncertainties; a start further from the mean, in standard deviations
-_RELAXATIONS, _UNCERTAIN, _IMPROBABLE, _APART, _FAR = 30.0, 0.3, 1e-3, 4.0, 6.0
+#: Largest relative uncertainty of a stiffness that counts as determined.
+_UNCERTAIN = 0.3
+#: Least record of a potential, in relaxation times: in fewer its bins hold too little.
+_HISTOGRAM = 100.0
+#: Largest distance from the stiffness by the power spectrum, in standard uncertainties.
+_APART = 4.0
 
-#: K, which a medium may have
+#: Part by which an exposure may exceed the step, which is as uncertain.
+_UNEVEN = 1e-3
+#: Temperatures that a medium may have, K.
 _TEMPERATURES = (50.0, 5000.0)
-#: standard deviation of a Gaussian over the median of the distance to its middle
-_DEVIATION_PER_MEDIAN = 1.4826
 
 #: bins of a histogram: how far from the mean they reach and how wide they may be, in standard
 #: deviations; the independent samples that one needs, and that those at two deviations should have
@@ -71,8 +77,14 @@ class Estimate:
     """k, N/m"""
     uncertainty: float
     """standard uncertainty of k, N/m; statistical alone, temperature and drag taken as exact"""
-    caveat: str
-    """why it is not to be trusted; empty if nothing speaks against it"""
+    findings: tuple[Finding, ...]
+    """why it is not to be trusted: what speaks against the record, then against this number; empty
+    if nothing does"""
+
+    @property
+    def caveat(self) -> str:
+        """The findings in words."""
+        return "; ".join(finding.text for finding in self.findings)
 
 
 @dataclass(frozen=True)
@@ -104,6 +116,8 @@ class AxisCalibration:
     axis: str
     centre: float
     """mean position, m"""
+    findings: tuple[Finding, ...]
+    """what speaks against the record, and so against every estimate; empty if nothing does"""
     estimates: tuple[Estimate, ...]
     fit: SpectrumFit
     """with the drag given; the one below if none was"""
@@ -111,6 +125,10 @@ class AxisCalibration:
     """corner frequency and diffusion both fitted: the drag is k_B T/D"""
     relaxations: float
     """the record, in relaxation times of `fit`"""
+    free_diffusion: float | None
+    """m^2/s, from displacements, if the record looks like that of a free bead (finding "free")"""
+    free_diffusion_uncertainty: float | None
+    """its standard uncertainty, m^2/s"""
 
     @property
     def diffusion_uncertainty(self) -> float:
@@ -133,6 +151,8 @@ class Calibration:
     """kg/s; None: fitted"""
     mass: float | None
     """kg; None: overdamped"""
+    exposure: float | None
+    """s; None: not known, taken as 0"""
     samples: int
     step: float
     """s"""
@@ -156,28 +176,33 @@ def calibrate(
     temperature: float | None = None,
     drag: float | None = None,
     mass: float | None = None,
+    exposure: float | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
 
     source: a recording, or what `load_recording` takes. temperature: of the medium, K; drag: beta,
-    kg/s; mass: of the bead, kg. For a run of ours they are the scene's if not given (the mass that
-    its model has: none where inertia is left out, m/a2 in the scaled model).
+    kg/s; mass: of the bead, kg; exposure: the time over which each position is averaged, s, from 0
+    to the step. For a run of ours they are the scene's if not given (the mass that its model has:
+    none where inertia is left out, m/a2 in the scaled model; the exposure is 0). An exposure that
+    is not known is taken as 0, and a record that could have another one says so.
 
-    Equipartition: k_B T over the variance, corrected for the mean being that of the record; its
-    uncertainty by the statistical inefficiency of the squares. Power spectrum: the periodogram
-    expected of the sampled bead (`TrappedBead.sampled_spectrum`: aliases and leakage are in it;
-    with a mass the inertial form), fitted by maximum likelihood for ordinates distributed
-    exponentially (P. Whittle, Ark. Mat. 2, 423 (1953)), with the drag given and with the drag
-    fitted; uncertainties by Fisher's information; the p-value is that of Bartlett's test, by
-    Kolmogorov and Smirnov, on the cumulative periodogram over the fit. Displacement and
-    autocorrelation: least squares over ten lags, from 0.1 to 2 relaxation times, weighted with the
-    covariance that those averages have for Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl.
-    8, 27 (1946)); the autocorrelation takes the rate of decay alone and needs a drag, but no
-    temperature. Potential: `potential`.
+    The record is tested first (`tweezer.analysis.findings`): what speaks against it is said of
+    every number of its axis. Equipartition: k_B T over the variance, corrected for the mean being
+    that of the record, and for the exposure; its uncertainty is that of a sum of the ordinates of
+    the spectrum. Power spectrum: the periodogram expected of the sampled bead
+    (`TrappedBead.sampled_spectrum`: aliases and leakage are in it; with a mass the inertial form),
+    fitted by maximum likelihood for ordinates distributed exponentially (P. Whittle, Ark. Mat. 2,
+    423 (1953)), with the drag given and with the drag fitted; uncertainties by Fisher's
+    information; the p-value is that of Bartlett's test, by Kolmogorov and Smirnov, on the
+    cumulative periodogram over the fit. Displacement and autocorrelation: least squares over ten
+    lags, from 0.1 to 2 relaxation times, weighted with the covariance that those averages have for
+    Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 27 (1946)); the autocorrelation
+    takes the rate of decay alone and needs a drag, but no temperature. Potential: `potential`, with
+    the corrections of equipartition.
 
-    Uncertainties are asymptotic: good to a tenth for records of 300 relaxation times or more. Every
-    estimate that cannot be trusted says so (`Estimate.caveat`). Raises `ResultError` without a
-    temperature, for what `load_recording` refuses, and for a run without thermal motion.
+    How often the intervals hold the true stiffness is measured: `tweezer bench calibrate`. Raises
+    `ResultError` without a temperature, for an exposure longer than the step, for what
+    `load_recording` refuses, and for a run without thermal motion.
     """
     recording = source if isinstance(source, Recording) else load_recording(source)
     if recording.scene is not None:
@@ -190,6 +215,7 @@ def calibrate(
             temperature = recording.scene.medium.temperature
         drag = bead.drag if drag is None else drag
         mass = _inertia(recording.scene, bead.mass) if mass is None else mass
+        exposure = 0.0 if exposure is None else exposure
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
     for name, value in {"temperature": temperature, "drag": drag, "mass": mass}.items():
@@ -201,30 +227,35 @@ def calibrate(
             f"{recording.name}: temperature = {temperature:g}: must be from {coldest:g} to "
             f"{hottest:g} K"
         )
-    given = TrappedBead(math.nan, math.nan if drag is None else drag, temperature, mass)
-    wrong = []
+    step = recording.step
+    if exposure is not None and not 0 <= exposure <= step * (1 + _UNEVEN):
+        raise ResultError(
+            f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the step of the "
+            f"samples, {step:.4g} s"
+        )
+    given = TrappedBead(
+        math.nan, math.nan if drag is None else drag, temperature, mass, min(exposure or 0.0, step)
+    )
+    made_by: list[Finding] = []
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
-        wrong.append("simulated by one-call: displacements from step to step are not the bead's")
+        text = "simulated by one-call: displacements from step to step are not the bead's"
+        made_by.append(Finding("one-call", text))
     axes = []
     for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
         try:
             with warnings.catch_warnings(action="error", category=LinAlgWarning):
-                axes.append(_calibrated(axis, positions, recording.step, given, wrong))
-        except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning) as error:
+                axes.append(
+                    _calibrated(axis, positions, step, given, exposure is not None, made_by)
+                )
+        except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
-                f"{recording.name}: {axis}: no trapped bead fits this: {str(error).strip()}"
+                f"{recording.name}: {axis}: no trapped bead moves like this; is it noise, or a "
+                "signal of another kind?"
             ) from None
-    samples = len(recording.times)
     return Calibration(
-        recording.name,
-        temperature,
-        drag,
-        mass,
-        samples,
-        recording.step,
-        recording.note,
-        tuple(axes),
-    )
+        recording.name, temperature, drag, mass, exposure, len(recording.times), step,
+        recording.note, tuple(axes),
+    )  # fmt: skip
 
 
 def _inertia(scene: Scene, mass: float) -> float | None:
@@ -236,178 +267,119 @@ def _inertia(scene: Scene, mass: float) -> float | None:
 
 
 def _calibrated(
-    axis: str, positions: Array, step: float, given: TrappedBead, wrong: list[str]
+    axis: str,
+    positions: Array,
+    step: float,
+    given: TrappedBead,
+    exposure_known: bool,
+    made_by: list[Finding],
 ) -> AxisCalibration:
-    """The trap along one axis; wrong: what speaks against all that comes of how the bead moves."""
-    positions = np.ascontiguousarray(positions)
-    free, fit = _fit_spectrum(positions, step, given)
-    bead, known = fit.bead, not math.isnan(given.drag)
-    duration = len(positions) * step
+    """The trap along one axis; made_by: what speaks against all that is of how the bead moves."""
+    known = not math.isnan(given.drag)
+    whole = Periodogram.of(positions, step)
+    start = best_start(whole, positions, given)
+    part = usable(whole, start)
+    free = fit = fitted(part, start, 2)
+    if known:
+        fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), 1)
+    bead, fits = fit.bead, Fits(whole, fit, free)
+    findings = examine(positions, step, fits, exposure_known)
+    own = _spectrum_fit(positions, step, fit)
+    of_free = _spectrum_fit(positions, step, free) if known else own
 
-    general = []
-    relaxations = duration / bead.relaxation_time
-    if relaxations < _RELAXATIONS:
-        general.append(
-            f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
-        )
-    # by the median, which what is far off does not move
-    off = np.abs(positions - np.median(positions))
-    spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
-    farthest = int(off.argmax())
-    if spread == 0:
-        general.append("more than half of its samples are the same number")
-    elif off[0] > _FAR * spread:
-        away = off[0] / spread
-        general.append(f"it starts {away:.2g} standard deviations off: leave out the beginning")
-    elif off[farthest] > _FAR * spread:
-        away = off[farthest] / spread
-        general.append(f"sample {farthest + 1} is {away:.2g} standard deviations off")
-    if 2 * (free.log_likelihood - fit.log_likelihood) > _APART**2:  # S. S. Wilks
-        ratio = free.bead.drag / bead.drag
-        general.append(
-            f"temperature and drag contradict the diffusion, that of {ratio:.3g} times this drag"
-        )
-    of_model = [*general, *wrong]
-    if free.p_value < _IMPROBABLE:
-        of_model.append(f"the spectrum is not that of a trapped bead (p = {free.p_value:.1g})")
+    estimates = []
 
-    estimates = [
-        Estimate("power spectrum", bead.stiffness, fit.stiffness_uncertainty, "; ".join(of_model))
-    ]
-
-    def add(method: str, found: tuple[float, float], caveats: list[str]) -> None:
-        k, uncertainty = found
-        apart = abs(k - bead.stiffness) / math.hypot(uncertainty, fit.stiffness_uncertainty)
-        if apart > _APART:
+    def add(method: str, found: tuple[float, float], against: list[Finding]) -> None:
+        k, uncertainty = map(float, found)
+        apart = abs(k - bead.stiffness) / math.hypot(uncertainty, own.stiffness_uncertainty)
+        if not 0 < uncertainty <= _UNCERTAIN * abs(k):
+            against = [Finding("undetermined", "not determined"), *against]
+        elif apart > _APART:
             text = f"{apart:.2g} standard uncertainties from that of the power spectrum"
-            caveats = [*caveats, text]
-        estimates.append(Estimate(method, float(k), float(uncertainty), "; ".join(caveats)))
+            against = [*against, Finding("apart", f"{method}: {text}")]
+        estimates.append(Estimate(method, k, uncertainty, (*findings, *against)))
 
+    add("power spectrum", (bead.stiffness, own.stiffness_uncertainty), made_by)
     if known:
-        fitted = free.bead.stiffness, free.stiffness_uncertainty
-        add("power spectrum, drag fitted", fitted, of_model)
-    add("equipartition", _equipartition(positions, step, bead), general)
+        fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
+        add("power spectrum, drag fitted", fitted_too, made_by)
+    add("equipartition", _equipartition(positions, fits), [])
     lags = _lags(len(positions), step, bead)
-    add("displacement", _displacement(positions, step, bead, lags, known), of_model)
+    add("displacement", _displacement(positions, step, bead, lags, known), made_by)
     if known:
-        add("autocorrelation", _autocorrelation(positions, step, bead, lags), of_model)
+        add("autocorrelation", _autocorrelation(positions, step, bead, lags), made_by)
+    relaxations = len(positions) * step / bead.relaxation_time
     well = potential(positions, bead.temperature)
     if well.stiffness is not None and well.uncertainty is not None:
-        add("potential", (well.stiffness, well.uncertainty), general)
-    judged = tuple(map(_judged, estimates))
-    return AxisCalibration(axis, float(positions.mean()), judged, fit, free, relaxations)
+        few = Finding("few", f"potential: fewer than {_HISTOGRAM:g} relaxation times for its bins")
+        against = [few] if relaxations < _HISTOGRAM else []
+        add("potential", _corrected(well.stiffness, well.uncertainty, fits), against)
+    alone = None
+    if any(finding.name == "free" for finding in findings):
+        alone = free_diffusion(positions, step)
+    return AxisCalibration(
+        axis, float(positions.mean()), tuple(findings), tuple(estimates), own, of_free,
+        relaxations, *(alone or (None, None)),
+    )  # fmt: skip
 
 
-def _judged(estimate: Estimate) -> Estimate:
-    size = abs(estimate.stiffness)
-    if 0 < estimate.uncertainty <= _UNCERTAIN * size:
-        return estimate
-    caveat = "not determined"
-    if size > 0 and estimate.uncertainty > 0:
-        caveat += f": uncertain by {100 * estimate.uncertainty / size:.2g} %"
-    return dataclasses.replace(estimate, caveat="; ".join(filter(None, [caveat, estimate.caveat])))
-
-
-def _fit_spectrum(
-    positions: Array, step: float, given: TrappedBead
-) -> tuple[SpectrumFit, SpectrumFit]:
-    """With the drag fitted, and with the drag given (again the former if it is not)."""
-    from scipy.stats import kstest
-
-    samples = len(positions)
-    frequencies, density = power_spectrum(positions, step)
-    starts = _guesses(positions, step, frequencies[density.argmax()], given)
-    if not math.isnan(given.drag):
-        starts += [dataclasses.replace(start, drag=given.drag) for start in starts]
-    start = min(
-        starts,
-        key=lambda bead: _unlikelihood(density, bead.sampled_spectrum(frequencies, step, samples)),
+def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit:
+    bead = fit.bead
+    return SpectrumFit(
+        bead,
+        bead.stiffness * fit.uncertainty(1, 0),
+        bead.drag * fit.uncertainty(0, 1) if fit.free == 2 else None,
+        bead.corner_frequency * fit.uncertainty(1, -1),
+        float(fit.periodogram.frequencies[-1]),
+        fit.log_likelihood,
+        spectrum_p_value(positions, step, fit),
     )
-    # leakage correlates the ordinates; it must stay below the noise of their sum
-    leakage = (
-        start.sampled_spectrum(frequencies, step, samples)
-        / start.sampled_spectrum(frequencies, step)
-        - 1
-    )
-    leaking = np.flatnonzero(np.arange(frequencies.size) * leakage**2 > _LEAKAGE)
-    within = int((frequencies <= _RANGE * start.roll_off).sum())
-    used = slice(max(min(within, *leaking[:1], frequencies.size), _LEAST_ORDINATES))
-    frequencies, density = frequencies[used], density[used]
-
-    def fitted(start: TrappedBead, free: int) -> SpectrumFit:
-        """The first `free` of stiffness and drag are."""
-
-        def bead(logarithms: Array) -> TrappedBead:
-            k, drag = [*np.exp(logarithms), start.drag][:2]
-            return dataclasses.replace(start, stiffness=float(k), drag=float(drag))
-
-        def expected(logarithms: Array) -> Array:
-            return bead(logarithms).sampled_spectrum(frequencies, step, samples)
-
-        found = minimize(
-            lambda logarithms: _unlikelihood(density, expected(logarithms)),
-            np.log([start.stiffness, start.drag])[:free],
-            method="Nelder-Mead", options={"xatol": 1e-4, "fatol": 1e-5},
-        ).x  # fmt: skip
-        covariance = _inverse_information(lambda logarithms: np.log(expected(logarithms)), found)
-        best = bead(found)
-        of_corner = np.array([1.0, -1.0])[:free]
-        passed = np.cumsum(density / expected(found))
-        return SpectrumFit(
-            best,
-            best.stiffness * math.sqrt(covariance[0, 0]),
-            best.drag * math.sqrt(covariance[1, 1]) if free == 2 else None,
-            best.corner_frequency * math.sqrt(of_corner @ covariance @ of_corner),
-            float(frequencies[-1]),
-            -_unlikelihood(density, expected(found)),
-            float(kstest(passed[:-1] / passed[-1], "uniform").pvalue),
-        )
-
-    free_fit = fitted(start, 2)
-    if math.isnan(given.drag):
-        return free_fit, free_fit
-    return free_fit, fitted(dataclasses.replace(free_fit.bead, drag=given.drag), 1)
 
 
-def _unlikelihood(density: Array, expected: Array) -> float:
-    """Minus the logarithm of the likelihood of ordinates distributed exponentially."""
-    if not (expected > 0).all():  # rounding, far from any bead there is
-        return math.inf
-    return float(np.sum(np.log(expected) + density / expected))
+def _equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
+    """By the variance of the positions; its own relative variance is that of the whole spectrum."""
+    k = Boltzmann * fits.fit.bead.temperature / np.var(positions)
+    relative = math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
+    return _corrected(k, k * relative, fits)
 
 
-def _inverse_information(expected: Callable[[Array], Array], at: Array) -> Array:
-    """Covariance of the parameters `at` that make values, each uncertain by 1.
+def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
+    """k that was taken for k_B T over the variance of the record, and is less the more is missing.
 
-    One that the values do not show at all is uncertain by 10^6.
+    Missing is the variance of the mean, and what the exposure takes. That depends on the relaxation
+    time: of the drag given, or as fitted, whose uncertainty then adds to that of k.
     """
-    slopes = np.stack(
-        [(expected(at + d) - expected(at - d)) / 2e-4 for d in 1e-4 * np.eye(at.size)]
-    )
-    return inv(slopes @ slopes.T + 1e-12 * np.eye(at.size))
-
-
-def _guesses(positions: Array, step: float, peak: float, given: TrappedBead) -> list[TrappedBead]:
-    """Beads to start a fit from: an overdamped one, and with a mass one that rings at `peak`."""
-    k = Boltzmann * given.temperature / np.var(positions)
-    # the squares forget twice as fast; where the bead rings, that is in m/beta
-    memory = step * statistical_inefficiency((positions - positions.mean()) ** 2)
-    guesses = [dataclasses.replace(given, stiffness=k, drag=k * memory)]
-    if given.mass is not None:
-        ringing = given.mass * (2 * math.pi * peak) ** 2
-        guesses.append(dataclasses.replace(given, stiffness=ringing, drag=given.mass / memory))
-    return guesses
-
-
-def _equipartition(positions: Array, step: float, bead: TrappedBead) -> tuple[float, float]:
-    squares = (positions - positions.mean()) ** 2
-    missing = bead.variance_of_mean(step, len(positions)) / bead.variance
-    relative = standard_error(squares) / squares.mean()
+    whole, bead = fits.whole, fits.fit.bead
+    relative_square = (uncertainty / k) ** 2
+    missing = bead.variance_of_mean(whole.step, whole.samples) / bead.variance
     # a record that shows nothing of the relaxation leaves rounding
-    variance = squares.mean() / max(1 - missing, 1 / len(positions))
-    # the mean of 1/variance is larger than 1/(the mean variance)
-    k = Boltzmann * bead.temperature / (variance * (1 + relative**2))
-    return k, k * relative
+    k *= max(1 - missing, 1 / whole.samples)
+    if not bead.exposure:
+        return k, k * math.sqrt(relative_square)
+
+    def shown(stiffness: float) -> float:
+        """The stiffness that such a bead seems to have."""
+        other = dataclasses.replace(bead, stiffness=stiffness)
+        return Boltzmann * bead.temperature / other.variance
+
+    def slope(stiffness: float) -> float:
+        """d ln shown/d ln k."""
+        return math.log(shown(stiffness * 1.001) / shown(stiffness / 1.001)) / math.log(1.001**2)
+
+    if fits.fit.free == 1:
+        root = brentq(lambda x: math.log(shown(math.exp(x)) / k), math.log(k) - 50, math.log(k) + 1)
+        found = math.exp(root)
+        return found, found * math.sqrt(relative_square) / slope(found)
+    # with the drag fitted the relaxation time is, and the part that is shown with it
+    found = k * bead.stiffness / shown(bead.stiffness)
+    fit = fits.free
+    counts, n = fit.periodogram.counts, fit.slopes.shape[1]
+    power = whole.counts * whole.expected(bead)
+    of_rate = np.array([1.0, -1.0]) @ fit.covariance @ (fit.slopes * counts)
+    follows = slope(bead.stiffness) - 1  # d ln(shown/k)/d ln rate
+    both = float(of_rate @ (power[:n] / counts)) / power.sum()
+    relative_square += (follows * fit.uncertainty(1, -1)) ** 2 + 2 * follows * both
+    return found, found * math.sqrt(max(relative_square, 0.0))
 
 
 def _lags(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
@@ -439,7 +411,7 @@ def _displacement(
 def _autocorrelation(
     positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64]
 ) -> tuple[float, float]:
-    lags = np.concatenate([[0], lags])
+    """By the rate of decay; without lag 0, which alone contains white noise."""
     lost = bead.variance_of_mean(step, len(positions)) / bead.variance
 
     def predicted(logarithms: Array) -> Array:
@@ -449,7 +421,7 @@ def _autocorrelation(
 
     covariance = _covariance_of_averages(bead, step, len(positions), lags, _of_products)
     values = autocovariance(positions)[lags]
-    start = np.log([bead.stiffness, values[0]])
+    start = np.log([bead.stiffness, bead.variance])
     found, errors = _least_squares(values, covariance, predicted, start)
     k = math.exp(found[0])
     return k, k * float(errors[0])
@@ -507,7 +479,10 @@ def _least_squares(
         return solve_triangular(root, (values - predicted(parameters)) / size, lower=True)
 
     found = least_squares(residuals, start, x_scale=0.1).x
-    return found, np.sqrt(np.diag(_inverse_information(residuals, start)))
+    slopes = np.stack(
+        [(residuals(start + d) - residuals(start - d)) / 2e-4 for d in 1e-4 * np.eye(start.size)]
+    )
+    return found, np.sqrt(np.diag(inverse(slopes @ slopes.T)))
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +16,10 @@ Complex = NDArray[np.complex128]
 
 #: Sokal's window, in statistical inefficiencies
 _WINDOW = 3.0
-#: nearer to critical damping than this, both rates coincide
+#: Distance from critical damping below which both rates coincide.
 _CRITICAL = 1e-5
+#: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
+_SHORT = 1e-2
 
 
 def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
@@ -61,10 +64,11 @@ def mean_squared_displacement(positions: Array) -> Array:
 
 def _products(positions: Array) -> Array:
     """Sum at lags 0 to n-1 of the products of two deviations from the mean."""
-    from scipy.signal import correlate
+    from scipy.fft import irfft, next_fast_len, rfft
 
     deviations = positions - np.mean(positions)
-    return correlate(deviations, deviations, method="fft")[len(positions) - 1 :]
+    length = next_fast_len(2 * len(positions), real=True)
+    return irfft(np.abs(rfft(deviations, length)) ** 2, length)[: len(positions)]
 
 
 def statistical_inefficiency(series: Array) -> float:
@@ -90,12 +94,21 @@ def standard_error(series: Array) -> float:
     return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
 
 
+def _overlap(v: NDArray[Any]) -> NDArray[Any]:
+    """h(v) = e^-v - 1 + v: twice the integral of e^-r|s-t| over 0 < s, t < v/r is 2 h(v)/r^2."""
+    series = v**2 / 2 * (1 - v / 3 * (1 - v / 4 * (1 - v / 5 * (1 - v / 6))))
+    return np.where(np.abs(v) < _SHORT, series, np.expm1(-v) + v)
+
+
 @dataclass(frozen=True)
 class TrappedBead:
-    """A bead in a harmonic trap: m x'' + beta x' + k x = thermal noise.
+    """A bead in a harmonic trap, m x'' + beta x' + k x = thermal noise, and how it is recorded.
 
     Without a mass it is overdamped: the Ornstein-Uhlenbeck process. The noise is white: what the
-    medium's inertia does to the drag (Basset) is not in it.
+    medium's inertia does to the drag (Basset) is not in it. A position that is recorded is the mean
+    over the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517 (2006)).
+    With it a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
+    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0.
     """
 
     stiffness: float
@@ -106,11 +119,13 @@ class TrappedBead:
     """T, K"""
     mass: float | None = None
     """m, kg"""
+    exposure: float = 0.0
+    """W, s: the time over which each recorded position is averaged"""
 
     @property
     def variance(self) -> float:
-        """k_B T/k, m^2: equipartition."""
-        return Boltzmann * self.temperature / self.stiffness
+        """Of recorded positions, m^2: k_B T/k (equipartition), less what the exposure takes."""
+        return float(self.autocovariance(0.0))
 
     @property
     def corner_frequency(self) -> float:
@@ -136,38 +151,49 @@ class TrappedBead:
 
     def _decays(self) -> list[tuple[complex, complex]]:
         """Amplitudes (m^2) and rates (1/s) of the exponentials that make the autocovariance."""
+        equipartition = Boltzmann * self.temperature / self.stiffness
         if self.mass is None:
-            return [(self.variance, self.stiffness / self.drag)]
+            return [(equipartition, self.stiffness / self.drag)]
         split = cmath.sqrt(1 - 4 * self.mass * self.stiffness / self.drag**2)
         if abs(split) < _CRITICAL:
             split = complex(_CRITICAL)  # the error is of second order
         fast = self.drag / (2 * self.mass) * (1 + split)
         slow = self.stiffness / self.mass / fast
         return [
-            (self.variance * fast / (fast - slow), slow),
-            (-self.variance * slow / (fast - slow), fast),
+            (equipartition * fast / (fast - slow), slow),
+            (-equipartition * slow / (fast - slow), fast),
         ]
 
     def autocovariance(self, times: ArrayLike) -> Array:
-        """<x(0) x(t)>, m^2, at `times` (s)."""
+        """<x(0) x(t)>, m^2, of recorded positions, at `times` (s)."""
         past = np.abs(np.asarray(times, np.float64))
-        terms = [amplitude * np.exp(-rate * past) for amplitude, rate in self._decays()]
-        return np.real(sum(terms))
+        covariance = np.zeros(past.shape)
+        for amplitude, rate in self._decays():
+            decay = np.exp(-rate * past)
+            if self.exposure:
+                u, v = rate * self.exposure, rate * np.minimum(past, self.exposure)
+                apart = _overlap(v + u) - 2 * _overlap(v) + _overlap(u - v)
+                late = np.exp(-rate * np.maximum(past - self.exposure, 0)) * np.expm1(-u) ** 2
+                decay = np.where(past < self.exposure, apart, late) / u**2
+            covariance += np.real(amplitude * decay)
+        return covariance
 
     def mean_squared_displacement(self, times: ArrayLike) -> Array:
-        """<(x(t) - x(0))^2>, m^2, at `times` (s)."""
+        """<(x(t) - x(0))^2>, m^2, of recorded positions, at `times` (s)."""
         return 2 * (self.variance - self.autocovariance(times))
 
     def spectrum(self, frequencies: ArrayLike) -> Array:
         """One-sided power spectral density, m^2/Hz, of the motion itself at `frequencies` (Hz).
 
         The Lorentzian, or with a mass its inertial form (K. Berg-Sorensen and H. Flyvbjerg,
-        Rev. Sci. Instrum. 75, 594 (2004)).
+        Rev. Sci. Instrum. 75, 594 (2004)); times sinc^2(f W) for the exposure.
         """
-        omega = 2 * np.pi * np.asarray(frequencies, np.float64)
+        f = np.asarray(frequencies, np.float64)
+        omega = 2 * np.pi * f
         restoring = self.stiffness - (self.mass or 0.0) * omega**2
         force = 4 * Boltzmann * self.temperature * self.drag
-        return force / (restoring**2 + (self.drag * omega) ** 2)
+        density = force / (restoring**2 + (self.drag * omega) ** 2)
+        return density * np.sinc(f * self.exposure) ** 2
 
     def sampled_spectrum(
         self, frequencies: ArrayLike, step: float, samples: float = math.inf
@@ -175,20 +201,26 @@ class TrappedBead:
         """One-sided power spectral density, m^2/Hz, of positions taken every `step` (s).
 
         All aliases are in it: the sum over them is that over the autocovariance of the samples,
-        which are one or two geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev. E 83,
-        041103 (2011)). With `samples`, the periodogram expected at the Fourier frequencies of a
-        record that long: leakage is then in it too (A. M. Sykulski et al., Biometrika 106, 251
-        (2019)).
+        which are one or two geometric series from lag 1 on (S. F. Norrelykke and H. Flyvbjerg,
+        Phys. Rev. E 83, 041103 (2011)). With `samples`, the periodogram expected at the Fourier
+        frequencies of a record that long: leakage is then in it too (A. M. Sykulski et al.,
+        Biometrika 106, 251 (2019)). The exposure must not exceed the step.
         """
         turn = 2j * np.pi * np.asarray(frequencies, np.float64) * step
-        density = np.zeros(turn.shape)
+        density = np.full(turn.shape, self.variance)
         for amplitude, rate in self._decays():
             ends = -np.expm1(-rate * step * samples) / samples if math.isfinite(samples) else 0.0
-            z, rest = np.exp(turn - rate * step), -np.expm1(turn - rate * step)
-            density += np.real(amplitude * ((1 + z) / rest - 2 * ends * z / rest**2))
+            rest = -np.expm1(turn - rate * step)
+            if self.exposure:
+                u = rate * self.exposure
+                amplitude *= (np.expm1(-u) / u) ** 2  # noqa: PLW2901
+                first = np.exp(turn - rate * (step - self.exposure))
+            else:
+                first = 1 - rest
+            density += 2 * np.real(amplitude * first * (1 / rest - ends / rest**2))
         return 2 * step * density
 
-    def variance_of_mean(self, step: float, samples: int) -> float:
+    def variance_of_mean(self, step: float, samples: float) -> float:
         """Variance of the mean of `samples` positions taken every `step` (s), m^2."""
         lags = np.arange(1, samples)
         covariance = self.autocovariance(lags * step)

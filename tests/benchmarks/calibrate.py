@@ -1,0 +1,143 @@
+"""Calibration of records whose trap is known: how often intervals hold it, and what is marked.
+
+Records are drawn exactly (`tests.reference.trapped_bead`): as cameras make them, at three rates and
+exposed for none or all of each frame; and of 40 and 820 relaxation times, with drift or
+white noise. The coverage of the 95 % interval is that of the numbers that carry no finding. Records
+are calibrated on all cores.
+"""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import tweezer
+from tests.benchmarks.force import _to_four_digits
+from tests.benchmarks.timing import machine
+from tests.reference.trapped_bead import BOLTZMANN, trapped
+from tweezer.analysis import AxisCalibration, Recording
+
+Results = dict[str, Any]
+
+#: of the first round; each has its own
+SEED = 1
+#: rounds, and records of each study in one
+ROUNDS, RECORDS = 2, 50
+TEMPERATURE = 293.15
+#: of a bead of 1 um in water, kg/s
+DRAG = 6 * math.pi * 1.002e-3 * 0.5e-6
+#: samples of a camera's record
+FRAMES = 6000
+
+
+class Study(NamedTuple):
+    """Records of one trap, disturbed in one way."""
+
+    stiffness: float
+    """N/m"""
+    step: float
+    """s"""
+    samples: int
+    drag_given: bool
+    exposure: float = 0.0
+    """of the step"""
+    exposure_given: bool = False
+    noise: float = 0.0
+    """standard deviations of the motion"""
+    drift: float = 0.0
+    """over the record, in standard deviations of the motion"""
+
+
+CAMERAS = tuple(
+    Study(stiffness, 1 / rate, FRAMES, drag_given, exposure, exposure_given)
+    for exposure, exposure_given in ((1.0, True), (0.0, False), (1.0, False))
+    for rate in (20e3, 2500.0, 500.0)
+    for stiffness in (50e-6, 12e-6)
+    for drag_given in (True, False)
+)
+_RELAXATION = DRAG / 1e-5
+DISTURBED = tuple(
+    Study(1e-5, 0.1 * _RELAXATION, 10 * relaxations, drag_given, noise=noise, drift=drift)
+    for noise, drift in (
+        (0.0, 0.0), (0.05, 0.0), (0.1, 0.0), (0.3, 0.0), (0.0, 0.3), (0.0, 1.0), (0.0, 3.0)
+    )
+    for relaxations in (820, 40)
+    for drag_given in (True, False)
+)  # fmt: skip
+
+
+def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
+    """The whole benchmark; `say` is told what is being measured."""
+    rounds, count = (1, 2) if quick else (ROUNDS, RECORDS)
+    studies = [*CAMERAS, *DISTURBED][:: 8 if quick else 1]
+    tasks = [(study, SEED + i, count) for i in range(rounds) for study in studies]
+    found: dict[Study, list[AxisCalibration]] = {study: [] for study in studies}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=context) as executor:
+        parts = executor.map(calibrated, *zip(*tasks, strict=True))
+        for i, (study, part) in enumerate(zip(studies * rounds, parts, strict=True), 1):
+            found[study] += part
+            say(f"{i} of {len(tasks)} sets of records")
+    results: Results = _to_four_digits(
+        {
+            "machine": machine(), "quick": quick, "records": rounds * count,
+            "cameras": [_judged(s, found[s]) for s in studies if s in CAMERAS],
+            "disturbed": [_judged(s, found[s]) for s in studies if s in DISTURBED],
+        }
+    )  # fmt: skip
+    return results
+
+
+def calibrated(study: Study, seed: int, count: int) -> list[AxisCalibration]:
+    """Of so many records."""
+    drag = DRAG if study.drag_given else None
+    exposure = study.exposure * study.step if study.exposure_given else None
+    times = np.arange(study.samples) * study.step
+    recordings = [
+        Recording("record", times, x[:, None], ("x",)) for x in records(study, seed, count)
+    ]
+    return [
+        tweezer.calibrate(r, temperature=TEMPERATURE, drag=drag, exposure=exposure).axes[0]
+        for r in recordings
+    ]
+
+
+def records(study: Study, seed: int, count: int) -> np.ndarray:
+    """Positions (count, samples), m."""
+    x = trapped(
+        study.step, study.samples, study.stiffness, DRAG, None, TEMPERATURE, seed, count,
+        exposure=study.exposure * study.step,
+    )  # fmt: skip
+    size = math.sqrt(BOLTZMANN * TEMPERATURE / study.stiffness)
+    noise = np.random.default_rng(1000 + seed).standard_normal(x.shape)
+    return x + size * (study.noise * noise + study.drift * np.linspace(-0.5, 0.5, study.samples))
+
+
+def _judged(study: Study, found: list[AxisCalibration]) -> Results:
+    marks = Counter(finding.name for each in found for finding in each.findings)
+    methods = {}
+    for method in dict.fromkeys(e.method for each in found for e in each.estimates):
+        estimates = [e for each in found for e in each.estimates if e.method == method]
+        inside = np.array(
+            [abs(e.stiffness - study.stiffness) < 1.96 * e.uncertainty for e in estimates]
+        )
+        unmarked = np.array([not e.findings for e in estimates])
+        methods[method] = {
+            "records": len(estimates),
+            "inside": int(inside.sum()),
+            "unmarked": int(unmarked.sum()),
+            "unmarked_and_inside": int((unmarked & inside).sum()),
+        }
+    return {
+        **study._asdict(), "rate_Hz": 1 / study.step,
+        "relaxations": study.samples * study.step * study.stiffness / DRAG,
+        "clean": sum(not each.findings for each in found), "findings": dict(marks),
+        "methods": methods,
+    }  # fmt: skip

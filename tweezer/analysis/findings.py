@@ -1,0 +1,298 @@
+"""Whether a record is that of a bead at rest in a harmonic trap: tests of it, before any number."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc, fdtrc, ndtr
+
+from tweezer.analysis.spectra import (
+    TrappedBead,
+    power_spectrum,
+    standard_error,
+)
+from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted
+
+Array = NDArray[np.float64]
+
+#: Probability below which a trapped bead is not believed to make such a record.
+IMPROBABLE = 1e-3
+#: The same for a disturbance that would shift a number by `_HARM` or more.
+_UNLIKELY = 1e-2
+#: Shift of a number, in its standard uncertainties, below which a disturbance does no harm.
+_HARM = 0.5
+#: Least record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
+#: (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
+_RELAXATIONS = 30.0
+#: Largest distance of a position from the median, in standard deviations.
+_FAR = 6.0
+#: Standard deviation of a Gaussian over the median of the distance to its middle.
+_DEVIATION_PER_MEDIAN = 1.4826
+#: Number of cosines that are taken for slow motion: of half a period in the record, one, ...
+_SLOW = 4
+#: The same for an exposure that is not known, which may be none.
+_HARM_IF_ANY = 1.0
+#: Exposures that are tried where none is given, in steps.
+_EXPOSURES = (1.0, 0.5, 0.25)
+#: Twice the difference of log-likelihoods below which an exposure is not excluded: p = 0.014.
+_NOT_EXCLUDED = 6.0
+#: Tolerance of the fits that tests are made with.
+_ROUGHLY = 1e-2
+#: Least part of its information that white noise must keep beside stiffness and drag.
+_DISTINCT = 1e-3
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that speaks against a record or a number."""
+
+    name: str
+    """of the record: "stuck", "start", "outlier", "free", "drift", "halves", "noise", "blur",
+    "exposure", "spectrum", "drag"; of a number: "one-call", "apart", "undetermined\""""
+    text: str
+
+
+@dataclass(frozen=True)
+class Fits:
+    """What the tests compare a record with."""
+
+    whole: Periodogram
+    """of the record, up to Nyquist's frequency"""
+    fit: WhittleFit
+    """with the drag given; `free` if none was"""
+    free: WhittleFit
+    """stiffness and drag fitted"""
+
+
+def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
+    """What speaks against the record, and so against every number that rests on it."""
+    found = [
+        _unsettled(positions),
+        _few_relaxations(len(positions) * step, fits.free.bead),
+        *_unsteady(positions, step, fits.fit),
+        None if exposure_known else _unknown_exposure(fits.fit, step),
+        _white(positions, step, fits),
+        _spectrum(positions, step, fits.free),
+        _drag(fits),
+    ]
+    named: dict[str, Finding] = {}
+    for each in found:
+        if each:
+            named.setdefault(each.name, each)  # two tests see blur
+    if "blur" in named:
+        named.pop("exposure", None)
+    return list(named.values())
+
+
+def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> float:
+    """Variance of the variance of a record of that bead, over its square.
+
+    The variance is the sum of ordinates that are independent and distributed exponentially.
+    """
+    power = whole.counts * whole.expected(bead)
+    return float((power**2 / whole.counts).sum() / power.sum() ** 2)
+
+
+def _unsettled(positions: Array) -> Finding | None:
+    """By the median, which what is far off does not move."""
+    off = np.abs(positions - np.median(positions))
+    spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
+    farthest = int(off.argmax())
+    if spread == 0:
+        return Finding("stuck", "more than half of its samples are the same number")
+    if off[0] > _FAR * spread:
+        away = f"{off[0] / spread:.2g} standard deviations off"
+        return Finding("start", f"it starts {away}: leave out the beginning")
+    if off[farthest] > _FAR * spread:
+        away = f"{off[farthest] / spread:.2g} standard deviations off"
+        return Finding("outlier", f"sample {farthest + 1} is {away}")
+    return None
+
+
+def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
+    relaxations = duration / bead.relaxation_time
+    if relaxations >= _RELAXATIONS:
+        return None
+    text = f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
+    return Finding("free", text)
+
+
+def _unsteady(positions: Array, step: float, fit: WhittleFit) -> list[Finding | None]:
+    """A mean that drifts, and a variance that changes from one half to the other.
+
+    Drift: the first cosines of the record (DCT-II, half a period and more) against the spectrum of
+    what is left without them. They are as good as independent, and Gaussian, each with a variance
+    of S/(2 step) at its frequency; the spectrum is itself fitted, hence Fisher's F.
+    """
+    from scipy.fft import dct, idct
+
+    samples = len(positions)
+    cosines = dct(positions, norm="ortho")
+    slow = cosines[1 : _SLOW + 1].copy()
+    cosines[1 : _SLOW + 1] = 0
+    rest = idct(cosines, norm="ortho")
+    whole = Periodogram.of(rest, step)
+    # the frequencies that are left with all their motion
+    kept = (whole.frequencies > (_SLOW + 1) / (2 * samples * step)) & (
+        whole.frequencies <= fit.periodogram.frequencies[-1]
+    )
+    given = fit.bead if fit.free == 1 else dataclasses.replace(fit.bead, drag=math.nan)
+    start = best_start(whole, rest, given)
+    steady = fitted(whole[kept], start, fit.free, _ROUGHLY)
+    at = np.arange(1, _SLOW + 1) / (2 * samples * step)
+    expected = steady.bead.sampled_spectrum(at, step) / (2 * step)
+    freedom = 2 / steady.uncertainty(-2, 1) ** 2  # of S(0), which is 4 k_B T beta/k^2
+    p_value = 2 * min(
+        float(fdtrc(m, freedom, (slow[:m] ** 2 / expected[:m]).mean())) for m in (1, _SLOW)
+    )
+    relative = relative_variance_of_variance(steady.bead, whole)
+    excess = float((slow**2 - expected).sum()) / samples
+    share = excess / steady.bead.variance
+    found: list[Finding | None] = []
+    if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative):
+        text = (
+            f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms: by that alone the variance is "
+            f"{100 * share:.2g} % too large"
+        )
+        found.append(Finding("drift", text))
+    first, second = np.array_split(rest, 2)
+    ratio = float(np.var(first) / np.var(second))
+    of_half = 1 / relative  # degrees of freedom: 2 over the relative variance, which is doubled
+    p_value = 2 * float(fdtrc(of_half, of_half, max(ratio, 1 / ratio)))
+    if p_value < IMPROBABLE:
+        text = f"its first half has {ratio:.2g} times the variance of its second"
+        found.append(Finding("halves", text))
+    elif _short_times_differ(first, second):
+        text = "its halves differ in how the bead moves from sample to sample"
+        found.append(Finding("halves", text))
+    return found
+
+
+def _short_times_differ(first: Array, second: Array) -> bool:
+    squares = [np.diff(half) ** 2 for half in (first, second)]
+    error = math.hypot(*map(standard_error, squares))
+    apart = abs(squares[0].mean() - squares[1].mean())
+    return bool(2 * ndtr(-apart / error) < IMPROBABLE / 10)
+
+
+def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
+    """White noise, or its opposite: less motion from sample to sample than the fit has.
+
+    The score of a constant added to the spectrum, at the fit (C. R. Rao, Proc. Camb. Philos. Soc.
+    44, 50 (1948)), over all frequencies; beyond those fitted of the increments, which do not leak.
+    For an overdamped bead that, of either sign, is all that noise and exposure do to the shape of
+    the spectrum.
+    """
+    free, part = fits.free, fits.free.periodogram
+    increments = Periodogram.of(np.diff(positions), step)
+    beyond = increments[increments.frequencies > part.frequencies[-1]]
+    gain = 4 * np.sin(np.pi * beyond.frequencies * step) ** 2
+    sampled = free.bead.sampled_spectrum(beyond.frequencies, step)
+    n = np.concatenate([part.counts, beyond.counts])
+    expected = np.concatenate([part.expected(free.bead), sampled])
+    if not (expected > 0).all():
+        raise ArithmeticError("a spectrum that vanishes")
+    per_noise = 1 / expected
+    density = np.concatenate([part.density, beyond.density / gain])
+    slopes = np.hstack(
+        [free.slopes, dataclasses.replace(beyond, samples=math.inf).slopes(free.bead, 2)]
+    )
+    fitting = np.hstack([part.counts * free.slopes, np.zeros((2, beyond.counts.size))])
+    covariance = free.covariance
+    # what is left of it where stiffness and drag follow
+    influence = n * per_noise - (slopes @ (n * per_noise)) @ covariance @ fitting
+    information = float(influence @ per_noise)
+    if information < _DISTINCT * float(n @ per_noise**2):
+        return None
+    added = float(influence @ (density * per_noise - 1)) / information
+    p_value = 2 * float(ndtr(-abs(added) * information / math.sqrt(influence**2 @ (1 / n))))
+    if p_value >= _UNLIKELY:
+        return None
+    variance = added / (2 * step)
+    shift = covariance @ (fitting @ per_noise) * added
+    harm = (
+        abs(shift[0]) / free.uncertainty(1, 0),
+        abs(shift[1]) / free.uncertainty(0, 1),
+        abs(variance) / free.bead.variance
+        / math.sqrt(relative_variance_of_variance(free.bead, fits.whole)),
+    )  # fmt: skip
+    if max(harm) < _HARM:
+        return None
+    deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
+    if variance > 0:
+        return Finding("noise", f"it contains white noise of about {deviation}")
+    return Finding(
+        "blur", "the bead moves less from sample to sample than in a trap: motion blur? Give the "
+        "exposure"
+    )  # fmt: skip
+
+
+def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
+    """What an exposure would do that is not given and that the record does not exclude."""
+    exposures = [dataclasses.replace(fit.bead, exposure=part * step) for part in _EXPOSURES]
+    exposed = [fitted(fit.periodogram, bead, fit.free, _ROUGHLY) for bead in exposures]
+    best = max(exposed, key=lambda each: each.log_likelihood)
+    if math.erfc(math.sqrt(max(best.log_likelihood - fit.log_likelihood, 0))) < IMPROBABLE:
+        return Finding(
+            "blur", f"its positions look averaged over some {1e3 * best.bead.exposure:.2g} ms, "
+            f"with a stiffness of {1e6 * best.bead.stiffness:.3g} pN/um: give the exposure"
+        )  # fmt: skip
+    likeliest = max(best.log_likelihood, fit.log_likelihood)
+    allowed = [e for e in exposed if 2 * (likeliest - e.log_likelihood) < _NOT_EXCLUDED]
+    harm = _HARM_IF_ANY * fit.uncertainty(1, 0)
+    harmful = [e for e in allowed if abs(math.log(e.bead.stiffness / fit.bead.stiffness)) > harm]
+    if not harmful:
+        return None
+    worst = harmful[0]
+    k = f"the stiffness would be {1e6 * worst.bead.stiffness:.3g} pN/um"
+    if worst.uncertainty(1, 0) > 1:
+        k = "the stiffness would not be determined"
+    return Finding(
+        "exposure", f"the exposure is not given: were it {1e3 * worst.bead.exposure:.2g} ms, {k}"
+    )  # fmt: skip
+
+
+def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
+    """Bartlett's test, by Kolmogorov and Smirnov, of the cumulative periodogram over the fit."""
+    from scipy.stats import kstest
+
+    frequencies, density = power_spectrum(positions, step)
+    used = slice(int(fit.periodogram.counts.sum()))
+    expected = fit.bead.sampled_spectrum(frequencies[used], step, len(positions))
+    passed = np.cumsum(density[used] / expected)
+    return float(kstest(passed[:-1] / passed[-1], "uniform").pvalue)
+
+
+def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None:
+    if spectrum_p_value(positions, step, free) >= IMPROBABLE:
+        return None
+    return Finding("spectrum", "the spectrum is not that of a trapped bead")
+
+
+def _drag(fits: Fits) -> Finding | None:
+    """The drag given against that fitted (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938))."""
+    gain = 2 * (fits.free.log_likelihood - fits.fit.log_likelihood)
+    if chdtrc(1, max(gain, 0)) >= IMPROBABLE:
+        return None
+    ratio = fits.free.bead.drag / fits.fit.bead.drag
+    text = f"temperature and drag contradict the diffusion, that of {ratio:.3g} times this drag"
+    return Finding("drag", text)
+
+
+def free_diffusion(positions: Array, step: float) -> tuple[float, float] | None:
+    """Diffusion of a free bead and its standard uncertainty, m^2/s; None if not determined.
+
+    From displacements and the product of each with the next, so that neither noise nor exposure
+    matters (C. L. Vestergaard et al., Phys. Rev. E 89, 022726 (2014)), less a steady drift.
+    """
+    steps = np.diff(positions)
+    steps -= steps.mean()
+    each = (steps[:-1] ** 2 / 2 + steps[:-1] * steps[1:]) / step
+    # the mean is that of the record: it takes 3/2 of a step's variance, over their number
+    diffusion = float(each.mean()) * (1 + 3 / len(steps))
+    uncertainty = standard_error(each)
+    return (diffusion, uncertainty) if 0 < uncertainty < 0.3 * diffusion else None

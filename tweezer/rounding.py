@@ -1,0 +1,33 @@
+"""Numbers as text, with as many digits as their uncertainty leaves."""
+
+from __future__ import annotations
+
+import math
+
+#: Sizes between which a number is written without a power of ten.
+_PLAIN = (1e-6, 1e7)
+
+
+def rounded(value: float, uncertainty: float) -> tuple[str, str]:
+    """Both as text: two digits of the uncertainty, and the value to the same decimal."""
+    if not 0 < uncertainty < math.inf or not math.isfinite(value):
+        return f"{value:.4g}", f"{uncertainty:.2g}"
+    last = int(f"{uncertainty:.1e}".partition("e")[2]) - 1  # power of ten of the last digit
+    size = max(abs(value), uncertainty)
+    if not _PLAIN[0] <= size < _PLAIN[1]:
+        power = math.floor(math.log10(size))
+        parts = (f"{x / 10.0**power:z.{max(power - last, 0)}f}" for x in (value, uncertainty))
+        first, second = (f"{part}e{power}" for part in parts)
+        return first, second
+    if last > 0:
+        first, second = (f"{round(x, -last):z.0f}" for x in (value, uncertainty))
+        return first, second
+    return f"{value:z.{-last}f}", f"{uncertainty:z.{-last}f}"
+
+
+def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:
+    """Such as "50.35 +- 0.49"; the value alone if the uncertainty is not known."""
+    if math.isnan(uncertainty):
+        return f"{value:.4g}"
+    first, second = rounded(value, uncertainty)
+    return f"{first} {sign} {second}"
