@@ -19,6 +19,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tests.mutations import mutated_command_lines, mutated_recordings, mutated_scenes
+
 ROOT = Path(__file__).parents[1]
 
 #: Forces by the map, at its edge and beyond it: what reads compiled code and a table
@@ -88,6 +90,9 @@ def damaged_caches(count: int) -> Counter[str]:
 #: name, what makes the faults, and how many
 FAULTS: list[tuple[str, Callable[[int], Counter[str]], int]] = [
     ("damaged files of compiled code and tables", damaged_caches, 100),
+    ("changed scenes", mutated_scenes, 1000),
+    ("changed command lines", mutated_command_lines, 1000),
+    ("changed recordings", mutated_recordings, 1000),
 ]
 
 

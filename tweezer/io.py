@@ -9,14 +9,14 @@ import secrets
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import pydantic_core
 import xarray as xr
 from pydantic import ValidationError
 
 from tweezer.errors import ResultError
-from tweezer.scene import Scene
+from tweezer.scene import Scene, by_key
 
 _ENGINE: Literal["h5netcdf"] = "h5netcdf"
 
@@ -83,7 +83,7 @@ def load_run(path: str | Path) -> xr.Dataset:
     not as it was, is never read.
     """
     try:
-        _check_seal(Path(path))
+        check_seal(Path(path))
         run = xr.load_dataset(path, engine=_ENGINE)
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
@@ -97,7 +97,7 @@ def load_run(path: str | Path) -> xr.Dataset:
     return run
 
 
-def _check_seal(path: Path) -> None:
+def check_seal(path: Path) -> None:
     """Raise `ResultError` if the digest is not that of the content; a file may have none."""
     content = memoryview(path.read_bytes())
     digest = hashlib.sha256().digest_size
@@ -122,23 +122,13 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
     """
     try:
         made = load_run(path).attrs
-        there = _settings(json.loads(made["scene_as_given"]))
+        there = by_key(json.loads(made["scene_as_given"]))
     except (ResultError, KeyError, ValueError, AttributeError):
         return "no run that can be compared"
-    here = _settings(scene.model_dump(mode="json", exclude_none=True))
+    here = by_key(scene.model_dump(mode="json", exclude_none=True))
     if scene.forces.brownian:
         there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}
     for key in here | there:
         if here.get(key) != there.get(key):
             return f"of {key} = {there.get(key, 'none')}, not {here.get(key, 'none')}"
     return ""
-
-
-def _settings(scene: dict[str, Any]) -> dict[str, Any]:
-    """Values by `section.key`."""
-    return {
-        f"{section}.{key}": value
-        for section, values in scene.items()
-        if isinstance(values, dict)
-        for key, value in values.items()
-    }

@@ -467,7 +467,8 @@ class Scene(Section):
         power = self.beam.power_through_pupil or self.beam.power or 0.0
         told = f"{2e6 * self.bead.radius:.4g} um bead, {1e3 * power:.4g} mW"
         if self.name in (shipped := shipped_scenes()):
-            here, there = _flat(self), _flat(load_scene(shipped[self.name]))
+            here = by_key(self.model_dump())
+            there = by_key(load_scene(shipped[self.name]).model_dump())
             changed = [key for key in sorted(here | there) if here.get(key) != there.get(key)]
             told = "; ".join([told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
         return f"<Scene {self.name!r}: {told}>"
@@ -601,11 +602,11 @@ class Scene(Section):
         return _validated(data, sections)
 
 
-def _flat(scene: Scene) -> dict[str, Any]:
-    """The values of `scene` by dotted key."""
+def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a scene as a mapping, by `section.key`."""
     return {
         f"{section}.{key}": value
-        for section, values in scene.model_dump().items()
+        for section, values in scene.items()
         if isinstance(values, dict)
         for key, value in values.items()
     }
@@ -727,7 +728,10 @@ def _lines(error: ValidationError) -> Iterator[str]:
 
 
 def _short(value: Any) -> str:
-    text = repr(value)
+    try:
+        text = repr(value)
+    except RecursionError:
+        return f"a {type(value).__name__} too deep to show"
     return text if len(text) <= 60 else text[:57] + "..."
 
 

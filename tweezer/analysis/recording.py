@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.errors import ResultError
-from tweezer.io import scene_of
+from tweezer.io import check_seal, scene_of
 from tweezer.scene import Scene
 from tweezer.units import to_si
 
@@ -232,6 +232,7 @@ def _read(
     if path.suffix.lower() not in _BINARIES:
         raise ResultError(f"{path}: must end in {', '.join(_TABLES + _BINARIES)}")
     try:
+        check_seal(path)
         _refuse_other_files(path)
         with xr.open_dataset(
             path, engine="h5netcdf", phony_dims="sort", decode_times=False
@@ -239,8 +240,11 @@ def _read(
             if "scene" in dataset.attrs and "position" in dataset:
                 return _of_run(dataset, str(path))
             return _binary_columns(path, dataset, needed)
-    except (OSError, KeyError, RuntimeError, TypeError, ValueError) as error:
-        raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {error}") from None
+    except ResultError:
+        raise
+    except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged
+        reason = " ".join(str(error).split())
+        raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {reason}") from None
 
 
 def _of_run(run: xr.Dataset, name: str) -> _Run:
@@ -253,9 +257,8 @@ def _of_run(run: xr.Dataset, name: str) -> _Run:
             raise ResultError(f"{name}: not a run: its {quantity} is not in {unit}")
     try:
         scene = scene_of(run)
-    except ValueError as error:
-        reason = str(error).splitlines()[0]
-        raise ResultError(f"{name}: not a run: its scene is none: {reason}") from None
+    except ResultError as error:
+        raise ResultError(f"{name}: {error}") from None
     positions = run["position"].values
     there = int(np.isfinite(positions).all(axis=1).cumprod().sum())
     note = ""
