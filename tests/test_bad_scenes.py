@@ -182,6 +182,8 @@ BAD_SCENES = {
                                       "beem = {'power': 1}: unknown key; did you mean beam?"),
     "unknown section": ({"detector.pixels": "1"},
                         "detector = {'pixels': 1}: unknown key; allowed: name, description, bead"),
+    "tables without end": ({f"x.{5_000 * 'a.'}b": "1"},
+                           "x = a dict too deep to show: unknown key; "),
     "key with a line break": ({'bead."a\\nb"': "1"}, "bead.a b = 1: unknown key"),
     "radius and diameter": ({"bead.diameter": "1e-6"}, "bead.radius or diameter: not both"),
     "neither radius nor diameter": ({"bead.radius": ABSENT},

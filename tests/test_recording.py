@@ -122,6 +122,16 @@ def test_a_run_of_ours_brings_its_scene(tmp_path, run, positions):
             assert abs(estimate.stiffness - k) < 4.5 * estimate.uncertainty  # false alarm 1e-4
 
 
+def test_a_damaged_run_is_not_calibrated(tmp_path, run):
+    path = save_run(run, tmp_path / "run.nc")
+    content = bytearray(path.read_bytes())
+    at = content.find(run["position"].values[:2].tobytes())
+    content[at + 6] ^= 1  # of the first x
+    path.write_bytes(content)
+    with pytest.raises(tweezer.ResultError, match=r"run\.nc: damaged: its content is not what was"):
+        tweezer.load_recording(path)
+
+
 @pytest.mark.parametrize(("model", "factor"), [("full", 1.0), ("scaled", 0.01)])
 def test_a_run_has_the_inertia_of_its_model(run, model, factor):
     scene = tweezer.scene_of(run)
