@@ -19,7 +19,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba
 import tweezer
 from tweezer import cli, compiling  # noqa: F401  (processes keep what they compile in turns)
 
-#: what every command says of a bead below 10 wavelengths, as shipped scenes have it
+#: what every command says of ray optics
 CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")
 
 
@@ -35,7 +35,7 @@ class Outcome:
     code: int | None
     out: str
     err: str
-    """without the line about small beads"""
+    """without the line about ray optics"""
     caveat: str
     """that line, or nothing"""
 
