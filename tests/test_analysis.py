@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -261,3 +262,70 @@ def test_a_real_run_that_leaves_the_trap_is_lost(turning_scene):
     assert run.attrs["status"] == summary.outcome == "lost"
     assert 0 < summary.outcome_time < 20e-3
     assert run["time"].size < 2001
+
+
+TOLD = [
+    field.name
+    for field in dataclasses.fields(tweezer.Summary)
+    if field.name.endswith("_error") and field.name != "force_error"
+]
+
+
+@pytest.fixture(scope="module")
+def thinly_sampled() -> xr.Dataset:
+    """Follow a bead with inertia past the focus, with 21 samples."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        simulation={"model": "scaled", "scaling_factor": 1e-3, "duration": "10 ms", "samples": 21}
+    )
+    return tweezer.simulate(scene)
+
+
+def test_the_summary_does_not_depend_on_the_samples(thinly_sampled):
+    """Nor on how long the bead is followed after it has come to rest, within the errors told."""
+    few = summarise(thinly_sampled)
+    assert not few.by_samples
+    assert few.overshoot > 1e-9
+    scene = tweezer.io.scene_of(thinly_sampled)
+    many = summarise(tweezer.simulate(scene.replace(simulation={"samples": 2001})))
+    assert dataclasses.replace(many, end=few.end) == few
+    longer = summarise(tweezer.simulate(scene, duration="20 ms"))
+    for told in TOLD:
+        name = told.removesuffix("_error")
+        allowed = getattr(few, told) + getattr(longer, told)
+        assert abs(getattr(longer, name) - getattr(few, name)) <= allowed, name
+
+
+def test_the_summary_is_as_near_to_the_truth_as_it_says(thinly_sampled):
+    """Against the same motion to 1e-4 of the tolerances, on 200,001 samples."""
+    found, scene = summarise(thinly_sampled), tweezer.io.scene_of(thinly_sampled)
+    run = tweezer.simulate(scene.replace(simulation={"samples": 200_001}), tolerance=1e-11)
+    position, times = run["position"].values, run["time"].values
+    distance = np.linalg.norm(position, axis=1)
+    nearest = int(np.argmax(np.diff(distance) > 0))
+    rest = tweezer.characterise(scene).equilibrium.position
+    away = np.linalg.norm(position - rest, axis=1) > 0.1 * scene.bead.radius
+    start = position[0, :2] / np.linalg.norm(position[0, :2])
+    spacing = times[1]
+    fastest = float(run["speed"].max())
+    for value, error, truth, resolved in (
+        (found.largest_reynolds_number, found.largest_reynolds_number_error,
+         float(run["reynolds_number"].max()), 0.0),
+        (found.overshoot, found.overshoot_error, -(position[:, :2] @ start).min(), 0.0),
+        (found.closest_approach, found.closest_approach_error, distance[nearest],
+         spacing * fastest),
+        (found.closest_approach_time, found.closest_approach_time_error, times[nearest], spacing),
+        (found.outcome_time, found.outcome_time_error, times[np.flatnonzero(away)[-1]], spacing),
+    ):  # fmt: skip
+        assert abs(value - truth) <= error + resolved + 1e-6 * abs(truth)
+        assert error < 0.01 * abs(truth)
+
+
+def test_a_saved_run_has_the_same_summary(thinly_sampled, tmp_path):
+    """One without it, as older versions wrote them, says that its numbers are of the samples."""
+    saved = tweezer.load_run(tweezer.save_run(thinly_sampled, tmp_path / "run.nc"))
+    assert summarise(saved) == summarise(thinly_sampled)
+    del saved.attrs["summary"]
+    of_samples = summarise(saved)
+    assert of_samples.by_samples
+    assert [getattr(of_samples, told) for told in TOLD] == [None] * len(TOLD)
+    assert of_samples.overshoot < summarise(thinly_sampled).overshoot

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tweezer
 from tweezer import cli
 from tweezer.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.scene import Scene, load_scene, with_settings
@@ -617,3 +618,32 @@ def test_any_value_of_any_key_is_a_scene_or_a_scene_error(good_scene, key, text)
     except SceneError as error:
         changed, lines = None, str(error).splitlines()
     assert isinstance(changed, Scene) or 1 <= len(lines) <= 4
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        tweezer.simulate, tweezer.characterise, tweezer.tune, tweezer.bind, tweezer.chosen,
+        tweezer.bead_properties, lambda scene: tweezer.ensemble(scene, 3),
+        lambda scene: tweezer.ensemble(scene, 3, duration="1 ms"),
+        lambda scene: tweezer.optical_force(scene, [0, 0, 0]),
+    ],
+)  # fmt: skip
+def test_a_name_in_place_of_a_scene_is_refused(call):
+    with pytest.raises(tweezer.SceneError, match=r"^scene = 'silica-1um': must be a Scene"):
+        call("silica-1um")
+
+
+def test_a_tolerance_in_text_is_refused():
+    with pytest.raises(tweezer.SceneError, match=r"^tolerance = '1e-6': must be a number$"):
+        tweezer.simulate(tweezer.load_scene("silica-1um"), tolerance="1e-6")
+
+
+def test_a_first_step_too_long_is_said_to_be_the_solvers_own():
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"viscosity": "1e4 Pa s"}, simulation={"model": "full", "method": "scipy:DOP853"}
+    )
+    with pytest.warns(tweezer.PhysicsWarning, match="first step, which scipy:DOP853 chooses by"):
+        run = tweezer.simulate(scene)
+    assert run.attrs["status"] == "failed"
+    assert tweezer.summarise(run).by_samples

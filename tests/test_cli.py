@@ -146,12 +146,15 @@ def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
         r"end \(x, y, z\)": f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus",
         "overshoot past the axis": "0 um",
         "first closest approach": "none",
-        "largest Reynolds number": f"{run['reynolds_number'].values.max():.3g}",
         "model, method": "scaled, a2 = 0.0012; dormand-prince",
         "steps": f"{run.attrs['steps']}",
         "force calls": f"{run.attrs['force_calls']}",
     }.items():
         assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
+    told = re.search(r"largest Reynolds number +(\S+) \+- (\S+)", outcome.out)
+    summary = tweezer.summarise(run)
+    assert abs(float(told[1]) - summary.largest_reynolds_number) <= float(told[2])
+    assert float(told[2]) == pytest.approx(summary.largest_reynolds_number_error, rel=0.5)
     assert outcome.out.splitlines()[-2:] == ["wrote thesis-990nm.nc", "wrote thesis-990nm.png"]
 
 

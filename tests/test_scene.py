@@ -451,3 +451,44 @@ def test_a_bead_too_small_for_a_continuum_warns(scene, diameter, rare):
 )  # fmt: skip
 def test_a_bead_rotates_only_if_something_turns_it(scene, changes, turns):
     assert scene.replace(**changes).rotates is turns
+
+
+def test_the_title_of_a_changed_scene_names_what_was_changed():
+    """Not the description, which speaks of the scene as it was; also once written and read."""
+    scene = load_scene("silica-1um")
+    assert scene.title == scene.description
+    larger = scene.replace(bead={"diameter": "1.5 um"}, forces={"gravity": True})
+    assert larger.title == "silica-1um, changed: bead.diameter = 1.5 um"
+    both = with_settings(larger, {"forces.brownian": "true", "start.position": "[0, 0, 1e-7]"})
+    assert both.title == (
+        "silica-1um, changed: bead.diameter = 1.5 um, forces.brownian = true, "
+        "start.position = [0, 0, 1e-07]"
+    )
+    assert both.replace(bead={"radius": 1e-6}).title.count("bead.") == 1
+    assert Scene.model_validate_json(both.model_dump_json(exclude_none=True)).title == both.title
+    assert load_scene(both.model_dump(exclude_none=True)).title == both.title
+    assert both.replace(description="anew", simulation={"samples": 7}).title == "anew"
+    assert scene.replace(bead=larger.bead).title == "silica-1um, changed: bead.radius = 7.5e-07"
+    assert scene.decided(model="full").title == scene.description
+
+
+def test_a_scene_is_what_it_says_however_it_was_changed():
+    scene = load_scene("silica-1um")
+    there_and_back = scene.replace(bead={"diameter": "2 um"}).replace(bead={"diameter": "1 um"})
+    assert there_and_back == scene
+    assert hash(there_and_back) == hash(scene)
+    assert scene.replace(bead={"diameter": "2 um"}) != scene
+
+
+def test_a_temperature_changed_alone_is_warned_of():
+    scene = load_scene("silica-1um")
+    with pytest.warns(PhysicsWarning, match="37 degC: viscosity, density and") as seen:
+        warm = with_settings(scene, {"medium.temperature": "37 degC"})
+    assert len(seen) == 1
+    assert "still those of 293.15 K" in str(seen[0].message)
+    assert "37 degC (viscosity, density and refractive_index as before)" in warm.title
+    given = warm.replace(medium={"viscosity": "0.6913 mPa s"})  # no warning, and none left
+    assert "as before" not in given.title
+    with_viscosity = {"viscosity": "0.6913 mPa s", "temperature": "37 degC"}
+    assert "as before" not in scene.replace(medium=with_viscosity).title
+    warm.replace(forces={"gravity": False})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class BeadProperties:
 
 def bead_properties(scene: Scene) -> BeadProperties:
     """Properties of the bead of `scene`."""
-    r = scene.bead.radius
+    r = checked_scene(scene).bead.radius
     volume = 4 / 3 * math.pi * r**3
     mass = scene.bead.density * volume
     g, forces = scene.forces.gravitational_acceleration, scene.forces

@@ -272,10 +272,12 @@ def tune(
     table = _table("a2", "off the unscaled bead", "steps", "force calls", "time")
     for entry in [*tuning.entries, tuning.unscaled]:
         first = "unscaled" if entry is tuning.unscaled else f"{entry.scaling_factor:.3g}"
+        off = "failed"
+        if entry.deviation is not None:
+            off = _located(entry.deviation, entry.deviation_error, 1e6, "um")
         table.add_row(
-            first, "failed" if entry.deviation is None else f"{1e6 * entry.deviation:.2g} um",
-            f"{entry.steps}", f"{entry.force_calls}", f"{1e3 * entry.seconds:.3g} ms",
-        )  # fmt: skip
+            first, off, f"{entry.steps}", f"{entry.force_calls}", _duration(entry.seconds)
+        )
     _out.print(table)
     most = tuning.most_scaling_within(allowed)
     found = "none of these a2" if most is None else f"a2 down to {most.scaling_factor:.3g}"
@@ -711,8 +713,13 @@ def _beside(out: Path, figure: Path) -> tuple[Path, Path]:
 
 
 @contextlib.contextmanager
-def _progress(description: str, total: float) -> Iterator[Callable[[float], None]]:
-    """Show a bar, and what is compiled meanwhile; lend what tells it how far things are."""
+def _progress(
+    description: str, total: float, afterwards: str = ""
+) -> Iterator[Callable[[float], None]]:
+    """Show a bar, and what is compiled meanwhile; lend what tells it how far things are.
+
+    afterwards: what is still to be done when all of `total` is.
+    """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
@@ -727,17 +734,25 @@ def _progress(description: str, total: float) -> Iterator[Callable[[float], None
 
         from tweezer.compiling import compilation
 
+        doing = description
+
         def say(compiling: Compilation) -> None:
             spent = f"compiling, once: {compiling.seconds:.0f} s so far"
-            progress.update(task, description=f"{description} ({spent})", refresh=True)
+            progress.update(task, description=f"{doing} ({spent})", refresh=True)
+
+        def reach(reached: float) -> None:
+            nonlocal doing
+            if afterwards and reached >= total:
+                doing = f"{description}: {afterwards}"
+            progress.update(task, description=doing, completed=reached)
 
         with compilation(say):
-            yield lambda reached: progress.update(task, description=description, completed=reached)
+            yield reach
 
 
 def _simulate_with_progress(scene: Scene, seed: int | None) -> xr.Dataset:
     with (
-        _progress(scene.name, scene.simulation.duration) as progress,
+        _progress(scene.name, scene.simulation.duration, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
         from tweezer.simulation import simulate
@@ -791,29 +806,39 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
     table = _table(scene.name, "")
-    table.add_row("outcome", f"{summary.outcome}, {1e3 * summary.outcome_time:.4g} ms")
+    when = _located(summary.outcome_time, summary.outcome_time_error, 1e3, "ms")
+    table.add_row("outcome", f"{summary.outcome}, {when}")
     table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
     if scene.forces.brownian:
         table.add_row("seed of the thermal motion", f"{attributes['seed']}")
     else:
         _add_approach(table, summary)
     table.add_row("model, method", f"{model}; {attributes['method']}")
-    largest = float((result["optical_force"] ** 2).sum("axis").max()) ** 0.5
-    error = float(result["force_error"].max())
+    where = " at the samples" if summary.by_samples else ""
+    largest, error = summary.largest_force, summary.force_error
     table.add_row("force by", attributes["force_evaluator"])
     _add_worth(table, scene)
     if largest > 0:
         share = f"{100 * error / largest:.1g} % of the largest"
-        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN at the samples, {share}")
+        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN{where}, {share}")
     if scene.forces.brownian:
         table.add_row("step", f"{attributes['step']:.3g} s")
     else:
-        table.add_row("error of the integration", _length(attributes["integration_error"]))
+        integration, by_model = (
+            "not known" if math.isnan(error) else f"up to {1e6 * error:.1g} um{where}"
+            for error in (attributes["integration_error"], attributes["model_error"])
+        )
+        table.add_row("error of the integration", integration)
         if model != "full":
-            table.add_row("off the unscaled equations", _length(attributes["model_error"]))
+            table.add_row("off the unscaled equations", by_model)
     table.add_row("steps", f"{attributes['steps']}")
     table.add_row("force calls", f"{attributes['force_calls']}")
-    table.add_row("time", f"{attributes['wall_time']:.2f} s")
+    if summary.by_samples:
+        table.add_row("resolved by", "the samples: what happens between them is not seen")
+    seconds = f"{attributes['wall_time']:.2f} s"
+    if attributes["compile_time"] > 0:
+        seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
+    table.add_row("time", seconds)
     _out.print(table)
 
 
@@ -826,16 +851,33 @@ def _add_worth(table: Table, scene: Scene) -> None:
 
 
 def _add_approach(table: Table, summary: Summary) -> None:
-    table.add_row("overshoot past the axis", f"{1e6 * summary.overshoot:.3g} um")
+    overshoot = _located(summary.overshoot, summary.overshoot_error, 1e6, "um")
+    table.add_row("overshoot past the axis", overshoot)
     approach = "none"
     if summary.closest_approach is not None and summary.closest_approach_time is not None:
-        micrometres, milliseconds = (
-            1e6 * summary.closest_approach,
-            1e3 * summary.closest_approach_time,
-        )
-        approach = f"{micrometres:.3g} um at {milliseconds:.4g} ms"
+        distance = _located(summary.closest_approach, summary.closest_approach_error, 1e6, "um")
+        at = _located(summary.closest_approach_time, summary.closest_approach_time_error, 1e3, "ms")
+        approach = f"{distance} at {at}"
     table.add_row("first closest approach", approach)
-    table.add_row("largest Reynolds number", f"{summary.largest_reynolds_number:.3g}")
+    number = _located(
+        summary.largest_reynolds_number or 0.0, summary.largest_reynolds_number_error, 1.0, ""
+    )
+    table.add_row("largest Reynolds number", number)
+
+
+def _duration(seconds: float) -> str:
+    return f"{seconds:.3g} s" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"
+
+
+def _located(value: float, error: float | None, scale: float, unit: str) -> str:
+    """A number of a run to the digits that its error, if that is known, leaves it."""
+    text = f"{scale * value:.3g}"
+    if error == 0:
+        text = f"{scale * value:.4g}"
+    elif error is not None:
+        digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
+        text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
+    return f"{text} {unit}".rstrip()
 
 
 def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
@@ -888,10 +930,6 @@ def _quantity(option: str, text: str, annotation: object) -> float:
     if doubt := quantity.doubt(value):
         _show_warning(f"{option} {text} {doubt}")
     return number
-
-
-def _length(metres: float) -> str:
-    return "not known" if math.isnan(metres) else f"up to {1e6 * metres:.1g} um at the samples"
 
 
 def _print_calibration(calibration: Calibration) -> None:

@@ -32,7 +32,7 @@ from tweezer.analysis import (
 from tweezer.analysis.depth import LEVEL
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
-from tweezer.optics import cone, optical_force, ray_optics_caveat
+from tweezer.optics import cone, optical_force, optical_jacobian, ray_optics_caveat
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 
@@ -59,32 +59,62 @@ def _add_caveat(figure: Figure, scene: Scene) -> None:
 
 
 def run_figure(run: xr.Dataset) -> Figure:
-    """The path in the plane of the beam's axis, coordinates and speeds over time."""
+    """The path in the plane of the beam's axis, coordinates and speeds over time.
+
+    With thermal motion, whose speeds between samples mean nothing, the distance to the focus in
+    place of the speeds. Samples too far apart to show the motion are drawn as points.
+    """
     figure = Figure(figsize=(11.0, 6.0))
     axes = figure.subplot_mosaic(
-        [["path", "position"], ["path", "speed"]],
+        [["path", "position"], ["path", "below"]],
         width_ratios=(1, 1.2),
         gridspec_kw={
-            "left": 0.06, "right": 0.93, "bottom": 0.14, "top": 0.88,
+            "left": 0.075, "right": 0.93, "bottom": 0.14, "top": 0.88,
             "wspace": 0.22, "hspace": 0.09,
         },
     )  # fmt: skip
     _draw_path(axes["path"], run)
     _draw_position(axes["position"], run)
-    _draw_speed(axes["speed"], run)
-    axes["position"].sharex(axes["speed"])
+    if _thermal(run):
+        _draw_distance(axes["below"], run)
+    else:
+        _draw_speed(axes["below"], run)
+    axes["position"].sharex(axes["below"])
     axes["position"].tick_params(labelbottom=False)
-    figure.align_ylabels([axes["position"], axes["speed"]])
+    figure.align_ylabels([axes["position"], axes["below"]])
     model = run.attrs["model"]
     if model == "scaled":
         model += f", a₂ = {scene_of(run).simulation.scaling_factor:g}"
-    _add_title(figure, f"{run.attrs['title']}\n{model} · {run.attrs['method']}", fontsize=11)
+    how = [model, run.attrs["method"], run.attrs["message"]]  # the last, of one that ended early
+    title = textwrap.fill(run.attrs["title"], 100)
+    _add_title(figure, f"{title}\n{' · '.join(filter(None, how))}", fontsize=11)
     _add_caveat(figure, scene_of(run))
     return figure
 
 
 def _milliseconds(run: xr.Dataset) -> np.ndarray:
     return run["time"].values * _MILLI
+
+
+def _thermal(run: xr.Dataset) -> bool:
+    return scene_of(run).forces.brownian
+
+
+def _resolved(run: xr.Dataset) -> bool:
+    """Whether samples are closer than the time in which the trap moves the bead, at either end."""
+    scene, time = scene_of(run), run["time"].values
+    if len(time) < 2:
+        return False
+    gradient = optical_jacobian(scene, run["position"].values[[0, -1]])
+    rate = float(np.linalg.norm(gradient, ord=2, axis=(1, 2)).max()) / bead_properties(scene).drag
+    return bool((time[1] - time[0]) * rate < 1)
+
+
+def _style(run: xr.Dataset, width: float) -> dict[str, Any]:
+    """Of a curve of that width through samples, or of points where they do not make a curve."""
+    if not _resolved(run):
+        return {"ls": "", "marker": ".", "ms": 3}
+    return {"lw": 0.6 * width if _thermal(run) else width}
 
 
 def _draw_path(axes: Axes, run: xr.Dataset) -> None:
@@ -97,19 +127,25 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     radius = scene.bead.radius * _MICRO
     reach = 1.15 * max(np.abs(lateral).max() + radius, np.abs(z).max() + radius, 3 * radius)
     _draw_cone(axes, scene, reach, color=_LIGHT, alpha=0.07, lw=0, zorder=0)
-    axes.plot(lateral, z, color=_PATH, lw=1.6, zorder=3)
+    axes.plot(lateral, z, color=_PATH, zorder=3, **_style(run, 1.6))
     for i, filled in ((0, False), (-1, True)):
         axes.add_patch(
             Circle((lateral[i], z[i]), radius, facecolor=_PATH if filled else "none",
                    edgecolor=_PATH, alpha=0.35 if filled else 0.9, lw=1.0, zorder=2)
         )  # fmt: skip
-    axes.annotate("start", (lateral[0], z[0]), ha="center", va="center", fontsize=8, color=_MUTED)
+    below = z[len(z) // 2] > z[0]  # the side that the path does not leave by
+    axes.annotate(
+        "start", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
+        va="top" if below else "bottom", xytext=(0, -2 if below else 2),
+        textcoords="offset points", fontsize=8, color=_MUTED,
+    )  # fmt: skip
     axes.plot(0, 0, "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
     axes.set(
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
         xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
-    axes.set_title("path, bead and cone of light to scale; + focus", fontsize=9)
+    shown = "path" if _resolved(run) else "samples"
+    axes.set_title(f"{shown}, bead and cone of light to scale; + focus", fontsize=9)
 
 
 def _draw_cone(axes: Axes, scene: Scene, reach: float, **style: Any) -> None:
@@ -121,23 +157,33 @@ def _draw_cone(axes: Axes, scene: Scene, reach: float, **style: Any) -> None:
 
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
-    for axis, colour in _COLOURS.items():
+    style = _style(run, 1.5)
+    for below, (axis, colour) in enumerate(_COLOURS.items()):
         values = run["position"].sel(axis=axis) * _MICRO
-        axes.plot(_milliseconds(run), values, color=colour, lw=1.5, label=axis)
+        axes.plot(
+            _milliseconds(run), values, color=colour, label=axis, zorder=3 - below / 4, **style
+        )
     axes.axhline(0, color=_MUTED, lw=0.6)
     _mark_closest_approach(axes, run, "")
     axes.set_ylabel("position (µm)")
     axes.legend(frameon=False, ncols=3, fontsize=9)
 
 
+def _draw_distance(axes: Axes, run: xr.Dataset) -> None:
+    axes.plot(_milliseconds(run), run["distance"] * _MICRO, color=_PATH, **_style(run, 1.5))
+    axes.set(xlabel="time (ms)", ylabel="distance to the focus (µm)")
+    axes.set_ylim(bottom=0)
+
+
 def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     """Actual and terminal speed (5.2), with the Reynolds number (5.1) on the right."""
     time = _milliseconds(run)
-    fast = 0.0
-    if "speed" in run:  # a bead without inertia has none in thermal motion
-        axes.plot(time, run["speed"], color=_PATH, lw=1.6, label="actual")
-        fast = float(run["speed"].max())
-    axes.plot(time, run["terminal_speed"], color=_LIGHT, lw=1.1, ls="--", label="terminal (5.2)")
+    axes.plot(time, run["speed"], color=_PATH, label="actual", **_style(run, 1.6))
+    fast = float(run["speed"].max())
+    terminal = {"lw": 1.1, **_style(run, 1.1)}
+    if _resolved(run):
+        terminal["ls"] = "--"
+    axes.plot(time, run["terminal_speed"], color=_LIGHT, label="terminal (5.2)", **terminal)
     _mark_closest_approach(axes, run, "first closest\napproach")
     if fast > 0:
         axes.set_yscale("log")
@@ -157,7 +203,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
     time = summarise(run).closest_approach_time
-    if time is None or "seed" in run.attrs:  # thermal motion comes close again and again
+    if time is None or _thermal(run):  # thermal motion comes close again and again
         return
     axes.axvline(time * _MILLI, color=_MUTED, lw=0.8, ls=":")
     axes.annotate(
@@ -188,8 +234,7 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
     power = trap.power_through_pupil * _MILLI
     _add_title(
         figure,
-        f"{scene.description or scene.name}\n"
-        f"{power:.3g} mW through the pupil · light and weight · {trap.evaluator}",
+        f"{scene.title}\n{power:.3g} mW through the pupil · light and weight · {trap.evaluator}",
         fontsize=11,
     )
     _add_caveat(figure, scene)
@@ -307,29 +352,32 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
 
 def tuning_figure(tuning: Tuning, name: str) -> Figure:
     """Deviation and force calls of the scaled bead, over its scaling factor."""
-    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
-    axes = figure.subplots()
+    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
+    off, work = figure.subplots(2, sharex=True)
     factors = [entry.scaling_factor for entry in tuning.entries]
-    deviations = np.array([entry.deviation for entry in tuning.entries], np.float64)
-    axes.loglog(factors, 1e6 * deviations, "o-", color="#004488")
-    axes.axvline(tuning.epsilon, color="0.6", linestyle=":")
-    axes.annotate(
-        "\u03b5", (tuning.epsilon, 0.2), xycoords=("data", "axes fraction"), ha="left", va="top",
-        xytext=(3, 0), textcoords="offset points", color="0.4",
+    deviations, errors = (
+        np.array([getattr(entry, key) for entry in tuning.entries], np.float64) * _MICRO
+        for key in ("deviation", "deviation_error")
+    )
+    off.errorbar(factors, deviations, errors, fmt="o-", ms=5, lw=1.6, color=_PATH, ecolor=_MUTED)
+    off.set(xscale="log", yscale="log", ylabel="off the unscaled bead (µm)")
+    off.axvline(tuning.epsilon, color=_MUTED, lw=0.8, ls=":")
+    off.annotate(
+        "ε", (tuning.epsilon, 0.2), xycoords=("data", "axes fraction"), ha="left", va="top",
+        xytext=(3, 0), textcoords="offset points", color=_MUTED,
     )  # fmt: skip
-    axes.set_xlabel("scaling factor a\u2082")
-    axes.set_ylabel("off the unscaled bead, \u00b5m", color="#004488")
-    title = f"{name}: {1e3 * tuning.duration:.4g} ms of the scaled model"
-    axes.set_title(title, fontsize=10, parse_math=False)
-    axes.grid(color="0.9", linewidth=0.6)
-    work = axes.twinx()
-    work.loglog(factors, [entry.force_calls for entry in tuning.entries], "s--", color="#bb5566")
-    work.axhline(tuning.unscaled.force_calls, color="#bb5566", linewidth=1, linestyle=":")
-    work.annotate(
-        "unscaled, exponential", (0.45, tuning.unscaled.force_calls),
-        xycoords=("axes fraction", "data"), ha="center", va="bottom", color="#bb5566", fontsize=8,
-    )  # fmt: skip
-    work.set_ylabel("force calls", color="#bb5566")
+    calls = [entry.force_calls for entry in tuning.entries]
+    work.loglog(factors, calls, "o-", ms=5, lw=1.6, color=_PATH, label="scaled")
+    work.axhline(
+        tuning.unscaled.force_calls, color=_LIGHT, lw=1.1, ls="--", label="unscaled, exponential"
+    )
+    work.set(xlabel="scaling factor a₂", ylabel="force calls")
+    work.legend(frameon=False, fontsize=9)
+    _add_title(
+        figure,
+        f"{name}: {_MILLI * tuning.duration:.4g} ms of the scaled model, by {tuning.method}",
+        fontsize=11,
+    )
     return figure
 
 

@@ -453,6 +453,11 @@ class Scene(Section):
         description="name of the scene, and of its result files",
     )
     description: str = Field("", description="one line on what it shows")
+    changed: dict[str, str] = Field(
+        default_factory=dict,
+        description="written by `replace`, not by hand: what was changed since the description was "
+        "written, by key",
+    )
     bead: Bead
     medium: Medium
     lens: Lens
@@ -560,6 +565,35 @@ class Scene(Section):
                 "beam.divisions"
             )
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both describe the same, however they came about."""
+        return isinstance(other, Scene) and self._said() == other._said()
+
+    def __hash__(self) -> int:
+        return hash(self._said())
+
+    def _said(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, key) for key in type(self).model_fields if key != "changed")
+
+    @property
+    def title(self) -> str:
+        """The description; of a scene changed since it was written, the name and the changes."""
+        if not self.changed:
+            return self.description or self.name
+        changes = ", ".join(f"{key} = {value}" for key, value in self.changed.items())
+        if (stale := self._of_another_temperature) and "medium.temperature" in self.changed:
+            changes += f" ({stale} as before)"
+        return f"{self.name}, changed: {changes}"
+
+    @property
+    def _of_another_temperature(self) -> str:
+        """What of the medium a change of the temperature would change, and nobody did."""
+        if "medium.viscosity" in self.changed:
+            return ""
+        keys = ("viscosity", "density", "refractive_index")
+        *most, last = [key for key in keys if f"medium.{key}" not in self.changed]
+        return f"{', '.join(most)} and {last}" if most else last
+
     @property
     def start_position(self) -> tuple[float, float, float]:
         """Where the bead starts, m from the focus."""
@@ -586,8 +620,42 @@ class Scene(Section):
         `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps
         the others; a key displaces the one that says the same in another way (diameter, radius),
         and a choice the keys that do not go with it (profile = uniform displaces sigma).
-        Raises `SceneError`.
+        The title of the copy names what was changed, unless a new description is among it.
+
+        Raises `SceneError`. Warns (`PhysicsWarning`) of a temperature changed without the
+        viscosity.
         """
+        replaced = self._replaced(sections)
+        if "description" in sections:
+            return replaced.model_copy(update={"changed": {}})
+        changed = dict(self.changed)
+        for section, changes in sections.items():
+            before, after = getattr(self, section), getattr(replaced, section)
+            if not isinstance(after, Section):
+                continue
+            given = changes if isinstance(changes, Mapping) else dict(after)
+            pairs = ALTERNATIVES.get(section, ())
+            for key, value in given.items():
+                field = next((pair[0] for pair in pairs if pair[1] == key), key)
+                if getattr(before, field) != getattr(after, field):
+                    for same in next((pair for pair in pairs if key in pair), (key,)):
+                        changed.pop(f"{section}.{same}", None)
+                    changed[f"{section}.{key}"] = _as_text(value)
+        copy = replaced.model_copy(update={"changed": dict(sorted(changed.items()))})
+        if copy.medium.temperature != self.medium.temperature and copy._of_another_temperature:
+            warn(
+                f"medium.temperature = {changed['medium.temperature']}: "
+                f"{copy._of_another_temperature} are still those of "
+                f"{self.medium.temperature:g} K; water's viscosity falls by 2 % a kelvin"
+            )
+        return copy
+
+    def decided(self, **simulation: Any) -> Scene:
+        """A copy with the model and method that were left open: no change of what is described."""
+        copy = self._replaced({"simulation": simulation})
+        return copy.model_copy(update={"changed": self.changed})
+
+    def _replaced(self, sections: Mapping[str, Any]) -> Scene:
         data = self.model_dump(exclude_none=True)
         for section, changes in sections.items():
             if isinstance(changes, Mapping) and isinstance(data.get(section), dict):
@@ -607,9 +675,19 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
     return {
         f"{section}.{key}": value
         for section, values in scene.items()
-        if isinstance(values, dict)
+        if isinstance(values, dict) and section != "changed"
         for key, value in values.items()
     }
+
+
+def checked_scene(scene: Scene) -> Scene:
+    """`scene`, or `SceneError` if it is none, but a name, say."""
+    if not isinstance(scene, Scene):
+        raise SceneError(
+            f"scene = {_short(scene)}: must be a Scene, which tweezer.load_scene gives for a name, "
+            "a file or a mapping"
+        )
+    return scene
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
@@ -701,9 +779,9 @@ def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
 def _doubts(given: Mapping[str, Any]) -> Iterator[str]:
     """One line for each number without a unit that is unusual in the SI unit."""
     for section, values in given.items():
-        if not isinstance(values, Mapping):
-            continue
         fields = getattr(Scene.model_fields[section].annotation, "model_fields", {})
+        if not isinstance(values, Mapping) or not fields:
+            continue
         halves = {double: key for key, double in ALTERNATIVES.get(section, ())}
         for key, value in values.items():
             field = fields.get(key) or fields[halves[key]]
@@ -727,11 +805,25 @@ def _lines(error: ValidationError) -> Iterator[str]:
             yield f"{key} = {_short(details['input'])}: {_allowed(details)}"
 
 
+def _as_text(value: Any) -> str:
+    """A value as a scene file has it, in short."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list | tuple):
+        return _clipped(f"[{', '.join(map(_as_text, value))}]")
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
 def _short(value: Any) -> str:
     try:
-        text = repr(value)
+        return _clipped(repr(value))
     except RecursionError:
         return f"a {type(value).__name__} too deep to show"
+
+
+def _clipped(text: str) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
@@ -739,7 +831,7 @@ def _known_keys(details: ErrorDetails) -> str:
     section: Any = Scene
     for part in details["loc"][:-1]:
         section = section.model_fields[str(part)].annotation
-    keys = list(section.model_fields)
+    keys = [key for key in section.model_fields if key != "changed"]
     for pair in ALTERNATIVES.get(str(details["loc"][0]), ()):
         keys += [key for key in pair if key not in keys]
     near = difflib.get_close_matches(str(details["loc"][-1]), keys, n=1)

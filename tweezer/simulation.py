@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import version
 from typing import Any
 
@@ -14,7 +15,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.analysis.derived import derived_quantities
+from tweezer.analysis.summary import summary_of_path
 from tweezer.arguments import check_run
+from tweezer.compiling import compilation
 from tweezer.dynamics import (
     Event,
     Motion,
@@ -29,7 +32,8 @@ from tweezer.dynamics import (
 )
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.optics import light, worth_attributes
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
+from tweezer.units import to_si
 
 AXES = ["x", "y", "z"]
 
@@ -60,10 +64,11 @@ def simulate(
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
     attributes hold the scene, also as given, the versions, the model, the method, what gave the
-    force, steps, force calls, run time (without that of the errors), how the run ended, the events,
-    and the errors of `error_budget`. `status` is "complete", "lost", "ended" (by an event of
-    yours), "interrupted" or "failed"; a run that ended early holds what it reached, and a failed
-    one also warns (`PhysicsWarning`).
+    force, steps, force calls, `wall_time` of the run (s, without compiling, `compile_time`, and
+    without the errors), how the run ended, the events, `integration_error` and `model_error` (m,
+    the largest at any time: see `tweezer.dynamics.budget`), and what `tweezer.summarise` reads.
+    `status` is "complete", "lost", "ended" (by an event of yours), "interrupted" or "failed"; a run
+    that ended early holds what it reached, and a failed one also warns (`PhysicsWarning`).
 
     With thermal motion the run is trajectory 0 of the ensemble of that seed, by fixed steps: there
     are no tolerances, events or error budget of the integration (NaN), and models without inertia
@@ -72,7 +77,7 @@ def simulate(
     Raises `SceneError` for arguments that do not make a valid scene, events that are none, and
     events or a tolerance with thermal motion, or a seed without.
     """
-    scene = _adjusted(scene, duration, model, method, tolerance)
+    scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     check_run(scene, seed)
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     if scene.forces.brownian:
@@ -82,19 +87,18 @@ def simulate(
         return _thermal_run(scene, 0 if seed is None else seed, progress).assign_attrs(as_given)
     scene, why = chosen(scene)
     simulation = scene.simulation
-    began = time.perf_counter()
-    equations = bind(scene)
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     if not all(isinstance(event, Event) for event in events):
         raise SceneError("events: must be a list of `tweezer.Event`")
-    looked_for = [
-        *events, loss(simulation.loss_distance), closest_approach(simulation.position_tolerance),
-    ]  # fmt: skip
+    approach = closest_approach(simulation.position_tolerance)
+    looked_for = [*events, loss(simulation.loss_distance), approach]
     if (lens := lens_touched(scene)) is not None:
         looked_for.append(lens)
-    result = integrate(equations, times, looked_for, progress)
-    wall_time = time.perf_counter() - began
+    with _timed() as seconds:
+        equations = bind(scene)
+        result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
+    budget = error_budget(equations, result, motion.position, [approach])
     run = _dataset(scene, result.times, motion)
     run.attrs = {
         **_about_the_run(scene, equations.light.evaluator, why),
@@ -112,9 +116,12 @@ def simulate(
         "steps": result.steps,
         "rejected_steps": result.rejected,
         "force_calls": result.force_calls,
-        "wall_time": wall_time,
-        **error_budget(equations, result, motion.position),
+        **seconds,
+        "integration_error": budget.integration_error,
+        "model_error": budget.model_error,
     }
+    if result.path is not None:
+        run.attrs["summary"] = summary_of_path(run, result, budget)
     if result.status == "failed":
         warn(f"{scene.name}: {result.message}")
     return run
@@ -122,34 +129,33 @@ def simulate(
 
 def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | None) -> xr.Dataset:
     """Trajectory 0 of the ensemble of that seed."""
-    began = time.perf_counter()
-    bound = walk(scene, seed)
-    scene, samples = bound.scene, len(bound.times)
-    trajectory = np.zeros(1, np.int64)
-    state = bound.start(trajectory)
-    columns = np.empty((1, samples, len(bound.columns)))
-    columns[:, 0] = state[:, :-1]
-    reached, status, message = 1, "complete", ""
-    at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
-    calls = bound.per_sample * bound.force_calls
-    affordable = scene.simulation.most_force_calls // max(calls, 1)
-    try:
-        while reached < samples and np.isinf(state[0, -1]):
-            if reached > affordable:
-                raise IntegrationError("simulation.most_force_calls is spent")
-            last = min(reached + at_once, samples, affordable + 1)
-            bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
-            reached = last
-            if progress:
-                progress(float(bound.times[reached - 1]))
-    except KeyboardInterrupt:
-        status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
-    except IntegrationError as error:
-        status, message = "failed", f"failed after {bound.times[reached - 1]:.6g} s: {error}"
-    if np.isfinite(lost := state[0, -1]):
-        status, message = "lost", f"the bead left the trap at {lost:.6g} s"
-        reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    wall_time = time.perf_counter() - began
+    with _timed() as seconds:
+        bound = walk(scene, seed)
+        scene, samples = bound.scene, len(bound.times)
+        trajectory = np.zeros(1, np.int64)
+        state = bound.start(trajectory)
+        columns = np.empty((1, samples, len(bound.columns)))
+        columns[:, 0] = state[:, :-1]
+        reached, status, message = 1, "complete", ""
+        at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
+        calls = bound.per_sample * bound.force_calls
+        affordable = scene.simulation.most_force_calls // max(calls, 1)
+        try:
+            while reached < samples and np.isinf(state[0, -1]):
+                if reached > affordable:
+                    raise IntegrationError("simulation.most_force_calls is spent")
+                last = min(reached + at_once, samples, affordable + 1)
+                bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
+                reached = last
+                if progress:
+                    progress(float(bound.times[reached - 1]))
+        except KeyboardInterrupt:
+            status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
+        except IntegrationError as error:
+            status, message = "failed", f"failed after {bound.times[reached - 1]:.6g} s: {error}"
+        if np.isfinite(lost := state[0, -1]):
+            status, message = "lost", f"the bead left the trap at {lost:.6g} s"
+            reached = int(np.isfinite(columns[0, :reached, 0]).sum())
     run = _dataset(scene, bound.times[:reached], bound.motion(columns[0, :reached]))
     run.attrs = {
         **_about_the_run(scene, light(scene).evaluator, bound.why),
@@ -163,7 +169,7 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
         "steps": (reached - 1) * bound.per_sample,
         "rejected_steps": 0,
         "force_calls": (reached - 1) * calls,
-        "wall_time": wall_time,
+        **seconds,
         "integration_error": math.nan,
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
     }
@@ -197,10 +203,21 @@ def _dataset(scene: Scene, times: NDArray[np.float64], motion: Motion) -> xr.Dat
     return run.merge(derived_quantities(scene, run))
 
 
+@contextlib.contextmanager
+def _timed() -> Iterator[dict[str, float]]:
+    """The attributes of the time that the context took, s, there at its end."""
+    seconds: dict[str, float] = {}
+    began = time.perf_counter()
+    with compilation(lambda _: None) as compiling:
+        yield seconds
+    seconds["compile_time"] = compiling.seconds
+    seconds["wall_time"] = time.perf_counter() - began - compiling.seconds
+
+
 def _about_the_run(scene: Scene, evaluator: str, why: str) -> dict[str, Any]:
     """The attributes that every run has alike."""
     return {
-        "title": scene.description or scene.name,
+        "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
         "force_evaluator": evaluator,
@@ -227,7 +244,10 @@ def _adjusted(
     }
     if tolerance is not None:
         simulation = scene.simulation
-        ratio = tolerance / simulation.relative_tolerance
+        try:
+            ratio = to_si(tolerance, "", 1e-13, 0.1) / simulation.relative_tolerance
+        except ValueError as error:
+            raise SceneError(f"tolerance = {tolerance!r}: {error}") from None
         changes |= {
             "relative_tolerance": tolerance,
             "position_tolerance": simulation.position_tolerance * ratio,

@@ -38,7 +38,7 @@ from tweezer.optics import (
     total_power,
 )
 from tweezer.optics.light import SPEED_OF_LIGHT
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
 
@@ -145,7 +145,7 @@ def characterise(scene: Scene) -> Trap:
     with `scipy.optimize.minimize_scalar` to 1e-8 radii; work is by `scipy.integrate.quad` to
     1e-7, or to `Escape.energy_error` where jumps hinder it.
     """
-    light_force = _LightForce(scene)
+    light_force = _LightForce(checked_scene(scene))
     bead, r = bead_properties(scene), scene.bead.radius
     weight = np.array(bead.weight)
 

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.bead import bead_properties
-from tweezer.dynamics import bind, integrate
+from tweezer.dynamics import Integration, bind, integrate
+from tweezer.dynamics.budget import TIGHTER
 from tweezer.dynamics.models import RATE_TIME
+from tweezer.dynamics.path import largest_distance
 from tweezer.errors import TweezerError
 from tweezer.scene import Scene
 
-Array = NDArray[np.float64]
-
 #: a2 looked at if none are given: so many for each decade from epsilon to 1
 _PER_DECADE = 3
-#: times at which the responses are compared
-_SAMPLES = 201
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,11 @@ class Tuned:
     scaling_factor: float
     """a2"""
     deviation: float | None
-    """m, largest distance to the unscaled response; None if the run failed"""
+    """m, largest distance to the unscaled response at any time, located on the dense output of
+    both; None if the run failed"""
+    deviation_error: float | None
+    """m, by integrating both responses to tighter tolerances; None if the run failed, or one so
+    integrated"""
     steps: int
     force_calls: int
     seconds: float
@@ -74,8 +76,9 @@ def tune(
 
     factors: from epsilon to 1 if not given. duration: s, the scene's if not given; the thesis
     compares over a short time. method: of the scaled runs; the thesis's Dormand-Prince if not
-    given. The unscaled response is integrated by the exponential method. progress: called with the
-    part done.
+    given. The unscaled response is integrated by the exponential method. Each response is
+    integrated a second time, to a sixteenth of the tolerances: the distance between the two is its
+    error. progress: called with the part done.
 
     The step is by the tolerances, whatever the scene says. Raises `SceneError` for a factor outside
     1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
@@ -88,7 +91,6 @@ def tune(
         factors = np.geomspace(1.0, first, math.ceil(-math.log10(first) * _PER_DECADE) + 1).tolist()
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
-    times = np.linspace(0.0, scene.simulation.duration, _SAMPLES)
     same = {"step": None, "rotation_state": "angular-velocity"}
     full = {"model": "full", "method": "exponential", "scaling_factor": None, **same}
     scaled = {"model": "scaled", "method": method, **same}
@@ -96,34 +98,56 @@ def tune(
         scene.replace(simulation={"scaling_factor": factor, **scaled})
         for factor in sorted(factors, reverse=True)
     ]
-    unscaled, exact = _response(scene.replace(simulation=full), times, 1.0)
-    if unscaled.deviation is None:
+    exact = _response(scene.replace(simulation=full))
+    if exact.run.path is None:
         raise TweezerError(f"{scene.name}: the unscaled response could not be integrated")
     entries = []
     for changed in scenes:
-        factor = changed.simulation.scaling_factor or 1.0
-        entries.append(_response(changed, times, factor, exact)[0])
+        entries.append(_tuned(changed.simulation.scaling_factor or 1.0, _response(changed), exact))
         if progress:
             progress(len(entries) / len(scenes))
-    return Tuning(entries, float(times[-1]), method, epsilon, unscaled)
+    unscaled = Tuned(1.0, 0.0, exact.error, exact.run.steps, exact.run.force_calls, exact.seconds)
+    return Tuning(entries, scene.simulation.duration, method, epsilon, unscaled)
 
 
-def _response(
-    scene: Scene, times: Array, factor: float, exact: Array | None = None
-) -> tuple[Tuned, Array]:
-    """What a run costs and how far it is from `exact` (n, 3), and its positions."""
+@dataclass(frozen=True)
+class _Response:
+    """A motion, and what it costs."""
+
+    run: Integration
+    error: float | None
+    """m"""
+    seconds: float
+
+
+def _response(scene: Scene) -> _Response:
     equations = bind(scene)
-    if integrate(equations, times[:2]).status == "interrupted":  # compiles, which does not count
-        raise KeyboardInterrupt
+    times = np.array([0.0, scene.simulation.duration])
+    _uninterrupted(integrate(equations, times * 1e-3))  # compiles, which does not count
     began = time.perf_counter()
-    run = integrate(equations, times)
+    run = _uninterrupted(integrate(equations, times, most_held=sys.maxsize))
     seconds = time.perf_counter() - began
+    if run.path is None:
+        return _Response(run, None, seconds)
+    tighter = integrate(equations, times, tightened=TIGHTER, most_held=sys.maxsize)
+    path = _uninterrupted(tighter).path
+    error = None if path is None else largest_distance(run.path, path).value
+    return _Response(run, error, seconds)
+
+
+def _uninterrupted(run: Integration) -> Integration:
     if run.status == "interrupted":
         raise KeyboardInterrupt
-    positions = equations.motion(run.times, run.states).position
-    deviation: float | None = None
-    if run.status == "complete":
-        deviation = 0.0
-        if exact is not None:
-            deviation = float(np.linalg.norm(positions - exact, axis=1).max())
-    return Tuned(factor, deviation, run.steps, run.force_calls, seconds), positions
+    return run
+
+
+def _tuned(factor: float, response: _Response, exact: _Response) -> Tuned:
+    """What a response costs, and how far it is from the exact one."""
+    run, deviation, error = response.run, None, None
+    assert exact.run.path is not None
+    if run.path is not None:
+        found = largest_distance(run.path, exact.run.path)
+        deviation = found.value
+        if response.error is not None and exact.error is not None:
+            error = found.error + response.error + exact.error
+    return Tuned(factor, deviation, error, run.steps, run.force_calls, response.seconds)

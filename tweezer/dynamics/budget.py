@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.dynamics.integrate import SOLVERS, Integration, integrate
+from tweezer.dynamics.events import Event
+from tweezer.dynamics.integrate import MOST_HELD, SOLVERS, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
+from tweezer.dynamics.path import largest_distance
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -17,47 +21,70 @@ Array = NDArray[np.float64]
 #: at the lowest order of convergence, 1, half the steps leave half the error
 _ERROR_PER_DISTANCE = 2.0
 #: tolerances of a run that is to be exact by comparison, of the scene's
-_TIGHTER = 1.0 / 16.0
+TIGHTER = 1.0 / 16.0
+
+
+@dataclass(frozen=True)
+class Finer:
+    """The same motion integrated more finely."""
+
+    run: Integration
+    error_per_difference: float
+    """error of the run over its difference from this one"""
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """Errors of the positions of a run, m; NaN where unknown."""
+
+    integration_error: float
+    """of a compiled method, twice the largest distance to a run with every step halved; a solver
+    of SciPy's is compared with a compiled method of tighter tolerances instead"""
+    model_error: float
+    """largest distance to the unscaled equations with all their inertia, integrated by the
+    exponential method; 0 for them, and NaN for a body that it cannot integrate"""
+    finer: Finer | None
+    """what the integration error is by; None where it is unknown"""
 
 
 def error_budget(
-    equations: EquationsOfMotion, run: Integration, position: Array
-) -> dict[str, float]:
-    """Errors of the positions of a run, m, at the times that it returns; NaN where unknown.
+    equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event] = ()
+) -> ErrorBudget:
+    """Errors of a run: the largest at any time up to its end, located on the dense output.
 
-    position: (n, 3) m, of the run. Of a run that was interrupted, or an estimate that is, nothing
-    is known.
-
-    integration_error: of a compiled method, twice the largest distance to a run with every step
-    halved. A solver of SciPy's is compared with a compiled method of tighter tolerances instead.
-    model_error: largest distance to the unscaled equations with all their inertia, integrated by
-    the exponential method; 0 for them, and NaN for a body that it cannot integrate.
+    position: (n, 3) m, of the run at its output's times. events: to look for in the finer run.
+    Of a run that was interrupted, or an estimate that is, nothing is known. Runs of more steps than
+    are held in memory (`MOST_HELD`) are compared at the output's times alone.
     """
     if run.status == "interrupted":
-        return {"integration_error": math.nan, "model_error": math.nan}
+        return ErrorBudget(math.nan, math.nan, None)
     if len(run.times) < 2:
-        return {"integration_error": 0.0, "model_error": 0.0}
+        return ErrorBudget(0.0, 0.0, None)
     try:
-        return {
-            "integration_error": _of_integration(equations, run, position),
-            "model_error": _of_model(equations, run, position),
-        }
+        finer, integration_error = _of_integration(equations, run, position, events)
+        return ErrorBudget(integration_error, _of_model(equations, run, position), finer)
     except KeyboardInterrupt:  # the run itself is whole
-        return {"integration_error": math.nan, "model_error": math.nan}
+        return ErrorBudget(math.nan, math.nan, None)
 
 
-def _of_integration(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
+def _of_integration(
+    equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event]
+) -> tuple[Finer | None, float]:
+    scene: Scene | None
     if run.method in SOLVERS:
-        return _distance(_compiled(equations), run, position, tightened=_TIGHTER)
-    halved = np.repeat(run.step_lengths / 2, 2)
-    same = equations.scene.replace(simulation={"method": run.method})
-    return _ERROR_PER_DISTANCE * _distance(same, run, position, prescribed=halved)
+        scene, ratio = _compiled(equations), 1.0
+        how: dict[str, Any] = {"tightened": TIGHTER}
+    else:
+        scene = equations.scene.replace(simulation={"method": run.method})
+        ratio, how = _ERROR_PER_DISTANCE, {"prescribed": np.repeat(run.step_lengths / 2, 2)}
+    compared, distance = _compared(scene, run, position, events=events, **how)
+    return Finer(compared, ratio) if compared else None, ratio * distance
 
 
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
     if equations.name.startswith("full"):
         return 0.0
-    return _distance(_unscaled(equations.scene), run, position)
+    return _compared(_unscaled(equations.scene), run, position)[1]
 
 
 def _compiled(equations: EquationsOfMotion) -> Scene | None:
@@ -82,15 +109,20 @@ def _unscaled(scene: Scene) -> Scene | None:
     return full if bind(full).takes_drag_exactly else None
 
 
-def _distance(scene: Scene | None, run: Integration, position: Array, **how: Any) -> float:
-    """Largest distance of a run to another of `scene`."""
+def _compared(
+    scene: Scene | None, run: Integration, position: Array, **how: Any
+) -> tuple[Integration | None, float]:
+    """The motion of `scene`, and its largest distance from a run."""
     if scene is None:
-        return math.nan
+        return None, math.nan
     equations = bind(scene)
-    compared = integrate(equations, run.times, **how)
+    compared = integrate(equations, run.times, most_held=2 * MOST_HELD, **how)
     if compared.status == "interrupted":
         raise KeyboardInterrupt
     if compared.status != "complete":
-        return math.nan
+        return None, math.nan
+    if run.path is not None and compared.path is not None:
+        found = largest_distance(run.path, compared.path)
+        return compared, found.value + found.error
     there = equations.motion(compared.times, compared.states).position
-    return float(np.linalg.norm(there - position, axis=1).max())
+    return compared, float(np.linalg.norm(there - position, axis=1).max())

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from tweezer.bead import bead_properties
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.optics import light
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
 
@@ -32,13 +32,13 @@ def chosen(scene: Scene) -> tuple[Scene, str]:
     integrate.
     """
     reasons = []
-    if scene.simulation.model is None:
+    if checked_scene(scene).simulation.model is None:
         model, reason = _model(scene)
-        scene = scene.replace(simulation={"model": model})
+        scene = scene.decided(model=model)
         reasons.append(reason)
     if scene.simulation.method == "auto":
         method, reason = method_for(bind(scene))
-        scene = scene.replace(simulation={"method": method})
+        scene = scene.decided(method=method)
         reasons.append(reason)
     return scene, "; ".join(reasons)
 

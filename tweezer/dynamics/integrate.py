@@ -6,10 +6,9 @@ when the bead is lost, and keep what it has when it is interrupted or fails.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.dynamics.path import Path
 from tweezer.dynamics.solution import Solver
 from tweezer.errors import IntegrationError
 
@@ -36,6 +36,9 @@ IMPLICIT = frozenset({"scipy:Radau", "scipy:BDF", "scipy:LSODA"})
 #: solvers that begin each step from the state alone, so that it can be put back on its constraints;
 #: the others carry differences of past states, and their results are put back on output
 ONE_STEP = frozenset({"scipy:RK45", "scipy:DOP853", "scipy:Radau"})
+
+#: most steps whose dense output is held in memory, some 250 bytes each
+MOST_HELD = 2**18
 
 #: why a compiled loop gave up
 _FAILURES = {
@@ -67,6 +70,8 @@ class Integration:
     """in the order of their times"""
     step_lengths: Array
     """s, of a compiled method, up to the end of the run; (0,) of a solver of SciPy's"""
+    path: Path | None
+    """what was between `times`; None of a run that failed, or of more steps than are held"""
 
 
 class Stepper(Protocol):
@@ -96,13 +101,15 @@ def integrate(
     *,
     tightened: float = 1.0,
     prescribed: Array | None = None,
+    most_held: int = MOST_HELD,
 ) -> Integration:
     """Integrate from times[0] = 0 to times[-1] by the scene's method, with output at `times`.
 
     events: looked for on the dense output; the moment of one that ends the run is the last time
     returned. progress: called with the time reached. tightened: factor of all tolerances.
-    prescribed: all steps of a compiled method, s, instead of its own. An interrupt (Ctrl-C) or a
-    failure ends the run early, marked, with what was reached.
+    prescribed: all steps of a compiled method, s, instead of its own. most_held: steps up to which
+    the result has a `path`. An interrupt (Ctrl-C) or a failure ends the run early, marked, with
+    what was reached.
     """
     simulation = equations.scene.simulation
     method: str = simulation.method
@@ -112,6 +119,7 @@ def integrate(
     sampled: list[Array] = [equations.initial_state[None]]
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]
+    pieces: list[Piece] = []
     reached = 1
     status, message = "complete", ""
     solver: Stepper | None = None
@@ -138,6 +146,8 @@ def integrate(
                         end = each.certain
                         status, message = event.ends_as, _ended(event, end)
                 lengths.append(piece.step_lengths(end))
+                if solver.steps <= most_held:
+                    pieces.append(piece)
                 last = int(np.searchsorted(times, end, side="right"))
                 wanted = times[reached:last]
                 latest = wanted[-1] if wanted.size else times[reached - 1]
@@ -164,6 +174,9 @@ def integrate(
         message = f"failed after {times[reached - 1]:.6g} s: {error}"
     step_lengths = np.concatenate(lengths)
     steps = solver.steps if solver else 0
+    path = None
+    if status != "failed" and reached > 1 and steps <= most_held:
+        path = Path(equations, pieces, float(times[reached - 1]))
     return Integration(
         method,
         times[:reached],
@@ -175,6 +188,7 @@ def integrate(
         message,
         sorted(happened, key=lambda event: event.time),
         step_lengths,
+        path,
     )
 
 
@@ -196,14 +210,9 @@ def _ended(event: Event, time: float) -> str:
 class _Step:
     """One step of a solver of SciPy's."""
 
-    solver: Any
+    dense: Callable[[Array], Array]
     begin: float
     end: float
-
-    @functools.cached_property
-    def dense(self) -> Callable[[Array], Array]:
-        """Made when it is asked for, before the next step: it costs force calls."""
-        return cast(Callable[[Array], Array], self.solver.dense_output())
 
     def checkpoints(self) -> Array:
         return np.linspace(self.begin, self.end, 5)
@@ -224,7 +233,7 @@ class SciPySolver:
         self, equations: EquationsOfMotion, method: str, end: float, tightened: float = 1.0
     ) -> None:
         simulation = equations.scene.simulation
-        self._equations = equations
+        self._equations, self._method = equations, method
         self._one_step = method in ONE_STEP
         self._calls_before = equations.force_calls
         self._most_calls = simulation.most_force_calls
@@ -252,12 +261,19 @@ class SciPySolver:
         solver = self._solver
         if self.force_calls > self._most_calls:
             return None, integrators.EXHAUSTED
-        failure = solver.step()
+        try:
+            failure = solver.step()
+        except IntegrationError as error:
+            if self.steps:
+                raise
+            raise IntegrationError(
+                f"{error}: the first step, which {self._method} chooses by itself, is too long"
+            ) from None
         if solver.status == "failed":
             raise IntegrationError(failure or "the solver gave up")
         self.steps += 1
-        piece = _Step(solver, float(solver.t_old), float(solver.t))
+        # the dense output of the step as it was taken; of DOP853 it costs force calls
+        piece = _Step(solver.dense_output(), float(solver.t_old), float(solver.t))
         if self._one_step and self._equations.rotates:
-            piece.dense  # noqa: B018 - of the step as it was taken
             solver.y = self._equations.on_constraints(solver.y)
         return piece, integrators.FULL if solver.status == "running" else integrators.REACHED

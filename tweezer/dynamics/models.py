@@ -22,7 +22,7 @@ from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.errors import IntegrationError
 from tweezer.generated import kinematics
 from tweezer.optics import Light, light
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 cache_functions(kinematics)
 
@@ -350,7 +350,8 @@ def bind(scene: Scene) -> EquationsOfMotion:
 
     Of a scene that names no model, the unscaled ones.
     """
-    emitted = importlib.import_module(f"tweezer.generated.{_module_name(scene)}")
+    name = _module_name(checked_scene(scene))
+    emitted = importlib.import_module(f"tweezer.generated.{name}")
     return EquationsOfMotion(scene, cache_functions(emitted), bead_properties(scene), light(scene))
 
 

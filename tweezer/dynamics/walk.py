@@ -25,7 +25,7 @@ from tweezer.dynamics.solution import pointer
 from tweezer.equilibria import Equilibrium, stable_equilibrium
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.optics import Light, light
-from tweezer.scene import Scene, Simulation
+from tweezer.scene import Scene, Simulation, checked_scene
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -172,14 +172,14 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
     """
-    check_thermal(scene, seed)
+    check_thermal(checked_scene(scene), seed)
     reasons = []
     simulation = scene.simulation
     if simulation.model is None:
-        scene = scene.replace(simulation={"model": "full"})
+        scene = scene.decided(model="full")
         reasons.append("full: inertia is exact at any step")
     if simulation.method == "auto":
-        scene = scene.replace(simulation={"method": "heun"})
+        scene = scene.decided(method="heun")
         reasons.append("heun: exact drag and noise, weak order 2")
     simulation = scene.simulation
     bead = bead_properties(scene)

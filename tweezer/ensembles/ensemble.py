@@ -28,7 +28,7 @@ from tweezer.ensembles.store import (
 )
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -97,9 +97,9 @@ def ensemble(
     cannot be written: what was written is kept; `IntegrationError` if a force is not finite.
     """
     if duration is not None:
-        scene = scene.replace(simulation={"duration": duration})
+        scene = checked_scene(scene).replace(simulation={"duration": duration})
     check_ensemble(
-        scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
+        checked_scene(scene), trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
     bound = walk(scene, seed)

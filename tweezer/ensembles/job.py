@@ -170,7 +170,7 @@ def found_of(bound: Walk) -> Attributes:
 def attributes_of(job: Job, bound: Walk) -> Attributes:
     """What the numbers depend on: nothing of when and where they are computed."""
     return {
-        "title": bound.scene.description or bound.scene.name,
+        "title": bound.scene.title,
         "scene": job.scene,
         "seed": job.seed,
         "trajectories": job.trajectories,
@@ -189,6 +189,10 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
 
 
 def identity_of(job: Job, bound: Walk) -> str:
-    """Digest of `attributes_of`, less the reasons: a worker is told what was chosen, not why."""
-    attributes = {**attributes_of(job, bound), "chosen": ""}
+    """Digest of `attributes_of`, less the reasons: a worker is told what was chosen, not why.
+
+    And less the words in which the scene was changed.
+    """
+    scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
+    attributes = {**attributes_of(job, bound), "chosen": "", "title": "", "scene": scene}
     return hashlib.sha256(json.dumps(attributes).encode()).hexdigest()

@@ -19,6 +19,7 @@ import xarray as xr
 import zarr
 from filelock import FileLock, Timeout
 from numpy.typing import NDArray
+from pydantic import ValidationError
 from zarr.codecs import Crc32cCodec
 
 from tweezer.dynamics.walk import Walk
@@ -35,6 +36,7 @@ from tweezer.ensembles.job import (
 from tweezer.ensembles.statistics import Statistics
 from tweezer.errors import ResultError
 from tweezer.io import load_run, save_run, write_whole
+from tweezer.scene import Scene
 
 #: arrays by name: in memory or in the store
 Samples = Mapping[str, Any]
@@ -61,14 +63,28 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
     if not resume:
         raise ResultError(f"{job.out}: exists, or is begun; resume it, or name another file")
     for key, value in attributes_of(job, bound).items():
-        if key == "scene" and made.get(key) != value:
-            raise ResultError(f"{job.out}: made of another scene; it cannot be resumed with this")
-        if made.get(key) != value:
+        if key == "title":  # says in the user's words what the scene says in numbers
+            continue
+        if key == "scene":
+            if not _same_scene(made.get(key), value):
+                raise ResultError(
+                    f"{job.out}: made of another scene; it cannot be resumed with this"
+                )
+        elif made.get(key) != value:
             raise ResultError(
                 f"{job.out}: made with {key.replace('_', ' ')} {made.get(key)}, which cannot be "
                 f"resumed with {value}"
             )
     return True
+
+
+def _same_scene(made: object, scene: str) -> bool:
+    if not isinstance(made, str):
+        return False
+    try:
+        return Scene.model_validate_json(made) == Scene.model_validate_json(scene)
+    except ValidationError:
+        return False
 
 
 def _made(job: Job) -> Attributes | None:

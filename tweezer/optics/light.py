@@ -20,7 +20,7 @@ from tweezer.optics.rays import grid
 from tweezer.optics.table import Table, stored
 from tweezer.optics.tabulate import Progress
 from tweezer.optics.worth import ray_optics_caveat
-from tweezer.scene import NO_MAP, Scene
+from tweezer.scene import NO_MAP, Scene, checked_scene
 
 Array = NDArray[np.float64]
 Source = Tiles | Rule | Pieces | Darkness
@@ -283,7 +283,7 @@ def _field(
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("positions must be finite")
-    bound = light(scene)
+    bound = light(checked_scene(scene))
     field = bound.field(array.reshape(-1, 3), gradient=gradient)
     if isinstance(bound.source, Rule):
         size = np.maximum(np.linalg.norm(field.force, axis=1), VANISHING * bound.strength)

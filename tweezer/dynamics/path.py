@@ -1,0 +1,190 @@
+"""A motion between the times of its output: the dense output of its steps, and what it shows."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from tweezer.dynamics.events import Occurrence, Piece
+from tweezer.dynamics.models import EquationsOfMotion
+
+Array = NDArray[np.float64]
+#: of ascending times (n,) s, gives (n,)
+Value = Callable[[Array], Array]
+
+#: peaks that are located, the highest ones; and rounds of locating, of so many points each
+_PEAKS, _ROUNDS, _POINTS = 4, 4, 17
+#: to how much the time of a crossing is located, as a part of the run
+_CROSSING = 1e-12
+
+
+@dataclass(frozen=True)
+class Path:
+    """All of a motion from its release to `end`."""
+
+    equations: EquationsOfMotion
+    pieces: Sequence[Piece]
+    """on end, as the solver gave them"""
+    end: float
+    """s"""
+
+    @functools.cached_property
+    def checkpoints(self) -> Array:
+        """Ascending times from the release to the end, several to a step, (n,) s."""
+        times = np.unique(np.concatenate([piece.checkpoints() for piece in self.pieces]))
+        return np.append(times[times < self.end], self.end)
+
+    def positions(self, times: Array) -> Array:
+        """At ascending times (n,) s, (n, 3) m from the focus."""
+        released = self.equations.released
+        return np.concatenate(
+            [released(piece).states(part)[:, :3] for piece, part in self._parts(times)]
+        )
+
+    def speeds(self, times: Array) -> Array:
+        """At ascending times (n,) s, (n,) m/s."""
+        states = np.concatenate([piece.states(part) for piece, part in self._parts(times)])
+        velocity = self.equations.motion(times, states).velocity
+        assert velocity is not None  # thermal motion alone has none, and no pieces
+        return np.linalg.norm(velocity, axis=1)
+
+    @functools.cached_property
+    def _begins(self) -> Array:
+        return np.array([piece.begin for piece in self.pieces[1:]])
+
+    def _parts(self, times: Array) -> list[tuple[Piece, Array]]:
+        """Pieces, and those of the times that each holds."""
+        index = np.searchsorted(self._begins, times, side="right")
+        parts = np.split(times, np.flatnonzero(np.diff(index)) + 1)
+        return [(self.pieces[i], part) for i, part in zip(np.unique(index), parts, strict=True)]
+
+
+class Greatest(NamedTuple):
+    """The greatest value of a function of time."""
+
+    value: float
+    time: float
+    """s"""
+    error: float
+    """by which the function may exceed the value between the points looked at"""
+
+
+def greatest(value: Value, times: Array) -> Greatest:
+    """The greatest value from times[0] to times[-1] of a function smooth between `times`.
+
+    Its local maxima at `times` are located between their neighbours, where they may be the
+    greatest.
+    """
+    values = value(times)
+    best = int(values.argmax())
+    drop = np.maximum(values[1:-1] - values[:-2], values[1:-1] - values[2:])
+    peaks = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])
+    peaks &= values[1:-1] + drop >= values[best]  # a parabola rises by an eighth of it at most
+    candidates = {best, *(np.flatnonzero(peaks) + 1).tolist()}
+    highest = sorted(candidates, key=lambda k: -float(values[k]))[:_PEAKS]
+    last = len(times) - 1
+    return max(
+        (_located(value, times[max(k - 1, 0)], times[min(k + 1, last)]) for k in highest),
+        key=lambda found: found.value,
+    )
+
+
+def _located(value: Value, low: float, high: float) -> Greatest:
+    """The greatest value between two times with one maximum between them."""
+    for _ in range(_ROUNDS):
+        times = np.linspace(low, high, _POINTS)
+        values = value(times)
+        k = int(values.argmax())
+        beside = max(k - 1, 0), min(k + 1, _POINTS - 1)
+        low, high = (float(times[i]) for i in beside)
+    error = float(values[k]) - min(float(values[i]) for i in beside)
+    return Greatest(float(values[k]), float(times[k]), error)
+
+
+def largest_distance(one: Path, other: Path) -> Greatest:
+    """Between two motions at the same time, m, up to where both have come."""
+    end = min(one.end, other.end)
+    times = np.union1d(one.checkpoints, other.checkpoints)
+    return greatest(
+        lambda at: np.linalg.norm(one.positions(at) - other.positions(at), axis=1),
+        times[times <= end],
+    )
+
+
+def last_fall(value: Value, times: Array) -> float:
+    """When a function that ends below 0 last fell to it, s; times[0] if it was never above."""
+    fell = float(times[0])
+    while times.size:
+        above = times[value(times) > 0]
+        if above.size:
+            latest = float(above[-1])
+        else:
+            peak = greatest(value, times)
+            if not peak.value > 0:
+                break
+            latest = peak.time
+        times = times[times > latest]
+        fell = brentq(
+            lambda at: float(value(np.array([at]))[0]), latest, times[0], xtol=_CROSSING * times[-1]
+        )
+    return fell
+
+
+class Passage(NamedTuple):
+    """What a motion passed through, or the errors of these numbers; NaN where there is none."""
+
+    largest_speed: float
+    """m/s"""
+    overshoot: float
+    """m past the beam's axis, on the side away from the start"""
+    closest_approach: float
+    """m from the focus, the first local minimum"""
+    closest_approach_time: float
+    """s"""
+    settled: float
+    """s, from when on it stays near where it ends"""
+
+
+def passage(
+    path: Path, events: Sequence[Occurrence], rest: Array, near: float
+) -> tuple[Passage, Passage]:
+    """What a motion passed through, and to how much that was located on its dense output.
+
+    events: of the run, among them its closest approach. rest: (3,) m, where the bead settles;
+    near: m, how far it may be from there.
+    """
+    times = path.checkpoints
+    fastest = greatest(path.speeds, times)
+    over = _overshoot(path, times)
+    approach = next((each for each in events if each.name == "closest approach"), None)
+    distance = time = settled = np.nan
+    if approach is not None:
+        distance, time = float(np.linalg.norm(approach.state[:3])), approach.time
+
+    def away(at: Array) -> Array:
+        return np.linalg.norm(path.positions(at) - rest, axis=1) - near
+
+    if away(times[-1:])[0] < 0:
+        settled = last_fall(away, times)
+    rounding = _CROSSING * path.end
+    return (
+        Passage(fastest.value, over.value, distance, time, settled),
+        Passage(fastest.error, over.error, 0.0, rounding, rounding),
+    )
+
+
+def _overshoot(path: Path, times: Array) -> Greatest:
+    """Largest lateral excursion against the direction of the start; 0 for a start on the axis."""
+    start = path.positions(times[:1])[0, :2]
+    size = float(np.linalg.norm(start))
+    none = Greatest(0.0, 0.0, 0.0)
+    if size == 0.0:
+        return none
+    found = greatest(lambda at: -(path.positions(at)[:, :2] @ start) / size, times)
+    return found if found.value > 0 else none
