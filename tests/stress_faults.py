@@ -8,6 +8,8 @@ AssertionError, which names the fault.
 from __future__ import annotations
 
 import os
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -87,12 +89,155 @@ def damaged_caches(count: int) -> Counter[str]:
     return ended
 
 
+#: An ensemble of 16 blocks of 7 windows, or what is left to do of it: trajectories, or statistics
+ENSEMBLE = """
+import resource
+import sys
+import tweezer
+from tweezer.ensembles import job, statistics, store
+job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
+scene = tweezer.load_scene("silica-1um").replace(
+    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+    simulation={"model": "overdamped", "duration": 1e-2, "samples": 101, "loss_distance": 1e-6},
+)
+out, most_bytes = sys.argv[1], int(sys.argv[2])
+resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+try:
+    tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.endswith("nc"), resume=True)
+except tweezer.TweezerError as error:
+    sys.exit(f"refused: {error}")
+"""
+#: Names of the two kinds of output
+OUTPUTS = ("a.zarr", "a.nc")
+
+
+def _ensemble(out: Path, most_bytes: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
+    """Start the ensemble, or go on with it; most_bytes: of a file, as on a disk that is full."""
+    return subprocess.Popen(
+        [sys.executable, "-c", ENSEMBLE, str(out), str(most_bytes)], cwd=ROOT,
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+
+
+def _content(out: Path) -> dict[Path, bytes]:
+    """The files of a store, or a file."""
+    files = [out] if out.is_file() else [path for path in out.rglob("*") if path.is_file()]
+    return {path.relative_to(out): path.read_bytes() for path in files}
+
+
+def _whole(folder: Path) -> dict[str, dict[Path, bytes]]:
+    """What is written if nothing goes wrong, by name of the output."""
+    found = {}
+    for name in OUTPUTS:
+        out = folder / "whole" / name
+        out.parent.mkdir(exist_ok=True)
+        assert _ensemble(out).wait() == 0
+        found[name] = _content(out)
+    return found
+
+
+def _mended(out: Path, expected: dict[Path, bytes], fault: str) -> str:
+    """Go on with an ensemble: the bytes are those of one that met no fault, or it is refused."""
+    going = _ensemble(out)
+    said = going.communicate()[1]
+    if going.returncode == 0:
+        assert _content(out) == expected, f"{fault}: other bytes"
+        assert [path.name for path in out.parent.iterdir()] == [out.name], f"{fault}: leftovers"
+        return "the same bytes"
+    assert said.startswith("refused: "), f"{fault}: {said}"
+    assert len(said.splitlines()) == 1, f"{fault}: {said}"
+    return "refused in one line"
+
+
+def kills(count: int) -> Counter[str]:
+    """Kill ensembles at random, and go on with them: the bytes are the same."""
+    rng = np.random.default_rng(2)
+    ended: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        expected = _whole(Path(name))
+        for number in range(count):
+            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
+            out.parent.mkdir()
+            going = _ensemble(out)
+            while not list(out.parent.iterdir()) and going.poll() is None:
+                time.sleep(0.01)
+            time.sleep(rng.uniform(0, 0.5))
+            going.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGHUP]))
+            going.wait()
+            left = _mended(out, expected[out.name], f"kill {number}")
+            assert left == "the same bytes", f"kill {number}: {left}"
+            ended[f"killed: {going.returncode != 0}; then {left}"] += 1
+    return ended
+
+
+def full_disk(count: int) -> Counter[str]:
+    """Let no file be longer than so much: one line, and then the same bytes."""
+    rng = np.random.default_rng(3)
+    ended: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        expected = _whole(Path(name))
+        for number in range(count):
+            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
+            out.parent.mkdir()
+            most = int(rng.integers(50_000))
+            going = _ensemble(out, most)
+            said = going.communicate()[1]
+            fault = f"files of {most} bytes"
+            if going.returncode:
+                assert said.startswith("refused: "), f"{fault}: {said}"
+                assert len(said.splitlines()) == 1, f"{fault}: {said}"
+            left = _mended(out, expected[out.name], fault)
+            assert left == "the same bytes", f"{fault}: {left}"
+            ended[f"full: {going.returncode != 0}; then {left}"] += 1
+    return ended
+
+
+def damaged_stores(count: int) -> Counter[str]:
+    """Damage a file of an ensemble begun or complete: the same bytes, or one line.
+
+    A byte that is changed in a chunk is left to its checksum, which readers see.
+    """
+    rng = np.random.default_rng(4)
+    ended: Counter[str] = Counter()
+    with tempfile.TemporaryDirectory() as name:
+        expected = _whole(Path(name))
+        for number in range(count):
+            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
+            out.parent.mkdir()
+            going = _ensemble(out)
+            if number % 4 < 2:
+                while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
+                    time.sleep(0.01)
+                time.sleep(rng.uniform(0, 0.3))
+                going.kill()
+            going.wait()
+            files = [path for path in sorted(out.parent.rglob("*")) if path.is_file()]
+            path = files[rng.integers(len(files))]
+            sound = path.read_bytes()
+            kind = rng.choice(["changed", "cut", "empty", "missing"])
+            chunk = "c" in path.relative_to(out.parent).parts
+            if kind == "changed" and sound and not chunk:
+                at = rng.integers(len(sound))
+                path.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
+            elif kind == "missing":
+                path.unlink()
+            else:
+                path.write_bytes(
+                    sound[: rng.integers(len(sound)) if kind == "cut" and sound else 0]
+                )
+            ended[_mended(out, expected[out.name], f"{number}: {path} {kind}")] += 1
+    return ended
+
+
 #: name, what makes the faults, and how many
 FAULTS: list[tuple[str, Callable[[int], Counter[str]], int]] = [
     ("damaged files of compiled code and tables", damaged_caches, 100),
     ("changed scenes", mutated_scenes, 1000),
     ("changed command lines", mutated_command_lines, 1000),
     ("changed recordings", mutated_recordings, 1000),
+    ("ensembles that are killed", kills, 50),
+    ("ensembles on a disk that is full", full_disk, 50),
+    ("damaged files of ensembles", damaged_stores, 100),
 ]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tweezer
+from tweezer import cli
 
 SHORT = {"start": {"frame": "focus", "position": [0, 2e-7, -2e-7]},
          "simulation": {"duration": "0.1 ms"}, "optics": {"evaluator": "quadrature"}}  # fmt: skip
@@ -62,7 +63,7 @@ def test_a_scene_that_cannot_be_compared_is_refused():
         tweezer.tune(body, [1.0])
 
 
-def test_command(command_line):
+def test_command(command_line, monkeypatch):
     settings = [
         argument
         for change in ("start.frame=focus", "start.position=[0, 2e-7, -2e-7]",
@@ -79,6 +80,12 @@ def test_command(command_line):
     assert all(math.isfinite(entry["deviation"]) for entry in tuning["entries"])
     assert "within 1 nm: a2 down to" in outcome.out
     assert Path("tune.png").read_bytes().startswith(b"\x89PNG")
-    bad = command_line("tune", "thesis-990nm", "--deviation", "3 kg")
-    assert (bad.code, len(bad.err.splitlines())) == (2, 1)
-    assert bad.err.startswith("--deviation '3 kg': ")
+    monkeypatch.delattr(cli, "_bind_light")
+    for option, value, reason in (
+        ("--deviation", "3 kg", "--deviation '3 kg': "),
+        ("--factor", "2", "simulation.scaling_factor = 2"),
+        ("--method", "euler", "simulation.method = 'euler'"),
+    ):
+        bad = command_line("tune", "thesis-990nm", option, value)
+        assert (bad.code, len(bad.err.splitlines())) == (2, 1)
+        assert bad.err.startswith(reason)

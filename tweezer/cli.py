@@ -263,10 +263,12 @@ def tune(
     allowed = _quantity("--deviation", deviation, PositiveLength)
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
+
+    from tweezer.analysis.tune import scaled_scenes
+    from tweezer.analysis.tune import tune as compared
+
+    scaled_scenes(described, factor, method)  # refused before the light is bound
     _bind_light(described)
-
-    from tweezer.analysis import tune as compared
-
     with _progress(described.name, 1.0) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
     table = _table("a2", "off the unscaled bead", "steps", "force calls", "time")

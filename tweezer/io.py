@@ -99,11 +99,18 @@ def load_run(path: str | Path) -> xr.Dataset:
 
 def check_seal(path: Path) -> None:
     """Raise `ResultError` if the digest is not that of the content; a file may have none."""
-    content = memoryview(path.read_bytes())
-    digest = hashlib.sha256().digest_size
-    end = len(content) - len(_SEAL) - digest
-    sealed = end > 0 and content[end:-digest] == _SEAL
-    if sealed and hashlib.sha256(content[:end]).digest() != content[-digest:]:
+    behind = len(_SEAL) + hashlib.sha256().digest_size
+    end = path.stat().st_size - behind
+    if end <= 0:
+        return
+    with path.open("rb") as file:
+        file.seek(end)
+        seal = file.read(behind)
+        if not seal.startswith(_SEAL):
+            return
+        file.seek(0)
+        digest = hashlib.sha256(file.read(end)).digest()
+    if seal != _SEAL + digest:
         raise ResultError(f"{path}: damaged: its content is not what was saved")
 
 

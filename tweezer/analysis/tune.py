@@ -84,21 +84,11 @@ def tune(
     1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
     take.
     """
-    bead = bead_properties(scene)
-    epsilon = bead.relaxation_time / RATE_TIME
-    if factors is None:
-        first = min(max(epsilon, 1e-12), 0.1)
-        factors = np.geomspace(1.0, first, math.ceil(-math.log10(first) * _PER_DECADE) + 1).tolist()
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
-    same = {"step": None, "rotation_state": "angular-velocity"}
-    full = {"model": "full", "method": "exponential", "scaling_factor": None, **same}
-    scaled = {"model": "scaled", "method": method, **same}
-    scenes = [  # all are validated before the first one runs
-        scene.replace(simulation={"scaling_factor": factor, **scaled})
-        for factor in sorted(factors, reverse=True)
-    ]
-    exact = _response(scene.replace(simulation=full))
+    scenes = scaled_scenes(scene, factors, method)
+    same = {"scaling_factor": None, "step": None, "rotation_state": "angular-velocity"}
+    exact = _response(scene.replace(simulation={"model": "full", "method": "exponential", **same}))
     if exact.run.path is None:
         raise TweezerError(f"{scene.name}: the unscaled response could not be integrated")
     entries = []
@@ -107,7 +97,29 @@ def tune(
         if progress:
             progress(len(entries) / len(scenes))
     unscaled = Tuned(1.0, 0.0, exact.error, exact.run.steps, exact.run.force_calls, exact.seconds)
-    return Tuning(entries, scene.simulation.duration, method, epsilon, unscaled)
+    return Tuning(entries, scene.simulation.duration, method, _epsilon(scene), unscaled)
+
+
+def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) -> list[Scene]:
+    """The scenes that `tune` compares with the unscaled one, by descending factor.
+
+    Raises `SceneError` if one of them is not valid.
+    """
+    if factors is None:
+        first = min(max(_epsilon(scene), 1e-12), 0.1)
+        factors = np.geomspace(1.0, first, math.ceil(-math.log10(first) * _PER_DECADE) + 1).tolist()
+    scaled = {"model": "scaled", "method": method, "step": None}
+    return [
+        scene.replace(
+            simulation={"scaling_factor": factor, "rotation_state": "angular-velocity", **scaled}
+        )
+        for factor in sorted(factors, reverse=True)
+    ]
+
+
+def _epsilon(scene: Scene) -> float:
+    """m/beta_v (4.6) in the thesis's unit of time."""
+    return bead_properties(scene).relaxation_time / RATE_TIME
 
 
 @dataclass(frozen=True)
