@@ -6,6 +6,7 @@ would exceed for one seed in the number given.
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -832,3 +833,21 @@ def test_a_seed_is_a_whole_number(seed):
 def test_a_bead_at_rest_is_refused():
     with pytest.raises(SceneError, match="thermal motion"):
         walk(DARK.replace(forces={"brownian": False}))
+
+
+def test_the_light_turns_beads_about_every_axis():
+    """Of the step's plain Python: u and omega are force and moment times their own mobilities."""
+    one = batch.beads.py_func(2, 6, False, False)
+    place = np.arange(12.0).reshape(6, 2)
+
+    def kernel(position, source, radius, ratio, jones, force, moment, *_):
+        force[:] = position + 1
+        moment[:] = 10 * position + [1, 2, 3]
+
+    nothing = SimpleNamespace(source=None, beyond=None, radius=1.0, n_mP=1.0, jones=None)
+    plan = SimpleNamespace(mobility=np.arange(1.0, 7.0), load=np.full(6, 0.5))
+    out = np.empty((6, 2))
+    batch.slow_velocities.py_func(kernel, kernel, nothing, plan, one, place, out)
+    x = place[:3]
+    np.testing.assert_allclose(out[:3], plan.mobility[:3, None] * (x + 1.5))
+    np.testing.assert_allclose(out[3:], plan.mobility[3:, None] * (10 * x + [[1], [2], [3]]))

@@ -594,3 +594,12 @@ def test_a_bead_beside_the_light_takes_long_steps():
     bead = tweezer.bead_properties(scene)
     sunk = bead.weight[2] / bead.drag * (10e-3 - bead.relaxation_time)
     assert float(run["position"][-1, 2]) == pytest.approx(sunk, rel=1e-9)
+
+
+def test_a_tightened_run_has_smaller_tolerances():
+    """What tells the error of a solver of SciPy's must be the more exact of the two."""
+    equations = tweezer.bind(tweezer.load_scene("silica-1um"))
+    simulation = equations.scene.simulation
+    control = Solver(equations, "exponential", end=1e-6, tightened=1 / 16).control
+    assert control.relative == simulation.relative_tolerance / 16
+    assert control.absolute[0] == simulation.position_tolerance / 16

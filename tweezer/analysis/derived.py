@@ -57,7 +57,9 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
                 2 * medium.density * r / medium.viscosity * speed, "1", "Reynolds number",
             ),
             "kinetic_energy": (kinetic, "J", "kinetic energy"),
-            "total_energy": (kinetic + potential, "J", "kinetic and potential energy"),
+            "total_energy": (
+                kinetic + potential, "J", "energy of motion, gravity and buoyancy, without the light",
+            ),
         }  # fmt: skip
     return xr.Dataset(
         {
