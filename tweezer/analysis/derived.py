@@ -58,7 +58,7 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
             ),
             "kinetic_energy": (kinetic, "J", "kinetic energy"),
             "total_energy": (
-                kinetic + potential, "J", "energy of motion, gravity and buoyancy, without the light",
+                kinetic + potential, "J", "energy of motion and weight, without the light",
             ),
         }  # fmt: skip
     return xr.Dataset(
