@@ -51,7 +51,7 @@ def test_every_variable_says_what_it_is(turning_run):
 
 def test_the_attributes_say_how_a_run_was_made(turning_run, turning_scene):
     attributes = turning_run.attrs
-    assert attributes["title"] == turning_scene.description
+    assert attributes["title"] == turning_scene.title
     assert (attributes["model"], attributes["method"]) == ("full", "scipy:LSODA")
     assert attributes["emitted_module"] == "full_sphere"
     assert (attributes["status"], attributes["message"]) == ("complete", "")
