@@ -14,6 +14,7 @@ import tweezer
 from tests.benchmarks import (
     brownian,
     brownian_report,
+    calibrate_report,
     depth_report,
     force,
     integrate_report,
@@ -158,7 +159,7 @@ def test_quick_run_of_the_integration(command_line, tmp_path):
 @pytest.mark.parametrize(
     ("name", "report"),
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
-     ("scaling", scaling_report), ("depth", depth_report)],
+     ("scaling", scaling_report), ("depth", depth_report), ("calibrate", calibrate_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""

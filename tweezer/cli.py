@@ -648,6 +648,10 @@ _add_benchmark(
     "depth", "depth_report",
     "Depth from tracks: coverage and bias. Of starts in z that tracks in the plane tell.",
 )  # fmt: skip
+_add_benchmark(
+    "calibrate", "calibrate_report",
+    "Calibration: coverage of its intervals, and what is marked. Known traps.",
+)  # fmt: skip
 
 
 def _benchmark(name: str) -> ModuleType:

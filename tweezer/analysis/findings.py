@@ -70,10 +70,11 @@ class Fits:
 
 def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
     """What speaks against the record, and so against every number that rests on it."""
+    few = _few_relaxations(len(positions) * step, fits.free.bead)
     found = [
         _unsettled(positions),
-        _few_relaxations(len(positions) * step, fits.free.bead),
-        *_unsteady(positions, step, fits.fit),
+        few,
+        *_unsteady(positions, step, fits.fit, few is not None),
         None if exposure_known else _unknown_exposure(fits.fit, step),
         _white(positions, step, fits),
         _spectrum(positions, step, fits.free),
@@ -83,9 +84,11 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     for each in found:
         if each:
             named.setdefault(each.name, each)  # two tests see blur
+    # noise adds motion from sample to sample, and exposure takes it away
+    hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
-        named.pop("exposure", None)
-    return list(named.values())
+        hidden |= {"exposure"}
+    return [finding for name, finding in named.items() if name not in hidden]
 
 
 def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> float:
@@ -121,12 +124,15 @@ def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
     return Finding("free", text)
 
 
-def _unsteady(positions: Array, step: float, fit: WhittleFit) -> list[Finding | None]:
+def _unsteady(
+    positions: Array, step: float, fit: WhittleFit, looks_free: bool
+) -> list[Finding | None]:
     """A mean that drifts, and a variance that changes from one half to the other.
 
     Drift: the first cosines of the record (DCT-II, half a period and more) against the spectrum of
     what is left without them. They are as good as independent, and Gaussian, each with a variance
-    of S/(2 step) at its frequency; the spectrum is itself fitted, hence Fisher's F.
+    of S/(2 step) at its frequency; the spectrum is itself fitted, hence Fisher's F. A free bead
+    strays as if it drifted, but what is left without the cosines does not look trapped either.
     """
     from scipy.fft import dct, idct
 
@@ -153,10 +159,11 @@ def _unsteady(positions: Array, step: float, fit: WhittleFit) -> list[Finding | 
     excess = float((slow**2 - expected).sum()) / samples
     share = excess / steady.bead.variance
     found: list[Finding | None] = []
-    if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative):
+    strays = looks_free and samples * step < 2 * _RELAXATIONS * steady.bead.relaxation_time
+    if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative) and not strays:
         text = (
             f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms: by that alone the variance is "
-            f"{100 * share:.2g} % too large"
+            f"{100 * share:.0f} % too large"
         )
         found.append(Finding("drift", text))
     first, second = np.array_split(rest, 2)

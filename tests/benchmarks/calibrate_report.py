@@ -1,0 +1,156 @@
+"""The results of the benchmark of calibration as tables, as a figure, and on their page.
+
+`python -m tests.benchmarks.calibrate_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+from scipy.stats import binomtest
+
+from tests.benchmarks import pages
+from tests.benchmarks.calibrate import Results
+
+METHODS = {
+    "power spectrum": "spectrum",
+    "power spectrum, drag fitted": "drag fitted",
+    "equipartition": "variance",
+    "displacement": "MSD",
+    "autocorrelation": "ACF",
+    "potential": "potential",
+}
+COLOURS = ("#004488", "#6699cc", "#bb5566", "#228833", "#997700", "#777777")
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """Of cameras, and of disturbed records; the first row of each is that of the headings."""
+    headings = ["not marked, %", *METHODS.values(), "outside, not marked"]
+    cameras = [
+        ["k, pN/um; frames a second; exposed, given; drag", *headings],
+        *(
+            [_camera(each), *_row(each)]
+            for each in results["cameras"]
+            if each not in blind(results)
+        ),
+    ]
+    disturbed = [
+        ["relaxation times; disturbance; drag", *headings],
+        *([_disturbance(each), *_row(each)] for each in results["disturbed"]),
+    ]
+    return [cameras, disturbed]
+
+
+def blind(results: Results) -> list[Results]:
+    """Records that are exposed, which the calibration is not told."""
+    return [each for each in results["cameras"] if each["exposure"] and not each["exposure_given"]]
+
+
+def _camera(of: Results) -> str:
+    given = "given" if of["exposure_given"] else "not given"
+    return (
+        f"{1e6 * of['stiffness']:.0f}; {of['rate_Hz']:.0f}; {100 * of['exposure']:.0f} %, {given}; "
+        f"{'given' if of['drag_given'] else 'fitted'}"
+    )
+
+
+def _disturbance(of: Results) -> str:
+    kinds = {"noise": of["noise"], "drift": of["drift"]}
+    what = ", ".join(f"{kind} {size:g} sd" for kind, size in kinds.items() if size) or "none"
+    return f"{of['relaxations']:.0f}; {what}; {'given' if of['drag_given'] else 'fitted'}"
+
+
+def _row(of: Results) -> list[str]:
+    methods = of["methods"]
+    outside = sum(each["unmarked"] - each["unmarked_and_inside"] for each in methods.values())
+    every = sum(each["records"] - each["inside"] for each in methods.values())
+    return [
+        f"{100 * of['clean'] / of['records']:.0f}",
+        *(_coverage(methods.get(method)) for method in METHODS),
+        f"{outside} of {every}",
+    ]
+
+
+def _coverage(of: Results | None) -> str:
+    """In % of the numbers without a finding; in brackets how many these are."""
+    if of is None:
+        return ""
+    if not of["unmarked"]:
+        return "- (0)"
+    return f"{100 * of['unmarked_and_inside'] / of['unmarked']:.0f} ({of['unmarked']})"
+
+
+def pooled(studies: list[Results]) -> dict[str, tuple[int, int]]:
+    """By method: numbers without a finding, and those of them whose interval holds the truth."""
+    found: dict[str, tuple[int, int]] = {}
+    for method in METHODS:
+        own = [each["methods"][method] for each in studies if method in each["methods"]]
+        found[method] = (
+            sum(each["unmarked"] for each in own),
+            sum(each["unmarked_and_inside"] for each in own),
+        )
+    return found
+
+
+def groups(results: Results) -> dict[str, list[Results]]:
+    """Studies that are pooled for the figure."""
+    cameras, disturbed = results["cameras"], results["disturbed"]
+    return {
+        "cameras, exposure given": [each for each in cameras if each["exposure_given"]],
+        "cameras, not exposed": [each for each in cameras if not each["exposure"]],
+        "820 relaxation times": [each for each in disturbed if each["relaxations"] > 100],
+        "40 relaxation times": [each for each in disturbed if each["relaxations"] < 100],
+    }
+
+
+def figure(results: Results) -> Figure:
+    """Coverage of what carries no finding, by method."""
+    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    axes = drawn.subplots()
+    for i, studies in enumerate(groups(results).values()):
+        for j, (method, (unmarked, inside)) in enumerate(pooled(studies).items()):
+            if unmarked < 20:
+                continue
+            low, high = binomtest(inside, unmarked).proportion_ci(0.95)
+            at = 100 * inside / unmarked
+            axes.errorbar(
+                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
+                capsize=2, color=COLOURS[j], label=METHODS[method] if i == 0 else None,
+            )  # fmt: skip
+    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    axes.set_xticks(range(len(groups(results))), list(groups(results)))
+    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(80, 100.5))
+    drawn.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    numbers = [each for study in blind(results) for each in study["methods"].values()]
+    outside = sum(each["records"] - each["inside"] for each in numbers)
+    missed = sum(each["unmarked"] - each["unmarked_and_inside"] for each in numbers)
+    explained = (
+        "Records of beads whose trap is known are sampled exactly: "
+        f"{results['cameras'][0]['records']} of each kind as cameras make them (6,000 frames, "
+        "exposed for all of each frame or for none), and "
+        f"{results['disturbed'][0]['records']} of each kind of 40 and of 820 relaxation times, "
+        "ten samples in each, with white noise or a steady drift in units of the standard "
+        "deviation of the motion (sd). Methods: spectrum with the drag as known, and with the drag "
+        "fitted; variance (equipartition); mean squared displacement (MSD); autocorrelation (ACF); "
+        "potential. In percent: how often the 95 % interval holds the true stiffness, of the "
+        "numbers that carry no finding; how many these are stands in brackets. All kinds share "
+        "their random numbers, so their figures are off together. The last column counts numbers "
+        "of all methods outside their interval: those without a finding, of all. Of the exposed "
+        "records whose exposure is not given, which are not in the table, "
+        f"{missed} of {outside} such numbers carry none."
+    )
+    lines = [
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        "![Coverage of the intervals, by method](figures/bench-calibrate.png)",
+    ]  # fmt: skip
+    return pages.block("calibrate", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("calibrate", block, figure)
