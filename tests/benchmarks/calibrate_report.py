@@ -27,6 +27,7 @@ COLOURS = ("#004488", "#6699cc", "#bb5566", "#228833", "#997700", "#777777")
 def tables(results: Results) -> list[list[list[str]]]:
     """Of cameras, and of disturbed records; the first row of each is that of the headings."""
     headings = ["not marked, %", *METHODS.values(), "outside, not marked"]
+    told = [each for each in results["cameras"] if each not in blind(results)]
     cameras = [
         ["k, pN/um; frames a second; exposed, given; drag", *headings],
         *(
