@@ -30,11 +30,7 @@ def tables(results: Results) -> list[list[list[str]]]:
     told = [each for each in results["cameras"] if each not in blind(results)]
     cameras = [
         ["k, pN/um; frames a second; exposed, given; drag", *headings],
-        *(
-            [_camera(each), *_row(each)]
-            for each in results["cameras"]
-            if each not in blind(results)
-        ),
+        *([_camera(each), *_row(each)] for each in told),
     ]
     disturbed = [
         ["relaxation times; disturbance; drag", *headings],
