@@ -29,7 +29,7 @@ from tweezer.analysis import (
     standard_error,
     summarise,
 )
-from tweezer.analysis.depth import LEVEL
+from tweezer.analysis.profile import LEVEL
 from tweezer.bead import bead_properties
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force, optical_jacobian, ray_optics_caveat

@@ -6,6 +6,7 @@ The motion in the plane depends on where along the light the bead is, for the fo
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,37 +17,33 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
-from scipy.optimize import OptimizeResult, brentq, minimize, minimize_scalar
 from scipy.special import chdtrc
+from scipy.stats.qmc import Sobol
 
+from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.bead import bead_properties
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
-from tweezer.errors import ResultError
+from tweezer.errors import IntegrationError, ResultError
 from tweezer.optics import light
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: 95 % of chi-square with one degree of freedom: what the misfit may be above its least
-LEVEL = 3.841458820694124
 #: probability that a coordinate is a number from anywhere
 _OUTLIERS = 0.01
 #: m, of the noise of a camera
 _NOISE = (1e-10, 1e-6)
-#: places of the scan; range it has if none is given, and the table, in radii
-_PLACES, _SEARCH, _TABLE = 121, 15.0, 20.0
-#: misfit above the best from which on the noise is not fitted anew
-_HOPELESS = 40.0
-#: misfit between neighbours near the least from which on there should be a place between them; how
-#: often a step of the scan is halved for that, and how many places there may be more
-_JUMP, _HALVINGS, _MORE = 2 * LEVEL, 5, 80
-#: calls of the likelihood in a fit, for each number that is fitted and one more
-_CALLS = 20
-#: misfit that is next to nothing, against `LEVEL`
-_NOTHING = 0.1
-#: in units of what is fitted: step of a derivative, and of a second one
-_STEP, _WIDE_STEP = 1e-2, 3e-2
+#: noise that is fitted: at least this part of what heat moves the bead by between two frames, at
+#: most this multiple of the guess
+_LEAST_NOISE, _MOST_NOISE = 0.03, 5.0
+#: range of the search if none is given, and the table, in radii
+_SEARCH, _TABLE = 15.0, 20.0
+#: values that a place of the scan is tried with, of what is fitted besides z and noise: of one
+#: quantity; twice as many for each more
+_TRIALS = 16
+#: radii, of z over which the misfit is about a parabola
+_Z_STEP = 0.03
 #: frames from which the start is guessed, and how wide the guess is, in steps between them
 _FIRST, _GUESS = 7, 4.5
 #: lags at which residuals should not be correlated, and how improbable they may be
@@ -57,16 +54,19 @@ class _Free(NamedTuple):
     """A quantity that may be fitted besides the depth, as value = given * exp(fitted)."""
 
     unit: str
+    step: float
+    """of fitted, over which the misfit is about a parabola"""
     reach: float
-    """largest |fitted|"""
+    """largest |fitted|; of noise and release by the track"""
 
 
-#: what else may be fitted
+#: what may be fitted
 FREE = {
-    "power": _Free("W", math.log(4)),
-    "radius": _Free("m", math.log(2)),
-    "scaling_factor": _Free("", math.log(1e4)),
-    "release": _Free("s", math.inf),
+    "noise": _Free("m", 0.1, math.nan),
+    "power": _Free("W", 0.03, math.log(4)),
+    "radius": _Free("m", 0.02, math.log(2)),
+    "scaling_factor": _Free("", 0.05, math.log(1e4)),
+    "release": _Free("s", 0.2, math.nan),
 }
 
 
@@ -88,8 +88,8 @@ class Parameter:
     """"noise", "power" (through the pupil), "radius", "scaling_factor" or "release\""""
     value: float
     uncertainty: float | None
-    """standard uncertainty, by the curvature of the likelihood; None where that tells nothing, at
-    an end of its range or, of the noise, above the value"""
+    """standard uncertainty, by the likelihood; None where that tells nothing, at an end of its
+    range or, of the noise, above the value"""
     unit: str
 
 
@@ -124,7 +124,7 @@ class DepthFit:
     p_value: float
     """how probable residuals are that are as far from white"""
     profile: tuple[tuple[float, float], ...]
-    """z, m, and least misfit with the start there"""
+    """z, m, and least misfit with the start there; without starts that cannot be followed"""
     path: Filtered
     """at the best fit"""
 
@@ -160,17 +160,23 @@ def fit_depth(
     so. x and y of the start are averaged over. A coordinate may be a number from anywhere: to its
     density is added 0.01 over the length that the track extends over (`Camera.outliers`).
 
-    The misfit is least over what else is fitted at 121 places of the search, within its minima, and
+    The misfit is least over what else is fitted at 81 places of the search, within its minima, and
     at up to 80 places more where it jumps near the least by more than 7.7 from one to the next,
-    down to 1/32 of a step; the interval holds the starts whose misfit is less than 3.84 above the
-    least (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It
-    is not taken to determine z if such a jump is left at an end of it, if a fit near it has not
-    converged, or if the p-value is below 0.001. The p-value is of the correlations of the residuals
-    (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)), and of their size where the noise is
-    given.
+    down to 1/32 of a step. It is sought from many values of what is fitted at each place, and from
+    what fits best at the places beside it, until none of these finds less
+    (`tweezer.analysis.profile`). A start that cannot be followed is impossible.
+
+    The interval holds the starts whose misfit is less than 3.84 above the least (S. S. Wilks, Ann.
+    Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It is not taken to determine
+    z if a jump is left at an end of it, if a fit near it has not converged, if power, radius or
+    scaling factor meets an end of what was tried within it (1/4 to 4, 1/2 to 2 and 1e-4 to 1e4
+    times what the scene says), or noise or release their upper ones, or if the p-value is below
+    0.001. The p-value is of the correlations of the residuals (G. M. Ljung and G. E. P. Box,
+    Biometrika 65, 297 (1978)), and of their size where the noise is given.
 
     Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, a search or a
-    name in `fit` that is none; `IntegrationError` where the motion cannot be followed.
+    name in `fit` that is none; `IntegrationError` where the motion cannot be followed from any
+    start.
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else scene
@@ -181,19 +187,19 @@ def fit_depth(
     _refuse(track, scene, noise, search, fit)
     likelihood = _Likelihood(track, scene, noise, fit)
 
-    profile = _Profile(likelihood, search, progress)
+    profile = Profile(likelihood, search, progress)
     profile.polish()
-    profile.refine((search[1] - search[0]) / (_PLACES - 1) / 2**_HALVINGS)
+    profile.refine()
     at, values = profile.places, profile.values - profile.values.min()
     i = int(values.argmin())
     best, optimum = float(at[i]), profile.nuisances[i]
-    intervals = tuple(_below(at, values, profile.above))
+    intervals = tuple(below(profile))
     path = likelihood.filtered(best, optimum)
-    parameters = tuple(likelihood.parameters(best, optimum))
+    parameters = tuple(likelihood.parameters(optimum, profile.spread()))
     p_value = _p_value(path, sized=noise is not None)
-    doubts = _doubts(scene.bead.radius, profile, path, p_value)
+    doubts = _doubts(scene.bead.radius, likelihood, profile, path, p_value)
     (low, high), *more = intervals
-    open_end = low <= search[0] or intervals[-1][1] >= search[1]
+    open_end = low <= at[0] or intervals[-1][1] >= at[-1]
     determined = (
         not more and not open_end and high - low < (search[1] - search[0]) / 2
         and not any(doubt.refuses for doubt in doubts)
@@ -201,7 +207,7 @@ def fit_depth(
     minima = [Minimum(float(at[i]), float(values[i])) for i in profile.lowest]
     return DepthFit(
         track.name, scene.name, best, intervals, determined,
-        _statement(best, intervals, search, determined, parameters, doubts),
+        _statement(best, intervals, (at[0], at[-1]), determined, parameters, doubts),
         tuple(sorted(minima, key=lambda each: each.misfit)), likelihood.noise(optimum),
         parameters, search, float(track.times[0]), len(track.times),
         int((path.weights < 0.5).sum()), p_value,
@@ -224,8 +230,8 @@ def _refuse(
     if isinstance(fit, str):
         raise ResultError(f"fit = {fit!r}: must be a list of names")
     for name in fit:
-        if name not in FREE:
-            raise ResultError(f"fit = {name!r}: allowed: {', '.join(FREE)}")
+        if name not in (allowed := [each for each in FREE if each != "noise"]):
+            raise ResultError(f"fit = {name!r}: allowed: {', '.join(allowed)}")
         if list(fit).count(name) > 1:
             raise ResultError(f"fit = {name!r}: given more than once")
     if "scaling_factor" in fit and scene.simulation.model != "scaled":
@@ -276,37 +282,55 @@ class _Likelihood:
         extent = float(np.ptp(track.positions[np.isfinite(track.positions)]))
         self._outliers = _OUTLIERS / (extent + 2 * scene.bead.radius)
         both = self._positions[np.isfinite(self._positions).all(axis=1)][:_FIRST]
-        least = self.noise(self.guess)
+        least = self._noise or self._guess
         spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
         self._start, self._spread = _start(self._positions), np.array([*spread, 0.0])
 
     @property
-    def free(self) -> int:
-        """How many numbers are fitted besides z."""
-        return len(self._fit) + (self._noise is None)
+    def names(self) -> tuple[str, ...]:
+        """Of what is fitted besides z."""
+        return self._fit if self._noise else ("noise", *self._fit)
 
-    @property
-    def more(self) -> bool:
-        """Whether the scene is not known."""
-        return bool(self._fit)
+    @functools.cached_property
+    def unit(self) -> float:
+        """m, the radius."""
+        return self._light.radius
 
-    @property
-    def guess(self) -> Array:
-        """Where a fit begins; noise by the differences of frames, which thermal motion is in."""
+    @functools.cached_property
+    def _guess(self) -> float:
+        """m, the noise by the differences of frames, which thermal motion is in."""
         usual = float(np.mean([_usual(seen, 2) for seen in self._positions.T]))
-        usual /= 0.6745 * math.sqrt(6)
-        start = [] if self._noise else [math.log(min(max(usual, 2e-10), 5e-7))]
-        return np.array(start + [0.0] * len(self._fit))
+        return min(max(usual / (0.6745 * math.sqrt(6)), 2 * _NOISE[0]), _NOISE[1] / 2)
 
-    @property
-    def _bounds(self) -> list[tuple[float, float]]:
-        noise = [] if self._noise else [(math.log(_NOISE[0]), math.log(_NOISE[1]))]
+    @functools.cached_property
+    def bounds(self) -> Array:
+        """(n, 2) of p: logarithms, but for the release, which is in frames."""
         every = {name: (-free.reach, free.reach) for name, free in FREE.items()}
-        # half of the track, in steps between frames
-        every["release"] = (0.0, self._times[-1] / 2 / self._step)
-        return noise + [every[name] for name in self._fit]
+        every["release"] = (0.0, self._times[-1] / 2 / self._step)  # half of the track
+        heat = math.sqrt(2 * self._kT / self._bead.drag * self._step)
+        least = _LEAST_NOISE * min(heat, self._guess)
+        every["noise"] = (math.log(least), math.log(_MOST_NOISE * self._guess))
+        return np.array([every[name] for name in self.names]).reshape(-1, 2)
 
-    @property
+    @functools.cached_property
+    def steps(self) -> Array:
+        """(n + 1,) of z, in radii, and p."""
+        return np.array([_Z_STEP, *(FREE[name].step for name in self.names)])
+
+    @functools.cached_property
+    def trials(self) -> Array:
+        """(trials, n) what a place of the scan is tried with: what is given first."""
+        known = [] if self._noise else [math.log(self._guess)]
+        begin = np.array([*known, *[0.0] * len(self._fit)])
+        if not self._fit:
+            return begin[None]
+        low, high = self.bounds[len(known) :].T
+        count = _TRIALS * 2 ** (len(self._fit) - 1)
+        even = Sobol(len(self._fit), scramble=False).random(count) + 0.5 / count
+        tried = np.column_stack([np.tile(known, (count, 1)), low + even * (high - low)])
+        return np.vstack([begin, tried])
+
+    @functools.cached_property
     def _step(self) -> float:
         return float(np.median(np.diff(self._times)))
 
@@ -316,10 +340,10 @@ class _Likelihood:
 
     def _changes(self, p: Array) -> dict[str, float]:
         """What is fitted, as a logarithm of its ratio to what the scene says, or in frames."""
-        return dict(zip(self._fit, p[self.free - len(self._fit) :].tolist(), strict=True))
+        return dict(zip(self._fit, p[len(p) - len(self._fit) :].tolist(), strict=True))
 
-    def filtered(self, z: float, p: Array) -> Filtered:
-        """The track as the filter sees it, from a start at z, m."""
+    def filtered(self, z: float, p: Array, least: float = -math.inf) -> Filtered:
+        """The track as the filter sees it, from a start at z, m; `least` as there."""
         change = self._changes(p)
         power, size, a2 = (
             math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
@@ -331,169 +355,37 @@ class _Likelihood:
             self._velocity, change.get("release", 0.0) * self._step,
         )  # fmt: skip
         return self._filter(
-            moving, Camera(self._times, self._positions, self.noise(p), self._outliers)
+            moving, Camera(self._times, self._positions, self.noise(p), self._outliers), least
         )
 
-    def misfit(self, z: float, p: Array) -> float:
-        """-2 log(likelihood)."""
-        return -2 * self.filtered(z, p).log_likelihood
+    def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
+        """-2 log(likelihood), or a number between `most` and it; infinite: cannot be followed."""
+        try:
+            return -2 * self.filtered(z, p, -most / 2).log_likelihood
+        except IntegrationError:
+            return math.inf
 
-    def profile(self, z: float, p: Array) -> tuple[float, Array, bool]:
-        """Least misfit with the start at z, where it is, and whether the fit came to an end: within
-        its calls, or because as many calls more gain next to nothing.
+    def ends(self, p: Array) -> list[str]:
+        """What is fitted that meets an end of its range.
 
-        p: where to begin.
+        The least noise and release are no such end: less noise makes no difference, and a bead is
+        not released before it is seen.
         """
-        if not self.free:
-            return self.misfit(z, p), p, True
-        calls = _CALLS * (self.free + 1)
+        low, high = self.bounds.T.copy()
+        low[[name in ("noise", "release") for name in self.names]] = -np.inf
+        return [self.names[i] for i in np.flatnonzero((p <= low) | (p >= high))]
 
-        def sought(begin: Array) -> OptimizeResult:
-            return minimize(
-                lambda q: self.misfit(z, q), begin, method="L-BFGS-B", bounds=self._bounds,
-                options={"eps": _STEP, "ftol": 1e-6, "gtol": 0.5, "maxfun": calls},
-            )  # fmt: skip
-
-        found = sought(p)
-        if found.nfev < calls:
-            return float(found.fun), found.x, True
-        more = sought(found.x)
-        return float(more.fun), more.x, found.fun - more.fun < _NOTHING
-
-    def parameters(self, z: float, p: Array) -> list[Parameter]:
-        """What was fitted, with uncertainties by the curvature of the misfit over z and all."""
-        if not self.free:
-            return []
-        scale = self._light.radius
-        variances = 2 * np.diag(np.linalg.pinv(
-            _curvature(lambda q: self.misfit(scale * q[0], q[1:]), np.array([z / scale, *p]))
-        ))[1:]  # fmt: skip
-        names = self._fit if self._noise else ("noise", *self._fit)
+    def parameters(self, p: Array, spread: Array) -> list[Parameter]:
+        """What was fitted, with its standard uncertainties."""
         parameters = []
-        for name, value, variance, ends in zip(names, p, variances, self._bounds, strict=True):
-            untold = min(value - ends[0], ends[1] - value) < 2 * _WIDE_STEP or not variance > 0
-            unit = FREE[name].unit if name in FREE else "m"
-            size = self._step
-            number = value * size
+        for name, value, deviation, ends in zip(self.names, p, spread, self.bounds, strict=True):
+            size, number = self._step, value * self._step
             if name != "release":
                 number = size = (self._given.get(name) or 1.0) * math.exp(value)
-                untold = untold or (name == "noise" and variance > 1)
-            uncertainty = None if untold else float(size * math.sqrt(variance))
-            parameters.append(Parameter(name, float(number), uncertainty, unit))
+            told = ends[0] < value < ends[1] and deviation < (1 if name == "noise" else np.inf)
+            uncertainty = float(size * deviation) if told else None
+            parameters.append(Parameter(name, float(number), uncertainty, FREE[name].unit))
         return parameters
-
-
-def _curvature(function: Callable[[Array], float], at: Array) -> Array:
-    """Second derivatives, (n, n), by central differences."""
-    n = len(at)
-    steps = _WIDE_STEP * np.eye(n)
-    second = np.empty((n, n))
-    for i in range(n):
-        for j in range(i + 1):
-            second[i, j] = second[j, i] = sum(
-                a * b * function(at + a * steps[i] + b * steps[j])
-                for a in (-1, 1)
-                for b in (-1, 1)
-            ) / (4 * _WIDE_STEP**2)  # fmt: skip
-    return second
-
-
-class _Profile:
-    """The least misfit over the start in z, at the places where it has been sought."""
-
-    def __init__(
-        self,
-        likelihood: _Likelihood,
-        search: tuple[float, float],
-        progress: Callable[[float], None] | None,
-    ) -> None:
-        """The scan."""
-        self._likelihood = likelihood
-        self.places = np.linspace(*search, _PLACES)
-        self.values = np.array([likelihood.misfit(z, likelihood.guess) for z in self.places])
-        first = self.places[self.values.argmin()]
-        _, near_best, _ = likelihood.profile(first, likelihood.guess)
-        self.nuisances = np.tile(near_best, (_PLACES, 1))
-        self.converged = np.ones(_PLACES, dtype=bool)
-        more = likelihood.more
-        least = math.inf
-        for i, z in enumerate(self.places):
-            self.values[i] = likelihood.misfit(z, near_best)
-            if more or self.values[i] < least + _HOPELESS:
-                begin = self.nuisances[i - 1] if more and i else near_best
-                self.values[i], self.nuisances[i], self.converged[i] = likelihood.profile(z, begin)
-            least = min(least, self.values[i])
-            if progress:
-                progress((i + 1) / _PLACES)
-
-    def _sought(self, z: float) -> tuple[float, Array, bool]:
-        return self._likelihood.profile(z, self.nuisances[np.abs(self.places - z).argmin()])
-
-    def above(self, z: float) -> float:
-        """The misfit above the least, at any z; the places stay as they are."""
-        return self._sought(z)[0] - float(self.values.min())
-
-    def _add(self, z: float) -> None:
-        value, nuisance, converged = self._sought(z)
-        i = int(np.searchsorted(self.places, z))
-        self.places = np.insert(self.places, i, z)
-        self.values = np.insert(self.values, i, value)
-        self.nuisances = np.insert(self.nuisances, i, nuisance, axis=0)
-        self.converged = np.insert(self.converged, i, converged)
-
-    @property
-    def lowest(self) -> NDArray[np.intp]:
-        """The places of the minima that are near the least, the ends of the search among them."""
-        around = np.concatenate([[np.inf], self.values, [np.inf]])
-        below = (self.values <= around[:-2]) & (self.values < around[2:])
-        return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
-
-    def polish(self) -> None:
-        """Add the minima between the places."""
-        ends = np.concatenate([self.places[:1], self.places, self.places[-1:]])
-        for low, high in [(ends[i], ends[i + 2]) for i in self.lowest]:
-            near = minimize_scalar(
-                lambda z: self._sought(z)[0], bounds=(low, high), method="bounded",
-                options={"xatol": 0.01 * (high - low)},
-            )  # fmt: skip
-            self._add(float(near.x))
-
-    def refine(self, finest: float) -> None:
-        """Add places where the misfit jumps near the least, the widest gap first."""
-        for _ in range(_MORE):
-            gaps = np.diff(self.places) * self.jumps(_JUMP)
-            widest = int(gaps.argmax())
-            if gaps[widest] < 2 * finest:
-                return
-            self._add(float(self.places[widest : widest + 2].mean()))
-
-    def jumps(self, near: float) -> NDArray[np.bool_]:
-        """(places - 1,) where the misfit jumps from one place to the next, one within `near`."""
-        lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
-        return (np.abs(np.diff(self.values)) > _JUMP) & (lower <= near)
-
-
-def _below(at: Array, values: Array, misfit: Callable[[float], float]) -> list[tuple[float, float]]:
-    """Where the misfit is below the level: pieces between its crossings."""
-    inside = values <= LEVEL
-    tolerance = 2e-5 * (at[-1] - at[0])
-    known = dict(zip(at.tolist(), values.tolist(), strict=True))
-
-    def above(z: float) -> float:
-        # what was found there: found again it may differ by what a fit is exact to
-        return (known[z] if z in known else misfit(z)) - LEVEL
-
-    crossings = {
-        i: brentq(above, float(at[i]), float(at[i + 1]), xtol=tolerance)
-        for i in np.flatnonzero(inside[1:] != inside[:-1])
-    }
-    starts = [crossings[i] for i in crossings if inside[i + 1]]
-    ends = [crossings[i] for i in crossings if inside[i]]
-    if inside[0]:
-        starts.insert(0, at[0])
-    if inside[-1]:
-        ends.append(at[-1])
-    return [(float(low), float(high)) for low, high in zip(starts, ends, strict=True)]
 
 
 def _p_value(path: Filtered, *, sized: bool) -> float:
@@ -526,15 +418,20 @@ class _Doubt(NamedTuple):
     """whether z is then not determined"""
 
 
-def _doubts(radius: float, profile: _Profile, path: Filtered, p_value: float) -> list[_Doubt]:
+def _doubts(
+    radius: float, likelihood: _Likelihood, profile: Profile, path: Filtered, p_value: float
+) -> list[_Doubt]:
     doubts = []
     if profile.jumps(LEVEL).any():
         doubts.append(
             _Doubt("the misfit jumps at the interval's ends: its length means nothing", True)
         )
-    near = profile.values - profile.values.min() < _JUMP
+    near = profile.values - profile.values.min() < JUMP
     if lost := int((~profile.converged & near).sum()):
         doubts.append(_Doubt(f"{lost} of {int(near.sum())} fits near it have not converged", True))
+    inside = profile.nuisances[profile.values - profile.values.min() <= LEVEL]
+    if ends := sorted({name for p in inside for name in likelihood.ends(p)}):
+        doubts.append(_Doubt(f"{' and '.join(ends)} at an end of what was tried", True))
     within = np.linalg.norm(path.predicted, axis=1) < _TABLE * radius
     widest = float(path.deviations[within, 2].max(initial=0.0))
     if widest > radius:
@@ -570,7 +467,9 @@ def _statement(
     else:
         told = f"the track does not determine z: every start from {pieces} um fits it"
         if any(doubt.refuses for doubt in doubts):
-            told = f"the track does not determine z: starts from {pieces} um fit it best"
+            told = (
+                f"the track does not determine z: of those tried, starts from {pieces} um fit best"
+            )
         if len(intervals) > 1:
             told = f"the track leaves {len(intervals)} places for the start: {pieces} um"
         ends = [
@@ -583,7 +482,6 @@ def _statement(
         ]
         if ends:
             told += f"; the interval is open at the end of the search, {' and '.join(ends)}"
-    stuck = [each.name for each in parameters if each.uncertainty is None]
-    if stuck:
-        told += f"; not determined: {', '.join(stuck)}"
+    if any(each.name == "noise" and each.uncertainty is None for each in parameters):
+        told += "; the noise is too small for the track to tell"
     return "; ".join([told, *(doubt.told for doubt in doubts)])

@@ -11,7 +11,8 @@ A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps
 Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
 786 (2009)), whose exponentials are by doubling the step: a linear force is exact over any step. The
 force bends within about a radius: a distribution as wide as that is not Gaussian, and the filter's
-likelihood of what comes after means little.
+likelihood of what comes after means little. A narrower one stops to be Gaussian where the bead
+falls far between two frames; there it is taken as wide as its longer tail (`_predict`).
 
 A coordinate seen is the bead's and Gaussian noise, or, with a small probability, a number from
 anywhere; the state is corrected in proportion to the probability that it is the former (Y.
@@ -42,6 +43,8 @@ Array = NDArray[np.float64]
 _SHORT, _TERMS = 0.5, 8
 #: error of a step: of the place, in thermal displacements over it; of the rates times the step
 _PLACE, _RATES = 0.03, 0.5
+#: radii that a bead goes between frames, from which on its motion is not linear in where it was
+_FAR = 0.3
 #: steps from one frame to the next
 _MOST_STEPS = 10_000
 
@@ -103,10 +106,12 @@ class Filtered(NamedTuple):
     """(n, 2) the probability that it is the bead's; NaN for what is missing"""
 
 
-def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
+def kalman_filter(light: Light) -> Callable[..., Filtered]:
     """What filters the tracks of a bead in that light.
 
-    It raises `IntegrationError` where the motion cannot be followed.
+    least: a log-likelihood. The filter stops at the frame after which it cannot be reached any
+    more, and returns the most that could be; what follows is NaN. It raises `IntegrationError`
+    where the motion cannot be followed.
     """
     kernel, source = light.compiled(gradient=True)
     beyond, source_beyond = light.beyond.compiled(gradient=True)
@@ -117,10 +122,10 @@ def kalman_filter(light: Light) -> Callable[[Bead, Camera], Filtered]:
         pointer(beyond, kernel_signature(typeof(source_beyond))),
     )
 
-    def filtered(bead: Bead, camera: Camera) -> Filtered:
-        n = len(camera.times)
-        out = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 2)), np.empty((n, 2))
-        log_likelihood = loop(*pointers, bound._replace(radius=bead.radius), bead, camera, *out)
+    def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
+        out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, 2, 2)]
+        here = bound._replace(radius=bead.radius)
+        log_likelihood = loop(*pointers, here, bead, camera, least, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
         return Filtered(log_likelihood, *out)
@@ -138,12 +143,13 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
         system,
         typeof(Bead(0.0, 0.0, 0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
         typeof(Camera(empty, table, 0.0, 0.0)),
+        types.float64,
         _matrix, _matrix, _matrix, _matrix,
     )  # fmt: skip
 
     @cached_njit(signature, calls=DIGEST, error_model="numpy", nogil=True)
     def loop(  # type: ignore[no-untyped-def]
-        kernel, beyond, system, bead, camera, predicted, deviations, residuals, weights
+        kernel, beyond, system, bead, camera, least, predicted, deviations, residuals, weights
     ):
         n = 6 if bead.tau > 0 else 3
         work = _room(n)
@@ -154,17 +160,19 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             if n == 6:
                 mean[3 + k] = bead.tau * bead.velocity[k]
         time, log_likelihood, step = bead.release, 0.0, np.inf
-        for frame in range(camera.times.shape[0]):
-            steps = 0
-            while time < camera.times[frame]:
-                left = camera.times[frame] - time
-                taken, step = _advance(kernel, beyond, system, bead, work, min(step, left))
-                steps += 1
-                if not taken > 0 or steps > _MOST_STEPS:
+        frames = camera.times.shape[0]
+        # of a coordinate, at most
+        most = math.log(1 / (math.sqrt(2 * math.pi) * camera.noise) + camera.outliers)
+        for frame in range(frames):
+            if not log_likelihood + 2 * (frames - frame) * most >= least:
+                return log_likelihood + 2 * (frames - frame) * most
+            if time < camera.times[frame]:
+                step = _predict(
+                    kernel, beyond, system, bead, work, camera.times[frame] - time, step
+                )
+                if not step > 0:
                     return np.nan
-                time += taken
-                if left - taken < 1e-9 * left:
-                    time = camera.times[frame]
+                time = camera.times[frame]
             for k in range(3):
                 predicted[frame, k] = mean[k]
                 deviations[frame, k] = math.sqrt(max(P[k, k], 0.0))
@@ -201,6 +209,14 @@ class Room(NamedTuple):
     other: Array
     vectors: Array
     """(3, n)"""
+    begin: Array
+    """of the motion to a frame: where it starts and ends, how far aside its neighbours do"""
+    middle: Array
+    aside: Array
+    below: Array
+    above: Array
+    covariance: Array
+    """(n, n)"""
     factors: Array
     """(3,)"""
     at: Any
@@ -211,8 +227,9 @@ def _room(n):  # type: ignore[no-untyped-def]
     return Room(
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
-        np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)), np.zeros(3),
-        scratch(),
+        np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
+        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
+        np.zeros(3), scratch(),
     )  # fmt: skip
 
 
@@ -232,6 +249,70 @@ def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[
             rate[3 + k] -= rate[k]
             A[k, 3 + k] = 1 / bead.tau
             A[3 + k, 3 + k] = -1 / bead.tau
+
+
+@njit(error_model="numpy")
+def _go(kernel, beyond, system, bead, work, span, step):  # type: ignore[no-untyped-def]
+    """Take the state on by a time. Returns the next step, 0 if the motion cannot be followed."""
+    left = span
+    for _ in range(_MOST_STEPS):
+        taken, step = _advance(kernel, beyond, system, bead, work, min(step, left))
+        if not taken > 0:
+            return 0.0
+        left -= taken
+        if left < 1e-9 * span:
+            return step
+    return 0.0
+
+
+@njit(error_model="numpy")
+def _predict(kernel, beyond, system, bead, work, span, step):  # type: ignore[no-untyped-def]
+    """Take the state on to the next frame; returns as `_go`.
+
+    Where the bead goes far, its motion bends over the spread of z, which no frame tells, and its
+    distribution leans to where beads fall faster or slower. So the covariance is widened to the
+    wider of two sides: as far as the motion goes that begins three standard deviations off in z,
+    the rest of the state with it. The mean is that of a parabola through the three motions.
+    """
+    mean, P = work.mean, work.P
+    n = mean.shape[0]
+    variance = P[2, 2] + 2 * bead.diffusion * span
+    begin, aside = work.begin, work.aside
+    for i in range(n):
+        begin[i] = mean[i]
+        aside[i] = 3 / math.sqrt(variance) * (P[i, 2] + (variance - P[2, 2] if i == 2 else 0.0))
+    next_step = _go(kernel, beyond, system, bead, work, span, step)
+    gone = 0.0
+    for k in range(3):
+        gone += (mean[k] - begin[k]) ** 2
+    if gone < (_FAR * bead.radius) ** 2:
+        return next_step
+    middle, covariance, below, above = work.middle, work.covariance, work.below, work.above
+    for i in range(n):
+        middle[i] = mean[i]
+        for j in range(n):
+            covariance[i, j] = P[i, j]
+    for sign, side in ((-1, below), (1, above)):
+        for i in range(n):
+            mean[i] = begin[i] + sign * aside[i]
+            for j in range(n):
+                P[i, j] = 0.0
+        if not _go(kernel, beyond, system, bead, work, span, step) > 0:
+            return 0.0
+        for i in range(n):
+            side[i] = sign * (mean[i] - middle[i])
+    shorter, longer = 0.0, 0.0
+    for i in range(n):
+        shorter += below[i] ** 2
+        longer += above[i] ** 2
+    wider = above if longer > shorter else below
+    shorter, longer = min(shorter, longer), max(shorter, longer)
+    more = (1 - shorter / longer) / 9 if longer > 0 else 0.0
+    for i in range(n):
+        mean[i] = middle[i] + (above[i] - below[i]) / 18
+        for j in range(i + 1):
+            P[i, j] = P[j, i] = covariance[i, j] + more * wider[i] * wider[j]
+    return next_step
 
 
 @njit(error_model="numpy")
@@ -274,11 +355,11 @@ def _advance(kernel, beyond, system, bead, work, step):  # type: ignore[no-untyp
                 mean[i] = work.place[i] + work.forced[2, i]
             _product(Phi, P, work.scratch)
             for i in range(n):
-                for j in range(n):
+                for j in range(i + 1):
                     total = work.Q[i, j]
                     for k in range(n):
                         total += work.scratch[i, k] * Phi[j, k]
-                    P[i, j] = total
+                    P[i, j] = P[j, i] = total
             return step, follow
         step = follow
     return 0.0, step
@@ -401,8 +482,10 @@ def _see(camera, frame, k, work, residuals, weights):  # type: ignore[no-untyped
         gain[i] = P[k, i] / variance
     for i in range(n):
         mean[i] += weight * gain[i] * off
-        for j in range(n):
+        # symmetric to the last digit: what is antisymmetric no measurement lessens, and it grows
+        for j in range(i + 1):
             P[i, j] += weight * gain[i] * gain[j] * ((1 - weight) * off * off - variance)
+            P[j, i] = P[i, j]
     residuals[frame, k] = off / deviation
     weights[frame, k] = weight
     if camera.outliers > 0:
