@@ -14,6 +14,7 @@ import tweezer
 from tests.benchmarks import (
     brownian,
     brownian_report,
+    calibrate,
     calibrate_report,
     depth_report,
     force,
@@ -365,3 +366,18 @@ def test_durations():
     assert [scaling_report.duration(value) for value in values] == [
         "3.2 s", "1.5 min", "2 h", "2.3 days", "3.2 years"
     ]  # fmt: skip
+
+
+def test_page_quotes_the_committed_calibration():
+    assert pages.quoted("calibrate") == calibrate_report.block(pages.committed("calibrate"))
+
+
+def test_records_of_the_calibration_are_counted():
+    """Two of a camera: every one is inside or outside, marked or not, and says by what."""
+    study = calibrate.Study(50e-6, 1 / 2500, 1000, True, 1.0, False)
+    counted = calibrate._judged(study, calibrate.calibrated(study, 1, 2))
+    assert (counted["records"], counted["clean"]) == (2, 0)
+    assert sum(counted["findings"].values()) >= 2
+    for each in counted["methods"].values():
+        assert each["records"] == 2
+        assert 0 <= each["unmarked_and_inside"] <= min(each["unmarked"], each["inside"])
