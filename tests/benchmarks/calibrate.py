@@ -29,7 +29,7 @@ Results = dict[str, Any]
 #: of the first round; each has its own
 SEED = 1
 #: rounds of cameras and of disturbed records, and records of each study in one
-ROUNDS, RECORDS = (1, 1), 50
+ROUNDS, RECORDS = (1, 2), 50
 TEMPERATURE = 293.15
 #: of a bead of 1 um in water, kg/s
 DRAG = 6 * math.pi * 1.002e-3 * 0.5e-6

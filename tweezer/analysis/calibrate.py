@@ -47,8 +47,9 @@ _FORGOTTEN = 20.0
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
 _UNCERTAIN = 0.3
-#: Least record of a potential, in relaxation times: in fewer its bins hold too little.
-_HISTOGRAM = 100.0
+#: Least record of displacements and of a potential, in relaxation times: of fewer, those that look
+#: determined are too often off.
+_FEW = 100.0
 #: Largest distance from the stiffness by the power spectrum, in standard uncertainties.
 _APART = 4.0
 
@@ -299,21 +300,26 @@ def _calibrated(
             against = [*against, Finding("apart", f"{method}: {text}")]
         estimates.append(Estimate(method, k, uncertainty, (*findings, *against)))
 
+    relaxations = len(positions) * step / bead.relaxation_time
+
+    def too_few(method: str) -> list[Finding]:
+        text = f"{method}: fewer than {_FEW:g} relaxation times"
+        return [Finding("few", text)] if relaxations < _FEW else []
+
     add("power spectrum", (bead.stiffness, own.stiffness_uncertainty), made_by)
     if known:
         fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
         add("power spectrum, drag fitted", fitted_too, made_by)
     add("equipartition", _equipartition(positions, fits), [])
     lags = _lags(len(positions), step, bead)
-    add("displacement", _displacement(positions, step, bead, lags, known), made_by)
+    found = _displacement(positions, step, bead, lags, known)
+    add("displacement", found, [*made_by, *too_few("displacement")])
     if known:
         add("autocorrelation", _autocorrelation(positions, step, bead, lags), made_by)
-    relaxations = len(positions) * step / bead.relaxation_time
     well = potential(positions, bead.temperature)
     if well.stiffness is not None and well.uncertainty is not None:
-        few = Finding("few", f"potential: fewer than {_HISTOGRAM:g} relaxation times for its bins")
-        against = [few] if relaxations < _HISTOGRAM else []
-        add("potential", _corrected(well.stiffness, well.uncertainty, fits), against)
+        found = _corrected(well.stiffness, well.uncertainty, fits)
+        add("potential", found, too_few("potential"))
     alone = None
     if any(finding.name == "free" for finding in findings):
         alone = free_diffusion(positions, step)

@@ -28,6 +28,8 @@ _HARM = 0.5
 #: Least record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
 #: (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
 _RELAXATIONS = 30.0
+#: Record, in relaxation times, that is long without doubt.
+_LONG = 300.0
 #: Largest distance of a position from the median, in standard deviations.
 _FAR = 6.0
 #: Standard deviation of a Gaussian over the median of the distance to its middle.
@@ -52,7 +54,7 @@ class Finding:
 
     name: str
     """of the record: "stuck", "start", "outlier", "free", "drift", "halves", "noise", "blur",
-    "exposure", "spectrum", "drag"; of a number: "one-call", "apart", "undetermined\""""
+    "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart", "undetermined\""""
     text: str
 
 
@@ -132,7 +134,7 @@ def _unsteady(
     Drift: the first cosines of the record (DCT-II, half a period and more) against the spectrum of
     what is left without them. They are as good as independent, and Gaussian, each with a variance
     of S/(2 step) at its frequency; the spectrum is itself fitted, hence Fisher's F. A free bead
-    strays as if it drifted, but what is left without the cosines does not look trapped either.
+    strays as if it drifted: what looks free is said to drift only if the rest is long.
     """
     from scipy.fft import dct, idct
 
@@ -159,7 +161,7 @@ def _unsteady(
     excess = float((slow**2 - expected).sum()) / samples
     share = excess / steady.bead.variance
     found: list[Finding | None] = []
-    strays = looks_free and samples * step < 2 * _RELAXATIONS * steady.bead.relaxation_time
+    strays = looks_free and samples * step < _LONG * steady.bead.relaxation_time
     if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative) and not strays:
         text = (
             f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms: by that alone the variance is "
