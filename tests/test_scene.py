@@ -472,6 +472,17 @@ def test_the_title_of_a_changed_scene_names_what_was_changed():
     assert scene.decided(model="full").title == scene.description
 
 
+def test_the_title_names_the_power_however_it_is_given():
+    """Also where the scene gives it in that way already, and without what no longer holds."""
+    scene = load_scene("silica-1um")
+    weak = scene.replace(beam={"power_through_pupil": "5 mW"})
+    assert weak.title == "silica-1um, changed: beam.power_through_pupil = 5 mW"
+    assert weak.replace(beam={"power": "9 mW"}).title == "silica-1um, changed: beam.power = 9 mW"
+    wide = weak.replace(beam={"waist": "7 mm"}).replace(beam={"profile": "uniform"})
+    assert "beam.profile = uniform" in wide.title
+    assert "waist" not in wide.title
+
+
 def test_a_scene_is_what_it_says_however_it_was_changed():
     scene = load_scene("silica-1um")
     there_and_back = scene.replace(bead={"diameter": "2 um"}).replace(bead={"diameter": "1 um"})
@@ -489,6 +500,9 @@ def test_a_temperature_changed_alone_is_warned_of():
     assert "37 degC (viscosity, density and refractive_index as before)" in warm.title
     given = warm.replace(medium={"viscosity": "0.6913 mPa s"})  # no warning, and none left
     assert "as before" not in given.title
+    with pytest.warns(PhysicsWarning, match="still those of"):
+        scene.replace(description="warm", medium={"temperature": "37 degC"})
     with_viscosity = {"viscosity": "0.6913 mPa s", "temperature": "37 degC"}
+    scene.replace(description="warm", medium=with_viscosity)
     assert "as before" not in scene.replace(medium=with_viscosity).title
     warm.replace(forces={"gravity": False})

@@ -61,6 +61,13 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
 }
 
+#: the key that a scene has in place of one that says the same
+_HALVES = {
+    f"{section}.{other}": f"{section}.{key}"
+    for section, pairs in ALTERNATIVES.items()
+    for key, other in pairs
+}
+
 #: keys that go with some choices of another key, and are refused with the others
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     "beam": {
@@ -626,29 +633,31 @@ class Scene(Section):
         viscosity.
         """
         replaced = self._replaced(sections)
-        if "description" in sections:
-            return replaced.model_copy(update={"changed": {}})
-        changed = dict(self.changed)
-        for section, changes in sections.items():
-            before, after = getattr(self, section), getattr(replaced, section)
-            if not isinstance(after, Section):
-                continue
-            given = changes if isinstance(changes, Mapping) else dict(after)
-            pairs = ALTERNATIVES.get(section, ())
-            for key, value in given.items():
-                field = next((pair[0] for pair in pairs if pair[1] == key), key)
-                if getattr(before, field) != getattr(after, field):
-                    for same in next((pair for pair in pairs if key in pair), (key,)):
-                        changed.pop(f"{section}.{same}", None)
-                    changed[f"{section}.{key}"] = _as_text(value)
-        copy = replaced.model_copy(update={"changed": dict(sorted(changed.items()))})
+        changed = self._changes(replaced, sections)
+        copy = replaced.model_copy(update={"changed": changed})
         if copy.medium.temperature != self.medium.temperature and copy._of_another_temperature:
             warn(
                 f"medium.temperature = {changed['medium.temperature']}: "
                 f"{copy._of_another_temperature} are still those of "
                 f"{self.medium.temperature:g} K; water's viscosity falls by 2 % a kelvin"
             )
-        return copy
+        return copy.model_copy(update={"changed": {}}) if "description" in sections else copy
+
+    def _changes(self, replaced: Scene, sections: Mapping[str, Any]) -> dict[str, str]:
+        """What `changed` becomes with `sections`: earlier changes that still hold, and new ones."""
+        before, after = by_key(self.model_dump()), by_key(replaced.model_dump())
+
+        def differs(key: str) -> bool:
+            field = key if key in after else _HALVES.get(key, key)
+            return bool(before.get(field) != after.get(field))
+
+        changed = {key: text for key, text in self.changed.items() if not differs(key)}
+        for section, given in sections.items():
+            if isinstance(getattr(replaced, section), Section):
+                for key, value in dict(given).items():
+                    if differs(f"{section}.{key}"):
+                        changed[f"{section}.{key}"] = _as_text(value)
+        return dict(sorted(changed.items()))
 
     def decided(self, **simulation: Any) -> Scene:
         """A copy with the model and method that were left open: no change of what is described."""
