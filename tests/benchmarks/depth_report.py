@@ -10,7 +10,7 @@ import textwrap
 from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
-from tests.benchmarks.depth import Results
+from tests.benchmarks.depth import WRONG, Results
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -40,8 +40,12 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 def _tracks(of: Results) -> list[str]:
     return [
-        f"{of['tracks']} of {of['scene']}", f"{of['rate_Hz']:.0f}", f"{1e9 * of['noise_m']:.0f}"
+        f"{of['tracks']} of {_motion(of)}", f"{of['rate_Hz']:.0f}", f"{1e9 * of['noise_m']:.0f}"
     ]  # fmt: skip
+
+
+def _motion(of: Results) -> str:
+    return f"{of['scene']}, {of['fit']} fitted" if of["fit"] else str(of["scene"])
 
 
 def _found(of: Results) -> list[str]:
@@ -66,7 +70,11 @@ def figure(results: Results) -> Figure:
     coverage.axhline(95, color="0.4", linestyle="--", linewidth=1)
     coverage.axhspan(90, 99, color="0.93", label="asked for")
     coverage.legend(frameon=False, loc="lower right")
-    coverage.set_xticks(range(len(results["beads"])), [e["scene"] for e in results["beads"]])
+    coverage.set_xticks(
+        range(len(results["beads"])),
+        [_motion(e).replace(", ", "\n") for e in results["beads"]],
+        fontsize=7,
+    )
     coverage.set(xlim=(-0.5, len(results["beads"]) - 0.5))
     coverage.set(ylim=(84, 100.5), ylabel="coverage of the 95 % interval, %")
     for rate, colour in zip(
@@ -96,12 +104,15 @@ def figure(results: Results) -> Figure:
 def block(results: Results) -> str:
     """Its part of the page, between its markers."""
     covered = ", ".join(
-        f"{100 * each['coverage']:.3g} % of {each['tracks']} tracks of {each['scene']}"
+        f"{100 * each['coverage']:.3g} % of {each['tracks']} tracks of {_motion(each)}"
         for each in results["beads"]
     )
+    wrong = " or ".join(each["fit"] for each in results["beads"] if each["fit"])
+    unknown = f"; where {wrong} is too, the scene has it {WRONG:g} times too large" if wrong else ""
     explained = (
         "Where along the light a bead started, from tracks in the plane: of the unscaled bead, "
-        "with thermal motion, released where the thesis releases it. The noise is fitted too. The "
+        "with thermal motion, released where the thesis releases it. The noise is fitted too"
+        f"{unknown}. The "
         f"interval is called 95 %, but covers the start in {covered}; tracks that do not "
         'determine z count as the others do, except under "where determined". The grey band of the '
         "figure is the 90 to 99 % asked for. In brackets is the interval of Clopper and Pearson "
