@@ -324,6 +324,8 @@ def test_a_saved_run_has_the_same_summary(thinly_sampled, tmp_path):
     """One without it, as older versions wrote them, says that its numbers are of the samples."""
     saved = tweezer.load_run(tweezer.save_run(thinly_sampled, tmp_path / "run.nc"))
     assert summarise(saved) == summarise(thinly_sampled)
+    for part in (slice(5), slice(1, None)):  # not that of the whole run
+        assert summarise(saved.isel(time=part)).by_samples
     del saved.attrs["summary"]
     of_samples = summarise(saved)
     assert of_samples.by_samples

@@ -216,6 +216,8 @@ PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
 #: m, from and to: also the ranges of half a diameter and half a waist
 BEAD_RADIUS = (1e-9, 1e-3)
 BEAM_SIGMA = (1e-9, 1.0)
+#: K, from and to: of a medium
+TEMPERATURE = (50.0, 5000.0)
 BeadRadius = Annotated[float, Quantity("m", *BEAD_RADIUS)]
 BeamSigma = Annotated[float, Quantity("m", *BEAM_SIGMA, usual=(0, 0.05))]
 Time = Annotated[float, Quantity("s", 0, 1e6, usual=(0, 10))]
@@ -223,7 +225,7 @@ PositiveTime = Annotated[float, Quantity("s", 1e-15, 1e6, usual=(0, 10))]
 Power = Annotated[float, Quantity("W", 0, 1e6, usual=(0, 10))]
 Density = Annotated[float, Quantity("kg/m^3", 1e-6, 1e6, usual=(100, 3e4))]
 Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9, usual=(0, 0.3))]
-Temperature = Annotated[float, Quantity("K", 50, 5000)]
+Temperature = Annotated[float, Quantity("K", *TEMPERATURE)]
 Speed = Annotated[float, Quantity("m/s", -1e6, 1e6, usual=(0, 20))]
 Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]

@@ -37,6 +37,7 @@ from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
+from tweezer.units import TEMPERATURE
 
 Array = NDArray[np.float64]
 
@@ -55,8 +56,6 @@ _APART = 4.0
 
 #: Part by which an exposure may exceed the step, which is as uncertain.
 _UNEVEN = 1e-3
-#: Temperatures that a medium may have, K.
-_TEMPERATURES = (50.0, 5000.0)
 
 #: bins of a histogram: how far from the mean they reach and how wide they may be, in standard
 #: deviations; the independent samples that one needs, and that those at two deviations should have
@@ -222,7 +221,7 @@ def calibrate(
     for name, value in {"temperature": temperature, "drag": drag, "mass": mass}.items():
         if value is not None and not 0 < value < math.inf:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
-    coldest, hottest = _TEMPERATURES
+    coldest, hottest = TEMPERATURE
     if not coldest <= temperature <= hottest:
         raise ResultError(
             f"{recording.name}: temperature = {temperature:g}: must be from {coldest:g} to "

@@ -231,7 +231,6 @@ def _read(
         return _text_columns(path, needed, gaps=gaps)
     if path.suffix.lower() not in _BINARIES:
         raise ResultError(f"{path}: must end in {', '.join(_TABLES + _BINARIES)}")
-    check_seal(path)
     try:
         check_seal(path)
         _refuse_other_files(path)

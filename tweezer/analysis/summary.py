@@ -57,8 +57,8 @@ class Summary:
     """m from the focus"""
     by_samples: bool
     """whether all this is of the output's samples alone, and what happened between them is missed:
-    thermal motion, a run that failed or has too many steps to be held, a file of an older version
-    """
+    thermal motion, a run that failed or has too many steps to be held, a part of a run, a file of
+    an older version"""
     outcome_time_error: float | None = None
     """s; None where it is not known, as are the others"""
     overshoot_error: float | None = None
@@ -81,12 +81,14 @@ def summarise(run: xr.Dataset) -> Summary:
     the focus.
 
     The run holds what its motion between the samples shows; where it does not, the summary is by
-    the samples alone, and says so.
+    the samples alone, and says so, as is that of a part of the run.
     """
-    if "summary" in run.attrs:
-        return _read(run.attrs["summary"])
     times = run["time"].values
     position = run["position"].values
+    if "summary" in run.attrs:
+        summary = _read(run.attrs["summary"])
+        if times[0] == 0 and summary.end == _point(position[-1]):  # not of a part of the run
+            return summary
     outcome, outcome_time, _ = _outcome(run, times, position)
     approach, approach_time = _closest_approach(run)
     return Summary(
