@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import gc
 import hashlib
 import importlib.util
+import inspect
 import os
 import pkgutil
 import re
@@ -302,6 +304,17 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
     ]
     assert len(ours) > 50
     assert {type(each._cache) for each in ours} == {compiling._Cache}
+    for function, cache in ((each.py_func, each._cache) for each in ours):
+        module = sys.modules[function.__module__]
+        imported = {
+            alias.name
+            for node in ast.walk(ast.parse(inspect.getsource(module)))
+            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tweezer.")
+            for alias in node.names
+        }
+        if imported & set(function.__code__.co_names):  # also a constant of another file
+            alone = compiling._File("", compiling.sources(module))
+            assert cache._cache_file._sources != alone._sources, function
 
 
 #: Numba's key of a function of that argument

@@ -196,8 +196,8 @@ def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> An
     """`numba.njit`, of a function that is kept in the cache.
 
     signature: argument types to compile for at once, as in `numba.njit`. calls: `sources` of the
-    other files whose compiled functions it calls. The function is compiled again when one of them
-    changes, which Numba does not look at.
+    other files whose functions and constants it uses. The function is compiled again when one of
+    them changes, which Numba does not look at.
 
     A closure is named after its values. Numba tells the machine code of two closures apart by
     a number that counts within one process only. Of two closures that two processes have kept, one

@@ -103,7 +103,7 @@ def _efficiencies(  # type: ignore[no-untyped-def]
                 dG_of[at + i] = dG_of[i]
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(calls=_CALLED, error_model="numpy", nogil=True)
 def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
     factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
     return factor * min(tail, 1.0) ** power
