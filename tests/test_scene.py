@@ -63,6 +63,8 @@ def in_si() -> dict:
         ("12 ms", "s", 12e-3),
         ("3 1/s", "rad/s", 3.0),
         ("1.002 mPa·s", "Pa s", 1.002e-3),
+        ("1.002e-3 kg/(m s)", "Pa s", 1.002e-3),
+        ("1.002e-3 N s / (m*m)", "Pa s", 1.002e-3),
         ("30 rpm", "rad/s", math.pi),
         ("180 deg/s", "rad/s", math.pi),
         (3, "m", 3.0),

@@ -30,9 +30,10 @@ _NAME = (
     r"|microns?|angstroms?|Å|min|minutes?|h|hours?|days?"
     r"|deg|degrees?|°|rpm|turns?|revolutions?)"
 )
-#: products of powers, such as kg/m^3; pint would also calculate, read comments and nest brackets
+#: products of powers, such as kg/m^3 or kg/(m s); pint would also calculate and read comments
 _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
-_PRODUCT = rf"(?:1\s*/\s*)?{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
+_FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
+_PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
 #: how each SI unit is usually written, the likeliest first
 _USUAL = {
