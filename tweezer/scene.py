@@ -36,6 +36,7 @@ from tweezer.units import (
     BeamSigma,
     Density,
     Length,
+    LossDistance,
     MomentOfInertia,
     PositiveLength,
     PositiveTime,
@@ -438,7 +439,7 @@ class Simulation(Section):
     most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(
         10**8, description="places at which a run may evaluate the force before it gives up"
     )
-    loss_distance: PositiveLength = Field(
+    loss_distance: LossDistance = Field(
         20e-6, description="the run ends as lost this far from the focus"
     )
 

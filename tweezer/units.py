@@ -214,6 +214,8 @@ def _complex_from_text(text: str) -> complex:
 # Of `usual`, see `Quantity`: beads in liquids.
 Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
 PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
+#: Any length: 1 m says that the bead is never lost.
+LossDistance = Annotated[float, Quantity("m", 1e-18, 1)]
 #: m, from and to: also the ranges of half a diameter and half a waist
 BEAD_RADIUS = (1e-9, 1e-3)
 BEAM_SIGMA = (1e-9, 1.0)
