@@ -15,7 +15,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -149,24 +149,30 @@ def _mended(out: Path, expected: dict[Path, bytes], fault: str) -> str:
     return "refused in one line"
 
 
-def kills(count: int) -> Counter[str]:
-    """Kill ensembles at random, and go on with them: the bytes are the same."""
-    rng = np.random.default_rng(2)
-    ended: Counter[str] = Counter()
+def _places(count: int) -> Iterator[tuple[int, Path, dict[Path, bytes]]]:
+    """So many places for an ensemble: number, path, and what is written if nothing goes wrong."""
     with tempfile.TemporaryDirectory() as name:
         expected = _whole(Path(name))
         for number in range(count):
             out = Path(name) / f"{number}" / OUTPUTS[number % 2]
             out.parent.mkdir()
-            going = _ensemble(out)
-            while not list(out.parent.iterdir()) and going.poll() is None:
-                time.sleep(0.01)
-            time.sleep(rng.uniform(0, 0.5))
-            going.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGHUP]))
-            going.wait()
-            left = _mended(out, expected[out.name], f"kill {number}")
-            assert left == "the same bytes", f"kill {number}: {left}"
-            ended[f"killed: {going.returncode != 0}; then {left}"] += 1
+            yield number, out, expected[out.name]
+
+
+def kills(count: int) -> Counter[str]:
+    """Kill ensembles at random, and go on with them: the bytes are the same."""
+    rng = np.random.default_rng(2)
+    ended: Counter[str] = Counter()
+    for number, out, expected in _places(count):
+        going = _ensemble(out)
+        while not list(out.parent.iterdir()) and going.poll() is None:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0, 0.5))
+        going.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGHUP]))
+        going.wait()
+        left = _mended(out, expected, f"kill {number}")
+        assert left == "the same bytes", f"kill {number}: {left}"
+        ended[f"killed: {going.returncode != 0}; then {left}"] += 1
     return ended
 
 
@@ -174,21 +180,17 @@ def full_disk(count: int) -> Counter[str]:
     """Let no file be longer than so much: one line, and then the same bytes."""
     rng = np.random.default_rng(3)
     ended: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as name:
-        expected = _whole(Path(name))
-        for number in range(count):
-            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
-            out.parent.mkdir()
-            most = int(rng.integers(50_000))
-            going = _ensemble(out, most)
-            said = going.communicate()[1]
-            fault = f"files of {most} bytes"
-            if going.returncode:
-                assert said.startswith("refused: "), f"{fault}: {said}"
-                assert len(said.splitlines()) == 1, f"{fault}: {said}"
-            left = _mended(out, expected[out.name], fault)
-            assert left == "the same bytes", f"{fault}: {left}"
-            ended[f"full: {going.returncode != 0}; then {left}"] += 1
+    for _, out, expected in _places(count):
+        most = int(rng.integers(50_000))
+        going = _ensemble(out, most)
+        said = going.communicate()[1]
+        fault = f"files of {most} bytes"
+        if going.returncode:
+            assert said.startswith("refused: "), f"{fault}: {said}"
+            assert len(said.splitlines()) == 1, f"{fault}: {said}"
+        left = _mended(out, expected, fault)
+        assert left == "the same bytes", f"{fault}: {left}"
+        ended[f"full: {going.returncode != 0}; then {left}"] += 1
     return ended
 
 
@@ -199,33 +201,27 @@ def damaged_stores(count: int) -> Counter[str]:
     """
     rng = np.random.default_rng(4)
     ended: Counter[str] = Counter()
-    with tempfile.TemporaryDirectory() as name:
-        expected = _whole(Path(name))
-        for number in range(count):
-            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
-            out.parent.mkdir()
-            going = _ensemble(out)
-            if number % 4 < 2:
-                while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
-                    time.sleep(0.01)
-                time.sleep(rng.uniform(0, 0.3))
-                going.kill()
-            going.wait()
-            files = [path for path in sorted(out.parent.rglob("*")) if path.is_file()]
-            path = files[rng.integers(len(files))]
-            sound = path.read_bytes()
-            kind = rng.choice(["changed", "cut", "empty", "missing"])
-            chunk = "c" in path.relative_to(out.parent).parts
-            if kind == "changed" and sound and not chunk:
-                at = rng.integers(len(sound))
-                path.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
-            elif kind == "missing":
-                path.unlink()
-            else:
-                path.write_bytes(
-                    sound[: rng.integers(len(sound)) if kind == "cut" and sound else 0]
-                )
-            ended[_mended(out, expected[out.name], f"{number}: {path} {kind}")] += 1
+    for number, out, expected in _places(count):
+        going = _ensemble(out)
+        if number % 4 < 2:
+            while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
+                time.sleep(0.01)
+            time.sleep(rng.uniform(0, 0.3))
+            going.kill()
+        going.wait()
+        files = [path for path in sorted(out.parent.rglob("*")) if path.is_file()]
+        path = files[rng.integers(len(files))]
+        sound = path.read_bytes()
+        kind = rng.choice(["changed", "cut", "empty", "missing"])
+        chunk = "c" in path.relative_to(out.parent).parts
+        if kind == "changed" and sound and not chunk:
+            at = rng.integers(len(sound))
+            path.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
+        elif kind == "missing":
+            path.unlink()
+        else:
+            path.write_bytes(sound[: rng.integers(len(sound)) if kind == "cut" and sound else 0])
+        ended[_mended(out, expected, f"{number}: {path} {kind}")] += 1
     return ended
 
 

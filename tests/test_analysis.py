@@ -320,6 +320,16 @@ def test_the_summary_is_as_near_to_the_truth_as_it_says(thinly_sampled):
         assert error < 0.01 * abs(truth)
 
 
+def test_an_interrupt_of_the_summary_leaves_the_run(turning_scene, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tweezer.simulation.summary_of_path", interrupted)
+    run = tweezer.simulate(turning_scene, duration=1e-6)
+    assert run.attrs["status"] == "complete"
+    assert summarise(run).by_samples
+
+
 def test_a_saved_run_has_the_same_summary(thinly_sampled, tmp_path):
     """One without it, as older versions wrote them, says that its numbers are of the samples."""
     saved = tweezer.load_run(tweezer.save_run(thinly_sampled, tmp_path / "run.nc"))

@@ -266,7 +266,7 @@ def test_pages_opened_from_a_folder(site, browser):
         for width in (1280, 400):
             screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
             browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-            WebDriverWait(browser, 5).until(  # sidebars move in and out
+            WebDriverWait(browser, 30).until(  # sidebars move in and out
                 lambda driver, width=width: driver.execute_script(WIDTHS) == [width, width],
                 f"{page.name} is not {width} pixels wide",
             )

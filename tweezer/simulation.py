@@ -121,7 +121,8 @@ def simulate(
         "model_error": budget.model_error,
     }
     if result.path is not None:
-        run.attrs["summary"] = summary_of_path(run, result, budget)
+        with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
+            run.attrs["summary"] = summary_of_path(run, result, budget)
     if result.status == "failed":
         warn(f"{scene.name}: {result.message}")
     return run

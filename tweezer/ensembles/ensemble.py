@@ -65,8 +65,9 @@ def ensemble(
     and keep no trajectory. skip: s or text, time from the release that only the moments over time
     see. scheduler: address of a Dask scheduler, or a `distributed.Client`; its workers must see the
     file system of `out`, which is then needed. Without it, workers: threads on this machine, by
-    default as many as its cores. resume: go on with what is at `out`, if anything is; what is
-    damaged there is computed again. progress: called with the part done.
+    default as many as its cores. resume: go on with what is at `out`, if anything is; a chunk that
+    is gone or cut short is computed again, one with other bytes fails its checksum when it is read.
+    progress: called with the part done.
 
     Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
     velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
