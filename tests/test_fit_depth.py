@@ -544,7 +544,6 @@ def test_page_quotes_the_committed_depths():
     assert pages.quoted("depth") == depth_report.block(committed)
     assert not committed["quick"]
     for each in committed["beads"]:
-        assert each["tracks"] >= 40
-        assert 0.90 <= each["coverage"] <= 1.0
-        assert each["determined"]["coverage"] >= 0.90
+        assert each["coverage"] >= 0.90
+        assert each["determined"]["coverage_to"] >= 0.95
         assert abs(each["bias_of_interval"]) < 0.2 or each["fit"]

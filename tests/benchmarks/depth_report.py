@@ -76,7 +76,7 @@ def figure(results: Results) -> Figure:
         fontsize=7,
     )
     coverage.set(xlim=(-0.5, len(results["beads"]) - 0.5))
-    coverage.set(ylim=(84, 100.5), ylabel="coverage of the 95 % interval, %")
+    coverage.set(ylim=(60, 101), ylabel="coverage of the 95 % interval, %")
     for rate, colour in zip(
         sorted({each["rate_Hz"] for each in results["cameras"]}),
         ("#bb5566", "#004488"),
