@@ -477,14 +477,31 @@ def test_what_is_not_to_be_trusted_says_why():
 
 def test_bad_numbers_are_refused():
     positions = trapped(TAU, 200, K, DRAG, None, T, 1)[0]
-    for known in ({"temperature": 0.0}, {"drag": -1.0}, {"mass": math.inf}):
-        with pytest.raises(tweezer.ResultError, match="must be positive"):
+    for known, why in (
+        ({"temperature": 0.0}, "must be positive"),
+        ({"drag": -1.0}, "must be positive"),
+        ({"mass": math.inf}, "must be finite"),
+        ({"temperature": "20 C"}, "did you mean degC"),
+        ({"drag": "9.4 nm"}, "wrong unit"),
+        ({"exposure": [TAU]}, "must be a number"),
+    ):
+        with pytest.raises(tweezer.ResultError, match=why):
             caveats(positions, TAU, **known)
     with pytest.raises(tweezer.ResultError, match="needs the temperature"):
         caveats(positions, TAU, temperature=None)
-    for exposure in (-1e-6, 1.1 * TAU, math.nan):
+    for exposure in (-1e-6, 1.1 * TAU):
         with pytest.raises(tweezer.ResultError, match="must be from 0 to the step"):
             caveats(positions, TAU, exposure=exposure)
+
+
+def test_what_is_known_may_be_text_with_a_unit():
+    seen = record(good_record(200), 1e-4)
+    numbers = tweezer.calibrate(seen, temperature=293.15, drag=9.4e-9, mass=1e-15, exposure=5e-5)
+    text = tweezer.calibrate(
+        seen, temperature="20 degC", drag="9.4 pN s/mm", mass="1 pg", exposure="50 us"
+    )
+    for name in ("temperature", "drag", "mass", "exposure"):
+        assert getattr(text, name) == pytest.approx(getattr(numbers, name), rel=1e-14)
 
 
 def test_potential_of_a_double_well():

@@ -37,7 +37,7 @@ from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
-from tweezer.units import TEMPERATURE
+from tweezer.units import TEMPERATURE, to_si
 
 Array = NDArray[np.float64]
 
@@ -173,18 +173,19 @@ class Calibration:
 def calibrate(
     source: Recording | xr.Dataset | str | Path,
     *,
-    temperature: float | None = None,
-    drag: float | None = None,
-    mass: float | None = None,
-    exposure: float | None = None,
+    temperature: float | str | None = None,
+    drag: float | str | None = None,
+    mass: float | str | None = None,
+    exposure: float | str | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
 
     source: a recording, or what `load_recording` takes. temperature: of the medium, K; drag: beta,
     kg/s; mass: of the bead, kg; exposure: the time over which each position is averaged, s, from 0
-    to the step. For a run of ours they are the scene's if not given (the mass that its model has:
-    none where inertia is left out, m/a2 in the scaled model; the exposure is 0). An exposure that
-    is not known is taken as 0, and a record that could have another one says so.
+    to the step; each a number in that unit, or text with a unit. For a run of ours they are the
+    scene's if not given (the mass that its model has: none where inertia is left out, m/a2 in the
+    scaled model; the exposure is 0). An exposure that is not known is taken as 0, and a record that
+    could have another one says so.
 
     The record is tested first (`tweezer.analysis.findings`): what speaks against it is said of
     every number of its axis. Equipartition: k_B T over the variance, corrected for the mean being
@@ -205,6 +206,10 @@ def calibrate(
     `load_recording` refuses, and for a run without thermal motion.
     """
     recording = source if isinstance(source, Recording) else load_recording(source)
+    temperature = _in_si(recording, "temperature", temperature, "K")
+    drag = _in_si(recording, "drag", drag, "kg/s")
+    mass = _in_si(recording, "mass", mass, "kg")
+    exposure = _in_si(recording, "exposure", exposure, "s")
     if recording.scene is not None:
         if not recording.scene.forces.brownian:
             raise ResultError(
@@ -219,7 +224,7 @@ def calibrate(
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
     for name, value in {"temperature": temperature, "drag": drag, "mass": mass}.items():
-        if value is not None and not 0 < value < math.inf:
+        if value is not None and value <= 0:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
     coldest, hottest = TEMPERATURE
     if not coldest <= temperature <= hottest:
@@ -256,6 +261,16 @@ def calibrate(
         recording.name, temperature, drag, mass, exposure, len(recording.times), step,
         recording.note, tuple(axes),
     )  # fmt: skip
+
+
+def _in_si(recording: Recording, name: str, value: float | str | None, unit: str) -> float | None:
+    """An argument in its SI unit; None if it was not given."""
+    if value is None:
+        return None
+    try:
+        return to_si(value, unit)
+    except ValueError as error:
+        raise ResultError(f"{recording.name}: {name} = {value!r}: {error}") from None
 
 
 def _inertia(scene: Scene, mass: float) -> float | None:
