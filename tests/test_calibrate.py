@@ -671,14 +671,25 @@ def good_record(samples=20_000):
         (lambda x, s: np.append(x[:-40], x[-40:] + np.linspace(0, 20, 40) * s), "deviations off"),
         (lambda x, s: np.where(np.arange(x.size) == 9_000, 40 * s, x), "sample 9001 is"),
         (lambda x, s: np.where(np.arange(x.size) < 5_000, x, 0.0), "the same number"),
+        (lambda x, s: np.minimum(x, 2 * s), "are the largest number"),
+        (lambda x, s: np.maximum(np.round(x / s, 1) * s, -2 * s), "are the smallest number"),
+        (lambda x, s: x + s * np.sin(np.arange(x.size) / 300), "it oscillates at 5.5 Hz"),
     ],
-    ids=["escape", "short escape", "spike", "stuck"],
+    ids=["escape", "short escape", "spike", "stuck", "clipped", "clipped and rounded", "line"],
 )
 def test_what_is_far_off_spoils_every_estimate_and_is_told(spoil, said, known):
     x = good_record()
     spoilt = record(spoil(x, x.std()), 1e-4)
     found = tweezer.calibrate(spoilt, temperature=T, **known).axes[0]
     assert all(said in estimate.caveat for estimate in found.estimates)
+
+
+@pytest.mark.parametrize("digits", [0, 1])
+def test_a_record_that_is_rounded_is_not_clipped(digits):
+    x = good_record(2000)
+    rounded = np.round(x / x.std(), digits) * x.std()
+    findings = tweezer.calibrate(record(rounded, 1e-4), temperature=T).axes[0].findings
+    assert not {"clipped", "line"} & {finding.name for finding in findings}
 
 
 @pytest.mark.parametrize("x", [np.tile([1e-8, -1e-8], 500), np.linspace(0, 1e-6, 1000) ** 2 * 1e6])

@@ -32,6 +32,10 @@ _RELAXATIONS = 30.0
 _LONG = 300.0
 #: Largest distance of a position from the median, in standard deviations.
 _FAR = 6.0
+#: Fraction of the samples, all at one end, above which the range of the detector ends there; ...
+_CLIPPED = 0.01
+#: ... and the least ratio of their number to that at the next value: rounding alone has 1 or less.
+_HEAPED = 2
 #: Standard deviation of a Gaussian over the median of the distance to its middle.
 _DEVIATION_PER_MEDIAN = 1.4826
 #: Number of cosines that are taken for slow motion: of half a period in the record, one, ...
@@ -53,8 +57,9 @@ class Finding:
     """Something that speaks against a record or a number."""
 
     name: str
-    """of the record: "stuck", "start", "outlier", "free", "drift", "halves", "noise", "blur",
-    "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart", "undetermined\""""
+    """of the record: "stuck", "clipped", "start", "outlier", "free", "drift", "halves", "line",
+    "noise", "blur", "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart",
+    "undetermined\""""
     text: str
 
 
@@ -78,6 +83,7 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
         few,
         *_unsteady(positions, step, fits.fit, few is not None),
         None if exposure_known else _unknown_exposure(fits.fit, step),
+        _line(positions, step, fits),
         _white(positions, step, fits),
         _spectrum(positions, step, fits.free),
         _drag(fits),
@@ -90,6 +96,8 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
         hidden |= {"exposure"}
+    if "drift" in named:  # which is most of the lowest frequencies
+        hidden |= {"line"}
     return [finding for name, finding in named.items() if name not in hidden]
 
 
@@ -109,6 +117,11 @@ def _unsettled(positions: Array) -> Finding | None:
     farthest = int(off.argmax())
     if spread == 0:
         return Finding("stuck", "more than half of its samples are the same number")
+    for end, signed in (("largest", positions), ("smallest", -positions)):
+        heap, following = (np.count_nonzero(signed == value) for value in _two_largest(signed))
+        if heap > max(_CLIPPED * len(positions), _HEAPED * following):
+            share = f"{100 * heap / len(positions):.2g} % of its samples are the {end} number"
+            return Finding("clipped", f"{share}: does the range of the detector end there?")
     if off[0] > _FAR * spread:
         away = f"{off[0] / spread:.2g} standard deviations off"
         return Finding("start", f"it starts {away}: leave out the beginning")
@@ -116,6 +129,12 @@ def _unsettled(positions: Array) -> Finding | None:
         away = f"{off[farthest] / spread:.2g} standard deviations off"
         return Finding("outlier", f"sample {farthest + 1} is {away}")
     return None
+
+
+def _two_largest(numbers: Array) -> tuple[float, float]:
+    """The largest number, and the largest of those below it."""
+    largest = numbers.max()
+    return float(largest), float(numbers[numbers < largest].max())
 
 
 def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
@@ -274,6 +293,30 @@ def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
     expected = fit.bead.sampled_spectrum(frequencies[used], step, len(positions))
     passed = np.cumsum(density[used] / expected)
     return float(kstest(passed[:-1] / passed[-1], "uniform").pvalue)
+
+
+def _line(positions: Array, step: float, fits: Fits) -> Finding | None:
+    """Motion at one frequency, such as a vibration.
+
+    The largest ordinate of the periodogram over the spectrum fitted: all are distributed
+    exponentially (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)).
+    """
+    frequencies, density = power_spectrum(positions, step)
+    used = slice(int(fits.free.periodogram.counts.sum()))
+    bead = fits.free.bead
+    expected = bead.sampled_spectrum(frequencies[used], step, len(positions))
+    ratio = density[used] / expected
+    largest = int(ratio.argmax())
+    p_value = -math.expm1(len(ratio) * math.log1p(-math.exp(-float(ratio[largest]))))
+    excess = float(density[largest] - expected[largest]) / (len(positions) * step)
+    share = excess / bead.variance
+    harmless = _HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
+    if p_value >= IMPROBABLE or share < harmless:
+        return None
+    return Finding(
+        "line", f"it oscillates at {frequencies[largest]:.3g} Hz, {1e9 * math.sqrt(excess):.2g} nm "
+        f"rms: by that alone the variance is {100 * share:.0f} % too large"
+    )  # fmt: skip
 
 
 def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None:
