@@ -116,7 +116,8 @@ def test_a_run_of_ours_brings_its_scene(tmp_path, run, positions):
     assert repr(calibration).startswith(f"<Calibration of {path}: x ")
     for axis, k in zip(calibration.axes, (K, K, K / 3), strict=True):
         first = axis.estimates[0]
-        assert f" {axis.axis} {1e6 * first.stiffness:.4g} +- " in repr(calibration)
+        value = with_uncertainty(1e6 * first.stiffness, 1e6 * first.uncertainty)
+        assert f" {axis.axis} {value} pN/um" in repr(calibration)
         for estimate in axis.estimates:
             assert not estimate.caveat
             assert abs(estimate.stiffness - k) < 4.5 * estimate.uncertainty  # false alarm 1e-4

@@ -997,12 +997,10 @@ def _print_depth(found: DepthFit, scene: Scene) -> None:
     table.add_row("other minima (misfit above)", others or "none")
     for each in found.parameters:
         scale, unit = (1e6, "um") if each.unit == "m" else (1.0, each.unit)
-        value = f"{scale * each.value:.4g}"
-        if each.uncertainty is None:
-            value += f" {unit}, not determined" if unit else ", not determined"
-        else:
-            value += f" +- {scale * each.uncertainty:.2g} {unit}"
-        table.add_row(each.name, value.rstrip())
+        uncertainty = math.nan if each.uncertainty is None else each.uncertainty
+        value = f"{with_uncertainty(scale * each.value, scale * uncertainty)} {unit}".rstrip()
+        unknown = ", not determined" if each.uncertainty is None else ""
+        table.add_row(each.name, value + unknown)
     table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
     table.add_row("residuals white, p", f"{found.p_value:.2g}")
     _add_worth(table, scene)

@@ -36,6 +36,7 @@ from tweezer.analysis.spectra import (
 from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted, inverse, usable
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
+from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 from tweezer.units import TEMPERATURE, to_si
 
@@ -165,7 +166,7 @@ class Calibration:
         told = []
         for axis in self.axes:
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
-            value = f"{1e6 * best.stiffness:.4g} +- {1e6 * best.uncertainty:.2g} pN/um"
+            value = f"{with_uncertainty(1e6 * best.stiffness, 1e6 * best.uncertainty)} pN/um"
             told.append(f"{axis.axis} {'not to be trusted' if best.caveat else value}")
         return f"<Calibration of {self.name}: {', '.join(told)}>"
 
