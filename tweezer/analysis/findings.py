@@ -118,7 +118,7 @@ def _unsettled(positions: Array) -> Finding | None:
     if spread == 0:
         return Finding("stuck", "more than half of its samples are the same number")
     for end, signed in (("largest", positions), ("smallest", -positions)):
-        heap, following = (np.count_nonzero(signed == value) for value in _two_largest(signed))
+        heap, following = (int((signed == each).sum()) for each in _two_largest(signed))
         if heap > max(_CLIPPED * len(positions), _HEAPED * following):
             share = f"{100 * heap / len(positions):.2g} % of its samples are the {end} number"
             return Finding("clipped", f"{share}: does the range of the detector end there?")
