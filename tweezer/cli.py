@@ -650,7 +650,7 @@ _add_benchmark(
 )  # fmt: skip
 _add_benchmark(
     "calibrate", "calibrate_report",
-    "Calibration: coverage of its intervals, and what is marked. Known traps.",
+    "Calibration: coverage, and what is marked. Known traps.",
 )  # fmt: skip
 
 

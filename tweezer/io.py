@@ -6,6 +6,7 @@ import contextlib
 import hashlib
 import json
 import secrets
+import sys
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -32,11 +33,24 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
     it cannot be written.
     """
     path = Path(path)
-    content = run.to_netcdf(engine=_ENGINE)
+    with _no_cluster():
+        content = run.to_netcdf(engine=_ENGINE)
     with replacing(path) as whole:
         whole.write(content)
         whole.write(_SEAL + hashlib.sha256(content).digest())
     return path
+
+
+def _no_cluster() -> contextlib.AbstractContextManager[object]:
+    """A context in which xarray does not ask the cluster of a Dask client for a lock.
+
+    It names the lock by the file, and memory has no name.
+    """
+    if "distributed" not in sys.modules:
+        return contextlib.nullcontext()
+    import dask
+
+    return dask.config.set(scheduler="single-threaded")
 
 
 @contextlib.contextmanager
