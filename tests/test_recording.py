@@ -58,7 +58,7 @@ def write_table(path, positions, heading="t,x,y,z", scales=(1, 1, 1, 1), delimit
      ("\ufefft\tx[mm]\ty\tz", (1, 1e-3, 1, 1), "\t"),
      ("time_ms,x_nm,y_um,Z_mm", (1e-3, 1e-9, 1e-6, 1e-3), ","),
      ("t/s;x/nm;y / µm;z/m", (1, 1e-9, 1e-6, 1), ";"),
-     ("Time (ms),X position (nm),Position y [um],z um", (1e-3, 1e-9, 1e-6, 1e-6), ",")],
+     ("Time (ms),X position (nm),y pos [um],z um", (1e-3, 1e-9, 1e-6, 1e-6), ",")],
 )  # fmt: skip
 def test_tables_in_text(tmp_path, positions, heading, scales, delimiter):
     path = tmp_path / "mine.csv"

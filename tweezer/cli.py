@@ -292,7 +292,7 @@ def tune(
     if plot:
         from tweezer.plots import tuning_figure
 
-        _write_figure(tuning_figure(tuning, described.name), plot)
+        _write_figure(tuning_figure(tuning, described.title), plot)
     _tell_written(out, plot)
 
 

@@ -177,10 +177,10 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
 
     A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost. CSV
     (.csv, .tsv, .txt; comma, semicolon or tab): a heading is t, time, x, y or z, in capitals or
-    not, beside the word position if need be, then the unit in brackets, or behind a slash, a space
-    or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4 (.h5,
-    .hdf5, .nc): a dataset for each column, named so, or with its unit in the attribute `units`.
-    Without a unit numbers are SI. Other columns are left alone.
+    not, perhaps with the word position or pos, then the unit in brackets, or behind a slash, a
+    space or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4
+    (.h5, .hdf5, .nc): a dataset for each column, named so, or with its unit in the attribute
+    `units`. Without a unit numbers are SI. Other columns are left alone.
 
     Raises `ResultError`, naming the file and the sample, for a file that is none of these, and for
     what `Recording` refuses.
@@ -409,7 +409,7 @@ def _named_columns(
 def _column_and_unit(heading: str) -> tuple[str | None, str | None]:
     """The column and the unit that a heading names, None where it names none.
 
-    A heading is t, time, x, y or z, beside the word position if need be; then the unit, if any:
+    A heading is t, time, x, y or z, perhaps with the word position or pos; then the unit, if any:
     in brackets, behind a slash, or behind a space or underscore.
     """
     name, unit = heading.strip(_AROUND), None
@@ -417,7 +417,9 @@ def _column_and_unit(heading: str) -> tuple[str | None, str | None]:
         name, _, unit = name[:-1].rpartition("[" if name.endswith("]") else "(")
     elif "/" in name:
         name, _, unit = name.partition("/")
-    words = [word for word in name.replace("_", " ").split() if word.lower() != "position"]
+    words = [
+        word for word in name.replace("_", " ").split() if word.lower() not in ("position", "pos")
+    ]
     if not words or words[0].lower() not in _COLUMNS:
         return None, None
     column = _COLUMNS[words[0].lower()]
