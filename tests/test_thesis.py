@@ -204,8 +204,8 @@ def test_numbers_of_the_claims_by_hand(by_bead, claims):
         expected = 2 * 998.2071 * speed * radius / 1.002e-3
         assert reynolds.numbers[f"thesis {bead}"] == pytest.approx(expected, rel=0.02)
         q2 = run["position"].values[:, 1]
-        beyond = -(q2 * np.sign(q2[0])).min()
-        assert overshoot.numbers[f"thesis {bead}"] == pytest.approx(max(beyond, 0.0), abs=1e-18)
+        beyond = max(-(q2 * np.sign(q2[0])).min(), 0.0)  # the summit lies between two samples
+        assert beyond <= overshoot.numbers[f"thesis {bead}"] <= 1.001 * beyond + 1e-18
 
 
 @pytest.mark.parametrize(("factor", "kept"), [(4e-5, False), (5e-5, True)])
