@@ -28,8 +28,8 @@ Results = dict[str, Any]
 
 #: of the first round; each has its own
 SEED = 1
-#: rounds of cameras and of disturbed records, and records of each study in one
-ROUNDS, RECORDS = (1, 2), 50
+#: rounds, and records of each study in one
+ROUNDS, RECORDS = 4, 50
 TEMPERATURE = 293.15
 #: of a bead of 1 um in water, kg/s
 DRAG = 6 * math.pi * 1.002e-3 * 0.5e-6
@@ -78,9 +78,8 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     every, count = (8, 2) if quick else (1, RECORDS)
     tasks = [
         (study, SEED + i, count)
-        for studies, rounds in zip((CAMERAS, DISTURBED), ROUNDS, strict=True)
-        for i in range(1 if quick else rounds)
-        for study in studies[::every]
+        for i in range(1 if quick else ROUNDS)
+        for study in (*CAMERAS, *DISTURBED)[::every]
     ]
     found: dict[Study, list[AxisCalibration]] = {study: [] for study, *_ in tasks}
     context = multiprocessing.get_context("spawn")
