@@ -852,7 +852,7 @@ def test_a_complete_store_is_neither_read_nor_computed_again(small, tmp_path, mo
     assert tweezer.ensemble(scene, 16, out=out, resume=True).attrs["trajectories_done"] == 16
 
 
-@pytest.mark.parametrize("name", ["zarr.json", "time/c/0", "axis/c/0"])
+@pytest.mark.parametrize("name", ["zarr.json", "time/zarr.json", "time/c/0", "axis/c/0"])
 @pytest.mark.parametrize("text", ["[]", "null", "{}", "{", None])
 def test_a_damaged_store_that_cannot_be_mended_is_told_in_one_line(name, text, tmp_path):
     out = tmp_path / "a.zarr"

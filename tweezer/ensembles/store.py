@@ -9,7 +9,7 @@ import re
 import shutil
 import warnings
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -217,6 +217,11 @@ def stored(job: Job) -> Samples:
     }
 
 
+def _described(arrays: Iterable[tuple[str, zarr.Array]]) -> dict[str, str]:
+    """What arrays say of themselves, by name: in a file each, and in the store's for all."""
+    return {name: str(array.metadata.to_dict()) for name, array in arrays}
+
+
 class Trajectories:
     """Every sample, in memory or in the store."""
 
@@ -275,13 +280,19 @@ class Trajectories:
         damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
         try:
             self.arrays = stored(self.job)
-            as_written = all(
-                (self.arrays[name].shape, self.arrays[name].chunks) == (shape, self._chunks(shape))
-                and self.arrays[name].dtype == np.float64
-                for name, _, shape, _ in self._variables()
-            ) and all(
-                np.array_equal(self.arrays[name][:], values)
-                for name, values, _ in self._coordinates()
+            own = zarr.open_group(self.job.out, mode="r", use_consolidated=False)
+            as_written = (
+                _described(own.arrays()) == _described(self.arrays.items())
+                and all(
+                    (self.arrays[name].shape, self.arrays[name].chunks)
+                    == (shape, self._chunks(shape))
+                    and self.arrays[name].dtype == np.float64
+                    for name, _, shape, _ in self._variables()
+                )
+                and all(
+                    np.array_equal(self.arrays[name][:], values)
+                    for name, values, _ in self._coordinates()
+                )
             )
         except Exception as error:  # Zarr raises of any kind where a file is damaged
             raise ResultError(f"{damaged}: {' '.join(str(error).split())}") from None
