@@ -9,7 +9,7 @@ import re
 import shutil
 import warnings
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -217,9 +217,9 @@ def stored(job: Job) -> Samples:
     }
 
 
-def _described(arrays: Iterable[tuple[str, zarr.Array]]) -> dict[str, str]:
+def _described(arrays: Samples) -> dict[str, str]:
     """What arrays say of themselves, by name: in a file each, and in the store's for all."""
-    return {name: str(array.metadata.to_dict()) for name, array in arrays}
+    return {name: str(array.metadata.to_dict()) for name, array in arrays.items()}
 
 
 class Trajectories:
@@ -280,9 +280,11 @@ class Trajectories:
         damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
         try:
             self.arrays = stored(self.job)
-            own = zarr.open_group(self.job.out, mode="r", use_consolidated=False)
+            own = {
+                name: zarr.open_array(f"{self.job.out}/{name}", mode="r") for name in self.arrays
+            }
             as_written = (
-                _described(own.arrays()) == _described(self.arrays.items())
+                _described(own) == _described(self.arrays)
                 and all(
                     (self.arrays[name].shape, self.arrays[name].chunks)
                     == (shape, self._chunks(shape))
