@@ -53,3 +53,12 @@ def test_the_last_fall_is_after_the_last_peak_above_zero(points):
 
 def test_what_was_never_above_zero_fell_at_once():
     assert last_fall(lambda at: -1 - at, np.linspace(0.5, 6, 20)) == 0.5
+
+
+def test_the_greatest_of_many_peaks_that_are_nearly_equal():
+    """Ten peaks of a sine that grows by 1e-4; the samples are highest at others than the last."""
+    found = greatest(
+        lambda at: (1 + 1e-4 * at) * np.sin(20 * np.pi * at), np.linspace(0.0, 1.0, 104)
+    )
+    assert found.time == pytest.approx(0.925, abs=1e-4)
+    assert abs(found.value - (1 + 0.925e-4)) <= found.error < 1e-7

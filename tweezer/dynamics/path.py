@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 #: of ascending times (n,) s, gives (n,)
 Value = Callable[[Array], Array]
 
-#: peaks that are located, the highest ones; and rounds of locating, of so many points each
-_PEAKS, _ROUNDS, _POINTS = 4, 4, 17
+#: Rounds of locating a peak, and points of each.
+_ROUNDS, _POINTS = 4, 17
 #: to how much the time of a crossing is located, as a part of the run
 _CROSSING = 1e-12
 
@@ -86,13 +86,17 @@ def greatest(value: Value, times: Array) -> Greatest:
     drop = np.maximum(values[1:-1] - values[:-2], values[1:-1] - values[2:])
     peaks = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])
     peaks &= values[1:-1] + drop >= values[best]  # a parabola rises by an eighth of it at most
-    candidates = {best, *(np.flatnonzero(peaks) + 1).tolist()}
-    highest = sorted(candidates, key=lambda k: -float(values[k]))[:_PEAKS]
+    reach = values.copy()
+    reach[1:-1] += drop
     last = len(times) - 1
-    return max(
-        (_located(value, times[max(k - 1, 0)], times[min(k + 1, last)]) for k in highest),
-        key=lambda found: found.value,
-    )
+    found = _located(value, times[max(best - 1, 0)], times[min(best + 1, last)])
+    for k in sorted(np.flatnonzero(peaks) + 1, key=lambda k: -float(reach[k])):
+        if reach[k] < found.value:
+            break
+        if k != best:
+            other = _located(value, times[k - 1], times[k + 1])
+            found = max(found, other, key=lambda each: each.value)
+    return found
 
 
 def _located(value: Value, low: float, high: float) -> Greatest:
