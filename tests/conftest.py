@@ -17,7 +17,7 @@ import xarray as xr
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba_cache"))
 
 import tweezer
-from tweezer import cli, compiling  # noqa: F401  (processes keep what they compile in turns)
+from tweezer import cli
 
 #: what every command says of ray optics
 CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import ast
 import gc
 import hashlib
 import importlib.util
-import inspect
 import os
 import pkgutil
 import re
@@ -24,19 +22,21 @@ from numba.core import event
 from numba.core.dispatcher import Dispatcher
 
 import tweezer
-from tweezer import cli, compiling, warmup
-from tweezer.compiling import compilation
+from tweezer import cli, warmup
+from tweezer.compiled import cache, compilation, fingerprint
 from tweezer.dynamics import bind
 from tweezer.warmup import usual_scenes
 
 ROOT = Path(__file__).parents[1]
 NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"
 #: the command line, which does not wait with its notice
-COMMAND = "from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()"
+COMMAND = (
+    "from tweezer import cli; from tweezer.compiled import cache; cache._PATIENCE = 0; cli.main()"
+)
 THEN_WARMUP = """
 import sys
 try:
-    from tweezer import cli, compiling; compiling._PATIENCE = 0; cli.main()
+    from tweezer import cli; from tweezer.compiled import cache; cache._PATIENCE = 0; cli.main()
 except SystemExit:
     sys.argv[1:] = ["warmup", "mine.toml"]; cli.main()
 """
@@ -59,8 +59,7 @@ print(numbers.tolist())
 VARIANTS = """
 import ctypes, sys
 import numba
-from tweezer.compiling import cached_njit
-from tweezer.dynamics.integrators import Pointer
+from tweezer.compiled import address, cached_njit
 
 def made(number):
     @cached_njit()
@@ -70,9 +69,9 @@ def made(number):
 
 kernels = [made(int(each)) for each in sys.argv[1:]]
 called = [kernel(0.0) for kernel in kernels]
-pointers = [Pointer(kernel, numba.float64(numba.float64)) for kernel in kernels]
+addresses = [address(kernel, numba.float64(numba.float64)) for kernel in kernels]
 of = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
-print(*called, *(of(pointer.__wrapper_address__())(0.0) for pointer in pointers))
+print(*called, *(of(each)(0.0) for each in addresses))
 """
 
 #: a function of another library, kept by Numba; and what tweezer leaves of Numba's insides
@@ -198,7 +197,7 @@ def test_only_what_is_of_tweezer_is_told():
 def test_time_is_counted_once(monkeypatch):
     """Of a function and of what it calls; and not between two functions."""
     now = 0.0
-    monkeypatch.setattr("tweezer.compiling.time.perf_counter", lambda: now)
+    monkeypatch.setattr("tweezer.compiled.cache.time.perf_counter", lambda: now)
     with compilation(lambda compiling: None) as compiling:
         with begun(tweezer.load_scene):
             now += 1
@@ -303,27 +302,81 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
         or path.rpartition(".")[2] in bound
     ]
     assert len(ours) > 50
-    assert {type(each._cache) for each in ours} == {compiling._Cache}
-    for function, cache in ((each.py_func, each._cache) for each in ours):
-        module = sys.modules[function.__module__]
-        imported = {
-            alias.name
-            for node in ast.walk(ast.parse(inspect.getsource(module)))
-            if isinstance(node, ast.ImportFrom) and str(node.module).startswith("tweezer.")
-            for alias in node.names
-        }
-        if imported & set(function.__code__.co_names):  # also a constant of another file
-            alone = compiling._File("", compiling.sources(module))
-            assert cache._cache_file._sources != alone._sources, function
+    assert {type(each._cache) for each in ours} == {cache._Cache}
+
+
+def told(program, hash_seed="0"):
+    """Fingerprint of the `loop` of a program."""
+    lines = f"{program}\nfrom tweezer.compiled import fingerprint\nprint(fingerprint(loop))"
+    return python("-c", lines, cwd=ROOT, PYTHONPATH=str(ROOT), PYTHONHASHSEED=hash_seed).stdout
+
+
+CALLING = """
+import math
+import numpy as np
+from numba import njit
+import tweezer.dynamics.brownian.noise as noise
+
+LIMITS = np.array([1.0, 2.0])
+SET = frozenset({"a", "b", "c"})
+
+def made(factor):
+    @njit
+    def inner(x):
+        return factor * x
+    return inner
+
+@njit(fastmath={"nnan", "ninf", "nsz", "arcp"})
+def step(x):
+    return math.sin(x) + LIMITS[0]
+
+twice = made(2)
+
+@njit
+def loop(x):
+    return step(twice(x)) + noise._END
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("math.sin", "math.cos"),
+        ("1.0, 2.0", "1.0, 2.5"),
+        ("made(2)", "made(3)"),
+        ('"nnan", ', ""),
+        ("step(twice(x))", "twice(step(x))"),
+        ("factor * x", "factor + x"),
+        ("noise._END", "noise._AREA"),
+    ],
+)
+def test_a_change_of_what_is_called_is_seen(old, new):
+    assert old in CALLING
+    assert told(CALLING) != told(CALLING.replace(old, new))
+
+
+def test_what_nothing_calls_changes_nothing():
+    changed = CALLING.replace("SET =", "import os\nOTHER =") + "\ndef other(x): return x\n"
+    assert told(CALLING) == told(changed, "1")
+
+
+def test_what_cannot_be_compared_is_refused():
+    strange = object()
+
+    def closure():
+        return strange
+
+    with pytest.raises(TypeError, match="cannot be seen"):
+        fingerprint(closure)
 
 
 #: Numba's key of a function of that argument
 def under(kind):
-    return (kind, ("processor",), ("bytes", "closure"))
+    return (kind, ("processor",))
 
 
-def file_of(folder, sources="") -> compiling._File:
-    return compiling._File(str(folder / "function"), sources)
+def file_of(folder, compiled_from="") -> cache._File:
+    return cache._File(str(folder / "function"), compiled_from)
 
 
 def test_code_of_other_sources_is_not_found_and_replaced(tmp_path):
@@ -398,7 +451,7 @@ def function(tmp_path, monkeypatch):
     spec.loader.exec_module(module)
 
     def compiled_again():
-        twice = compiling.cached_njit()(module.twice)
+        twice = cache.cached_njit()(module.twice)
         assert twice(2.0) == 4.0
         return sum(twice.stats.cache_hits.values()), Path(twice.stats.cache_path)
 
@@ -426,7 +479,7 @@ def test_damaged_code_is_compiled_again(function, damaged):
 
 
 def test_without_room_for_it_what_is_compiled_is_not_kept(function):
-    compiling._not_kept.cache_clear()
+    cache._not_kept.cache_clear()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def twice_without_room():

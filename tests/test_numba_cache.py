@@ -16,13 +16,13 @@ PROGRAM = """
 import numpy as np
 import tweezer
 from tweezer.dynamics import bind
-from tweezer.optics.kernels import kernel
+from tweezer.optics.kernels import Rays, grid_kernel
 scene = tweezer.load_scene("thesis-990nm").replace(simulation={"model": "overdamped"})
 position = np.array([1e-7, 2e-7, -1e-7])
 force = tweezer.optical_force(scene, position)
 rates = bind(scene).rhs(0.0, position)
-stats = kernel(
-    by_grid=True, light="averaged-reflectance", denser_medium=False, gradient=False, moment=False
+stats = grid_kernel(
+    Rays("averaged-reflectance", denser_medium=False, gradient=False, moment=False)
 ).stats
 print(force[2], rates[2], sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
 """

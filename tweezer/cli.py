@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         Summary,
         Trap,
     )
-    from tweezer.compiling import Compilation
+    from tweezer.compiled import Compilation
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
@@ -587,7 +587,7 @@ def warmup(
 
     described = [load_scene(name) for name in scene or shipped_scenes()]
     with _err.status("loading") as status:
-        from tweezer.compiling import compilation, found
+        from tweezer.compiled import compilation, found
         from tweezer.warmup import usual_scenes, warm_up
 
         def say(compiling: Compilation) -> None:
@@ -738,7 +738,7 @@ def _progress(
     with Progress(*columns, console=_err, transient=True, disable=disabled) as progress:
         task = progress.add_task(description, total=total)
 
-        from tweezer.compiling import compilation
+        from tweezer.compiled import compilation
 
         doing = description
 

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import bisect
 
-from tweezer.bead import bead_properties
-from tweezer.optics import light
-from tweezer.scene import Scene
+from tweezer.forces.force import Force
 
 Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 Tensor = tuple[Point, Point, Point]
 #: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
-Force = Callable[[Array], Array]
+NetForce = Callable[[Array], Array]
 Component = Callable[[Array], Array]
 
 #: how far lines are searched, in radii, and the distance of samples on them
@@ -52,22 +50,18 @@ class Equilibrium:
     """size of the force left there, N"""
 
 
-def stable_equilibrium(scene: Scene) -> Equilibrium | None:
-    """The stable equilibrium nearest the focus; None if there is none."""
-    bound, weight = light(scene), np.array(bead_properties(scene).weight)
-    every = equilibria(scene, lambda points: bound.field(points).force + weight)
-    return nearest_stable(every)
-
-
 def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
     """The stable one nearest the focus."""
     stable = (place for place in every if place.stable)
     return min(stable, key=lambda place: abs(place.position[2]), default=None)
 
 
-def equilibria(scene: Scene, net_force: Force) -> Iterator[Equilibrium]:
-    """Every change of sign of the force (N, net, of points) along the axis, within 20 radii."""
-    r = scene.bead.radius
+def equilibria(radius: float, force: Force, net_force: NetForce) -> Iterator[Equilibrium]:
+    """Every change of sign of the net force along the axis, within 20 radii (m).
+
+    force: whose gradient is the stiffness.
+    """
+    r = radius
     axial = along(net_force, FOCUS, "+z")
     z = line(-REACH, r)
     sign = np.sign(axial(z))
@@ -76,7 +70,7 @@ def equilibria(scene: Scene, net_force: Force) -> Iterator[Equilibrium]:
         rising = sign[i + 1] > 0
         zero = end_of_pull(opposite(axial) if rising else axial, z[i], z[i + 1], _ZERO * r)
         place = np.array([[0.0, 0.0, zero]])
-        gradient = light(scene).field(place, gradient=True).force_gradient[0]
+        gradient = force.field(place, gradient=True).force_gradient[0]
         eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
         steps = SPACING * r * np.array(list(DIRECTIONS.values()))
         pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
@@ -94,7 +88,7 @@ def line(start: float, radius: float) -> Array:
     return radius * np.linspace(start, REACH, round((REACH - start) / SPACING) + 1)
 
 
-def along(force: Force, origin: Point, direction: str) -> Component:
+def along(force: NetForce, origin: Point, direction: str) -> Component:
     """Component along `direction` of the force, at distances (m) from `origin` along it."""
     start, unit = np.array(origin), np.array(DIRECTIONS[direction])
 

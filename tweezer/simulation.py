@@ -17,11 +17,13 @@ from numpy.typing import NDArray
 from tweezer.analysis.derived import derived_quantities
 from tweezer.analysis.summary import summary_of_path
 from tweezer.arguments import check_run
-from tweezer.compiling import compilation
+from tweezer.compiled import compilation
 from tweezer.dynamics import (
     Event,
     Motion,
+    Problem,
     bind,
+    bound_once,
     chosen,
     closest_approach,
     error_budget,
@@ -31,7 +33,8 @@ from tweezer.dynamics import (
     walk,
 )
 from tweezer.errors import IntegrationError, SceneError, warn
-from tweezer.optics import light, worth_attributes
+from tweezer.forces.force import Force
+from tweezer.optics import worth_attributes
 from tweezer.scene import Scene, checked_scene
 from tweezer.units import to_si
 
@@ -49,6 +52,7 @@ def simulate(
     method: str | None = None,
     tolerance: float | None = None,
     seed: int | None = None,
+    forces: Sequence[Force] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
@@ -56,9 +60,9 @@ def simulate(
 
     duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
     scene's absolute tolerances change in the same ratio. seed: of the thermal motion; 0 if not
-    given. events: to look for besides the first closest approach, the loss of the bead and its
-    contact with the lens (`tweezer.capture`, `tweezer.Event`). progress: called with the time
-    reached.
+    given. forces: of your own, beside those of the scene (`tweezer.forces`). events: to look for
+    besides the first closest approach, the loss of the bead and its contact with the lens
+    (`tweezer.capture`, `tweezer.Event`). progress: called with the time reached.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
@@ -84,9 +88,11 @@ def simulate(
         for name, given in (("events", events), ("tolerance", tolerance)):
             if given:
                 raise SceneError(f"{name}: not with forces.brownian = true")
-        return _thermal_run(scene, 0 if seed is None else seed, progress).assign_attrs(as_given)
-    scene, why = chosen(scene)
-    simulation = scene.simulation
+        problem = bound_once(scene, forces)
+        run = _thermal_run(problem, 0 if seed is None else seed, progress)
+        return run.assign_attrs(as_given)
+    problem, why = chosen(bound_once(scene, forces))
+    scene, simulation = problem.scene, problem.scene.simulation
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     if not all(isinstance(event, Event) for event in events):
         raise SceneError("events: must be a list of `tweezer.Event`")
@@ -95,13 +101,13 @@ def simulate(
     if (lens := lens_touched(scene)) is not None:
         looked_for.append(lens)
     with _timed() as seconds:
-        equations = bind(scene)
+        equations = bind(problem)
         result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
     budget = error_budget(equations, result, motion.position, [approach])
-    run = _dataset(scene, result.times, motion)
+    run = _dataset(problem, result.times, motion)
     run.attrs = {
-        **_about_the_run(scene, equations.light.evaluator, why),
+        **_about_the_run(problem, why),
         **as_given,
         "emitted_module": equations.name,
         "method": result.method,
@@ -128,10 +134,12 @@ def simulate(
     return run
 
 
-def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | None) -> xr.Dataset:
+def _thermal_run(
+    problem: Problem, seed: int, progress: Callable[[float], None] | None
+) -> xr.Dataset:
     """Trajectory 0 of the ensemble of that seed."""
     with _timed() as seconds:
-        bound = walk(scene, seed)
+        bound = walk(problem, seed)
         scene, samples = bound.scene, len(bound.times)
         trajectory = np.zeros(1, np.int64)
         state = bound.start(trajectory)
@@ -157,9 +165,9 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    run = _dataset(scene, bound.times[:reached], bound.motion(columns[0, :reached]))
+    run = _dataset(bound.problem, bound.times[:reached], bound.motion(columns[0, :reached]))
     run.attrs = {
-        **_about_the_run(scene, light(scene).evaluator, bound.why),
+        **_about_the_run(bound.problem, bound.why),
         "emitted_module": "langevin",
         "method": scene.simulation.method,
         "seed": seed,
@@ -179,7 +187,7 @@ def _thermal_run(scene: Scene, seed: int, progress: Callable[[float], None] | No
     return run
 
 
-def _dataset(scene: Scene, times: NDArray[np.float64], motion: Motion) -> xr.Dataset:
+def _dataset(problem: Problem, times: NDArray[np.float64], motion: Motion) -> xr.Dataset:
     """Motion and derived quantities at `times`."""
     run = xr.Dataset(
         {
@@ -201,7 +209,7 @@ def _dataset(scene: Scene, times: NDArray[np.float64], motion: Motion) -> xr.Dat
         run["angular_velocity"] = (("time", "body_axis"), motion.angular_velocity,
                                    _about("rad/s", "angular velocity, body frame"))  # fmt: skip
         run = run.assign_coords(body_axis=["P1", "P2", "P3"])
-    return run.merge(derived_quantities(scene, run))
+    return run.merge(derived_quantities(problem, run))
 
 
 @contextlib.contextmanager
@@ -215,13 +223,16 @@ def _timed() -> Iterator[dict[str, float]]:
     seconds["wall_time"] = time.perf_counter() - began - compiling.seconds
 
 
-def _about_the_run(scene: Scene, evaluator: str, why: str) -> dict[str, Any]:
+def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
     """The attributes that every run has alike."""
+    scene = problem.scene
+    others = {"other_forces": len(problem.others)} if problem.others else {}
     return {
         "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
-        "force_evaluator": evaluator,
+        "force_evaluator": problem.light.evaluator,
+        **others,
         **worth_attributes(scene),
         "chosen": why,
         "tweezer_version": version("tweezer"),

@@ -44,8 +44,5 @@ def warm_up(scene: Scene) -> None:
                 bound.field(np.zeros((1, 3)), gradient=gradient)
         if scene.lit:
             kalman_filter(lights[0])
-        if scene.forces.brownian:
-            scene = walk(scene).scene
-        else:
-            scene, _ = chosen(scene)
+        scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0].scene
         simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}))

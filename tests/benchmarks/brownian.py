@@ -35,8 +35,9 @@ import tweezer
 from tests.benchmarks import numpy_sum
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import Call, dask_clients, in_fresh_process, machine, per_item
-from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap
-from tweezer.dynamics.brownian import propagator
+from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_place
+from tweezer.dynamics.brownian import euler, propagator
+from tweezer.dynamics.brownian.batch import Linear
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.scene import Scene
@@ -469,7 +470,7 @@ def _in_well(trap: Trap, well: Well, way: Way, step: float, every: int, samples:
         kappa = trap.kappa * (1 + trap.kappa * trap.tau) if first_order else trap.kappa
         inert = bound.plan.tau if way.model == "full" else np.zeros(3)
         weights = propagator.exact(bound.step, inert, np.full(3, kappa), bound.plan.diffusion)
-    return dataclasses.replace(bound, light=well.field, weights=weights)
+    return dataclasses.replace(bound, problem=in_place(bound.problem, well.field), weights=weights)
 
 
 def _control(trap: Trap, bound: Walk, apart: list[int]) -> tuple[Walk, list[float]]:
@@ -488,7 +489,8 @@ def _control(trap: Trap, bound: Walk, apart: list[int]) -> tuple[Walk, list[floa
         scene = scene.replace(simulation={"model": "overdamped"})
     scene = scene.replace(simulation={"method": "harmonic"})
     spring = LinearTrap(trap.stiffness)
-    springy = dataclasses.replace(bound, scene=scene, light=spring, weights=weights)
+    problem = dataclasses.replace(bound.problem, scene=scene, light=spring)
+    springy = dataclasses.replace(bound, problem=problem, weights=weights)
     return springy, linear_moments(weights, apart)
 
 
@@ -556,9 +558,9 @@ def numpy_euler_maruyama(
 
 def euler_maruyama_bias(trap: Trap, step: float) -> tuple[float, float]:
     """Relative bias of <x^2> and <v^2> of the inertial Euler-Maruyama, harmonic trap; step: tau."""
-    weights = propagator.euler_maruyama(
-        step * trap.tau, np.array([trap.tau]), np.array([trap.kT / trap.drag])
-    )
+    diffusion = np.array([trap.kT / trap.drag])
+    linear = Linear(np.array([trap.tau]), np.zeros(1), diffusion, 0.0)
+    weights = euler.weights(step * trap.tau, linear)
     x2, v2 = linear_moments(weights._replace(kappa=np.array([trap.kappa])), [])
     return x2 / trap.variance - 1, v2 * trap.mass / trap.kT - 1
 

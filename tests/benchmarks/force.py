@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 import tweezer
 from tests.benchmarks import numpy_sum
 from tests.benchmarks.timing import Call, in_fresh_process, machine, per_item, roughly
-from tweezer.optics import Field, grid, light
+from tweezer.forces.force import Wrench
+from tweezer.optics import grid, light
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -326,7 +327,7 @@ def _fresh(evaluator: str, effort: Effort) -> Results:
     return results
 
 
-def _field(scene: Scene, positions: Array, *, tolerance: float) -> Field:
+def _field(scene: Scene, positions: Array, *, tolerance: float) -> Wrench:
     exact = scene.replace(optics={"evaluator": "quadrature", "tolerance": tolerance})
     return light(exact).field(positions)
 

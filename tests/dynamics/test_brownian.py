@@ -6,7 +6,6 @@ would exceed for one seed in the number given.
 
 import dataclasses
 import math
-from types import SimpleNamespace
 
 import mpmath as mp
 import numpy as np
@@ -18,10 +17,13 @@ from scipy.spatial.transform import Rotation
 import tweezer
 from tests.reference import memory
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_field, walk_in
+from tweezer.compiled import cached_njit
 from tweezer.dynamics import bind, integrate, walk
-from tweezer.dynamics.brownian import batch, heun, noise, propagator
-from tweezer.dynamics.integrators import System
+from tweezer.dynamics.brownian import batch, euler, heun, noise, propagator
 from tweezer.errors import IntegrationError, SceneError
+from tweezer.forces.data import packed
+from tweezer.forces.force import KERNEL, Force
+from tweezer.forces.force import bound as bound_force
 
 #: five standard deviations: one seed in 1.7 million
 FAR = 5.0
@@ -407,9 +409,7 @@ def stepped(field, h, tau, x, v, normal):
     beads.x[:], beads.v[:], beads.normal[:] = x.T, v.T, normal.T
     plan = walk(DARK.replace(simulation={"model": "full"})).plan
     plan = plan._replace(load=np.zeros(3), mobility=np.full(3, 1 / DRAG))
-    kernel, source = field.compiled(gradient=False)
-    system = System(source, source, 1.0, 1.0, np.zeros(4), np.zeros(0))
-    heun.step(kernel, kernel, system, plan, weights, beads)
+    heun.step(bound_force(field, gradient=False), plan, weights, beads)
     return beads.x.T.copy(), beads.v.T.copy()
 
 
@@ -522,8 +522,9 @@ def test_baoab_samples_a_harmonic_position_exactly():
 
 def test_euler_maruyama_errs_in_the_variance_as_known():
     """Overdamped and linear: kT/k / (1 - h/(2 trap times)), by the weights."""
+    linear = batch.Linear(np.zeros(1), np.zeros(1), np.array([DIFFUSION]), 0.0)
     with mp.workdps(40):
-        w = digits(propagator.euler_maruyama(0.5 * TRAP, np.zeros(1), np.array([DIFFUSION])))
+        w = digits(euler.weights(0.5 * TRAP, linear))
         X = stationary(mp.matrix([[1 - w.by_u / TRAP]]), mp.matrix([[w.noise_x]]))
         assert abs(X[0, 0] * STIFFNESS / KT * (1 - mp.mpf("0.25")) - 1) < 1e-12
 
@@ -835,19 +836,25 @@ def test_a_bead_at_rest_is_refused():
         walk(DARK.replace(forces={"brownian": False}))
 
 
+@cached_njit(KERNEL)
+def _rising(pose, data, wrench):
+    wrench.force[:] += pose.position + 1
+    wrench.moment[:] += 10 * pose.position + np.array([1.0, 2.0, 3.0])
+
+
 def test_the_light_turns_beads_about_every_axis():
-    """Of the step's plain Python: u and omega are force and moment times their own mobilities."""
-    one = batch.beads.py_func(2, 6, False, False)
+    """u and omega are force and moment times their own mobilities."""
+    one = batch.beads(2, 6, False, False)
     place = np.arange(12.0).reshape(6, 2)
 
-    def kernel(position, source, radius, ratio, jones, force, moment, *_):
-        force[:] = position + 1
-        moment[:] = 10 * position + [1, 2, 3]
+    class Field(Force):
+        def compiled(self, *, gradient):
+            return _rising, packed()
 
-    nothing = SimpleNamespace(source=None, beyond=None, radius=1.0, n_mP=1.0, jones=None)
-    plan = SimpleNamespace(mobility=np.arange(1.0, 7.0), load=np.full(6, 0.5))
+    plan = walk(DARK).plan._replace(mobility=np.arange(1.0, 7.0), load=np.full(6, 0.5))
     out = np.empty((6, 2))
-    batch.slow_velocities.py_func(kernel, kernel, nothing, plan, one, place, out)
+    force = bound_force(Field(), gradient=False)
+    batch.slow_velocities(force, plan, one, 0.0, place, out)
     x = place[:3]
     np.testing.assert_allclose(out[:3], plan.mobility[:3, None] * (x + 1.5))
     np.testing.assert_allclose(out[3:], plan.mobility[3:, None] * (10 * x + [[1], [2], [3]]))

@@ -191,7 +191,8 @@ def free_top(moments, omega, turns, samples, rotation_state):
     )  # fmt: skip
     bound = bind(scene)
     without_drag = replace(bound.bead, drag=0.0, rotational_drag=0.0, weight=(0.0, 0.0, 0.0))
-    equations = type(bound)(scene, bound.module, without_drag, LinearTrap(0.0))
+    problem = replace(bound.problem, bead=without_drag, light=LinearTrap(0.0))
+    equations = type(bound)(problem, bound.module)
     result = integrate(equations, np.linspace(0, duration, samples))
     assert result.status == "complete"
     raw = np.abs(np.linalg.norm(result.states[:, 3:7], axis=1) - 1).max()

@@ -8,7 +8,6 @@ import json
 
 import numpy as np
 import pytest
-from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import expi
@@ -16,8 +15,9 @@ from scipy.special import expi
 import tweezer
 from tests.dynamics.test_closed_forms import trap_solution
 from tests.reference import memory
-from tests.reference.fields import Data, GaussianWell, LinearTrap, in_field, in_trap
+from tests.reference.fields import GaussianWell, LinearTrap, in_field, in_trap
 from tests.reference.rigid_body import rotation_matrix
+from tweezer.compiled import cached_njit
 from tweezer.dynamics import (
     Event,
     bind,
@@ -29,6 +29,8 @@ from tweezer.dynamics import (
 )
 from tweezer.dynamics.integrators import TABLEAUX
 from tweezer.dynamics.solution import Solver
+from tweezer.forces.data import number, packed
+from tweezer.forces.force import KERNEL
 
 COMPILED = ["dormand-prince", "dop853", "exponential"]
 ORDER = {"dormand-prince": 5, "dop853": 8, "exponential": 4}
@@ -424,23 +426,20 @@ def test_an_interrupted_run_is_not_run_again_for_its_error(monkeypatch):
 # --- failures -------------------------------------------------------------------------------------
 
 
-@njit(cache=True)
-def _breaks(p, source, radius, n_mP, jones, force, moment, gradient, moment_gradient, error):
+@cached_njit(KERNEL)
+def _breaks(pose, data, wrench):
     """A spring that gives NaN within its width of the centre."""
-    force[:] = -source.stiffness * p
-    if np.abs(p[0]).max() < source.width:
-        force[:] = np.nan
-    moment[:] = 0.0
-    gradient[:] = 0.0
-    moment_gradient[:] = 0.0
-    error[:] = 0.0
+    p = pose.position
+    wrench.force[:] -= number(data, 0) * p
+    if np.abs(p[0]).max() < number(data, 1):
+        wrench.force[:] = np.nan
 
 
 class Broken(LinearTrap):
     """A spring that breaks near the centre."""
 
     def compiled(self, *, gradient):
-        return _breaks, Data(self.stiffness, width=5e-8)
+        return _breaks, packed(self.stiffness, 5e-8)
 
 
 @pytest.mark.parametrize("fixed", [None, 1e-8])
@@ -521,8 +520,9 @@ def test_methods_that_do_not_fit_are_refused():
 def test_what_is_chosen_for_a_scene(changes, model, method):
     bare = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
     bare["simulation"] = {"duration": 2e-3}
-    scene, why = tweezer.dynamics.chosen(tweezer.load_scene(bare).replace(**changes))
-    assert (scene.simulation.model, scene.simulation.method) == (model, method)
+    problem, why = tweezer.dynamics.chosen(tweezer.load_scene(bare).replace(**changes))
+    simulation = problem.scene.simulation
+    assert (simulation.model, simulation.method) == (model, method)
     assert why.count(":") >= 1
 
 

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from tweezer.bead import bead_properties
-from tweezer.optics import light
-from tweezer.scene import Scene
+from tweezer.dynamics import Problem
 
 
-def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
+def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
     """Derived variables over the `time` of `run`, which holds position and perhaps velocity.
 
     * optical_force: force of the light (3.26), N
@@ -26,15 +24,20 @@ def derived_quantities(scene: Scene, run: xr.Dataset) -> xr.Dataset:
 
     Without a velocity there is no speed, Reynolds number, kinetic and total energy.
     """
-    bead = bead_properties(scene)
+    scene, bead = problem.scene, problem.bead
     weight = xr.DataArray(np.array(bead.weight), dims="axis")
     position = run["position"]
     places = np.ascontiguousarray(position.values)
-    bound = light(scene)
-    field = bound.field(places)
+    times = run["time"].values
+    bound = problem.light
+    field = bound.field(places, time=times)
     optical_force = position.copy(data=field.force)
     force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field))
     net_force = optical_force + weight
+    orientations = run["orientation"].values if "orientation" in run else None
+    for each in problem.others:
+        pushed = each.field(places, time=times, orientations=orientations)
+        net_force = net_force + position.copy(data=pushed.force)
     potential = -(weight * position).sum("axis")
     quantities = {
         "optical_force": (optical_force, "N", "force of the light"),

@@ -16,7 +16,7 @@ from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
 from tweezer.io import scene_of
-from tweezer.optics import light, optical_force, optical_jacobian
+from tweezer.optics import optical_force, optical_jacobian
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -38,7 +38,8 @@ class Summary:
     """
 
     outcome: str
-    """"captured", "lost", "not captured", or the status of a run that ended early"""
+    """"captured", "lost", "not captured", or the status of a run that ended early, or with forces
+    of your own, of which the summary knows no equilibrium"""
     outcome_time: float
     """s: when it was captured, when it left the trap, or when the run ended"""
     overshoot: float
@@ -175,9 +176,10 @@ def _errors(
 def _force(path: Path) -> tuple[float, float]:
     """Largest force of the light along the path, and largest error of it, N."""
     times = path.checkpoints
-    places = path.positions(times[:: -(-len(times) // _PLACES)])
-    bound = light(path.equations.scene)
-    field = bound.field(places)
+    times = times[:: -(-len(times) // _PLACES)]
+    places = path.positions(times)
+    bound = path.equations.problem.light
+    field = bound.field(places, time=times)
     return _largest(field.force), float(bound.error_of(places, field).max())
 
 
@@ -197,7 +199,7 @@ def _known(value: float) -> float | None:
 def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float, Array]:
     """What became of the bead, when by the samples, s, and where it settled, (3,) m."""
     status = run.attrs["status"]
-    if status != "complete":
+    if status != "complete" or run.attrs.get("other_forces"):
         return status, float(times[-1]), position[-1]
     scene = scene_of(run)
     nearby = CAPTURE_RADII * scene.bead.radius

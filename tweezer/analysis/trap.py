@@ -11,7 +11,7 @@ from scipy.constants import Boltzmann
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from tweezer.bead import bead_properties
+from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
     DIRECTIONS,
     FOCUS,
@@ -19,7 +19,7 @@ from tweezer.equilibria import (
     SPACING,
     Component,
     Equilibrium,
-    Force,
+    NetForce,
     Point,
     along,
     end_of_pull,
@@ -32,13 +32,12 @@ from tweezer.equilibria import (
 from tweezer.optics import (
     RayOpticsWorth,
     cone,
-    light,
     ray_optics_caveat,
     ray_optics_worth,
     total_power,
 )
 from tweezer.optics.light import SPEED_OF_LIGHT
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -145,14 +144,15 @@ def characterise(scene: Scene) -> Trap:
     with `scipy.optimize.minimize_scalar` to 1e-8 radii; work is by `scipy.integrate.quad` to
     1e-7, or to `Escape.energy_error` where jumps hinder it.
     """
-    light_force = _LightForce(checked_scene(scene))
-    bead, r = bead_properties(scene), scene.bead.radius
+    problem = bound_once(scene)
+    light_force = _LightForce(problem)
+    bead, r = problem.bead, scene.bead.radius
     weight = np.array(bead.weight)
 
     def net_force(points: Array) -> Array:
         return light_force(points) + weight
 
-    places = tuple(equilibria(scene, net_force))
+    places = tuple(equilibria(r, problem.force, net_force))
     equilibrium = nearest_stable(places)
     corner_frequencies = None
     escapes: tuple[Escape, ...] = ()
@@ -173,7 +173,7 @@ def characterise(scene: Scene) -> Trap:
         equilibrium=equilibrium,
         corner_frequencies=corner_frequencies,
         escapes=escapes,
-        evaluator=light(scene).evaluator,
+        evaluator=problem.light.evaluator,
         force_error=light_force.error,
         caveat=ray_optics_caveat(scene),
         ray_optics=ray_optics_worth(scene),
@@ -183,8 +183,8 @@ def characterise(scene: Scene) -> Trap:
 class _LightForce:
     """Force of a scene's light; keeps the largest estimated error of those it gave, N."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._light = light(scene)
+    def __init__(self, problem: Problem) -> None:
+        self._light = problem.light
         self.error = 0.0
 
     def __call__(self, points: Array) -> Array:
@@ -193,7 +193,7 @@ class _LightForce:
         return field.force
 
 
-def _escape(scene: Scene, net_force: Force, origin: Point, direction: str) -> Escape:
+def _escape(scene: Scene, net_force: NetForce, origin: Point, direction: str) -> Escape:
     r = scene.bead.radius
     pull = opposite(along(net_force, origin, direction))
     distances = line(0.0, r)
@@ -220,7 +220,7 @@ def _escape(scene: Scene, net_force: Force, origin: Point, direction: str) -> Es
 
 
 def _efficiency(
-    light_force: Force, direction: str, coordinates: Array, unit: float
+    light_force: NetForce, direction: str, coordinates: Array, unit: float
 ) -> Efficiency | None:
     """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
     pull = opposite(along(light_force, FOCUS, direction))

@@ -1,11 +1,12 @@
 """Equations of motion of the bead, and their integration in time."""
 
-from tweezer.compiling import compilation  # noqa: F401 (first: finds where to keep what it compiles)
+from tweezer.compiled import compilation  # noqa: F401 (first: finds where to keep what it compiles)
 from tweezer.dynamics.budget import error_budget
 from tweezer.dynamics.choose import chosen
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
+from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.dynamics.walk import Walk, walk
 
 __all__ = [
@@ -14,8 +15,10 @@ __all__ = [
     "Integration",
     "Motion",
     "Occurrence",
+    "Problem",
     "Walk",
     "bind",
+    "bound_once",
     "capture",
     "chosen",
     "closest_approach",

@@ -14,7 +14,7 @@ from tweezer.dynamics.events import Event
 from tweezer.dynamics.integrate import MOST_HELD, SOLVERS, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
-from tweezer.scene import Scene
+from tweezer.dynamics.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -70,52 +70,47 @@ def error_budget(
 def _of_integration(
     equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event]
 ) -> tuple[Finer | None, float]:
-    scene: Scene | None
+    problem: Problem | None
     if run.method in SOLVERS:
-        scene, ratio = _compiled(equations), 1.0
+        problem, ratio = _compiled(equations), 1.0
         how: dict[str, Any] = {"tightened": TIGHTER}
     else:
-        scene = equations.scene.replace(simulation={"method": run.method})
+        problem = equations.problem.changed(method=run.method)
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": np.repeat(run.step_lengths / 2, 2)}
-    compared, distance = _compared(scene, run, position, events=events, **how)
+    compared, distance = _compared(problem, run, position, events=events, **how)
     return Finer(compared, ratio) if compared else None, ratio * distance
 
 
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
     if equations.name.startswith("full"):
         return 0.0
-    return _compared(_unscaled(equations.scene), run, position)[1]
+    return _compared(_unscaled(equations.problem), run, position)[1]
 
 
-def _compiled(equations: EquationsOfMotion) -> Scene | None:
-    """The scene with a compiled method that suits its equations."""
+def _compiled(equations: EquationsOfMotion) -> Problem | None:
+    """The problem with a compiled method that suits its equations."""
     method = "exponential" if equations.takes_drag_exactly else "dop853"
     slow = equations.scene.simulation.model in ("overdamped", "first-order")
     if method == "exponential" or slow:
-        return equations.scene.replace(simulation={"method": method, "step": None})
+        return equations.problem.changed(method=method, step=None)
     return None
 
 
-def _unscaled(scene: Scene) -> Scene | None:
-    full = scene.replace(
-        simulation={
-            "model": "full",
-            "method": "exponential",
-            "scaling_factor": None,
-            "step": None,
-            "rotation_state": "angular-velocity",
-        }
-    )
+def _unscaled(problem: Problem) -> Problem | None:
+    full = problem.changed(
+        model="full", method="exponential", scaling_factor=None, step=None,
+        rotation_state="angular-velocity",
+    )  # fmt: skip
     return full if bind(full).takes_drag_exactly else None
 
 
 def _compared(
-    scene: Scene | None, run: Integration, position: Array, **how: Any
+    problem: Problem | None, run: Integration, position: Array, **how: Any
 ) -> tuple[Integration | None, float]:
-    """The motion of `scene`, and its largest distance from a run."""
-    if scene is None:
+    """The motion of `problem`, and its largest distance from a run."""
+    if problem is None:
         return None, math.nan
-    equations = bind(scene)
+    equations = bind(problem)
     compared = integrate(equations, run.times, most_held=2 * MOST_HELD, **how)
     if compared.status == "interrupted":
         raise KeyboardInterrupt

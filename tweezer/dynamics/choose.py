@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.bead import bead_properties
 from tweezer.dynamics.models import EquationsOfMotion, bind
-from tweezer.optics import light
-from tweezer.scene import Scene, checked_scene
+from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -22,8 +21,8 @@ _STABLE = 3.0
 _STIFF = 3_000
 
 
-def chosen(scene: Scene) -> tuple[Scene, str]:
-    """`scene` with a model and a method, and why these; as it is where it names both.
+def chosen(scene: Scene | Problem) -> tuple[Problem, str]:
+    """A scene bound, with a model and a method, and why these; as it is where it names both.
 
     With tau the relaxation time of the velocity and k/beta_v the fastest rate of the trap, leaving
     inertia out puts the bead off by about r tau k/beta_v, the first-order model by its square.
@@ -32,30 +31,31 @@ def chosen(scene: Scene) -> tuple[Scene, str]:
     integrate.
     """
     reasons = []
-    if checked_scene(scene).simulation.model is None:
-        model, reason = _model(scene)
-        scene = scene.decided(model=model)
+    problem = bound_once(scene)
+    if problem.scene.simulation.model is None:
+        model, reason = _model(problem)
+        problem = problem.decided(model=model)
         reasons.append(reason)
-    if scene.simulation.method == "auto":
-        method, reason = method_for(bind(scene))
-        scene = scene.decided(method=method)
+    if problem.scene.simulation.method == "auto":
+        method, reason = method_for(bind(problem))
+        problem = problem.decided(method=method)
         reasons.append(reason)
-    return scene, "; ".join(reasons)
+    return problem, "; ".join(reasons)
 
 
-def _model(scene: Scene) -> tuple[str, str]:
-    bead, simulation = bead_properties(scene), scene.simulation
-    small = bead.relaxation_time * float(rates_of_force(scene).max())
+def _model(problem: Problem) -> tuple[str, str]:
+    scene, bead = problem.scene, problem.bead
+    simulation = scene.simulation
+    small = bead.relaxation_time * float(rates_of_force(problem).max())
     start = np.array([scene.start_position])
-    slow = (light(scene).field(start).force[0] + np.array(bead.weight)) / bead.drag
+    slow = problem.net_force(start)[0] / bead.drag
     off = scene.bead.radius * small
     off += bead.relaxation_time * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     allowed = simulation.position_tolerance
     exactly = simulation.method == "exponential"
-    if off <= allowed and not scene.rotates and not exactly:
+    if off <= allowed and not problem.rotates and not exactly:
         return "overdamped", f"overdamped: inertia moves the bead by about {off:.1g} m"
-    full = scene.replace(simulation={"model": "full"})
-    if exactly or bind(full).takes_drag_exactly:
+    if exactly or bind(problem.changed(model="full")).takes_drag_exactly:
         return "full", f"full: without inertia the bead would be off by about {off:.1g} m"
     if off * small <= allowed:
         return "first-order", f"first-order: off by about {off * small:.1g} m"
@@ -79,13 +79,14 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
     return "scipy:LSODA", f"scipy:LSODA: stiff, {steps:.1g} steps for an explicit method"
 
 
-def rates_of_force(scene: Scene) -> Array:
+def rates_of_force(problem: Problem) -> Array:
     """|dF/dx|/beta_v at places about the trap and at the start, (n,) 1/s."""
+    scene = problem.scene
     rng = np.random.default_rng(7)
     directions = rng.normal(size=(_PLACES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
     places = np.vstack([directions * distances, scene.start_position])
-    gradient = light(scene).field(places, gradient=True).force_gradient
+    gradient = problem.force.field(places, gradient=True).force_gradient
     sizes: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
-    return sizes / bead_properties(scene).drag
+    return sizes / problem.bead.drag

@@ -30,11 +30,11 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit
-from tweezer.dynamics.integrators import kernel_signature
-from tweezer.dynamics.integrators.system import DIGEST, System, scratch, shine
-from tweezer.dynamics.solution import pointer
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.integrators.system import push, scratch
 from tweezer.errors import IntegrationError
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import bound
 from tweezer.optics import Light
 
 Array = NDArray[np.float64]
@@ -113,19 +113,12 @@ def kalman_filter(light: Light) -> Callable[..., Filtered]:
     more, and returns the most that could be; what follows is NaN. It raises `IntegrationError`
     where the motion cannot be followed.
     """
-    kernel, source = light.compiled(gradient=True)
-    beyond, source_beyond = light.beyond.compiled(gradient=True)
-    bound = System(source, source_beyond, light.radius, light.index_ratio, light.jones, np.zeros(0))
-    loop = _loop(typeof(source), typeof(source_beyond), typeof(bound))
-    pointers = (
-        pointer(kernel, kernel_signature(typeof(source))),
-        pointer(beyond, kernel_signature(typeof(source_beyond))),
-    )
+    loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
         out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, 2, 2)]
-        here = bound._replace(radius=bead.radius)
-        log_likelihood = loop(*pointers, here, bead, camera, least, *out)
+        force = bound(light.of_radius(bead.radius), gradient=True)
+        log_likelihood = loop(force, bead, camera, least, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
         return Filtered(log_likelihood, *out)
@@ -134,22 +127,20 @@ def kalman_filter(light: Light) -> Callable[..., Filtered]:
 
 
 @functools.cache
-def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
-    """The compiled loop over frames, for one kind of light: returns the log-likelihood."""
+def _loop() -> Any:
+    """The compiled loop over frames: returns the log-likelihood."""
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
-        types.FunctionType(kernel_signature(source)),
-        types.FunctionType(kernel_signature(beyond)),
-        system,
+        typeof(Part(0, packed())),
         typeof(Bead(0.0, 0.0, 0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
         typeof(Camera(empty, table, 0.0, 0.0)),
         types.float64,
         _matrix, _matrix, _matrix, _matrix,
     )  # fmt: skip
 
-    @cached_njit(signature, calls=DIGEST, error_model="numpy", nogil=True)
+    @cached_njit(signature, error_model="numpy", nogil=True)
     def loop(  # type: ignore[no-untyped-def]
-        kernel, beyond, system, bead, camera, least, predicted, deviations, residuals, weights
+        force, bead, camera, least, predicted, deviations, residuals, weights
     ):
         n = 6 if bead.tau > 0 else 3
         work = _room(n)
@@ -167,9 +158,7 @@ def _loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             if not log_likelihood + 2 * (frames - frame) * most >= least:
                 return log_likelihood + 2 * (frames - frame) * most
             if time < camera.times[frame]:
-                step = _predict(
-                    kernel, beyond, system, bead, work, camera.times[frame] - time, step
-                )
+                step = _predict(force, bead, work, camera.times[frame] - time, step)
                 if not step > 0:
                     return np.nan
                 time = camera.times[frame]
@@ -229,20 +218,20 @@ def _room(n):  # type: ignore[no-untyped-def]
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
-        np.zeros(3), scratch(),
+        np.zeros(3), scratch(False),
     )  # fmt: skip
 
 
 @njit(error_model="numpy")
-def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[no-untyped-def]
+def _rates(force, bead, work, state, rate, A):  # type: ignore[no-untyped-def]
     """Rate of change of the state, and its derivative."""
     at, n = work.at, state.shape[0]
-    shine(kernel, beyond, system, at, state)
+    push(force, at, 0.0, state)
     last = n - 3  # the rows that the force acts on
     for k in range(3):
-        rate[last + k] = bead.mobility * (bead.power * at.the_force[k] + bead.load[k])
+        rate[last + k] = bead.mobility * (bead.power * at.force[k] + bead.load[k])
         for l in range(3):
-            A[last + k, l] = bead.mobility * bead.power * at.force_gradient[0, k, l]
+            A[last + k, l] = bead.mobility * bead.power * at.force_gradient[k, l]
     if n == 6:
         for k in range(3):
             rate[k] = state[3 + k] / bead.tau
@@ -252,11 +241,11 @@ def _rates(kernel, beyond, system, bead, work, state, rate, A):  # type: ignore[
 
 
 @njit(error_model="numpy")
-def _go(kernel, beyond, system, bead, work, span, step):  # type: ignore[no-untyped-def]
+def _go(force, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on by a time. Returns the next step, 0 if the motion cannot be followed."""
     left = span
     for _ in range(_MOST_STEPS):
-        taken, step = _advance(kernel, beyond, system, bead, work, min(step, left))
+        taken, step = _advance(force, bead, work, min(step, left))
         if not taken > 0:
             return 0.0
         left -= taken
@@ -266,7 +255,7 @@ def _go(kernel, beyond, system, bead, work, span, step):  # type: ignore[no-unty
 
 
 @njit(error_model="numpy")
-def _predict(kernel, beyond, system, bead, work, span, step):  # type: ignore[no-untyped-def]
+def _predict(force, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on to the next frame; returns as `_go`.
 
     Where the bead goes far, its motion bends over the spread of z, which no frame tells, and its
@@ -281,7 +270,7 @@ def _predict(kernel, beyond, system, bead, work, span, step):  # type: ignore[no
     for i in range(n):
         begin[i] = mean[i]
         aside[i] = 3 / math.sqrt(variance) * (P[i, 2] + (variance - P[2, 2] if i == 2 else 0.0))
-    next_step = _go(kernel, beyond, system, bead, work, span, step)
+    next_step = _go(force, bead, work, span, step)
     gone = 0.0
     for k in range(3):
         gone += (mean[k] - begin[k]) ** 2
@@ -297,7 +286,7 @@ def _predict(kernel, beyond, system, bead, work, span, step):  # type: ignore[no
             mean[i] = begin[i] + sign * aside[i]
             for j in range(n):
                 P[i, j] = 0.0
-        if not _go(kernel, beyond, system, bead, work, span, step) > 0:
+        if not _go(force, bead, work, span, step) > 0:
             return 0.0
         for i in range(n):
             side[i] = sign * (mean[i] - middle[i])
@@ -316,7 +305,7 @@ def _predict(kernel, beyond, system, bead, work, span, step):  # type: ignore[no
 
 
 @njit(error_model="numpy")
-def _advance(kernel, beyond, system, bead, work, step):  # type: ignore[no-untyped-def]
+def _advance(force, bead, work, step):  # type: ignore[no-untyped-def]
     """Take the state a step on, of that length or as much shorter as its error wants it.
 
     Returns the length, 0 if there is none, and that of the next step.
@@ -326,12 +315,12 @@ def _advance(kernel, beyond, system, bead, work, step):  # type: ignore[no-untyp
     n = mean.shape[0]
     for k in range(n - 3, n):
         work.noise[k, k] = 2 * bead.diffusion
-    _rates(kernel, beyond, system, bead, work, mean, rate, A)
+    _rates(force, bead, work, mean, rate, A)
     for _ in range(60):
         _exponentials(work, A, rate, step, False)
         for i in range(n):
             work.place[i] = mean[i] + work.forced[0, i]
-        _rates(kernel, beyond, system, bead, work, work.place, ahead, A_ahead)
+        _rates(force, bead, work, work.place, ahead, A_ahead)
         bent = 0.0
         for i in range(n):
             rise[i] = ahead[i] - rate[i]

@@ -6,6 +6,7 @@ when the bead is lost, and keep what it has when it is interrupted or fails.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -19,7 +20,7 @@ from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import Path
-from tweezer.dynamics.solution import Solver
+from tweezer.dynamics.solution import BEFORE, Solver
 from tweezer.errors import IntegrationError
 
 Array = NDArray[np.float64]
@@ -237,19 +238,23 @@ class SciPySolver:
         self._one_step = method in ONE_STEP
         self._calls_before = equations.force_calls
         self._most_calls = simulation.most_force_calls
-        options: dict[str, Any] = {}
+        self._options: dict[str, Any] = {
+            "rtol": simulation.relative_tolerance * tightened,
+            "atol": equations.absolute_tolerance * tightened,
+        }
         if method in IMPLICIT:
-            options["jac"] = equations.jacobian
-        self._solver = SOLVERS[method](
-            equations.rhs,
-            0.0,
-            equations.initial_state,
-            end,
-            rtol=simulation.relative_tolerance * tightened,
-            atol=equations.absolute_tolerance * tightened,
-            **options,
-        )
+            self._options["jac"] = equations.jacobian
+        self._ends = [*equations.force.kinks(end).tolist(), end]
+        self._begin(0.0, equations.initial_state)
         self.steps = 0
+
+    def _begin(self, time: float, state: Array) -> None:
+        """Go on from a time to the next kink of the force, or the end."""
+        self._end = self._ends.pop(0)
+        last = self._end * BEFORE if self._ends else self._end
+        self._solver = SOLVERS[self._method](
+            self._equations.rhs, time, state, last, **self._options
+        )
 
     @property
     def force_calls(self) -> int:
@@ -276,4 +281,7 @@ class SciPySolver:
         piece = _Step(solver.dense_output(), float(solver.t_old), float(solver.t))
         if self._one_step and self._equations.rotates:
             solver.y = self._equations.on_constraints(solver.y)
+        if solver.status == "finished" and self._ends:
+            self._begin(self._end, solver.y)
+            return dataclasses.replace(piece, end=self._solver.t), integrators.FULL
         return piece, integrators.FULL if solver.status == "running" else integrators.REACHED

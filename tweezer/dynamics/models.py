@@ -15,14 +15,14 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.bead import BeadProperties, bead_properties
-from tweezer.compiling import cache_functions
+from tweezer.bead import BeadProperties
+from tweezer.compiled import cache_functions
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
+from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError
 from tweezer.generated import kinematics
-from tweezer.optics import Light, light
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene
 
 cache_functions(kinematics)
 
@@ -58,14 +58,14 @@ class EquationsOfMotion:
     where to start, and `motion` reads positions and rates out of states.
     """
 
-    scene: Scene
+    problem: Problem
     module: ModuleType
-    bead: BeadProperties
-    light: Light
     force_calls: int = field(default=0, init=False)
     """positions at which `rhs` and `jacobian` evaluated the light so far"""
 
     def __post_init__(self) -> None:
+        self.scene, self.bead = self.problem.scene, self.problem.bead
+        self.force = self.problem.force
         simulation = self.scene.simulation
         values = _parameter_values(self.bead, simulation.scaling_factor)
         self.params = np.array([values[name] for name in self.module.PARAMS])
@@ -130,23 +130,23 @@ class EquationsOfMotion:
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate them."""
         body = self._rotates and "rigid_body" in self.name
-        return self._inertial and not body and not self._constrained
+        return self._inertial and not (body or self._constrained or self.force.oriented)
 
     @property
     def name(self) -> str:
         """Name of the emitted module."""
         return self.module.__name__.rpartition(".")[2]
 
-    def rhs(self, t: float, y: Array) -> Array:  # noqa: ARG002
+    def rhs(self, t: float, y: Array) -> Array:
         """Rate of change of the state y, as solvers call it.
 
         Raises `IntegrationError` where it is not finite.
         """
-        return self._rates(y[None])[0]
+        return self._rates(np.array([t]), y[None])[0]
 
-    def _rates(self, states: Array) -> Array:
-        """Rates of change of `states`, (n, state)."""
-        inputs = self._rhs_inputs(states)
+    def _rates(self, times: Array, states: Array) -> Array:
+        """Rates of change of `states`, (n, state), at `times` (n,) s."""
+        inputs = self._rhs_inputs(times, states)
         rates = np.empty((len(states), self._size))
         for i, state in enumerate(states):
             self.module.rhs(state, *(each[i] for each in inputs), self.params, rates[i])
@@ -154,10 +154,10 @@ class EquationsOfMotion:
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
 
-    def jacobian(self, t: float, y: Array) -> Array:  # noqa: ARG002
+    def jacobian(self, t: float, y: Array) -> Array:
         """d(rate i)/d(state j), as implicit solvers call it."""
         derivative = np.empty((self._size, self._size))
-        inputs = (each[0] for each in self._jacobian_inputs(y[None]))
+        inputs = (each[0] for each in self._jacobian_inputs(np.array([t]), y[None]))
         self.module.jacobian(y, *inputs, self.params, derivative)
         return derivative
 
@@ -186,7 +186,7 @@ class EquationsOfMotion:
         """
         states = np.array([self.on_constraints(state) for state in states])
         # the slow models have no velocities in their state: they are its rates of change
-        rates = None if self._inertial else self._rates(states)
+        rates = None if self._inertial else self._rates(times, states)
         position = states[:, :3].copy()
         velocity = self._part(states, "v1", 3) if rates is None else rates[:, :3].copy()
         orientation = angular_velocity = None
@@ -217,27 +217,31 @@ class EquationsOfMotion:
         at = self.module.STATE.index(first)
         return states[:, at : at + length].copy()
 
-    def _inputs(self, names: tuple[str, ...]) -> Callable[[Array], list[Array]]:
-        """What the emitted function takes between state and parameters, as a function of states."""
+    def _inputs(self, names: tuple[str, ...]) -> Callable[[Array, Array], list[Array]]:
+        """What the emitted function takes between state and parameters, by times and states."""
         gradient = any(name.endswith("gradient") for name in names)
         curvature = any(name.endswith("curvature") for name in names)
 
-        def evaluate(states: Array) -> list[Array]:
+        def evaluate(times: Array, states: Array) -> list[Array]:
             self.force_calls += len(states)
-            at = self.light.field(states[:, :3], gradient=gradient)
+            turned = None
+            if self.force.oriented and self._rotates:
+                turned = self._part(states, "e0", 4)
+                turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+            at = self.force.field(states[:, :3], gradient=gradient, time=times, orientations=turned)
             values = {"force": at.force, "moment": at.moment}
             if gradient:
                 values["force_gradient"] = at.force_gradient
                 values["moment_gradient"] = at.moment_gradient
             if curvature:
                 (position,), (force,) = states[:, :3], at.force  # the Jacobian's, of one state
-                curvatures = self._curvatures(position, force)
+                curvatures = self._curvatures(times[0], position, force)
                 values |= {name: each[None] for name, each in curvatures.items()}
             return [values[name] for name in names]
 
         return evaluate
 
-    def _curvatures(self, position: Array, force: Array) -> dict[str, Array]:
+    def _curvatures(self, time: float, position: Array, force: Array) -> dict[str, Array]:
         """Rates of the gradients along (F + W)/beta_v, by a central difference.
 
         Only the Jacobian of the first-order model takes them, and an implicit solver needs that
@@ -250,7 +254,7 @@ class EquationsOfMotion:
         step = 1e-4 * self.scene.bead.radius
         ends = position + np.outer([-step, step], velocity / speed)
         self.force_calls += 2
-        at = self.light.field(ends, gradient=True)
+        at = self.force.field(ends, gradient=True, time=time)
         scale = speed / (2 * step)
         return {
             "force_curvature": (at.force_gradient[1] - at.force_gradient[0]) * scale,
@@ -269,7 +273,7 @@ class EquationsOfMotion:
         )
 
     def _release_inputs(self) -> tuple[Array, ...]:
-        at = self.light.field(np.array([self.scene.start_position]))
+        at = self.force.field(np.array([self.scene.start_position]))
         fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
         return (self._released(), *fields, self.params)
 
@@ -345,19 +349,20 @@ class _Released:
         return states
 
 
-def bind(scene: Scene) -> EquationsOfMotion:
+def bind(scene: Scene | Problem) -> EquationsOfMotion:
     """The equations of motion of `scene`: the smallest emitted model that holds all it needs.
 
     Of a scene that names no model, the unscaled ones.
     """
-    name = _module_name(checked_scene(scene))
-    emitted = importlib.import_module(f"tweezer.generated.{name}")
-    return EquationsOfMotion(scene, cache_functions(emitted), bead_properties(scene), light(scene))
+    problem = bound_once(scene)
+    emitted = importlib.import_module(f"tweezer.generated.{_module_name(problem)}")
+    return EquationsOfMotion(problem, cache_functions(emitted))
 
 
-def _module_name(scene: Scene) -> str:
+def _module_name(problem: Problem) -> str:
+    scene = problem.scene
     prefix = (scene.simulation.model or "full").replace("-", "_")
-    if not scene.rotates:
+    if not problem.rotates:
         return f"{prefix}_translation"
     if prefix == "overdamped":
         return "overdamped_rotation"

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numba import typeof
 from numpy.typing import NDArray
 
+from tweezer.compiled import address
 from tweezer.dynamics import integrators
-from tweezer.dynamics.integrators import Control, Pointer, Records, System
+from tweezer.dynamics.integrators import Control, Records, System
 from tweezer.errors import SceneError
+from tweezer.forces.force import bound
 from tweezer.generated import kinematics
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 
 #: steps of the first call of a loop, and most of one: what ends a run early is seen between calls
 _FIRST_STEPS, _MOST_STEPS = 128, 4096
+#: steps end this little before a kink of the force: what it is from then on is not looked at
+BEFORE = 1 - 1e-15
 
 
 @dataclass(frozen=True)
@@ -71,11 +74,12 @@ class Solver:
         self._equations = equations
         state = equations.module.STATE
         gradient = "force_gradient" in equations.module.RHS_INPUTS
-        light, beyond = equations.light, equations.light.beyond
-        kernel, source = light.compiled(gradient=gradient)
-        kernel_beyond, source_beyond = beyond.compiled(gradient=gradient)
+        oriented = equations.force.oriented
         system = System(
-            source, source_beyond, light.radius, light.index_ratio, light.jones, equations.params
+            bound(equations.force, gradient=gradient),
+            address(equations.module.rates, integrators.RATES),
+            equations.params,
+            state.index("e0") if oriented and "e0" in state else -1,
         )
         self.control = Control(
             max(simulation.relative_tolerance * tightened, 1e-13),
@@ -87,7 +91,6 @@ class Solver:
             state.index("e0") if "e0" in state else -1,
             state.index("edot0") if "edot0" in state else -1,
         )
-        of_source, of_beyond = typeof(source), typeof(source_beyond)
         how: Any
         if method == "exponential":
             if not equations.takes_drag_exactly:
@@ -98,30 +101,20 @@ class Solver:
             self._exponential = True
             how = equations.relaxation
             self._tau = how.times
-            loop = integrators.exponential.loop(of_source, of_beyond, typeof(system))
+            loop = integrators.exponential.loop()
             self._y = self._to_exponential(equations.initial_state)
             shape = (3, len(how.times))
         else:
             self._exponential = False
             how = integrators.TABLEAUX[method]
-            loop = integrators.explicit.loop(of_source, of_beyond, typeof(system))
+            loop = integrators.explicit.loop()
             self._y = equations.initial_state.copy()
             shape = (len(how.dense), len(self._y))
         self._shape = shape
-        self._clock = np.zeros(3)
+        self._clock = np.zeros(4)
         self._counts = np.zeros(3, np.int64)
-        self._call = functools.partial(
-            loop,
-            pointer(kernel, integrators.kernel_signature(of_source)),
-            pointer(kernel_beyond, integrators.kernel_signature(of_beyond)),
-            pointer(equations.module.rates, integrators.RATES),
-            system,
-            how,
-            self.control,
-            self._y,
-            self._clock,
-            self._counts,
-        )
+        self._kinks = equations.force.kinks(end).tolist()
+        self._call = functools.partial(loop, system, how)
         self._room = _FIRST_STEPS
 
     @property
@@ -150,8 +143,14 @@ class Solver:
         records = Records(
             np.empty(room), np.empty(room), np.empty((room, n)), np.empty((room, *self._shape))
         )
-        written, why = self._call(records)
+        end = self._kinks[0] * BEFORE if self._kinks else self.control.end
+        control = self.control._replace(end=end)
+        written, why = self._call(control, self._y, self._clock, self._counts, records)
         self._room = min(2 * room, _MOST_STEPS)
+        if why == integrators.REACHED and self._kinks:
+            self._clock[0] = self._clock[3] = self._kinks.pop(0)
+            self._clock[1:3] = 0.0
+            why = integrators.FULL
         if not written:
             return None, why
         return Piece(self, Records(*(array[:written] for array in records)), self.time), why
@@ -180,12 +179,6 @@ class Solver:
         for state in states:
             state[10:] = state[10:] @ _rotation(state[3:7])
         return states
-
-
-@functools.cache
-def pointer(function: Any, signature: Any) -> Pointer:
-    """A compiled function for a loop, made once."""
-    return Pointer(function, signature)
 
 
 def _rotation(e: Array) -> Array:

@@ -8,24 +8,26 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import typeof
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_thermal
-from tweezer.bead import bead_properties
-from tweezer.dynamics.brownian import march, noise, propagator
-from tweezer.dynamics.brownian.batch import Plan
+from tweezer.dynamics.brownian import march, noise
+from tweezer.dynamics.brownian.baoab import BAOAB
+from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
+from tweezer.dynamics.brownian.euler import EULER_MARUYAMA, HARMONIC
+from tweezer.dynamics.brownian.first_order import FIRST_ORDER
+from tweezer.dynamics.brownian.heun import HEUN
+from tweezer.dynamics.brownian.one_call import ONE_CALL
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.choose import rates_of_force
-from tweezer.dynamics.integrators import System, kernel_signature
 from tweezer.dynamics.models import Motion
-from tweezer.dynamics.solution import pointer
-from tweezer.equilibria import Equilibrium, stable_equilibrium
+from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.optics import Light, light
-from tweezer.scene import Scene, Simulation, checked_scene
+from tweezer.forces.force import bound
+from tweezer.scene import Scene, Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -38,11 +40,11 @@ _MOST = 0.9
 _MOST_PER_SAMPLE = 10**6
 
 _SCHEMES = {
-    "heun": march.HEUN,
-    "one-call": march.ONE_CALL,
-    "harmonic": march.HARMONIC,
-    "euler-maruyama": march.EULER,
-    "baoab": march.BAOAB,
+    "heun": HEUN,
+    "one-call": ONE_CALL,
+    "harmonic": HARMONIC,
+    "euler-maruyama": EULER_MARUYAMA,
+    "baoab": BAOAB,
 }
 
 
@@ -50,7 +52,7 @@ _SCHEMES = {
 class Walk:
     """Brownian motion of a scene's bead, bound: fixed steps, numbers drawn by counter."""
 
-    scene: Scene
+    problem: Problem
     """with its model and method decided"""
     seed: int
     why: str
@@ -64,11 +66,18 @@ class Walk:
     columns: tuple[str, ...]
     """of a sample: "x", "y", "z"; for models with inertia "vx", "vy", "vz"; for scenes with a
     rotation "e0".."e3", and with inertia "wx", "wy", "wz", about the inertial axes"""
-    equilibrium: Equilibrium | None
-    """the stable one nearest the focus"""
-    light: Light
     plan: Plan
     weights: Weights
+
+    @property
+    def scene(self) -> Scene:
+        """With its model and method decided."""
+        return self.problem.scene
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """The stable one nearest the focus."""
+        return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
         """States (n, len(columns) + 1) at times[0] of the trajectories of these numbers (n,).
@@ -124,7 +133,7 @@ class Walk:
     @property
     def force_calls(self) -> int:
         """Places at which a step evaluates the light."""
-        return {"heun": 2, "harmonic": 0}.get(self.scene.simulation.method, 1)
+        return _scheme(self.scene.simulation).force_calls
 
     def motion(self, samples: Array) -> Motion:
         """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
@@ -140,28 +149,13 @@ class Walk:
     @functools.cached_property
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
         """The loop, and what it takes that stays."""
-        bound = self.light
-        scheme = _SCHEMES[self.scene.simulation.method]
-        if self.scene.simulation.model == "first-order":
-            scheme = march.FIRST_ORDER
-        gradient = scheme == march.FIRST_ORDER
-        kernel, source = bound.compiled(gradient=gradient)
-        beyond, source_beyond = bound.beyond.compiled(gradient=gradient)
-        system = System(
-            source, source_beyond, bound.radius, bound.index_ratio, bound.jones, np.zeros(0)
-        )
-        advance = march.loop(
-            typeof(source), typeof(source_beyond), typeof(system), scheme=scheme,
-            inertial="vx" in self.columns, rotates="e0" in self.columns,
-        )  # fmt: skip
-        pointers = (
-            pointer(kernel, kernel_signature(typeof(source))),
-            pointer(beyond, kernel_signature(typeof(source_beyond))),
-        )
-        return (*pointers, system, self.plan, self.weights), advance
+        scheme = _scheme(self.scene.simulation)
+        steps = march.steps(scheme, inertial="vx" in self.columns, rotates="e0" in self.columns)
+        force = bound(self.problem.force, gradient=scheme.gradient)
+        return (force, steps, self.plan, self.weights), march.loop()
 
 
-def walk(scene: Scene, seed: int = 0) -> Walk:
+def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
@@ -172,19 +166,20 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
     """
-    check_thermal(checked_scene(scene), seed)
+    problem = bound_once(scene)
+    check_thermal(problem.scene, seed)
     reasons = []
-    simulation = scene.simulation
+    simulation = problem.scene.simulation
     if simulation.model is None:
-        scene = scene.decided(model="full")
+        problem = problem.decided(model="full")
         reasons.append("full: inertia is exact at any step")
     if simulation.method == "auto":
-        scene = scene.decided(method="heun")
+        problem = problem.decided(method="heun")
         reasons.append("heun: exact drag and noise, weak order 2")
+    scene, bead = problem.scene, problem.bead
     simulation = scene.simulation
-    bead = bead_properties(scene)
     inertial = simulation.model in ("full", "scaled")
-    dims = 6 if scene.rotates else 3
+    dims = 6 if problem.rotates else 3
     tau = np.zeros(dims)
     drags = np.repeat([bead.drag, bead.rotational_drag], 3)[:dims]
     if inertial:
@@ -192,7 +187,7 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         tau = inertias / drags
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
-    equilibrium = stable_equilibrium(scene)
+    equilibrium = problem.equilibrium
     if equilibrium is None:
         for key, value, needing in (
             ("simulation.method", simulation.method, ("harmonic",)),
@@ -207,7 +202,7 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     diffusion = Boltzmann * scene.medium.temperature / drags
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     interval = simulation.duration / (simulation.samples - 1)
-    longest, reason = _longest_step(scene, tau, kappa, diffusion)
+    longest, reason = _longest_step(problem, tau, kappa, diffusion)
     per_sample = max(1, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
@@ -217,7 +212,10 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
         )
     step = interval / per_sample
     reasons.append(f"steps of {step:.3g} s: {reason}")
-    weights = _weights(simulation, step, tau, kappa, diffusion, bead.relaxation_time)
+    # rotational diffusion without inertia is drawn by itself
+    shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
+    linear = Linear(tau, kappa, shaken, bead.relaxation_time)
+    weights = _scheme(simulation).weights(step, linear)
     if simulation.model == "first-order":
         tau = np.full(dims, bead.relaxation_time)
     load = np.zeros(dims)
@@ -232,37 +230,26 @@ def walk(scene: Scene, seed: int = 0) -> Walk:
     columns = ["x", "y", "z"]
     if inertial:
         columns += ["vx", "vy", "vz"]
-    if scene.rotates:
+    if problem.rotates:
         columns += ["e0", "e1", "e2", "e3"]
-    if scene.rotates and inertial:
+    if problem.rotates and inertial:
         columns += ["wx", "wy", "wz"]
     return Walk(
-        scene, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), equilibrium,
-        light(scene), plan, weights,
+        problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
     )  # fmt: skip
 
 
-def _weights(
-    simulation: Simulation, step: float, tau: Array, kappa: Array, diffusion: Array, epsilon: float
-) -> Weights:
-    """A step of the method; epsilon: m/beta_v (4.6), of the bead itself."""
-    # rotational diffusion without inertia is drawn by itself
-    shaken = np.where((tau > 0) | (np.arange(len(tau)) < 3), diffusion, 0.0)
-    match simulation.method:
-        case "euler-maruyama":
-            return propagator.euler_maruyama(step, tau, shaken)
-        case "baoab":
-            return propagator.baoab(step, tau, shaken)
-        case "one-call":
-            kappa = np.zeros_like(kappa)
+def _scheme(simulation: Simulation) -> Scheme:
     if simulation.model == "first-order":
-        kappa = kappa * (1 + kappa * epsilon)
-    return propagator.exact(step, tau, kappa, shaken)
+        return FIRST_ORDER
+    return _SCHEMES[simulation.method]
 
 
-def _longest_step(scene: Scene, tau: Array, kappa: Array, diffusion: Array) -> tuple[float, str]:
+def _longest_step(
+    problem: Problem, tau: Array, kappa: Array, diffusion: Array
+) -> tuple[float, str]:
     """The longest step that suits the scene, s, and what it is by."""
-    simulation = scene.simulation
+    simulation = problem.scene.simulation
     limits = [(math.inf, "from sample to sample")]
     if len(tau) == 6:
         part = LONGEST_WITH_INERTIA if tau[0] > 0 else LONGEST
@@ -270,13 +257,13 @@ def _longest_step(scene: Scene, tau: Array, kappa: Array, diffusion: Array) -> t
     if simulation.step is not None:
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
-    rate = max(float(np.quantile(rates_of_force(scene), _MOST)), float(np.abs(kappa).max()))
+    rate = max(float(np.quantile(rates_of_force(problem), _MOST)), float(np.abs(kappa).max()))
     if rate > 0 and simulation.method != "harmonic":
         some = f"{_PART:g} of "
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
-    if tau[0] > 0 and simulation.method in ("euler-maruyama", "baoab"):
+    if tau[0] > 0 and _scheme(simulation).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)
 

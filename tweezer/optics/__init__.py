@@ -1,6 +1,5 @@
 """The force of focused light on the bead, by ray optics."""
 
-from tweezer.compiling import compilation  # noqa: F401 (first: finds where to keep what it compiles)
 from tweezer.optics.beam import (
     Cone,
     cone,
@@ -8,7 +7,6 @@ from tweezer.optics.beam import (
     total_power,
 )
 from tweezer.optics.light import (
-    Field,
     Light,
     force_map,
     light,
@@ -27,7 +25,6 @@ from tweezer.optics.worth import (
 
 __all__ = [
     "Cone",
-    "Field",
     "Light",
     "RayOpticsWorth",
     "Table",

@@ -35,13 +35,14 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import address, cached_njit
+from tweezer.forces.data import Part, integers, matrix, number, packed, part
+from tweezer.forces.force import KERNEL, Kernel, Pose, Wrench, add
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -142,9 +143,6 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
         [off_core, off_ring, off_outer | (reach < 1)],
         reach < 1,
     )
-
-
-Kernel = Callable[..., None]
 
 
 @cached_njit(
@@ -267,49 +265,27 @@ def _slope(c, i, y):  # type: ignore[no-untyped-def]
     return low + (5.0 * c[i + 5] + 6.0 * c[i + 6] * y + 7.0 * c[i + 7] * yy) * (yy * yy)
 
 
-class Pieces(NamedTuple):
-    """A table's arrays, and the scale of its scene."""
-
-    half_angle: float
-    """rad, of the cone"""
-    reach: float
-    """radii, distance from the focus up to which it holds"""
-    strength: float
-    """n_m P/c, N, the unit of its forces"""
-    certified: float
-    """N, error of the force"""
-    frames: Array
-    roots: Integers
-    pages: NDArray[np.int32]
-    pieces: Array
-    """as in `tweezer.optics.tabulate.Made`"""
-
-
 @functools.cache
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
     """What reads a table; what a scene does not need is not compiled in.
 
-    It has the signature of `tweezer.optics.kernels.kernel`, with `Pieces` for the source. Where
-    the table does not reach, the results are 0, and the error is infinite.
+    Its data are the radius (m); the cone's half angle (rad); how far the table reaches (radii);
+    n_m P/c (N), the unit of its forces; the bound on the error of the force (N); `frames`, `roots`,
+    `index` and `pieces` as `tweezer.optics.tabulate.Made` has them; and the force in place of the
+    table where it does not reach.
     """
     components = 3 if moment else 2
     width = ORDER * components
 
-    @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
-    def read(  # type: ignore[no-untyped-def]
-        positions,
-        source,
-        radius,
-        n_mP,  # noqa: ARG001
-        jones,  # noqa: ARG001
-        force_out,
-        moment_out,
-        force_gradient_out,
-        moment_gradient_out,
-        error_out,
-    ):
-        half_angle, reach, strength = source.half_angle, source.reach, source.strength
-        pieces = source.pieces
+    @cached_njit(KERNEL, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
+    def read(pose, data, wrench):  # type: ignore[no-untyped-def]
+        radius, half_angle, reach = number(data, 0), number(data, 1), number(data, 2)
+        strength, certified = number(data, 3), number(data, 4)
+        frames, roots, index = matrix(data, 5), integers(data, 6), integers(data, 7)
+        pieces = matrix(data, 8)
+        positions = pose.position
+        force_out, moment_out = wrench.force, wrench.moment
+        force_gradient_out, moment_gradient_out = wrench.force_gradient, wrench.moment_gradient
         per_radius, stiffness = 1.0 / radius, strength / radius
         # known only when it runs: a loop of known length would be unrolled, not vectorised
         columns = (pieces.shape[1] - HEAD) // ORDER
@@ -322,30 +298,20 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
         batch, place = np.empty((size, 3)), np.empty((size, 7))
         piece_of = np.empty(size, np.int64)
         for at in range(positions.shape[0]):
-            number = at % _BATCH
-            if number == 0:
+            within = at % _BATCH
+            if within == 0:
                 many = min(_BATCH, positions.shape[0] - at)
                 for i in range(many):
                     for k in range(3):
                         batch[i, k] = positions[at + i, k] * per_radius
-                find(
-                    batch[:many], half_angle, reach, source.frames, source.roots, source.pages,
-                    piece_of, place,
-                )  # fmt: skip
-            piece = piece_of[number]
+                find(batch[:many], half_angle, reach, frames, roots, index, piece_of, place)
+            piece = piece_of[within]
             if piece == NO_PIECE:
-                error_out[at] = np.inf
-                force_out[at] = 0.0
-                if moment:
-                    moment_out[at] = 0.0
-                if gradient:
-                    force_gradient_out[at] = 0.0
-                    if moment:
-                        moment_gradient_out[at] = 0.0
+                _add_one(part(data, 9), pose, at, wrench)
                 continue
-            error_out[at] = source.certified
-            x1, x2, rho = batch[number, 0], batch[number, 1], place[number, 0]
-            x, y = place[number, 1], place[number, 2]
+            wrench.error[at] += certified
+            x1, x2, rho = batch[within, 0], batch[within, 1], place[within, 0]
+            x, y = place[within, 1], place[within, 2]
             c = pieces[piece]
             u, v = (x - c[0]) * c[1], (y - c[2]) * c[3]
             for j in range(columns):
@@ -371,42 +337,64 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                 if gradient:
                     by_x[k] = _sum(row_x, ORDER * k, v) * c[1]
                     by_y[k] = _slope(row, ORDER * k, v) * c[3]
-            force_out[at, 0] = strength * value[0] * x1
-            force_out[at, 1] = strength * value[0] * x2
-            force_out[at, 2] = strength * value[1]
+            force_out[at, 0] += strength * value[0] * x1
+            force_out[at, 1] += strength * value[0] * x2
+            force_out[at, 2] += strength * value[1]
             if moment:
-                moment_out[at, 0] = -strength * radius * value[2] * x2
-                moment_out[at, 1] = strength * radius * value[2] * x1
-                moment_out[at, 2] = 0.0
+                moment_out[at, 0] += -strength * radius * value[2] * x2
+                moment_out[at, 1] += strength * radius * value[2] * x1
             if not gradient:
                 continue
-            x_rho, x_z = place[number, 3], place[number, 4]
-            y_rho, y_z = place[number, 5], place[number, 6]
+            x_rho, x_z = place[within, 3], place[within, 4]
+            y_rho, y_z = place[within, 5], place[within, 6]
             per_rho = 1.0 / rho if rho > 0.0 else 0.0
             cos_phi, sin_phi = x1 * per_rho, x2 * per_rho
             f = stiffness * value[0]
             f_rho = stiffness * (by_x[0] * x_rho + by_y[0] * y_rho)
             f_z = stiffness * (by_x[0] * x_z + by_y[0] * y_z)
             g_rho = stiffness * (by_x[1] * x_rho + by_y[1] * y_rho)
-            force_gradient_out[at, 0, 0] = f + x1 * cos_phi * f_rho
-            force_gradient_out[at, 0, 1] = x1 * sin_phi * f_rho
-            force_gradient_out[at, 0, 2] = x1 * f_z
-            force_gradient_out[at, 1, 0] = x2 * cos_phi * f_rho
-            force_gradient_out[at, 1, 1] = f + x2 * sin_phi * f_rho
-            force_gradient_out[at, 1, 2] = x2 * f_z
-            force_gradient_out[at, 2, 0] = cos_phi * g_rho
-            force_gradient_out[at, 2, 1] = sin_phi * g_rho
-            force_gradient_out[at, 2, 2] = stiffness * (by_x[1] * x_z + by_y[1] * y_z)
+            force_gradient_out[at, 0, 0] += f + x1 * cos_phi * f_rho
+            force_gradient_out[at, 0, 1] += x1 * sin_phi * f_rho
+            force_gradient_out[at, 0, 2] += x1 * f_z
+            force_gradient_out[at, 1, 0] += x2 * cos_phi * f_rho
+            force_gradient_out[at, 1, 1] += f + x2 * sin_phi * f_rho
+            force_gradient_out[at, 1, 2] += x2 * f_z
+            force_gradient_out[at, 2, 0] += cos_phi * g_rho
+            force_gradient_out[at, 2, 1] += sin_phi * g_rho
+            force_gradient_out[at, 2, 2] += stiffness * (by_x[1] * x_z + by_y[1] * y_z)
             if moment:
                 m = strength * value[2]
                 m_rho = strength * (by_x[2] * x_rho + by_y[2] * y_rho)
                 m_z = strength * (by_x[2] * x_z + by_y[2] * y_z)
-                moment_gradient_out[at, 0, 0] = -x2 * cos_phi * m_rho
-                moment_gradient_out[at, 0, 1] = -m - x2 * sin_phi * m_rho
-                moment_gradient_out[at, 0, 2] = -x2 * m_z
-                moment_gradient_out[at, 1, 0] = m + x1 * cos_phi * m_rho
-                moment_gradient_out[at, 1, 1] = x1 * sin_phi * m_rho
-                moment_gradient_out[at, 1, 2] = x1 * m_z
-                moment_gradient_out[at, 2] = 0.0
+                moment_gradient_out[at, 0, 0] += -x2 * cos_phi * m_rho
+                moment_gradient_out[at, 0, 1] += -m - x2 * sin_phi * m_rho
+                moment_gradient_out[at, 0, 2] += -x2 * m_z
+                moment_gradient_out[at, 1, 0] += m + x1 * cos_phi * m_rho
+                moment_gradient_out[at, 1, 1] += x1 * sin_phi * m_rho
+                moment_gradient_out[at, 1, 2] += x1 * m_z
 
     return read
+
+
+def unreached() -> Part:
+    """In place of a force beyond the table: an infinite error tells the places."""
+    return Part(address(_infinite_error, KERNEL), packed())
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _infinite_error(pose, data, wrench):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    wrench.error[:] = np.inf
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _add_one(force, pose, at, wrench):  # type: ignore[no-untyped-def]
+    """Add what a force does to the bead `at` alone."""
+    one = slice(at, at + 1)
+    add(
+        force,
+        Pose(pose.time[one], pose.position[one], pose.orientation[one]),
+        Wrench(
+            wrench.force[one], wrench.moment[one], wrench.force_gradient[one],
+            wrench.moment_gradient[one], wrench.error[one],
+        ),
+    )  # fmt: skip

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import cached_njit
 
 Array = NDArray[np.float64]
 

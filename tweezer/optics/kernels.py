@@ -1,23 +1,33 @@
 """The sum over rays (3.26), compiled from the emitted ray.
 
-One kernel for every way to choose the rays: the thesis's grid, or the rules of a quadrature.
-It fills the rays that may hit the bead into scratch, sums them, and asks for more.
+Two kernels, for two ways to choose the rays: the thesis's grid, and the rules of a quadrature,
+which sums the rays of its rules and asks for more until its tolerance is reached. What a scene does
+not need is not compiled in.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import literally, njit
+from numba import njit
 
-from tweezer.compiling import cache_functions, cached_njit, sources
+from tweezer.compiled import cache_functions, cached_njit, named_njit
+from tweezer.forces.data import (
+    Data,
+    integers,
+    matrix,
+    number,
+    packed,
+    tensor,
+    tensor_of_four,
+    vector,
+)
+from tweezer.forces.force import KERNEL, Kernel
 from tweezer.generated import ray
-from tweezer.optics import culling, quadrature
-from tweezer.optics.culling import TILES_AT_ONCE, rays_near
+from tweezer.optics.culling import TILES_AT_ONCE, Tiles, rays_near
 from tweezer.optics.quadrature import (
     ARCS,
     AZIMUTHS,
@@ -41,6 +51,7 @@ from tweezer.optics.quadrature import (
     U2,
     U3,
     WEIGHT,
+    Rule,
     more_nodes,
     place_of,
     rays_of,
@@ -50,11 +61,7 @@ from tweezer.optics.quadrature import (
     unknown_light,
 )
 
-Kernel = Callable[..., None]
-
 cache_functions(ray)
-#: the files whose functions the kernels call
-_CALLED = sources(ray, culling, quadrature)
 
 #: cos^2 of refraction below which a ray counts as totally reflected: rounding cannot then put a
 #: negative number under the root, and Q is continuous there
@@ -68,48 +75,221 @@ VANISHING = 3e-7
 TRUSTED = 0.01
 
 
-@njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _efficiencies(  # type: ignore[no-untyped-def]
-    room, n, count, n_mP, averaged, denser_medium, gradient
-):
-    """Efficiencies of the n rings, and of all their rays: once for each ring."""
-    literally(averaged)
-    literally(denser_medium)
-    literally(gradient)
-    S_of = room[S_OF]
-    Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
-    for i in range(n):
-        S = min(S_of[i], _GRAZING)
-        if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
-            if gradient:
-                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.total_reflection_rates(S)
-            else:
-                Q_of[i], G_of[i] = ray.total_reflection(S)
-        elif averaged:
-            if gradient:
-                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.averaged_reflectance_rates(S, n_mP)
-            else:
-                Q_of[i], G_of[i] = ray.averaged_reflectance(S, n_mP)
-        elif gradient:
-            Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.circular_rates(S, n_mP)
-        else:
-            Q_of[i], G_of[i] = ray.circular(S, n_mP)
-    for at in range(n, count, n):
+class Rays(NamedTuple):
+    """What the sum over rays of a scene has to hold."""
+
+    polarisation: str
+    """as `tweezer.scene.Beam.polarisation`"""
+    denser_medium: bool
+    """n_P < n_m, so that rays may be totally reflected"""
+    gradient: bool
+    """also derivatives over the position"""
+    moment: bool
+    """also the moment (3.25)"""
+
+
+#: what a sum may do: NaN and infinity keep their meaning
+_SUMS: dict[str, Any] = {
+    "error_model": "numpy", "nogil": True, "fastmath": {"reassoc", "contract", "arcp", "nsz"},
+}  # fmt: skip
+
+
+@functools.cache
+def _efficiencies(rays: Rays) -> Any:
+    """Compiled: efficiencies of n rings, and of all their rays, once for each ring."""
+    averaged = rays.polarisation == "averaged-reflectance"
+    denser_medium, gradient = rays.denser_medium, rays.gradient
+
+    @named_njit(**_SUMS)
+    def efficiencies(room, n, count, n_mP):  # type: ignore[no-untyped-def]
+        S_of = room[S_OF]
+        Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
         for i in range(n):
-            Q_of[at + i] = Q_of[i]
-            G_of[at + i] = G_of[i]
+            S = min(S_of[i], _GRAZING)
+            if denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
+                if gradient:
+                    Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.total_reflection_rates(S)
+                else:
+                    Q_of[i], G_of[i] = ray.total_reflection(S)
+            elif averaged:
+                if gradient:
+                    Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.averaged_reflectance_rates(S, n_mP)
+                else:
+                    Q_of[i], G_of[i] = ray.averaged_reflectance(S, n_mP)
+            elif gradient:
+                Q_of[i], dQ_of[i], G_of[i], dG_of[i] = ray.circular_rates(S, n_mP)
+            else:
+                Q_of[i], G_of[i] = ray.circular(S, n_mP)
+        for at in range(n, count, n):
+            for i in range(n):
+                Q_of[at + i] = Q_of[i]
+                G_of[at + i] = G_of[i]
+                if gradient:
+                    dQ_of[at + i] = dQ_of[i]
+                    dG_of[at + i] = dG_of[i]
+
+    return efficiencies
+
+
+@functools.cache
+def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
+    """Compiled: force, size, moment and gradients of the first `count` rays of `room`.
+
+    It is a function of its own because inside a large one the compiler does not vectorise its loop.
+    in_rings: the efficiencies are in `room` already.
+    """
+    averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
+    denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
+
+    @named_njit(**_SUMS)
+    def add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im):  # type: ignore[no-untyped-def]
+        Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
+        u1_of, u2_of, u3_of, weight, force_of = (
+            room[U1],
+            room[U2],
+            room[U3],
+            room[WEIGHT],
+            room[FORCE],
+        )
+        f1 = f2 = f3 = size = 0.0
+        m1 = m2 = m3 = 0.0
+        j11 = j12 = j13 = j21 = j22 = j23 = j31 = j32 = j33 = 0.0
+        k11 = k12 = k13 = k21 = k22 = k23 = k31 = k32 = k33 = 0.0
+        for i in range(count):
+            u1, u2, u3 = u1_of[i], u2_of[i], u3_of[i]
+            n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
+            w = weight[i] if S < 1.0 else 0.0
+            S = min(S, _GRAZING)
+            dQ_sc = dG = 0.0
+            if in_rings:
+                Q_sc, G = Q_of[i], G_of[i]
+                if gradient:
+                    dQ_sc, dG = dQ_of[i], dG_of[i]
+            elif denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
+                if gradient:
+                    Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
+                else:
+                    Q_sc, G = ray.total_reflection(S)
+                X = dX = Y = dY = 0.0
+            else:
+                if averaged:
+                    if gradient:
+                        Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
+                    else:
+                        Q_sc, G = ray.averaged_reflectance(S, n_mP)
+                elif gradient:
+                    Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
+                else:
+                    Q_sc, G = ray.circular(S, n_mP)
+                if linear:
+                    if gradient:
+                        X, dX, Y, dY = ray.split_rates(S, n_mP)
+                    else:
+                        X, Y = ray.split(S, n_mP)
+            if linear:
+                E1, E2, E3, H1, H2, H3 = ray.electric_field(u1, u2, u3, a_re, a_im, b_re, b_im)
+                sigma = ray.polarisation(u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3)
+                Q_sc += sigma * X
+                G += sigma * Y
+                if gradient:
+                    dQ_sc += sigma * dX
+                    dG += sigma * dY
+            F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
+            F1 *= w
+            F2 *= w
+            F3 *= w
+            f1 += F1
+            f3 += F3
+            if by_grid or linear:
+                f2 += F2
+            if not by_grid:
+                # one number that no symmetry makes vanish
+                F = F1 + 0.6180339887498949 * F3
+                if linear:
+                    F += 0.3819660112501051 * F2
+                force_of[i] = F
+                size += abs(F1) + abs(F3)
+            if moment:
+                cos_alpha = math.sqrt(1.0 - S)
+                M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G)
+                m1 += w * M1
+                m2 += w * M2
+                m3 += w * M3
             if gradient:
-                dQ_of[at + i] = dQ_of[i]
-                dG_of[at + i] = dG_of[i]
+                J11, J12, J13, J21, J22, J23, J31, J32, J33 = ray.gradient_of_force(
+                    u1, u2, u3, n1, n2, n3, radius, Q_sc, dQ_sc, G, dG
+                )
+                if linear:
+                    d1, d2, d3 = ray.gradient_of_polarisation(
+                        u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3
+                    )
+                    T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_force(
+                        u1, u2, u3, n1, n2, n3, radius, X, Y, d1, d2, d3
+                    )
+                    J11 += T11
+                    J12 += T12
+                    J13 += T13
+                    J21 += T21
+                    J22 += T22
+                    J23 += T23
+                    J31 += T31
+                    J32 += T32
+                    J33 += T33
+                j11 += w * J11
+                j13 += w * J13
+                j22 += w * J22
+                j31 += w * J31
+                j33 += w * J33
+                if by_grid or linear:
+                    j12 += w * J12
+                    j21 += w * J21
+                    j23 += w * J23
+                    j32 += w * J32
+                if moment:
+                    K11, K12, K13, K21, K22, K23, K31, K32, K33 = (
+                        ray.gradient_of_moment(
+                            u1, u2, u3, n1, n2, n3, radius, cos_alpha,
+                            Q_sc, dQ_sc, G, dG,
+                        )
+                    )  # fmt: skip
+                    if linear:
+                        T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_moment(
+                            u1, u2, u3, n1, n2, n3, cos_alpha, X, Y, d1, d2, d3
+                        )
+                        K11 += T11
+                        K12 += T12
+                        K13 += T13
+                        K21 += T21
+                        K22 += T22
+                        K23 += T23
+                        K31 += T31
+                        K32 += T32
+                        K33 += T33
+                    k12 += w * K12
+                    k21 += w * K21
+                    k23 += w * K23
+                    k32 += w * K32
+                    if by_grid or linear:
+                        k11 += w * K11
+                        k13 += w * K13
+                        k22 += w * K22
+                        k31 += w * K31
+                        k33 += w * K33
+        return (
+            f1, f2, f3, size, m1, m2, m3,
+            j11, j12, j13, j21, j22, j23, j31, j32, j33,
+            k11, k12, k13, k21, k22, k23, k31, k32, k33,
+        )  # fmt: skip
+
+    return add_up
 
 
-@cached_njit(calls=_CALLED, error_model="numpy", nogil=True)
+@njit(error_model="numpy", nogil=True)
 def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
     factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
     return factor * min(tail, 1.0) ** power
 
 
-# not cached by itself: it calls another file, and is cached with the kernels that call it
 @njit(error_model="numpy", nogil=True)
 def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
     """Give more nodes to the rules whose error is above `target`, N; whether any is due again."""
@@ -129,227 +309,119 @@ def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore
     return again
 
 
-# not cached by itself: it calls another file, and is cached with the kernels that call it
-@njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
-def _add_up(  # type: ignore[no-untyped-def]
-    room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
-    by_grid, averaged, linear, denser_medium, gradient, moment, in_rings,
-):  # fmt: skip
-    """Force, size, moment and gradients of the first `count` rays of `room`.
+class Sphere(NamedTuple):
+    """The bead as rays see it."""
 
-    Compiled once for each set of flags, apart from what calls it: inside a large function the
-    compiler does not vectorise the loop.
-    """
-    literally(by_grid)
-    literally(averaged)
-    literally(linear)
-    literally(denser_medium)
-    literally(gradient)
-    literally(moment)
-    literally(in_rings)
-    Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
-    u1_of, u2_of, u3_of, weight, force_of = room[U1], room[U2], room[U3], room[WEIGHT], room[FORCE]
-    f1 = f2 = f3 = size = 0.0
-    m1 = m2 = m3 = 0.0
-    j11 = j12 = j13 = j21 = j22 = j23 = j31 = j32 = j33 = 0.0
-    k11 = k12 = k13 = k21 = k22 = k23 = k31 = k32 = k33 = 0.0
-    for i in range(count):
-        u1, u2, u3 = u1_of[i], u2_of[i], u3_of[i]
-        n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
-        w = weight[i] if S < 1.0 else 0.0
-        S = min(S, _GRAZING)
-        dQ_sc = dG = 0.0
-        if in_rings:
-            Q_sc, G = Q_of[i], G_of[i]
-            if gradient:
-                dQ_sc, dG = dQ_of[i], dG_of[i]
-        elif denser_medium and ray.cos_squared_beta(S, n_mP) < TOTAL_REFLECTION:
-            if gradient:
-                Q_sc, dQ_sc, G, dG = ray.total_reflection_rates(S)
-            else:
-                Q_sc, G = ray.total_reflection(S)
-            X = dX = Y = dY = 0.0
-        else:
-            if averaged:
-                if gradient:
-                    Q_sc, dQ_sc, G, dG = ray.averaged_reflectance_rates(S, n_mP)
-                else:
-                    Q_sc, G = ray.averaged_reflectance(S, n_mP)
-            elif gradient:
-                Q_sc, dQ_sc, G, dG = ray.circular_rates(S, n_mP)
-            else:
-                Q_sc, G = ray.circular(S, n_mP)
-            if linear:
-                if gradient:
-                    X, dX, Y, dY = ray.split_rates(S, n_mP)
-                else:
-                    X, Y = ray.split(S, n_mP)
-        if linear:
-            E1, E2, E3, H1, H2, H3 = ray.electric_field(u1, u2, u3, a_re, a_im, b_re, b_im)
-            sigma = ray.polarisation(u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3)
-            Q_sc += sigma * X
-            G += sigma * Y
-            if gradient:
-                dQ_sc += sigma * dX
-                dG += sigma * dY
-        F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
-        F1 *= w
-        F2 *= w
-        F3 *= w
-        f1 += F1
-        f3 += F3
-        if by_grid or linear:
-            f2 += F2
-        if not by_grid:
-            # one number that no symmetry makes vanish
-            F = F1 + 0.6180339887498949 * F3
-            if linear:
-                F += 0.3819660112501051 * F2
-            force_of[i] = F
-            size += abs(F1) + abs(F3)
-        if moment:
-            cos_alpha = math.sqrt(1.0 - S)
-            M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G)
-            m1 += w * M1
-            m2 += w * M2
-            m3 += w * M3
-        if gradient:
-            J11, J12, J13, J21, J22, J23, J31, J32, J33 = ray.gradient_of_force(
-                u1, u2, u3, n1, n2, n3, radius, Q_sc, dQ_sc, G, dG
-            )
-            if linear:
-                d1, d2, d3 = ray.gradient_of_polarisation(
-                    u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3
-                )
-                T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_force(
-                    u1, u2, u3, n1, n2, n3, radius, X, Y, d1, d2, d3
-                )
-                J11 += T11
-                J12 += T12
-                J13 += T13
-                J21 += T21
-                J22 += T22
-                J23 += T23
-                J31 += T31
-                J32 += T32
-                J33 += T33
-            j11 += w * J11
-            j13 += w * J13
-            j22 += w * J22
-            j31 += w * J31
-            j33 += w * J33
-            if by_grid or linear:
-                j12 += w * J12
-                j21 += w * J21
-                j23 += w * J23
-                j32 += w * J32
-            if moment:
-                K11, K12, K13, K21, K22, K23, K31, K32, K33 = (
-                    ray.gradient_of_moment(
-                        u1, u2, u3, n1, n2, n3, radius, cos_alpha,
-                        Q_sc, dQ_sc, G, dG,
-                    )
-                )  # fmt: skip
-                if linear:
-                    T11, T12, T13, T21, T22, T23, T31, T32, T33 = ray.turning_moment(
-                        u1, u2, u3, n1, n2, n3, cos_alpha, X, Y, d1, d2, d3
-                    )
-                    K11 += T11
-                    K12 += T12
-                    K13 += T13
-                    K21 += T21
-                    K22 += T22
-                    K23 += T23
-                    K31 += T31
-                    K32 += T32
-                    K33 += T33
-                k12 += w * K12
-                k21 += w * K21
-                k23 += w * K23
-                k32 += w * K32
-                if by_grid or linear:
-                    k11 += w * K11
-                    k13 += w * K13
-                    k22 += w * K22
-                    k31 += w * K31
-                    k33 += w * K33
-    return (
-        f1, f2, f3, size, m1, m2, m3,
-        j11, j12, j13, j21, j22, j23, j31, j32, j33,
-        k11, k12, k13, k21, k22, k23, k31, k32, k33,
-    )  # fmt: skip
+    radius: float
+    """m"""
+    n_mP: float
+    """n_m/n_P"""
 
 
-class Darkness(NamedTuple):
-    """No light."""
-
-    strength: float
-    """0 N"""
-
-
-@cached_njit()
-def darkness(  # type: ignore[no-untyped-def]
-    positions,  # noqa: ARG001
-    source,  # noqa: ARG001
-    radius,  # noqa: ARG001
-    n_mP,  # noqa: ARG001
-    jones,  # noqa: ARG001
-    force,
-    moment,
-    force_gradient,
-    moment_gradient,
-    error,
-):
-    """The kernel of `Darkness`: no force, without an error."""
-    force[:] = 0.0
-    moment[:] = 0.0
-    force_gradient[:] = 0.0
-    moment_gradient[:] = 0.0
-    error[:] = 0.0
+def grid_data(tiles: Tiles, sphere: Sphere, jones: Any) -> Data:
+    """The data of `grid_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    return packed(*sphere, jones, *tiles)
 
 
 @functools.cache
-def kernel(
-    *, by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
-) -> Kernel:
-    """The sum over rays for one kind of scene; what the scene does not need is not compiled in.
+def grid_kernel(rays: Rays) -> Kernel:
+    """The sum over the rays of the thesis's grid (3.26). Its error is not known: NaN."""
+    add_up = _sum(rays, by_grid=True, in_rings=False)
+    gradient, moment = rays.gradient, rays.moment
 
-    by_grid: rays in `Tiles`, else of a `Rule`. light: polarisation, as `Beam.polarisation`.
-    denser_medium: n_P < n_m, so that rays may be totally reflected.
-    gradient: also derivatives over the position. moment: also the moment (3.25).
+    @cached_njit(KERNEL, **_SUMS)
+    def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
+        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
+        tiles = Tiles(
+            tensor(data, 3), matrix(data, 4), matrix(data, 5), vector(data, 6), vector(data, 7)
+        )
+        room = scratch()
+        found = np.empty(24)
+        for at in range(pose.position.shape[0]):
+            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
+            found[:] = 0.0
+            for first in range(0, tiles.spread_cos.size, TILES_AT_ONCE):
+                count = rays_near(tiles, first, p1, p2, p3, radius, room)
+                if count == 0:
+                    continue
+                sums = add_up(
+                    room, count, p1, p2, p3, radius, n_mP, jones[0], jones[1], jones[2], jones[3]
+                )
+                _gather(sums, gradient, moment, found)
+            _put(found, 1.0, 0.0, gradient, moment, at, wrench)
+            wrench.error[at] = np.nan
 
-    The kernel has the signature
-    `(positions, source, radius, n_mP, jones, force, moment, force_gradient, moment_gradient,
-    error)`: positions (n, 3) m, the source of rays, the Jones vector (4,) as (re, im) pairs, and
-    results (n, 3) N, (n, 3) N m, (n, 3, 3) N/m, (n, 3, 3) N and (n,) N, of which the ones not
-    asked for stay untouched. The grid has no error of its own to tell: 0.
-    """
-    return _compile(by_grid, light, denser_medium, gradient, moment)
+    return sum_over_grid
 
 
-def _compile(
-    by_grid: bool, light: str, denser_medium: bool, gradient: bool, moment: bool
-) -> Kernel:
-    averaged, linear = light == "averaged-reflectance", light == "linear"
+@njit(error_model="numpy")
+def _gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
+    """Add the sums over some rays to (24,) force, moment, and their gradients."""
+    (
+        f1, f2, f3, _, m1, m2, m3,
+        j11, j12, j13, j21, j22, j23, j31, j32, j33,
+        k11, k12, k13, k21, k22, k23, k31, k32, k33,
+    ) = sums  # fmt: skip
+    found[0] += f1
+    found[1] += f2
+    found[2] += f3
+    if moment:
+        found[3] += m1
+        found[4] += m2
+        found[5] += m3
+    if gradient:
+        for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
+            found[6 + c] += value
+    if gradient and moment:
+        for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
+            found[15 + c] += value
 
-    @cached_njit(
-        calls=_CALLED,
-        error_model="numpy",
-        nogil=True,
-        fastmath={"reassoc", "contract", "arcp", "nsz"},
-    )  # what a sum may do; NaN and infinity keep their meaning
-    def sum_over_rays(  # type: ignore[no-untyped-def]
-        positions,
-        source,
-        radius,
-        n_mP,
-        jones,
-        force_out,
-        moment_out,
-        force_gradient_out,
-        moment_gradient_out,
-        error_out,
-    ):
+
+@njit(error_model="numpy")
+def _put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
+    """Add what `_gather` found to place `at` of a wrench, turned about z."""
+    wrench.force[at, 0] += cosine * found[0] - sine * found[1]
+    wrench.force[at, 1] += sine * found[0] + cosine * found[1]
+    wrench.force[at, 2] += found[2]
+    if moment:
+        wrench.moment[at, 0] += cosine * found[3] - sine * found[4]
+        wrench.moment[at, 1] += sine * found[3] + cosine * found[4]
+        wrench.moment[at, 2] += found[5]
+    if gradient:
+        _add_turned(found[6:15], cosine, sine, wrench.force_gradient[at])
+        if moment:
+            _add_turned(found[15:24], cosine, sine, wrench.moment_gradient[at])
+
+
+def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
+    """The data of `quadrature_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    return packed(*sphere, jones, *rule._replace(harmonics=rule.harmonics.astype(np.int32)))
+
+
+@njit(error_model="numpy")
+def _rule(data, first):  # type: ignore[no-untyped-def]
+    """The `Rule` whose fields are the entries from `first` on."""
+    return Rule(
+        number(data, first), vector(data, first + 1), number(data, first + 2),
+        vector(data, first + 3), number(data, first + 4), number(data, first + 5),
+        number(data, first + 6), tensor_of_four(data, first + 7), tensor(data, first + 8),
+        tensor(data, first + 9), integers(data, first + 10), vector(data, first + 11),
+        matrix(data, first + 12),
+    )  # fmt: skip
+
+
+@functools.cache
+def quadrature_kernel(rays: Rays) -> Kernel:
+    """The integral over the lens to the tolerance of a `Rule`, with an estimate of its error."""
+    efficiencies = _efficiencies(rays)
+    add_up = _sum(rays, by_grid=False, in_rings=False)
+    add_up_rings = _sum(rays, by_grid=False, in_rings=True)
+    linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
+
+    @cached_njit(KERNEL, **_SUMS)
+    def integrate_over_lens(pose, data, wrench):  # type: ignore[no-untyped-def]
+        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
+        source = _rule(data, 3)
         room = scratch()
         rules = np.empty((MOST_PANELS, COLUMNS))
         found = np.empty((MOST_PANELS, 24))  # sums of each rule
@@ -357,94 +429,57 @@ def _compile(
         sizes = np.empty(MOST_PANELS)
         due = np.empty(MOST_PANELS, np.bool_)
         a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
-        least = 0.0
-        if not by_grid:
-            least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
-        for at in range(positions.shape[0]):
-            p1, p2, p3 = positions[at, 0], positions[at, 1], positions[at, 2]
+        least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
+        for at in range(pose.position.shape[0]):
+            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
+            # the frame with the bead at (lateral, 0, axial)
             cosine, sine = 1.0, 0.0
-            if not by_grid:
-                # the frame with the bead at (lateral, 0, axial)
-                lateral = math.hypot(p1, p2)
-                if lateral > 0.0:
-                    cosine, sine = p1 / lateral, p2 / lateral
-                p1, p2 = lateral, 0.0
-                place = place_of(lateral, p3, radius)
-                many = rules_of(place, source, n_mP, rules)
-                for k in range(many):
-                    due[k] = True
-            else:
-                many = (source.spread_cos.size - 1) // TILES_AT_ONCE + 1
-                found[0] = 0.0
+            lateral = math.hypot(p1, p2)
+            if lateral > 0.0:
+                cosine, sine = p1 / lateral, p2 / lateral
+            p1, p2 = lateral, 0.0
+            place = place_of(lateral, p3, radius)
+            many = rules_of(place, source, n_mP, rules)
+            for k in range(many):
+                due[k] = True
             if linear:
                 a_re = cosine * jones[0] + sine * jones[2]
                 a_im = cosine * jones[1] + sine * jones[3]
                 b_re = cosine * jones[2] - sine * jones[0]
                 b_im = cosine * jones[3] - sine * jones[1]
             error = whole = 0.0
-            full = not by_grid and many > 0 and rules[0, KIND] == DISC  # whose weights are full
+            full = many > 0 and rules[0, KIND] == DISC  # whose weights are full
             while True:
                 for k in range(many):
-                    if by_grid:
-                        count = rays_near(source, k * TILES_AT_ONCE, p1, p2, p3, radius, room)
-                        if count == 0:
-                            continue
+                    if not due[k]:
+                        continue
+                    due[k] = False
+                    count = rays_of(place, source, rules, k, full, room, linear, gradient)
+                    kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
+                    if linear or kind == DISC:
+                        sums = add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im)
                     else:
-                        if not due[k]:
-                            continue
-                        due[k] = False
-                        count = rays_of(place, source, rules, k, full, room, linear, gradient)
-                    if by_grid or linear or rules[k, KIND] == DISC:
-                        sums = _add_up(
-                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
-                            by_grid, averaged, linear, denser_medium, gradient, moment, False,
-                        )  # fmt: skip
-                    else:
-                        n = LEVELS[int(rules[k, LEVEL])]
-                        _efficiencies(room, n, count, n_mP, averaged, denser_medium, gradient)
-                        sums = _add_up(
-                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im,
-                            by_grid, averaged, linear, denser_medium, gradient, moment, True,
-                        )  # fmt: skip
-                    (
-                        f1, f2, f3, size, m1, m2, m3,
-                        j11, j12, j13, j21, j22, j23, j31, j32, j33,
-                        k11, k12, k13, k21, k22, k23, k31, k32, k33,
-                    ) = sums  # fmt: skip
-                    if not (by_grid or linear):
-                        m1 = m3 = 0.0  # the other half of the rays
-                    of_rule = found[0 if by_grid else k]
-                    if not by_grid:
-                        of_rule[:] = 0.0
-                    of_rule[0] += f1
-                    of_rule[1] += f2
-                    of_rule[2] += f3
-                    if moment:
-                        of_rule[3] += m1
-                        of_rule[4] += m2
-                        of_rule[5] += m3
-                    if gradient:
-                        for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
-                            of_rule[6 + c] += value
-                    if gradient and moment:
-                        for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
-                            of_rule[15 + c] += value
-                    if not by_grid:
-                        sizes[k] = size
-                        errors[k, 0] = errors[k, 1] = 0.0
-                        if size > 0.0:
-                            kind = int(rules[k, KIND])
-                            along, around = tails(source, rules, k, room, size, linear, gradient)
-                            if kind == DISC:  # the coefficients fall as its ellipses tell
-                                n, m = LEVELS[int(rules[k, LEVEL])], rules[k, AZIMUTHS]
-                                errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
-                                errors[k, 0] += source.aliased[int(rules[k, LEVEL])]
-                                errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
-                            else:
-                                errors[k, 0] = size * _estimate(along / size, kind, 0)
-                                errors[k, 1] = size * _estimate(around / size, kind, 1)
-                if by_grid:
-                    break
+                        efficiencies(room, LEVELS[level], count, n_mP)
+                        sums = add_up_rings(
+                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im
+                        )
+                    found[k] = 0.0
+                    _gather(sums, gradient, moment, found[k])
+                    if not linear:
+                        found[k, 3] = found[k, 5] = 0.0  # the other half of the rays
+                    size = sums[3]
+                    sizes[k] = size
+                    errors[k, 0] = errors[k, 1] = 0.0
+                    if size > 0.0:
+                        along, around = tails(source, rules, k, room, size, linear, gradient)
+                        if kind == DISC:  # the coefficients fall as its ellipses tell
+                            n, m = LEVELS[level], rules[k, AZIMUTHS]
+                            errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
+                            errors[k, 0] += source.aliased[level]
+                            errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
+                        else:
+                            errors[k, 0] = size * _estimate(along / size, kind, 0)
+                            errors[k, 1] = size * _estimate(around / size, kind, 1)
                 f1 = f2 = f3 = 0.0
                 unknown = unknown_light(place, source, full) if many > 0 else 0.0
                 error = unknown
@@ -468,45 +503,33 @@ def _compile(
                     break
 
             total = found[0]
-            if not by_grid:
-                if many == 0:
-                    total[:] = 0.0
-                for k in range(1, many):
-                    for c in range(24):
-                        total[c] += found[k, c]
-            if not by_grid:
-                error_out[at] = error
-                if many > 0:
-                    error_out[at] = max(error, TRUSTED * source.tolerance * whole)
-                if p1 == 0.0 and not linear:
-                    total[0] = 0.0  # on the axis, exactly
-                    total[4] = 0.0
-                    total[8] = total[12] = 0.0
+            if many == 0:
+                total[:] = 0.0
+            for k in range(1, many):
+                for c in range(24):
+                    total[c] += found[k, c]
+            if many > 0:
+                error = max(error, TRUSTED * source.tolerance * whole)
+            wrench.error[at] += error
+            if p1 == 0.0 and not linear:
+                total[0] = 0.0  # on the axis, exactly
+                total[4] = 0.0
+                total[8] = total[12] = 0.0
             # turned back into the frame of the scene
-            force_out[at, 0] = cosine * total[0] - sine * total[1]
-            force_out[at, 1] = sine * total[0] + cosine * total[1]
-            force_out[at, 2] = total[2]
-            if moment:
-                moment_out[at, 0] = cosine * total[3] - sine * total[4]
-                moment_out[at, 1] = sine * total[3] + cosine * total[4]
-                moment_out[at, 2] = total[5]
-            if gradient:
-                _turned(total[6:15], cosine, sine, force_gradient_out[at])
-                if moment:
-                    _turned(total[15:24], cosine, sine, moment_gradient_out[at])
+            _put(total, cosine, sine, gradient, moment, at, wrench)
 
-    return sum_over_rays
+    return integrate_over_lens
 
 
-@cached_njit(error_model="numpy", nogil=True)
-def _turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
-    """R J R^T for a turn about z."""
+@njit(error_model="numpy", nogil=True)
+def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
+    """Add R J R^T, for a turn about z."""
     half = np.empty(9)
     for j in range(3):
         half[j] = cosine * matrix[j] - sine * matrix[3 + j]
         half[3 + j] = sine * matrix[j] + cosine * matrix[3 + j]
         half[6 + j] = matrix[6 + j]
     for i in range(3):
-        out[i, 0] = cosine * half[3 * i] - sine * half[3 * i + 1]
-        out[i, 1] = sine * half[3 * i] + cosine * half[3 * i + 1]
-        out[i, 2] = half[3 * i + 2]
+        out[i, 0] += cosine * half[3 * i] - sine * half[3 * i + 1]
+        out[i, 1] += sine * half[3 * i] + cosine * half[3 * i + 1]
+        out[i, 2] += half[3 * i + 2]

@@ -10,11 +10,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.errors import SceneError, warn
+from tweezer.forces.data import Data, Part, packed
+from tweezer.forces.force import Force, Kernel, Wrench, bound, no_force, no_wrench, standing
 from tweezer.optics import charts
 from tweezer.optics.beam import Cone, cone
-from tweezer.optics.charts import Pieces
 from tweezer.optics.culling import Tiles, tiles
-from tweezer.optics.kernels import VANISHING, Darkness, Kernel, darkness, kernel
+from tweezer.optics.kernels import (
+    VANISHING,
+    Rays,
+    Sphere,
+    grid_data,
+    grid_kernel,
+    quadrature_data,
+    quadrature_kernel,
+)
 from tweezer.optics.quadrature import Rule, rule
 from tweezer.optics.rays import grid
 from tweezer.optics.table import Table, stored
@@ -23,7 +32,6 @@ from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import NO_MAP, Scene, checked_scene
 
 Array = NDArray[np.float64]
-Source = Tiles | Rule | Pieces | Darkness
 
 SPEED_OF_LIGHT = 299792458.0
 """c, m/s (Table B.1)"""
@@ -34,24 +42,8 @@ MISSED, ROUNDING = 2.0, 1e-14
 _UNEVEN = 1e-3
 
 
-@dataclass(frozen=True)
-class Field:
-    """What the light does to a bead at n positions, inertial frame."""
-
-    force: Array
-    """(n, 3) N"""
-    moment: Array
-    """(n, 3) N m"""
-    force_gradient: Array
-    """(n, 3, 3) N/m, [i, j] = dF_i/dx_j"""
-    moment_gradient: Array
-    """(n, 3, 3) N, [i, j] = dM_i/dx_j"""
-    error: Array
-    """(n,) N, of the force: estimated, or the map's certificate; NaN for the grid: it tells none"""
-
-
-@dataclass(frozen=True)
-class Light:
+@dataclass(frozen=True, eq=False)
+class Light(Force):
     """The light of a scene and what gives its force; no source is darkness."""
 
     source: Tiles | Rule | Table | None
@@ -84,70 +76,76 @@ class Light:
         """n_m P/c of all rays, N."""
         return self.momentum_per_energy * self.cone.power
 
-    def field(self, positions: Array, *, gradient: bool = False) -> Field:
-        """Force and moment at `positions` (n, 3) m from the focus, and their gradients if asked.
-
-        What is not asked for, or not exerted, is zero and costs nothing.
-        """
-        positions = np.ascontiguousarray(positions)  # or the kernel is compiled once more
-        n = len(positions)
-        gradients = n if gradient else 0
-        field = Field(
-            np.zeros((n, 3)),
-            np.zeros((n, 3)),
-            np.zeros((gradients, 3, 3)),
-            np.zeros((gradients, 3, 3)),
-            np.full(n, np.nan) if self.evaluator == "grid" else np.zeros(n),
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """See `Force.field`. What is not asked for costs nothing."""
+        wrench = no_wrench(len(positions), gradient=gradient)
+        self._kernel(gradient=gradient)(
+            standing(positions, time, orientations), self._alone, wrench
         )
-        compiled, source = self.compiled(gradient=gradient)
-        compiled(
-            positions, source, self.radius, self.index_ratio, self.jones,
-            field.force, field.moment, field.force_gradient, field.moment_gradient, field.error,
-        )  # fmt: skip
-        outside = np.isinf(field.error)
-        if outside.any():
-            beyond = self.beyond.field(positions[outside], gradient=gradient)
-            field.force[outside] = beyond.force
-            field.moment[outside] = beyond.moment
-            if gradient:
-                field.force_gradient[outside] = beyond.force_gradient
-                field.moment_gradient[outside] = beyond.moment_gradient
-            field.error[outside] = beyond.error
-        return field
+        outside = np.isinf(wrench.error)
+        if outside.any():  # else the quadrature need not be compiled
+            beyond = self._integral.field(positions[outside], gradient=gradient)
+            for of_all, there in zip(wrench, beyond, strict=True):
+                if len(of_all):
+                    of_all[outside] = there
+        return wrench
 
-    def compiled(self, *, gradient: bool) -> tuple[Kernel, Source]:
-        """What gives the force, and its data, for a compiled loop: see `kernels.kernel`.
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """As `tweezer.forces.Force`: where a table does not reach, the quadrature stands in."""
+        if not isinstance(self.source, Table):
+            data = self._alone
+        else:
+            data = self._with_gradient if gradient else self._without_gradient
+        return self._kernel(gradient=gradient), data
 
-        Where the error that it tells is infinite, a table does not reach: call that of `beyond`.
-        """
-        if self.source is None:
-            return darkness, Darkness(0.0)
-        if isinstance(self.source, Table):
-            made = self.source.made
-            read = charts.kernel(gradient=gradient, moment=made.moment)
-            return read, made.scaled(self.source.strength)
-        compiled = kernel(
-            by_grid=isinstance(self.source, Tiles),
-            light=self.polarisation,
-            denser_medium=self.index_ratio > 1,
-            gradient=gradient,
-            moment=self.torque,
-        )
-        return compiled, self.source
+    def _kernel(self, *, gradient: bool) -> Kernel:
+        rays = Rays(self.polarisation, self.index_ratio > 1, gradient, self.torque)
+        match self.source:
+            case Tiles():
+                return grid_kernel(rays)
+            case Rule():
+                return quadrature_kernel(rays)
+            case Table(made):
+                return charts.kernel(gradient=gradient, moment=made.moment)
+        return no_force
 
-    @property
-    def beyond(self) -> Light:
-        """What gives the force where a table does not reach: the same light by the quadrature.
+    @functools.cached_property
+    def _alone(self) -> Data:
+        """Of a table: with an infinite error where it does not reach."""
+        sphere = Sphere(self.radius, self.index_ratio)
+        match self.source:
+            case Tiles() as source:
+                return grid_data(source, sphere, self.jones)
+            case Rule() as source:
+                return quadrature_data(source, sphere, self.jones)
+            case Table():
+                return self._of_table(charts.unreached())
+        return packed()
 
-        Of a light without a table, which reaches everywhere: that light.
-        """
-        return self._integral if self.evaluator == "map" else self
+    @functools.cached_property
+    def _with_gradient(self) -> Data:
+        return self._of_table(bound(self._integral, gradient=True))
+
+    @functools.cached_property
+    def _without_gradient(self) -> Data:
+        return self._of_table(bound(self._integral, gradient=False))
+
+    def _of_table(self, beyond: Part) -> Data:
+        assert isinstance(self.source, Table)
+        return self.source.made.data(self.radius, self.strength, beyond)
 
     @functools.cached_property
     def _integral(self) -> Light:
         return self.by_quadrature(self.tolerance)
 
-    def error_of(self, positions: Array, field: Field) -> Array:
+    def error_of(self, positions: Array, field: Wrench) -> Array:
         """Error of the force of `field`, which is this light's at `positions`, (n,) N.
 
         The sum over the thesis's grid tells none: its error is the distance to the quadrature.
@@ -166,6 +164,15 @@ class Light:
             tolerance,
         )
         return dataclasses.replace(self, source=source)
+
+    def of_radius(self, radius: float) -> Light:
+        """The same light on a bead of another radius, m: ray optics goes by places in radii."""
+        if radius == self.radius:
+            return self
+        source = self.source
+        if isinstance(source, Table):
+            source = dataclasses.replace(source, radius=radius)
+        return dataclasses.replace(self, radius=radius, source=source)
 
 
 @functools.lru_cache(maxsize=16)
@@ -276,7 +283,7 @@ def optical_torque(scene: Scene, positions: ArrayLike) -> Array:
 
 def _field(
     scene: Scene, positions: ArrayLike, *, gradient: bool = False
-) -> tuple[Field, tuple[int, ...]]:
+) -> tuple[Wrench, tuple[int, ...]]:
     """What the light does at `positions` (..., 3), as at (n, 3), and their shape."""
     array = np.ascontiguousarray(positions, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:

@@ -36,7 +36,7 @@ from numpy.polynomial import Chebyshev, Legendre, Polynomial, chebyshev
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import cached_njit
 
 Array = NDArray[np.float64]
 

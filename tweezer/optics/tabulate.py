@@ -26,12 +26,14 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from tweezer.errors import TweezerError
+from tweezer.forces.data import Data, Part, packed
+from tweezer.forces.force import no_wrench, standing
 from tweezer.optics import charts
-from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks, Pieces
+from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
 from tweezer.optics.kernels import VANISHING
 
 if TYPE_CHECKING:
-    from tweezer.optics.light import Field
+    from tweezer.forces.force import Wrench
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -66,7 +68,7 @@ _TO_POWERS = np.array(
 class Evaluate(Protocol):
     """What a table is made from: `Light.field` with the quadrature, of a bead of radius 1."""
 
-    def __call__(self, positions: Array) -> Field:
+    def __call__(self, positions: Array) -> Wrench:
         """Force, moment and estimated error at positions (n, 3)."""
 
 
@@ -80,7 +82,7 @@ class Made:
     """distance from the focus up to which it holds"""
     frames: Array
     """(blocks, 4): x from, 1/width, y from, 1/width"""
-    roots: Integers
+    roots: NDArray[np.int32]
     """(blocks,) first entry of each block's index"""
     index: NDArray[np.int32]
     """pages of entries, see `charts`"""
@@ -98,11 +100,14 @@ class Made:
         """Whether the moment (3.25) is tabled."""
         return self.pieces.shape[1] > HEAD + 2 * ORDER**2
 
-    def scaled(self, strength: float) -> Pieces:
-        """For the compiled reader (`charts.kernel`), and light of that strength, N."""
-        return Pieces(
-            self.half_angle, self.reach, strength, self.certified * strength,
-            self.frames, self.roots, self.index, self.pieces,
+    def data(self, radius: float, strength: float, beyond: Part) -> Data:
+        """For `charts.kernel`, of a bead of that radius, m, in light of that strength n_m P/c, N.
+
+        beyond: the force where the table does not reach.
+        """
+        return packed(
+            radius, self.half_angle, self.reach, strength, self.certified * strength, self.frames,
+            self.roots, self.index, self.pieces, beyond,
         )  # fmt: skip
 
 
@@ -348,7 +353,7 @@ def _packed(draft: _Draft, task: _Task) -> Made:
     )
 
 
-def _indexed(cells: Integers, blocks: int) -> tuple[Integers, NDArray[np.int32]]:
+def _indexed(cells: Integers, blocks: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Roots and pages in which `charts` finds a piece."""
     pieces = cells.tolist()
     index: list[int] = []
@@ -390,7 +395,7 @@ def _indexed(cells: Integers, blocks: int) -> tuple[Integers, NDArray[np.int32]]
         entry(np.flatnonzero(cells[:, 0] == block).tolist(), (0, 0), (0, 0))
         for block in range(blocks)
     ]
-    return np.array(roots), np.array(index, np.int32)
+    return np.array(roots, np.int32), np.array(index, np.int32)
 
 
 def _sample(draft: _Draft, task: _Task, each: int, rng: np.random.Generator) -> _Sample:
@@ -411,17 +416,15 @@ def _worst(made: Made, samples: list[_Sample]) -> Array:
     z = np.concatenate([sample.z for sample in samples])
     exact = np.concatenate([sample.force for sample in samples])
     positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
-    force, unasked, error = np.empty_like(positions), np.empty((0, 3, 3)), np.empty(len(rho))
+    read = no_wrench(len(rho), gradient=False)
     charts.kernel(gradient=False, moment=made.moment)(
-        positions, made.scaled(1.0), 1.0, 1.0, np.zeros(4),
-        force, np.empty_like(positions), unasked, unasked, error,
-    )  # fmt: skip
-    outside = np.isinf(error)
+        standing(positions), made.data(1.0, 1.0, charts.unreached()), read
+    )
     at, places = np.empty(len(rho), np.int64), np.empty((len(rho), 7))
     charts.find(
         positions, made.half_angle, made.reach, made.frames, made.roots, made.index, at, places
     )
-    off = np.hypot(*(force[:, [0, 2]] - exact).T)
+    off, inside = np.hypot(*(read.force[:, [0, 2]] - exact).T), at != NO_PIECE
     worst = np.zeros(len(made.pieces))
-    np.maximum.at(worst, at[~outside], off[~outside])
+    np.maximum.at(worst, at[inside], off[inside])
     return worst

@@ -13,9 +13,9 @@ from scipy.constants import Boltzmann
 
 from tweezer.analysis import Track, fit_depth, summarise, tune
 from tweezer.bead import bead_properties
-from tweezer.dynamics import bind, integrate
+from tweezer.dynamics import bind, bound_once, integrate
 from tweezer.ensembles import ensemble
-from tweezer.equilibria import Equilibrium, stable_equilibrium
+from tweezer.equilibria import Equilibrium
 from tweezer.errors import TweezerError
 from tweezer.io import scene_of
 from tweezer.optics import optical_force
@@ -99,7 +99,7 @@ class Evidence:
     def equilibrium(self, bead: str) -> Equilibrium:
         """Stable equilibrium of the unscaled light and weight."""
         if bead not in self._equilibria:
-            found = stable_equilibrium(unscaled_scene(bead))
+            found = bound_once(unscaled_scene(bead)).equilibrium
             if found is None:
                 raise TweezerError(f"thesis-{bead}: no stable equilibrium")
             self._equilibria[bead] = found

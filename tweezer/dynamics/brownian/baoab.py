@@ -6,13 +6,15 @@ the bead moves (h/2 tau) coth(h/2 tau) times too easily, and at long steps it is
 
 from __future__ import annotations
 
-from numba import njit
+import numpy as np
 
-from tweezer.dynamics.brownian.batch import slow_velocities
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.propagator import Weights
 
 
-@njit(error_model="numpy")
-def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; u is that at x, before and after."""
     dims, n = beads.x.shape
     for k in range(dims):
@@ -23,8 +25,32 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
             half = v[i] + kick * u[i]
             v[i] = decay * half + spread * normal[i]
             x[i] += drift * (half + v[i])
-    slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
+    slow_velocities(force, plan, beads, beads.now[0] + plan.step, beads.x, beads.u)
     for k in range(dims):
         kick, v, u = weights.v_by_u[k], beads.v[k], beads.u[k]
         for i in range(n):
             v[i] += kick * u[i]
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """The parts of a step of BAOAB: by_v half a drift, v_by_u half a kick, and what drag leaves."""
+    tau = linear.tau
+    none = np.zeros_like(tau)
+    return Weights(
+        by_v=np.full_like(tau, 0.5 * step),
+        by_u=none,
+        by_rise=none,
+        decay=np.exp(-step / tau),
+        v_by_u=0.5 * step / tau,
+        v_by_rise=none,
+        kappa=none,
+        noise_x=none,
+        noise_xv=none,
+        noise_v=np.sqrt(-np.expm1(-2 * step / tau) * linear.diffusion / tau),
+    )
+
+
+BAOAB = Scheme(
+    step, weights, force_calls=1, noise_of_position=False, force_first=True, spring_is_exact=False,
+    resolves_drag=True,
+)  # fmt: skip

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, typeof, types
 from numpy.typing import NDArray
+
+from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import Pose, Wrench, add, clear
 
 Array = NDArray[np.float64]
 
@@ -56,54 +61,47 @@ class Beads(NamedTuple):
     """(dims, n) of the noise, where it depends on the place"""
     normal: Array
     """(dims or twice that, n)"""
-    position: Array
-    force: Array
-    moment: Array
-    force_gradient: Array
-    moment_gradient: Array
-    error: Array
+    now: Array
+    """(1,) s, the begin of the step"""
+    pose: Pose
+    wrench: Wrench
 
 
 @njit
 def beads(n, dims, inertial, gradient):  # type: ignore[no-untyped-def]
     """Room for n beads."""
     gradients = n if gradient else 0
+    e = np.zeros((n if dims == 6 else 0, 4))
     return Beads(
-        np.zeros((dims, n)), np.zeros((dims if inertial else 0, n)),
-        np.zeros((n if dims == 6 else 0, 4)), np.zeros((dims, n)), np.zeros((dims, n)),
-        np.zeros((dims, n)), np.zeros((dims, n)), np.zeros((2 * dims if inertial else dims, n)),
-        np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
-        np.zeros((gradients, 3, 3)), np.zeros(n),
+        np.zeros((dims, n)), np.zeros((dims if inertial else 0, n)), e, np.zeros((dims, n)),
+        np.zeros((dims, n)), np.zeros((dims, n)), np.zeros((dims, n)),
+        np.zeros((2 * dims if inertial else dims, n)), np.zeros(1),
+        Pose(np.zeros(n), np.zeros((n, 3)), e),
+        Wrench(
+            np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
+            np.zeros((gradients, 3, 3)), np.zeros(n),
+        ),
     )  # fmt: skip
 
 
 @njit(error_model="numpy")
-def slow_velocities(kernel, beyond, system, plan, beads, place, out):  # type: ignore[no-untyped-def]
-    """u = (F + W)/beta_v, and M/beta_w, at `place` (dims, n)."""
-    position, error = beads.position, beads.error
+def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
+    """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, n)."""
+    pose, wrench = beads.pose, beads.wrench
     dims, n = place.shape
+    pose.time[:] = time
     for k in range(3):
         for i in range(n):
-            position[i, k] = place[k, i]
-    kernel(
-        position, system.source, system.radius, system.n_mP, system.jones,
-        beads.force, beads.moment, beads.force_gradient, beads.moment_gradient, error,
-    )  # fmt: skip
-    for i in range(n):
-        if error[i] == np.inf:  # no table there
-            beyond(
-                position[i : i + 1], system.beyond, system.radius, system.n_mP, system.jones,
-                beads.force[i : i + 1], beads.moment[i : i + 1],
-                beads.force_gradient[i : i + 1], beads.moment_gradient[i : i + 1],
-                error[i : i + 1],
-            )  # fmt: skip
+            pose.position[i, k] = place[k, i]
+    clear(wrench)
+    add(force, pose, wrench)
     for k in range(3):
         mobility, load = plan.mobility[k], plan.load[k]
         for i in range(n):
-            out[k, i] = mobility * (beads.force[i, k] + load)
+            out[k, i] = mobility * (wrench.force[i, k] + load)
     for k in range(3, dims):
         for i in range(n):
-            out[k, i] = plan.mobility[k] * beads.moment[i, k - 3]
+            out[k, i] = plan.mobility[k] * wrench.moment[i, k - 3]
 
 
 @njit(error_model="numpy")
@@ -119,3 +117,47 @@ def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
         with_x, alone = beads.normal[k], beads.normal[dims + k]
         for i in range(n):
             v[i] = decay * v[i] + by_u * u[i] + shared * with_x[i] + own * alone[i]
+
+
+_empty, _row = np.zeros(0), np.zeros((0, 0))
+PART = typeof(Part(0, packed()))
+PLAN = typeof(Plan(0, 0.0, 0, 0.0, 0.0, *[_empty] * 5))
+WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
+STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True)))
+"""signature of a scheme's step"""
+
+
+class Linear(NamedTuple):
+    """The linear part of the equations of each coordinate, all (dims,)."""
+
+    tau: Array
+    """s, of the velocity; 0 where inertia is left out"""
+    kappa: Array
+    """1/s, rate of return of the trap's spring"""
+    diffusion: Array
+    """m^2/s, and rad^2/s; 0 where the diffusion is drawn by itself"""
+    epsilon: float
+    """s, m/beta_v (4.6) of the bead, whatever the model"""
+
+
+class Scheme(NamedTuple):
+    """A way to step beads."""
+
+    step: Callable[..., None]
+    """compiled, `step(force, plan, weights, beads)`"""
+    weights: Callable[[float, Linear], Weights]
+    """what a step of that length, s, of drag and noise does"""
+    force_calls: int
+    """places of a bead at which a step asks for the force"""
+    gradient: bool = False
+    """whether it needs the gradient of the force"""
+    noise_of_position: bool = True
+    """whether the noise of the position is apart from that of the velocity"""
+    samples_ahead: bool = False
+    """whether a sample is the place that the last step asked the force at"""
+    force_first: bool = False
+    """whether a step wants the slow velocity of the one before"""
+    spring_is_exact: bool = True
+    """whether the trap's own stiffness is in the weights"""
+    resolves_drag: bool = False
+    """whether its steps must be shorter than the relaxation times"""

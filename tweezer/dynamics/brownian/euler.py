@@ -8,20 +8,24 @@ the trap's spring for the force, it is the propagator of Norrelykke and Flyvbjer
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
-from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
+from tweezer.dynamics.brownian.propagator import Weights
 
 
-@njit(error_model="numpy")
-def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads under the light."""
-    slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
+    slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
     _move(weights, beads)
 
 
-@njit(error_model="numpy")
-def harmonic_step(plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """One step of all beads on the spring of the weights."""
     dims, n = beads.x.shape
     for k in range(dims):
@@ -44,3 +48,33 @@ def _move(weights, beads):  # type: ignore[no-untyped-def]
             for i in range(n):
                 x[i] += by_v * v[i]
     velocities_after(weights, beads)
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """The step of Euler and Maruyama, with the noise of (2.16-2.20): 2 beta kT over h."""
+    tau = linear.tau
+    inertial = tau > 0
+    none = np.zeros_like(tau)
+    per_tau = np.divide(1.0, tau, out=none.copy(), where=inertial)
+    spread = np.sqrt(2 * linear.diffusion * step)
+    return Weights(
+        by_v=np.where(inertial, step, 0.0),
+        by_u=np.where(inertial, 0.0, step),
+        by_rise=none,
+        decay=np.where(inertial, 1 - step * per_tau, 0.0),
+        v_by_u=step * per_tau,
+        v_by_rise=none,
+        kappa=none,
+        noise_x=np.where(inertial, 0.0, spread),
+        noise_xv=none,
+        noise_v=spread * per_tau,
+    )
+
+
+def harmonic_weights(step: float, linear: Linear) -> Weights:
+    """Drag, spring and noise, exactly."""
+    return propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+
+
+EULER_MARUYAMA = Scheme(step, weights, force_calls=1, spring_is_exact=False, resolves_drag=True)
+HARMONIC = Scheme(harmonic_step, harmonic_weights, force_calls=0)

@@ -13,7 +13,10 @@ from __future__ import annotations
 
 from numba import njit
 
-from tweezer.dynamics.brownian.batch import slow_velocities
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.propagator import Weights
 
 
 @njit(error_model="numpy")
@@ -26,19 +29,19 @@ def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
             out[k, i] = vectors[k, i] - part * change
 
 
-@njit(error_model="numpy")
-def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
     x, u, ahead, u_ahead, kick = beads.x, beads.u, beads.ahead, beads.u_ahead, beads.kick
-    part, gradient = plan.tau[0] * plan.mobility[0], beads.force_gradient
+    part, gradient = plan.tau[0] * plan.mobility[0], beads.wrench.force_gradient
     n = x.shape[1]
-    slow_velocities(kernel, beyond, system, plan, beads, x, u)
+    slow_velocities(force, plan, beads, beads.now[0], x, u)
     _reduced(part, gradient, u, u)
     _reduced(0.5 * part, gradient, beads.normal, kick)
     for k in range(3):
         for i in range(n):
             ahead[k, i] = x[k, i] + weights.by_u[k] * u[k, i] + weights.noise_x[k] * kick[k, i]
-    slow_velocities(kernel, beyond, system, plan, beads, ahead, u_ahead)
+    slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
     _reduced(part, gradient, u_ahead, u_ahead)
     _reduced(0.5 * part, gradient, beads.normal, kick)
     for k in range(3):
@@ -48,3 +51,12 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
                 weights.by_u[k] * u[k, i] + weights.by_rise[k] * rise
                 + weights.noise_x[k] * kick[k, i]
             )  # fmt: skip
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """Spring and noise, exactly; kappa (1 + kappa tau) is the spring's rate to first order."""
+    kappa = linear.kappa * (1 + linear.kappa * linear.epsilon)
+    return propagator.exact(step, linear.tau, kappa, linear.diffusion)
+
+
+FIRST_ORDER = Scheme(step, weights, force_calls=2, gradient=True)

@@ -8,17 +8,23 @@ and Platen 1992, 15.1) with the spring exact.
 
 from __future__ import annotations
 
-from numba import njit
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.brownian.batch import (
+    Linear,
+    Scheme,
+    slow_velocities,
+    velocities_after,
+)
+from tweezer.dynamics.brownian.propagator import Weights
 
-from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
 
-
-@njit(error_model="numpy")
-def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
     dims, n = beads.x.shape
     inertial = beads.v.shape[0] > 0
-    slow_velocities(kernel, beyond, system, plan, beads, beads.x, beads.u)
+    slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
     for k in range(dims):
         by_u, spread = weights.by_u[k], weights.noise_x[k]
         x, u, ahead, normal = beads.x[k], beads.u[k], beads.ahead[k], beads.normal[k]
@@ -29,7 +35,8 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
             for i in range(n):
                 ahead[i] += by_v * v[i]
     velocities_after(weights, beads)
-    slow_velocities(kernel, beyond, system, plan, beads, beads.ahead, beads.u_ahead)
+    after = beads.now[0] + plan.step
+    slow_velocities(force, plan, beads, after, beads.ahead, beads.u_ahead)
     for k in range(dims):
         kappa, by_rise = weights.kappa[k], weights.by_rise[k]
         x, u, ahead, u_ahead = beads.x[k], beads.u[k], beads.ahead[k], beads.u_ahead[k]
@@ -41,3 +48,11 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
             v_by_rise, v = weights.v_by_rise[k], beads.v[k]
             for i in range(n):
                 v[i] += v_by_rise * u_ahead[i]
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """Drag, spring and noise, exactly."""
+    return propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+
+
+HEUN = Scheme(step, weights, force_calls=2)

@@ -1,105 +1,87 @@
-"""The compiled loop over steps and samples, for every scheme and every kind of light.
+"""The compiled loop over steps and samples, for every scheme and every force.
 
-Beads go in batches: the numbers, the force and the step of a whole batch in turn. The light's
-kernel comes as a function pointer, called once a batch.
+Beads go in batches: the numbers, the force and the step of a whole batch in turn. The scheme's step
+and the force's kernel are called by their addresses, once a batch.
 """
 
 from __future__ import annotations
 
 import functools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit, sources
-from tweezer.dynamics.brownian import (
-    baoab,
-    batch,
-    euler,
-    first_order,
-    heun,
-    noise,
-    one_call,
-    rotation,
-)
-from tweezer.dynamics.brownian.batch import Plan
+from tweezer.compiled import address, cached_njit, call
+from tweezer.dynamics.brownian import batch, rotation
+from tweezer.dynamics.brownian.batch import PART, PLAN, STEP, WEIGHTS, Scheme
 from tweezer.dynamics.brownian.noise import NOISE, normals
-from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.dynamics.integrators import exponential, kernel_signature
 
 Array = NDArray[np.float64]
 
-#: how beads are stepped
-HEUN, FIRST_ORDER, ONE_CALL, EULER, HARMONIC, BAOAB = range(6)
 #: beads side by side: what they need stays in the first cache
 _BATCH = 64
 
-#: the files whose functions the loop calls
-_CALLED = sources(baoab, batch, euler, exponential, first_order, heun, noise, one_call, rotation)
 
-_empty = np.zeros(0)
-_PLAN = typeof(Plan(0, 0.0, 0, 0.0, 0.0, *[_empty] * 5))
-_WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
-_integers = typeof(np.zeros(0, np.int64))
-_matrix, _tensor = types.float64[:, ::1], types.float64[:, :, :]
+class Steps(NamedTuple):
+    """How the loop steps beads: numbers of 0 or 1, but for the first two."""
+
+    scheme: int
+    """address of its step"""
+    draws: int
+    """normal numbers of a step"""
+    inertial: int
+    rotates: int
+    gradient: int
+    samples_ahead: int
+    force_first: int
+    """see `Scheme`"""
+
+
+def steps(scheme: Scheme, *, inertial: bool, rotates: bool) -> Steps:
+    """The steps of a scheme."""
+    dims = 6 if rotates else 3
+    # without inertia a rotation's noise is drawn by itself
+    draws = dims * (2 if scheme.noise_of_position else 1) if inertial else 3
+    flags = inertial, rotates, scheme.gradient, scheme.samples_ahead, scheme.force_first
+    return Steps(address(scheme.step, STEP), draws, *map(int, flags))
 
 
 @functools.cache
-def loop(
-    source: types.Type,
-    beyond: types.Type,
-    system: types.Type,
-    *,
-    scheme: int,
-    inertial: bool,
-    rotates: bool,
-) -> Any:
-    """The compiled loop for one scheme and one kind of light.
+def loop() -> Any:
+    """The compiled loop.
 
-    advance(kernel, beyond, system, plan, weights, trajectories, states, sample, out) takes
-    states (n, ...), as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
+    advance(force, steps, plan, weights, trajectories, states, sample, out) takes states (n, ...),
+    as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
     out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1.
     """
-    dims = 6 if rotates else 3
-    gradient = scheme == FIRST_ORDER
-    # an angle without inertia is drawn by itself, and BAOAB's position has no noise of its own
-    rows = 2 * dims if inertial and scheme != BAOAB else dims if inertial else 3
 
     def advance(  # type: ignore[no-untyped-def]
-        kernel, beyond, system, plan, weights, trajectories, states, sample, out
+        force, steps, plan, weights, trajectories, states, sample, out
     ):
         last = states.shape[1] - 1
+        dims = 6 if steps.rotates else 3
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
             who = trajectories[begin : begin + n]
-            beads = batch.beads(n, dims, inertial, gradient)
-            x, normal = beads.x, beads.normal[:rows]
+            beads = batch.beads(n, dims, steps.inertial, steps.gradient)
+            x, normal = beads.x, beads.normal[: steps.draws]
             for i in range(n):
                 _load(states[begin + i], beads, i)
-            if scheme == BAOAB:
-                batch.slow_velocities(kernel, beyond, system, plan, beads, x, beads.u)
+            if steps.force_first:
+                now = sample * plan.per_sample * plan.step
+                batch.slow_velocities(force, plan, beads, now, x, beads.u)
             for number in range(out.shape[1]):
                 for within in range(plan.per_sample):
                     at = (sample + number) * plan.per_sample + within
+                    beads.now[0] = at * plan.step
                     normals(plan.seed, who, at, NOISE, normal)
-                    if scheme == HEUN:
-                        heun.step(kernel, beyond, system, plan, weights, beads)
-                    elif scheme == FIRST_ORDER:
-                        first_order.step(kernel, beyond, system, plan, weights, beads)
-                    elif scheme == ONE_CALL:
-                        one_call.step(kernel, beyond, system, plan, weights, beads)
-                    elif scheme == EULER:
-                        euler.step(kernel, beyond, system, plan, weights, beads)
-                    elif scheme == HARMONIC:
-                        euler.harmonic_step(plan, weights, beads)
-                    else:
-                        baoab.step(kernel, beyond, system, plan, weights, beads)
-                    if rotates:
+                    call(steps.scheme, (force, plan, weights, beads))
+                    if steps.rotates:
                         rotation.turn_by_steps(beads)
-                        if not inertial:
+                        if not steps.inertial:
                             rotation.diffuse(plan, who, at, beads)
                     for i in range(n):
                         squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
@@ -112,7 +94,7 @@ def loop(
                 for i in range(n):
                     if states[begin + i, last] < np.inf:
                         out[begin + i, number] = np.nan
-                    elif scheme == ONE_CALL:
+                    elif steps.samples_ahead:
                         _save(beads, beads.ahead, i, out[begin + i, number])
                     else:
                         _save(beads, x, i, out[begin + i, number])
@@ -121,11 +103,10 @@ def loop(
         return -1
 
     signature = types.int64(
-        types.FunctionType(kernel_signature(source)),
-        types.FunctionType(kernel_signature(beyond)),
-        system, _PLAN, _WEIGHTS, _integers, _matrix, types.int64, _tensor,
+        PART, typeof(Steps(*[0] * len(Steps._fields))), PLAN, WEIGHTS, types.int64[::1],
+        types.float64[:, ::1], types.int64, types.float64[:, :, :],
     )  # fmt: skip
-    return cached_njit(signature, calls=_CALLED, error_model="numpy", nogil=True)(advance)
+    return cached_njit(signature, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")

@@ -18,7 +18,7 @@ from numba import int64, njit, types, uint64
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import cached_njit
 
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2

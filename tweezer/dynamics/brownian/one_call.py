@@ -8,13 +8,16 @@ is wrong by construction, so its spectra are not the bead's.
 
 from __future__ import annotations
 
-from numba import njit
+import numpy as np
 
-from tweezer.dynamics.brownian.batch import slow_velocities, velocities_after
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
+from tweezer.dynamics.brownian.propagator import Weights
 
 
-@njit(error_model="numpy")
-def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyped-def]
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; `ahead` is left at x*."""
     dims, n = beads.x.shape
     for k in range(dims):
@@ -28,9 +31,19 @@ def step(kernel, beyond, system, plan, weights, beads):  # type: ignore[no-untyp
             for i in range(n):
                 ahead[i] += 0.5 * by_v * v[i]
                 x[i] += by_v * v[i]
-    slow_velocities(kernel, beyond, system, plan, beads, beads.ahead, beads.u)
+    middle = beads.now[0] + 0.5 * plan.step
+    slow_velocities(force, plan, beads, middle, beads.ahead, beads.u)
     for k in range(dims):
         by_u, x, u = weights.by_u[k], beads.x[k], beads.u[k]
         for i in range(n):
             x[i] += by_u * u[i]
     velocities_after(weights, beads)
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """Drag and noise, exactly."""
+    none = np.zeros_like(linear.kappa)
+    return propagator.exact(step, linear.tau, none, linear.diffusion)
+
+
+ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True, spring_is_exact=False)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiling import cache_functions
+from tweezer.compiled import cache_functions
 from tweezer.generated import langevin
 
 cache_functions(langevin)
@@ -98,40 +98,3 @@ def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[flo
 def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
     by_u, by_rise, spread = langevin.overdamped_step(h, kappa, overdamped_block(h, kappa))
     return 0.0, by_u, by_rise, 0.0, 0.0, 0.0, kappa, math.sqrt(diffusion * spread), 0.0, 0.0
-
-
-def euler_maruyama(h: float, tau: Array, diffusion: Array) -> Weights:
-    """The step of Euler and Maruyama, with the noise of (2.16-2.20): 2 beta kT over h."""
-    inertial = tau > 0
-    none = np.zeros_like(tau)
-    per_tau = np.divide(1.0, tau, out=none.copy(), where=inertial)
-    spread = np.sqrt(2 * diffusion * h)
-    return Weights(
-        by_v=np.where(inertial, h, 0.0),
-        by_u=np.where(inertial, 0.0, h),
-        by_rise=none,
-        decay=np.where(inertial, 1 - h * per_tau, 0.0),
-        v_by_u=h * per_tau,
-        v_by_rise=none,
-        kappa=none,
-        noise_x=np.where(inertial, 0.0, spread),
-        noise_xv=none,
-        noise_v=spread * per_tau,
-    )
-
-
-def baoab(h: float, tau: Array, diffusion: Array) -> Weights:
-    """The parts of a step of BAOAB: by_v half a drift, v_by_u half a kick, and what drag leaves."""
-    none = np.zeros_like(tau)
-    return Weights(
-        by_v=np.full_like(tau, 0.5 * h),
-        by_u=none,
-        by_rise=none,
-        decay=np.exp(-h / tau),
-        v_by_u=0.5 * h / tau,
-        v_by_rise=none,
-        kappa=none,
-        noise_x=none,
-        noise_xv=none,
-        noise_v=np.sqrt(-np.expm1(-2 * h / tau) * diffusion / tau),
-    )

@@ -11,10 +11,8 @@ from tweezer.dynamics.integrators.system import (
     RATES,
     REACHED,
     Control,
-    Pointer,
     Records,
     System,
-    kernel_signature,
 )
 
 #: explicit methods by name
@@ -29,10 +27,8 @@ __all__ = [
     "REACHED",
     "TABLEAUX",
     "Control",
-    "Pointer",
     "Records",
     "System",
     "explicit",
     "exponential",
-    "kernel_signature",
 ]

@@ -35,6 +35,7 @@ def _dense() -> np.ndarray:
 DOP853 = Tableau(
     order=8,
     estimate=8,
+    c=np.concatenate([SOLVER.C, [1.0], SOLVER.C_EXTRA]),
     a=np.ascontiguousarray(SOLVER.A),
     b=np.ascontiguousarray(SOLVER.B),
     error=np.ascontiguousarray(SOLVER.E5),

@@ -14,6 +14,7 @@ from tweezer.dynamics.integrators.explicit import Tableau
 DORMAND_PRINCE = Tableau(
     order=5,
     estimate=5,
+    c=np.append(RK45.C, 1.0),
     a=np.pad(RK45.A, ((0, 0), (0, 1))),
     b=np.ascontiguousarray(RK45.B),
     error=np.ascontiguousarray(RK45.E),

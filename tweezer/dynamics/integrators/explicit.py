@@ -10,11 +10,10 @@ import functools
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import njit, typeof
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import cached_njit
 from tweezer.dynamics.integrators.system import (
-    DIGEST,
     GOING_ON,
     NOT_FINITE,
     Array,
@@ -39,6 +38,8 @@ class Tableau(NamedTuple):
     """of the solution"""
     estimate: int
     """power of the step that the error estimate goes by"""
+    c: Array
+    """(s + 1 + x,) times of the stages, in parts of the step"""
     a: Array
     """(s, s) stages"""
     b: Array
@@ -56,33 +57,31 @@ class Tableau(NamedTuple):
 
 
 @functools.cache
-def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
-    """The compiled loop for one kind of light.
+def loop() -> Any:
+    """The compiled loop.
 
-    It has the signature `(kernel, beyond, rates, system, tableau, control, y, clock, counts,
-    records)` and returns the number of records written and why it stopped. y: (state,) at
-    clock[0], s; clock: (3,) time, step to try (0: found here), error of the last step; counts:
-    (3,) steps, rejected steps, force calls. All three are kept up to date, so that a further call
-    goes on.
+    It has the signature `(system, tableau, control, y, clock, counts, records)` and returns the
+    number of records written and why it stopped. y: (state,) at clock[0], s; clock: (4,) time,
+    step to try (0: found here), error of the last step, time of the force's last kink; counts: (3,)
+    steps, rejected steps, force calls. All three are kept up to date, so that a further call goes
+    on.
     """
 
     def advance(  # type: ignore[no-untyped-def]
-        kernel, beyond, rates, system, tableau, control, y, clock, counts, records
+        system, tableau, control, y, clock, counts, records
     ):
         adaptive = by_tolerance(control)
         n, stages = y.size, tableau.b.size
         k = np.zeros((stages + 1 + len(tableau.extra), n))
         inner, new = np.empty(n), np.empty(n)
-        at = scratch()
+        at = scratch(system.orientation >= 0)
         written = 0
-        rate_of_change(kernel, beyond, rates, system, at, y, k[0])
+        rate_of_change(system, at, clock[0], y, k[0])
         counts[2] += 1
         if clock[1] == 0.0:
             clock[1] = control.fixed
             if adaptive:
-                clock[1] = _first_step(
-                    kernel, beyond, rates, system, at, tableau, control, y, k[0], inner, new
-                )
+                clock[1] = _first_step(system, at, tableau, control, clock[0], y, k[0], inner, new)
                 counts[2] += 1
         rejected = False
         while True:
@@ -92,9 +91,9 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 return written, why
             for stage in range(1, stages):
                 _combined(y, step, k, tableau.a[stage], stage, inner)
-                rate_of_change(kernel, beyond, rates, system, at, inner, k[stage])
+                rate_of_change(system, at, time + tableau.c[stage] * step, inner, k[stage])
             _combined(y, step, k, tableau.b, stages, new)
-            rate_of_change(kernel, beyond, rates, system, at, new, k[stages])
+            rate_of_change(system, at, time + step, new, k[stages])
             counts[2] += stages
             error = _error(tableau, control, y, new, step, k) if adaptive else 0.0
             if not (all_finite(new) and all_finite(k[stages])):
@@ -109,7 +108,7 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             for extra in range(len(tableau.extra)):
                 stage = stages + 1 + extra
                 _combined(y, step, k, tableau.extra[extra], stage, inner)
-                rate_of_change(kernel, beyond, rates, system, at, inner, k[stage])
+                rate_of_change(system, at, time + tableau.c[stage] * step, inner, k[stage])
                 counts[2] += 1
             records.begin[written] = time
             records.length[written] = step
@@ -132,11 +131,11 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
                 k[0, i] = k[stages, i]
             if control.orientation >= 0:
                 put_on_constraints(y, control.orientation, control.euler_rates)
-                rate_of_change(kernel, beyond, rates, system, at, y, k[0])
+                rate_of_change(system, at, clock[0], y, k[0])
                 counts[2] += 1
 
-    typed = signature(source, beyond, system, _TABLEAU)
-    return cached_njit(typed, calls=DIGEST, error_model="numpy", nogil=True)(advance)
+    typed = signature(_TABLEAU)
+    return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -172,7 +171,7 @@ def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def _first_step(  # type: ignore[no-untyped-def]
-    kernel, beyond, rates, system, at, tableau, control, y, rate, inner, new
+    system, at, tableau, control, time, y, rate, inner, new
 ):
     """Hairer's first step: II.4 of the book."""
     size = speed = 0.0
@@ -185,7 +184,7 @@ def _first_step(  # type: ignore[no-untyped-def]
     step = min(step, control.end)
     for i in range(y.size):
         inner[i] = y[i] + step * rate[i]
-    rate_of_change(kernel, beyond, rates, system, at, inner, new)
+    rate_of_change(system, at, time + step, inner, new)
     change = 0.0
     for i in range(y.size):
         scale = control.absolute[i] + control.relative * abs(y[i])
@@ -213,4 +212,4 @@ def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-
 
 
 _vector, _matrix = np.zeros(0), np.zeros((0, 0))
-_TABLEAU = typeof(Tableau(0, 0, _matrix, _vector, _vector, _vector, _matrix, _matrix))
+_TABLEAU = typeof(Tableau(0, 0, _vector, _matrix, _vector, _vector, _vector, _matrix, _matrix))

@@ -31,11 +31,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import njit, typeof
 
-from tweezer.compiling import cached_njit
+from tweezer.compiled import cached_njit
 from tweezer.dynamics.integrators.system import (
-    DIGEST,
     GOING_ON,
     NOT_FINITE,
     Array,
@@ -54,6 +53,8 @@ _GROWTH, _GROWTH_IN_LAYER, _LAYER = 4.0, 2.0, 16.0
 _ESTIMATE = 4
 #: Taylor's coefficients 1/n!
 _INVERSE_FACTORIALS = tuple(1.0 / math.factorial(n) for n in range(24))
+#: times of the stages, in parts of the step
+_STAGES = (0.0, 0.5, 0.5, 1.0, 0.5)
 #: Gauss's nodes of a step
 _GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)
 
@@ -98,7 +99,7 @@ def _moved(s, part, tau, v, u0, u1, u2, phi):  # type: ignore[no-untyped-def]
 
 
 @functools.cache
-def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
+def loop() -> Any:
     """The compiled loop for one kind of light; as `explicit.loop`, with a `Relaxation`.
 
     y: (6,) x, v; or (16,) x, angle turned (0), v, w in the inertial frame, and e. The dense output
@@ -106,18 +107,18 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
     """
 
     def advance(  # type: ignore[no-untyped-def]
-        kernel, beyond, rates, system, relaxation, control, y, clock, counts, records
+        system, relaxation, control, y, clock, counts, records
     ):
         adaptive = by_tolerance(control)
         many = relaxation.times.size
         turns = many == 6
         tau = relaxation.times
-        at, phi = scratch(), np.empty(5)
+        at, phi = scratch(system.orientation >= 0), np.empty(5)
         place, rate = relaxation.state.copy(), np.empty(relaxation.state.size)
         u, weights = np.empty((5, many)), np.empty((many, 2, 4))
         stage, new = np.empty(y.size), np.empty(y.size)
         written = 0
-        _slow(kernel, beyond, rates, system, relaxation, at, place, rate, y, u[0])
+        _slow(system, relaxation, at, clock[0], place, rate, y, u[0])
         counts[2] += 1
         if clock[1] == 0.0:
             clock[1] = 0.5 * tau.min()
@@ -132,16 +133,18 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             _weights(step, tau, phi, weights)
             for number in range(1, 5):
                 _stage(number, weights, y, u, stage)
-                _slow(kernel, beyond, rates, system, relaxation, at, place, rate, stage, u[number])
+                there = time + _STAGES[number] * step
+                _slow(system, relaxation, at, there, place, rate, stage, u[number])
             # the parabola through the stages at the begin, the middle and the end
             for i in range(many):
                 last_stage, middle = u[3, i], u[4, i]
                 u[1, i] = -3.0 * u[0, i] + 4.0 * middle - last_stage
                 u[2, i] = 4.0 * (u[0, i] - 2.0 * middle + last_stage)
             _to(step, 1.0, tau, y, u[0], u[1], u[2], phi, new)
-            _slow(kernel, beyond, rates, system, relaxation, at, place, rate, new, u[4])
+            _slow(system, relaxation, at, time + step, place, rate, new, u[4])
             counts[2] += 5
-            growth = _GROWTH_IN_LAYER if time < _LAYER * tau.max() else _GROWTH
+            in_layer = time - clock[3] < _LAYER * tau.max()
+            growth = _GROWTH_IN_LAYER if in_layer else _GROWTH
             error = 0.0
             if adaptive:
                 error = _error(control, tau, step, u, y, new, phi)
@@ -179,8 +182,8 @@ def loop(source: types.Type, beyond: types.Type, system: types.Type) -> Any:
             for i in range(many):
                 u[0, i] = u[4, i]
 
-    typed = signature(source, beyond, system, _RELAXATION)
-    return cached_njit(typed, calls=DIGEST, error_model="numpy", nogil=True)(advance)
+    typed = signature(_RELAXATION)
+    return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
 @njit(error_model="numpy")
@@ -225,12 +228,12 @@ def _stage(number, weights, y, u, out):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def _slow(  # type: ignore[no-untyped-def]
-    kernel, beyond, rates, system, relaxation, at, place, rate, y, out
+    system, relaxation, at, time, place, rate, y, out
 ):
     """u, and m, at the position in y: tau times the rates of a bead at rest."""
     for i in range(3):
         place[i] = y[i]
-    rate_of_change(kernel, beyond, rates, system, at, place, rate)
+    rate_of_change(system, at, time, place, rate)
     for i in range(out.size):
         out[i] = relaxation.times[i] * rate[relaxation.first_rate + i]
 

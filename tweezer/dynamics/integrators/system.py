@@ -1,24 +1,23 @@
 """What every compiled method shares: the force and the rates at a state, step control, records.
 
-A loop is compiled once for a method and a kind of light. The light's kernel and the emitted rates
-come as function pointers: other models, polarisations and beads use the loop as it is.
+A loop is compiled once for a method. The force and the emitted rates come as addresses: any force,
+model and bead use the loop as it is.
 """
 
 from __future__ import annotations
 
-import hashlib
 import math
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tweezer.compiled import call
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import Pose, Wrench, add, clear
 
-#: Digest of this file, whose functions the loops call
-DIGEST = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
+Array = NDArray[np.float64]
 
 # how a call of a loop ended; or that it has not
 REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
@@ -27,51 +26,21 @@ REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
 _SHRINK, _SAFETY = 0.2, 0.9
 
 _f8 = types.float64
-_vector, _matrix, _tensor = _f8[::1], _f8[:, ::1], _f8[:, :, ::1]
+_vector, _matrix = _f8[::1], _f8[:, ::1]
 #: `rates` of the emitted modules
 RATES = types.void(_vector, _vector, _vector, _matrix, _matrix, _vector, _vector)
 
 
-def kernel_signature(source: types.Type) -> Any:
-    """Of `tweezer.optics.kernels.kernel`, for one kind of source."""
-    return types.void(
-        _matrix, source, _f8, _f8, _vector, _matrix, _matrix, _tensor, _tensor, _vector
-    )
-
-
-class Pointer(types.WrapperAddressProtocol):
-    """A compiled function as an argument of a compiled loop."""
-
-    def __init__(self, function: Any, signature: Any) -> None:
-        function.compile(signature)
-        compiled = function.get_compile_result(signature)
-        self._signature = signature
-        self._library = compiled.library  # alive as long as its address
-        self._address = compiled.library.get_pointer_to_function(
-            compiled.fndesc.llvm_cfunc_wrapper_name
-        )
-
-    def __wrapper_address__(self) -> int:
-        """Where its machine code is."""
-        return int(self._address)
-
-    def signature(self) -> Any:
-        """Its numba signature."""
-        return self._signature
-
-
 class System(NamedTuple):
-    """The light and the bead, for a loop."""
+    """What moves the bead, for a loop."""
 
-    source: Any
-    beyond: Any
-    """source of the light where a table does not reach"""
-    radius: float
-    """m"""
-    n_mP: float
-    jones: Array
+    force: Part
+    rates: int
+    """address of the emitted `rates`"""
     params: Array
     """of the emitted module"""
+    orientation: int
+    """where e stands in the state that the force is asked at; -1 if it does not"""
 
 
 class Control(NamedTuple):
@@ -108,55 +77,50 @@ class Records(NamedTuple):
 
 
 class At(NamedTuple):
-    """Scratch for the light at one place; of each array the only element too, made once."""
+    """Workspace for the force on one bead: arrays of length 1, and the element of each."""
 
-    position: Array
+    pose: Pose
+    wrench: Wrench
     force: Array
     moment: Array
     force_gradient: Array
     moment_gradient: Array
-    error: Array
-    the_force: Array
-    the_moment: Array
-    the_force_gradient: Array
-    the_moment_gradient: Array
 
 
 @njit
-def scratch():  # type: ignore[no-untyped-def]
-    """Room for the light at one place."""
-    force, moment = np.zeros((1, 3)), np.zeros((1, 3))
-    force_gradient, moment_gradient = np.zeros((1, 3, 3)), np.zeros((1, 3, 3))
+def scratch(turned):  # type: ignore[no-untyped-def]
+    """Workspace; turned: whether an orientation is followed."""
+    pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((1 if turned else 0, 4)))
+    wrench = Wrench(
+        np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3, 3)), np.zeros((1, 3, 3)), np.zeros(1)
+    )
     return At(
-        np.zeros((1, 3)), force, moment, force_gradient, moment_gradient, np.full(1, np.nan),
-        force[0], moment[0], force_gradient[0], moment_gradient[0],
+        pose, wrench, wrench.force[0], wrench.moment[0], wrench.force_gradient[0],
+        wrench.moment_gradient[0],
     )  # fmt: skip
 
 
 @njit(error_model="numpy")
-def shine(kernel, beyond, system, at, position):  # type: ignore[no-untyped-def]
-    """Fill `at` with the light at a place, the first three of `position`."""
+def push(force, at, time, y):  # type: ignore[no-untyped-def]
+    """Fill `at` with a force at a time and at the place in the first three entries of a state."""
+    at.pose.time[0] = time
     for i in range(3):
-        at.position[0, i] = position[i]
-    kernel(
-        at.position, system.source, system.radius, system.n_mP, system.jones,
-        at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
-    )  # fmt: skip
-    if at.error[0] == np.inf:
-        beyond(
-            at.position, system.beyond, system.radius, system.n_mP, system.jones,
-            at.force, at.moment, at.force_gradient, at.moment_gradient, at.error,
-        )  # fmt: skip
+        at.pose.position[0, i] = y[i]
+    clear(at.wrench)
+    add(force, at.pose, at.wrench)
 
 
 @njit(error_model="numpy")
-def rate_of_change(kernel, beyond, rates, system, at, y, out):  # type: ignore[no-untyped-def]
+def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
     """Fill `out` with the rate of change of the state y."""
-    shine(kernel, beyond, system, at, y)
-    rates(
-        y, at.the_force, at.the_moment, at.the_force_gradient, at.the_moment_gradient,
-        system.params, out,
-    )  # fmt: skip
+    if system.orientation >= 0:
+        e = y[system.orientation : system.orientation + 4]
+        at.pose.orientation[0] = e / math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
+    push(system.force, at, time, y)
+    call(
+        system.rates,
+        (y, at.force, at.moment, at.force_gradient, at.moment_gradient, system.params, out),
+    )
 
 
 @njit(error_model="numpy")
@@ -232,15 +196,10 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
     return step * min(max(factor, _SHRINK), 1.0 if rejected else growth)
 
 
-def signature(
-    source: types.Type, beyond: types.Type, system: types.Type, method: types.Type
-) -> Any:
-    """Of a loop, for one kind of light; method: the type of what the loop's method is given by."""
+def signature(method: types.Type) -> Any:
+    """Of a loop; method: the type of what the loop's method is given by."""
     return types.Tuple((types.int64, types.int64))(
-        types.FunctionType(kernel_signature(source)),
-        types.FunctionType(kernel_signature(beyond)),
-        types.FunctionType(RATES),
-        system,
+        SYSTEM,
         method,
         typeof(Control(0.0, np.zeros(0), 0.0, np.zeros(0), 0.0, 0, 0, 0)),
         _vector,
@@ -248,3 +207,7 @@ def signature(
         types.int64[::1],
         typeof(Records(np.zeros(0), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0, 0)))),
     )
+
+
+SYSTEM = typeof(System(Part(0, packed()), 0, np.zeros(0), 0))
+"""Numba's type of `System`"""

@@ -14,12 +14,10 @@ import atexit
 import functools
 import gc
 import hashlib
-import inspect
 import logging
 import pickle
 import secrets
 import shutil
-import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -32,6 +30,7 @@ import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
+from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
 
 _log = logging.getLogger("tweezer")
@@ -133,14 +132,19 @@ def _tell_once() -> None:
 class _File:
     """Compiled code of one function, in a file for each set of argument types and processor.
 
-    A file begins with a digest of the sources and of its content. One that is cut short, changed
-    or of other sources is not read: the function is compiled again. A file appears whole or not
-    at all, so that processes need no lock.
+    A file begins with a digest of what it was compiled from and of its content. One that is cut
+    short, changed or compiled from anything else is not read: the function is compiled again. A
+    file appears whole or not at all, so that processes need no lock.
     """
 
-    def __init__(self, base: str, sources: str) -> None:
+    def __init__(self, base: str, dispatcher: Dispatcher) -> None:
         self._base = base
-        self._sources = f"{numba.__version__}{sources}".encode()
+        self._dispatcher = dispatcher
+
+    @functools.cached_property
+    def _compiled_from(self) -> bytes:
+        """Taken of the function in memory: its file may change under a running program."""
+        return f"{numba.__version__}{fingerprint(self._dispatcher)}".encode()
 
     def load(self, key: Any) -> Any:
         """The code kept under `key`, Numba's key of a variant; None if there is none."""
@@ -169,20 +173,24 @@ class _File:
             part.unlink(missing_ok=True)
 
     def _path(self, key: Any) -> Path:
-        types_and_processor = hashlib.sha256(repr(key[:2]).encode()).hexdigest()
+        types_and_processor = hashlib.sha256(repr(key).encode()).hexdigest()
         return Path(f"{self._base}.{types_and_processor[:16]}.nbc")
 
     def _digest(self, content: bytes) -> bytes:
-        return hashlib.sha256(self._sources + content).digest()
+        return hashlib.sha256(self._compiled_from + content).digest()
 
 
 class _Cache(caching.FunctionCache):
     """Numba's cache of one function, with files that are checked as they are read."""
 
-    def __init__(self, function: Callable[..., Any], calls: str) -> None:
-        super().__init__(function)
+    def __init__(self, dispatcher: Dispatcher) -> None:
+        super().__init__(dispatcher.py_func)
         base = Path(self.cache_path, self._impl.filename_base)
-        self._cache_file = _File(str(base), _source(function.__module__) + calls)
+        self._cache_file = _File(str(base), dispatcher)
+
+    def _index_key(self, sig: Any, codegen: Any) -> Any:
+        """Argument types and processor: the fingerprint tells the rest."""
+        return sig, codegen.magic_tuple()
 
     def save_overload(self, signature: Any, code: Any) -> None:
         """Keep what was compiled, where there is room for it."""
@@ -192,12 +200,26 @@ class _Cache(caching.FunctionCache):
             _not_kept(f"what is compiled is not kept: {error.strerror}")
 
 
-def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> Any:
+def cached_njit(signature: Any = None, **options: Any) -> Any:
     """`numba.njit`, of a function that is kept in the cache.
 
-    signature: argument types to compile for at once, as in `numba.njit`. calls: `sources` of the
-    other files whose functions and constants it uses. The function is compiled again when one of
-    them changes, which Numba does not look at.
+    signature: argument types to compile for at once, as in `numba.njit`. The function is compiled
+    again when anything changes that it is compiled from, in whatever file: see `fingerprint`.
+    """
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        dispatcher = named_njit(**options)(function)
+        dispatcher._cache = _Cache(dispatcher)
+        if signature is not None:  # a call then looks at no types
+            dispatcher.compile(signature)
+            dispatcher.disable_compile()
+        return dispatcher
+
+    return compiled
+
+
+def named_njit(**options: Any) -> Any:
+    """`numba.njit`, of a closure that functions call which are kept in the cache.
 
     A closure is named after its values. Numba tells the machine code of two closures apart by
     a number that counts within one process only. Of two closures that two processes have kept, one
@@ -206,14 +228,9 @@ def cached_njit(signature: Any = None, *, calls: str = "", **options: Any) -> An
 
     def compiled(function: Callable[..., Any]) -> Any:
         if function.__closure__:
-            values = caching.dumps(tuple(cell.cell_contents for cell in function.__closure__))
-            function.__qualname__ += f"_{hashlib.sha256(values).hexdigest()[:16]}"
-        dispatcher = numba.njit(**options)(function)
-        dispatcher._cache = _Cache(function, calls)
-        if signature is not None:  # a call then looks at no types
-            dispatcher.compile(signature)
-            dispatcher.disable_compile()
-        return dispatcher
+            values = [cell.cell_contents for cell in function.__closure__]
+            function.__qualname__ += f"_{fingerprint(*values)[:16]}"
+        return numba.njit(**options)(function)
 
     return compiled
 
@@ -223,21 +240,8 @@ def cache_functions(module: ModuleType) -> ModuleType:
     for each in vars(module).values():
         function: Any = each
         if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):
-            function._cache = _Cache(function.py_func, "")
+            function._cache = _Cache(each)
     return module
-
-
-def sources(*modules: ModuleType) -> str:
-    """Digest of the sources of modules.
-
-    It is taken while they are imported, because later a file may change under a running program.
-    """
-    return hashlib.sha256("".join(map(inspect.getsource, modules)).encode()).hexdigest()
-
-
-@functools.cache
-def _source(name: str) -> str:
-    return sources(sys.modules[name])
 
 
 _find_place()

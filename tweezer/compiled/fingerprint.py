@@ -1,0 +1,121 @@
+"""A digest of everything that a compiled function is compiled from."""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+import sys
+import sysconfig
+import types
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
+from numba.core.types import Type
+
+#: Folders of libraries
+_LIBRARIES = {sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")}
+#: Values that are the same wherever they are
+_PLAIN = (int, float, complex, str, bytes, bool, type(None), type(Ellipsis), range)
+
+
+def fingerprint(*values: Any) -> str:
+    """Digest of functions and of all they use: their code, constants, and the functions they call.
+
+    A function that is called is found by its name, as Numba finds it: in a closure, among the
+    globals of the module, or as an attribute of a module. What belongs to other libraries is told
+    by its name alone. Raises `TypeError` for a global of a kind that cannot be told.
+    """
+    digest = hashlib.sha256()
+    for part in _parts(values, set()):
+        digest.update(part.encode() + b"\0")
+    return digest.hexdigest()
+
+
+def _parts(value: Any, seen: set[int]) -> Iterator[str]:
+    """What there is to say of a value, in the same order in every process.
+
+    seen: functions that were told already.
+    """
+    if isinstance(value, _PLAIN):
+        yield repr(value)
+    elif isinstance(value, tuple | list):
+        yield f"{type(value).__name__} of {len(value)}"
+        for each in value:
+            yield from _parts(each, seen)
+    elif isinstance(value, set | frozenset):
+        yield repr(sorted(map(repr, value)))
+    elif isinstance(value, dict):
+        yield from _parts(sorted(value.items()), seen)
+    elif isinstance(value, np.ndarray | np.generic):
+        yield f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    elif isinstance(value, Dispatcher):
+        yield from _parts(value.targetoptions, seen)
+        yield from _parts(value.py_func, seen)
+    elif isinstance(value, _Intrinsic):
+        yield from _parts(value._defn, seen)
+    elif isinstance(value, types.FunctionType) and _ours(value):
+        yield value.__name__
+        if id(value) not in seen:
+            seen.add(id(value))
+            yield from _of_function(value, seen)
+    elif isinstance(value, type) and _ours(value):
+        yield f"{value.__qualname__} {getattr(value, '_fields', ())}"
+    elif isinstance(value, Type):
+        yield str(value)
+    elif isinstance(value, types.ModuleType | type) or callable(value):
+        yield getattr(value, "__name__", type(value).__name__)
+    else:
+        raise TypeError(f"{value!r} in a compiled function: its changes cannot be seen")
+
+
+def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:
+    yield from _of_code(function.__code__)
+    yield from _parts(function.__defaults__, seen)
+    yield from _parts([cell.cell_contents for cell in function.__closure__ or ()], seen)
+    for name in sorted(_names(function.__code__)):
+        if name in function.__globals__:
+            value = function.__globals__[name]
+            yield name
+            yield from _parts(value, seen)
+            if isinstance(value, types.ModuleType) and _may_change(value.__name__):
+                used = _names(function.__code__) & set(vars(value))
+                for attribute in sorted(used):
+                    yield f"{name}.{attribute}"
+                    yield from _parts(getattr(value, attribute), seen)
+        elif not hasattr(builtins, name):
+            yield f"no {name}"
+
+
+def _of_code(code: types.CodeType) -> Iterator[str]:
+    yield code.co_code.hex()
+    yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars))
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            yield from _of_code(constant)
+        else:
+            yield from _parts(constant, set())
+
+
+def _names(code: types.CodeType) -> set[str]:
+    """Names that a function looks up in its globals or in a module."""
+    names = set(code.co_names)
+    for constant in code.co_consts:
+        if isinstance(constant, types.CodeType):
+            names |= _names(constant)
+    return names
+
+
+def _ours(value: Any) -> bool:
+    return _may_change(value.__module__)
+
+
+def _may_change(module: str) -> bool:
+    """Whether a module is tweezer's or a user's: other libraries change with their version."""
+    if module.partition(".")[0] in ("tweezer", "__main__"):
+        return True
+    path = getattr(sys.modules.get(module), "__file__", None)
+    return path is not None and not any(Path(path).is_relative_to(each) for each in _LIBRARIES)

@@ -1,0 +1,77 @@
+"""A scene bound once: what pushes its bead, and what resists."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.bead import BeadProperties, bead_properties
+from tweezer.equilibria import Equilibrium, equilibria, nearest_stable
+from tweezer.errors import SceneError
+from tweezer.forces.composed import Sum
+from tweezer.forces.force import Force
+from tweezer.optics import Light, light
+from tweezer.scene import Scene, checked_scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A scene with its bead and forces; the same for every model and method."""
+
+    scene: Scene
+    bead: BeadProperties
+    light: Light
+    others: tuple[Force, ...] = ()
+    """forces beside those of the scene"""
+
+    @functools.cached_property
+    def force(self) -> Force:
+        """The light and the other forces: all but drag, weight and noise."""
+        return Sum((self.light, *self.others)) if self.others else self.light
+
+    @property
+    def rotates(self) -> bool:
+        """Whether anything turns the bead: if not, no rotation is computed."""
+        return self.scene.rotates or self.force.oriented
+
+    def net_force(self, positions: Array) -> Array:
+        """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
+        return self.force.field(positions).force + np.array(self.bead.weight)
+
+    @functools.cached_property
+    def equilibria(self) -> tuple[Equilibrium, ...]:
+        """Places on the beam's axis where the net force vanishes at the time 0."""
+        return tuple(equilibria(self.scene.bead.radius, self.force, self.net_force))
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """The stable one nearest the focus; None if there is none."""
+        return nearest_stable(self.equilibria)
+
+    def changed(self, **simulation: Any) -> Problem:
+        """The same with other keys of the scene's `simulation`."""
+        return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
+
+    def decided(self, **simulation: Any) -> Problem:
+        """The same with the model or method that the scene left open."""
+        return dataclasses.replace(self, scene=self.scene.decided(**simulation))
+
+
+def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
+    """The problem of a scene and of forces beside its own; of a problem, itself.
+
+    Raises `SceneError` for forces that are none.
+    """
+    if isinstance(scene, Problem):
+        return scene
+    if not all(isinstance(each, Force) for each in others):
+        raise SceneError("forces: must be a list of `tweezer.forces.Force`")
+    return Problem(scene, bead_properties(checked_scene(scene)), light(scene), tuple(others))

@@ -1,0 +1,25 @@
+"""What pushes and turns a bead: the contract of every force, and forces made of forces.
+
+A force of your own is a function for `kernel` and a `UserForce`; `tweezer.simulate(scene,
+forces=[...])` takes it beside the forces of the scene.
+"""
+
+from tweezer.forces.composed import Course, Moved, Sum, UserForce, kernel
+from tweezer.forces.data import integers, matrix, number, tensor, vector
+from tweezer.forces.force import Force, Pose, Wrench
+
+__all__ = [
+    "Course",
+    "Force",
+    "Moved",
+    "Pose",
+    "Sum",
+    "UserForce",
+    "Wrench",
+    "integers",
+    "kernel",
+    "matrix",
+    "number",
+    "tensor",
+    "vector",
+]

@@ -1,0 +1,321 @@
+"""Forces made of forces: sums, forces that are moved and whose power changes, differences.
+
+Nothing is compiled for a new combination: the parts are called by their addresses.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tweezer.compiled import cached_njit
+from tweezer.forces.data import Data, matrix, number, packed, part, vector
+from tweezer.forces.force import KERNEL, Force, Kernel, Pose, Wrench, add, bound, clear, no_wrench
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sum(Force):
+    """Several forces at once."""
+
+    forces: tuple[Force, ...]
+
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """See `Force.field`; each force in its own way."""
+        wrench = no_wrench(len(positions), gradient=gradient)
+        for each in self.forces:
+            there = each.field(positions, gradient=gradient, time=time, orientations=orientations)
+            for total, added in zip(wrench, there, strict=True):
+                np.add(total, added, out=total)
+        return wrench
+
+    @property
+    def oriented(self) -> bool:
+        """See `Force.oriented`."""
+        return any(each.oriented for each in self.forces)
+
+    def kinks(self, end: float) -> Array:
+        """See `Force.kinks`."""
+        return np.unique(np.concatenate([np.zeros(0), *(each.kinks(end) for each in self.forces)]))
+
+    @property
+    def steady(self) -> bool:
+        """See `Force.steady`."""
+        return all(each.steady for each in self.forces)
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        parts = [bound(each, gradient=gradient) for each in self.forces]
+        return _add_all, packed(float(len(parts)), *parts)
+
+
+@cached_njit(KERNEL, error_model="numpy", nogil=True)
+def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
+    for each in range(int(number(data, 0))):
+        add(part(data, 1 + each), pose, wrench)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A number, or a vector, as a function of time: straight between points, and a sine.
+
+    Before the first point and after the last it stays as it is there. Two points at one time are
+    a jump, and the second holds at that time. A course that repeats begins again after `period`.
+    """
+
+    times: Array
+    """(n,) s, ascending"""
+    values: Array
+    """(n, m)"""
+    amplitude: Array
+    """(m,) of the sine"""
+    frequency: float = 0.0
+    """1/s"""
+    phase: float = 0.0
+    """rad"""
+    period: float = math.inf
+    """s, of the points"""
+
+    @classmethod
+    def constant(cls, *values: float) -> Course:
+        """One that does not change."""
+        return cls(np.zeros(1), np.array([values]), np.zeros(len(values)))
+
+    @property
+    def steady(self) -> bool:
+        """Whether it never changes."""
+        still = not self.amplitude.any() or self.frequency == 0.0
+        return still and bool((self.values == self.values[0]).all())
+
+    def kinks(self, end: float) -> Array:
+        """Times in (0, end), s, at which it jumps or bends."""
+        if (self.values == self.values[0]).all():
+            return np.zeros(0)
+        times = self.times
+        if math.isfinite(self.period):
+            repeats = np.arange(math.ceil(end / self.period) + 1) * self.period
+            times = (repeats[:, None] + np.append(self.times, 0.0)).ravel()
+        return np.unique(times[(times > 0) & (times < end)])
+
+    def at(self, time: float) -> Array:
+        """(m,) at a time, s."""
+        out = np.empty(self.values.shape[1])
+        _course_at(packed(*self._entries()), 0, time, out)
+        return out
+
+    def _entries(self) -> tuple[float | Array, ...]:
+        """As `_course_at` reads it."""
+        return (
+            self.times, self.values, self.amplitude,
+            np.array([self.frequency, self.phase, self.period]),
+        )  # fmt: skip
+
+
+#: Entries of a `Course` in the data of a force
+_ENTRIES = 4
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
+    """Fill `out` (m,) with the `Course` in the entries from `first` on."""
+    times, values = vector(data, first), matrix(data, first + 1)
+    amplitude, wave = vector(data, first + 2), vector(data, first + 3)
+    frequency, phase, period = wave[0], wave[1], wave[2]
+    swing = math.sin(2.0 * math.pi * frequency * time + phase) if frequency > 0.0 else 0.0
+    if period < math.inf:
+        time -= period * math.floor(time / period)
+    after = np.searchsorted(times, time, side="right")
+    last = times.size - 1
+    for k in range(out.size):
+        if after == 0:
+            value = values[0, k]
+        elif after > last:
+            value = values[last, k]
+        else:
+            part_of = (time - times[after - 1]) / (times[after] - times[after - 1])
+            value = values[after - 1, k] + part_of * (values[after, k] - values[after - 1, k])
+        out[k] = value + amplitude[k] * swing
+
+
+@dataclass(frozen=True)
+class Moved(Force):
+    """A force about another place, of another strength, upside down: any of these in time."""
+
+    force: Force
+    place: Course
+    """(3,) m, where its origin is"""
+    strength: Course
+    """(1,) factor of all it does"""
+    down: bool = False
+    """turned by 180 degrees about x: its z axis points down"""
+
+    @property
+    def oriented(self) -> bool:
+        """See `Force.oriented`."""
+        return self.force.oriented
+
+    @property
+    def steady(self) -> bool:
+        """See `Force.steady`."""
+        return self.place.steady and self.strength.steady and self.force.steady
+
+    def kinks(self, end: float) -> Array:
+        """See `Force.kinks`."""
+        parts = self.place, self.strength, self.force
+        return np.unique(np.concatenate([each.kinks(end) for each in parts]))
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        return _add_moved, packed(
+            bound(self.force, gradient=gradient), float(self.down), *self.place._entries(),
+            *self.strength._entries(),
+        )  # fmt: skip
+
+
+@cached_njit(KERNEL, error_model="numpy", nogil=True)
+def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
+    force, down = part(data, 0), number(data, 1) > 0.0
+    n, gradients = len(pose.time), len(wrench.force_gradient)
+    here = Pose(pose.time, np.empty((n, 3)), pose.orientation.copy())
+    found = Wrench(
+        np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
+        np.zeros((gradients, 3, 3)), np.zeros(n),
+    )  # fmt: skip
+    sign = np.ones(3)
+    if down:
+        sign[1] = sign[2] = -1.0
+        for i in range(len(here.orientation)):  # turned by the same angle: (0, 1, 0, 0) e
+            e = pose.orientation[i]
+            here.orientation[i, 0], here.orientation[i, 1] = -e[1], e[0]
+            here.orientation[i, 2], here.orientation[i, 3] = -e[3], e[2]
+    place, strength = np.empty(3), np.empty(1)
+    for i in range(n):
+        _course_at(data, 2, pose.time[i], place)
+        for k in range(3):
+            here.position[i, k] = sign[k] * (pose.position[i, k] - place[k])
+    add(force, here, found)
+    for i in range(n):
+        _course_at(data, 2 + _ENTRIES, pose.time[i], strength)
+        factor = strength[0]
+        wrench.error[i] += abs(factor) * found.error[i]
+        for k in range(3):
+            wrench.force[i, k] += factor * sign[k] * found.force[i, k]
+            wrench.moment[i, k] += factor * sign[k] * found.moment[i, k]
+            if gradients > 0:
+                for l in range(3):
+                    both = factor * sign[k] * sign[l]
+                    wrench.force_gradient[i, k, l] += both * found.force_gradient[i, k, l]
+                    wrench.moment_gradient[i, k, l] += both * found.moment_gradient[i, k, l]
+
+
+@dataclass(frozen=True)
+class Differenced(Force):
+    """A force without gradients of its own: they are central differences."""
+
+    force: Force
+    step: float
+    """m"""
+
+    @property
+    def oriented(self) -> bool:
+        """See `Force.oriented`."""
+        return self.force.oriented
+
+    @property
+    def steady(self) -> bool:
+        """See `Force.steady`."""
+        return self.force.steady
+
+    def kinks(self, end: float) -> Array:
+        """See `Force.kinks`."""
+        return self.force.kinks(end)
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        if not gradient:
+            return self.force.compiled(gradient=False)
+        return _add_differences, packed(bound(self.force, gradient=False), self.step)
+
+
+@cached_njit(KERNEL, error_model="numpy", nogil=True)
+def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
+    force, step = part(data, 0), number(data, 1)
+    n, none = len(pose.time), np.zeros((0, 3, 3))
+    add(force, pose, Wrench(wrench.force, wrench.moment, none, none, wrench.error))
+    beside = Pose(pose.time, pose.position.copy(), pose.orientation)
+    found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
+    for l in range(3):
+        for side in (-1.0, 1.0):
+            clear(found)
+            beside.position[:, l] = pose.position[:, l] + side * step
+            add(force, beside, found)
+            factor = side / (2.0 * step)
+            for i in range(n):
+                for k in range(3):
+                    wrench.force_gradient[i, k, l] += factor * found.force[i, k]
+                    wrench.moment_gradient[i, k, l] += factor * found.moment[i, k]
+        beside.position[:, l] = pose.position[:, l]
+
+
+@dataclass(frozen=True, eq=False)
+class UserForce(Force):
+    """A force of your own: a compiled function (`kernel`) and its numbers and arrays.
+
+    The function has the signature `(pose, data, wrench)`, reads its entries with `number`,
+    `vector`, `matrix` and `tensor`, and adds to `wrench`.
+    """
+
+    function: Kernel
+    entries: tuple[float | Sequence[float] | Array, ...] = ()
+    gradient: bool = False
+    """whether it adds gradients where `wrench.force_gradient` is not empty; else they are central
+    differences"""
+    turns: bool = False
+    """whether it turns the bead or looks at `pose.orientation`: a rotation is then followed"""
+    by_time: bool = False
+    """whether it looks at `pose.time`"""
+    step: float = 1e-10
+    """m, of the central differences"""
+
+    @property
+    def oriented(self) -> bool:
+        """See `Force.oriented`."""
+        return self.turns
+
+    @property
+    def steady(self) -> bool:
+        """See `Force.steady`."""
+        return not self.by_time
+
+    @functools.cached_property
+    def _data(self) -> Data:
+        return packed(*self.entries)
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        if gradient and not self.gradient:
+            return Differenced(self, self.step).compiled(gradient=True)
+        return self.function, self._data
+
+
+def kernel(function: Kernel) -> Kernel:
+    """Compile a function as the kernel of a `UserForce`; a decorator.
+
+    It is not kept: a function of a terminal or a notebook has no file whose changes could be seen.
+    """
+    compiled: Kernel = njit(KERNEL, error_model="numpy", nogil=True)(function)
+    return compiled

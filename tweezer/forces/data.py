@@ -1,0 +1,115 @@
+"""The data of any force as two arrays of one type, so that a loop is compiled once for all."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, typeof
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Columns of `Data.shapes`: where an entry begins, four lengths, and the address of a part
+_COLUMNS = 6
+
+
+class Data(NamedTuple):
+    """Entries on end: numbers, arrays of up to four axes, and the data of other forces."""
+
+    numbers: Array
+    """(n,) every array, flat, on end"""
+    shapes: Integers
+    """(entries, 6) of an array: where it begins in `numbers`, and its lengths. Of a part: where its
+    numbers begin, how many they are, which row of `shapes` is its first, how many they are, and in
+    the last column the address of its kernel"""
+
+
+class Part(NamedTuple):
+    """A force within another one."""
+
+    kernel: int
+    """its address"""
+    data: Data
+
+
+def packed(*entries: Any) -> Data:
+    """The data of a force: numbers, arrays of real or 32-bit whole numbers, and `Part`s."""
+    flat: list[Array] = []
+    own = np.zeros((len(entries), _COLUMNS), np.int64)
+    rows, begin = [own], 0
+    for row, entry in zip(own, entries, strict=True):
+        if isinstance(entry, Part):
+            numbers, shapes = entry.data
+            first = sum(map(len, rows))
+            row[:] = begin, numbers.size, first, len(shapes), 0, entry.kernel
+            rows.append(shapes)
+        else:
+            array = np.ascontiguousarray(entry)
+            row[0] = begin
+            row[1 : 1 + array.ndim] = array.shape
+            if array.dtype == np.int32:  # as they are, two in the place of a number
+                whole = array.ravel()
+                numbers = np.append(whole, np.zeros(whole.size % 2, np.int32)).view(np.float64)
+            else:
+                numbers = array.astype(np.float64).ravel()
+        flat.append(numbers)
+        begin += numbers.size
+    return Data(np.concatenate([*flat, np.zeros(0)]), np.concatenate(rows))
+
+
+@njit(error_model="numpy")
+def number(data, entry):  # type: ignore[no-untyped-def]
+    """An entry that is one number."""
+    return data.numbers[data.shapes[entry, 0]]
+
+
+@njit(error_model="numpy")
+def vector(data, entry):  # type: ignore[no-untyped-def]
+    """An entry of one axis."""
+    begin = data.shapes[entry, 0]
+    return data.numbers[begin : begin + data.shapes[entry, 1]]
+
+
+@njit(error_model="numpy")
+def matrix(data, entry):  # type: ignore[no-untyped-def]
+    """An entry of two axes."""
+    begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
+    return data.numbers[begin : begin + n * m].reshape((n, m))
+
+
+@njit(error_model="numpy")
+def tensor(data, entry):  # type: ignore[no-untyped-def]
+    """An entry of three axes."""
+    begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
+    many = data.shapes[entry, 3]
+    return data.numbers[begin : begin + n * m * many].reshape((n, m, many))
+
+
+@njit(error_model="numpy")
+def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
+    """An entry of four axes."""
+    begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
+    k, l = data.shapes[entry, 3], data.shapes[entry, 4]
+    return data.numbers[begin : begin + n * m * k * l].reshape((n, m, k, l))
+
+
+@njit(error_model="numpy")
+def integers(data, entry):  # type: ignore[no-untyped-def]
+    """An entry of one axis, of 32-bit whole numbers."""
+    begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
+    return data.numbers[begin : begin + (n + 1) // 2].view(np.int32)[:n]
+
+
+@njit(error_model="numpy")
+def part(data, entry):  # type: ignore[no-untyped-def]
+    """An entry that is another force, a `Part`."""
+    begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
+    first, rows = data.shapes[entry, 2], data.shapes[entry, 3]
+    within = Data(data.numbers[begin : begin + n], data.shapes[first : first + rows])
+    return Part(data.shapes[entry, 5], within)
+
+
+DATA = typeof(Data(np.zeros(0), np.zeros((0, _COLUMNS), np.int64)))
+"""Numba's type of `Data`"""

@@ -1,0 +1,144 @@
+"""What a force is: a compiled kernel and its data, which adds to what acts on a bead.
+
+A kernel has the signature `kernel(pose, data, wrench)` with the types below, the same for every
+force, so that the loops that follow a bead are compiled once, and forces are put together from
+others without compiling anything.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit, typeof, types
+from numpy.typing import NDArray
+
+from tweezer.compiled import address, cached_njit, call
+from tweezer.forces.data import DATA, Data, Part
+
+Array = NDArray[np.float64]
+Kernel = Callable[[Any, Data, Any], None]
+
+
+class Pose(NamedTuple):
+    """When and where n beads are, and how they are turned."""
+
+    time: Array
+    """(n,) s"""
+    position: Array
+    """(n, 3) m from the focus"""
+    orientation: Array
+    """(n, 4) Euler parameters of length 1; (0, 4) where no rotation is followed"""
+
+
+class Wrench(NamedTuple):
+    """What acts on n beads, in the inertial frame. A kernel adds to it."""
+
+    force: Array
+    """(n, 3) N"""
+    moment: Array
+    """(n, 3) N m"""
+    force_gradient: Array
+    """(n, 3, 3) N/m, [i, j] = dF_i/dx_j; (0, 3, 3) where it is not asked for"""
+    moment_gradient: Array
+    """(n, 3, 3) N, [i, j] = dM_i/dx_j; (0, 3, 3) where it is not asked for"""
+    error: Array
+    """(n,) N, of the force: an estimate or a bound; NaN where none is known"""
+
+
+class Force(ABC):
+    """Something that pushes and turns a bead."""
+
+    @property
+    def oriented(self) -> bool:
+        """Whether a rotation must be followed for it: it depends on how the bead is turned."""
+        return False
+
+    @property
+    def steady(self) -> bool:
+        """Whether it does not change in time."""
+        return True
+
+    def kinks(self, end: float) -> Array:  # noqa: ARG002
+        """Times in (0, end), s, at which it jumps or bends."""
+        return np.zeros(0)
+
+    @abstractmethod
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """Its kernel, which adds the gradients only if they are asked for, and its data."""
+
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """What it does at `positions` (n, 3) m from the focus, and its gradients if asked.
+
+        time: s, or (n,). orientations: (n, 4) Euler parameters, for a force that depends on them.
+        What is not asked for, or not exerted, is zero.
+        """
+        wrench = no_wrench(len(positions), gradient=gradient)
+        kernel, data = self.compiled(gradient=gradient)
+        kernel(standing(positions, time, orientations), data, wrench)
+        return wrench
+
+    def error_of(self, positions: Array, field: Wrench) -> Array:  # noqa: ARG002
+        """Error of the force of `field`, which is this one's at `positions`, (n,) N."""
+        return field.error
+
+
+def no_wrench(n: int, *, gradient: bool) -> Wrench:
+    """Zeros for n beads, to be added to."""
+    gradients = n if gradient else 0
+    return Wrench(
+        np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
+        np.zeros((gradients, 3, 3)), np.zeros(n),
+    )  # fmt: skip
+
+
+def standing(
+    positions: Array, time: float | Array = 0.0, orientations: Array | None = None
+) -> Pose:
+    """Beads at `positions` (n, 3) m, at one time or (n,)."""
+    turned = np.zeros((0, 4)) if orientations is None else orientations
+    # of other layouts a kernel would be compiled once more
+    places = np.ascontiguousarray(positions, dtype=np.float64)
+    return Pose(np.full(len(places), time, np.float64), places, np.ascontiguousarray(turned))
+
+
+def bound(force: Force, *, gradient: bool) -> Part:
+    """A force as compiled loops take it."""
+    kernel, data = force.compiled(gradient=gradient)
+    return Part(address(kernel, KERNEL), data)
+
+
+@njit(error_model="numpy")
+def add(part, pose, wrench):  # type: ignore[no-untyped-def]
+    """Add what a force does to `wrench`."""
+    call(part.kernel, (pose, part.data, wrench))
+
+
+@njit(error_model="numpy")
+def clear(wrench):  # type: ignore[no-untyped-def]
+    """Put everything to zero."""
+    wrench.force[:] = 0.0
+    wrench.moment[:] = 0.0
+    wrench.force_gradient[:] = 0.0
+    wrench.moment_gradient[:] = 0.0
+    wrench.error[:] = 0.0
+
+
+POSE = typeof(Pose(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4))))
+WRENCH = typeof(no_wrench(0, gradient=True))
+KERNEL = types.void(POSE, DATA, WRENCH)
+"""signature of a kernel"""
+
+
+@cached_njit(KERNEL)
+def no_force(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """The kernel of what does nothing."""
