@@ -390,9 +390,11 @@ def test_a_failed_run_keeps_what_it_reached(command_line, monkeypatch, method):
     def inputs_that_fail_near_the_focus(self, names):
         evaluate = sound(self, names)
 
-        def inputs(states):
+        def inputs(times, states):
             near = np.linalg.norm(states[:, :3], axis=1).min() < 4e-6
-            return [np.full_like(value, np.nan) if near else value for value in evaluate(states)]
+            return [
+                np.full_like(value, np.nan) if near else value for value in evaluate(times, states)
+            ]
 
         return inputs
 

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         Trap,
     )
     from tweezer.compiled import Compilation
+    from tweezer.equilibria import Equilibrium
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
@@ -1016,8 +1017,9 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
     if characterised.fraction_through_pupil is not None:
         power += f", {100 * characterised.fraction_through_pupil:.4g} % of the beam"
     table.add_row("power through the pupil", power)
-    table.add_row("backward Q, largest", _efficiency(characterised.backward_efficiency))
-    table.add_row("lateral Q, largest", _efficiency(characterised.lateral_efficiency))
+    if scene.plain:
+        table.add_row("backward Q, largest", _efficiency(characterised.backward_efficiency))
+        table.add_row("lateral Q, largest", _efficiency(characterised.lateral_efficiency))
     place, frequencies = characterised.equilibrium, characterised.corner_frequencies
     if place is None or frequencies is None:
         table.add_row("equilibrium", "no stable equilibrium")
@@ -1025,8 +1027,8 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
         (kx, kxy, _), (_, ky, _), (_, _, kz) = place.stiffness
         worth = characterised.ray_optics
         doubt = "" if worth is None or worth.trusted else ", not to be trusted"
-        height = f"z = {_micrometres(place.position[2])} um"
-        table.add_row("stable equilibrium", f"{height}, {doubt[2:] or 'on the axis'}")
+        where = f"z = {_micrometres(place.position[2])} um, {doubt[2:] or 'on the axis'}"
+        table.add_row("stable equilibrium", where if scene.plain else f"{_where(place)}{doubt}")
         if worth and worth.equilibrium_shift:
             low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
             table.add_row("  by wave optics", f"{low} to {high} um from there")
@@ -1038,16 +1040,25 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
             across, along = between(worth.stiffness_across), between(worth.stiffness_along)
             table.add_row("  by wave optics", f"{across} times that, z {along} times")
         table.add_row("corner frequencies", f"{_three(*frequencies)} Hz{doubt}")
-    unstable = [place for place in characterised.equilibria if not place.stable]
-    if unstable:
-        heights = ", ".join(_micrometres(place.position[2]) for place in unstable)
+    unstable = [each for each in characterised.equilibria if not each.stable]
+    if unstable and scene.plain:
+        heights = ", ".join(_micrometres(each.position[2]) for each in unstable)
         table.add_row("unstable equilibria", f"z = {heights} um")
+    elif not scene.plain:
+        for each in characterised.equilibria:
+            if each is not place:
+                kind = "another equilibrium" if each.stable else "unstable equilibrium"
+                table.add_row(kind, _where(each))
     error = characterised.force_error
     table.add_row("error of the force", f"{1e12 * error:.1g} pN")
     table.add_row("force by", characterised.evaluator)
     _out.print(table)
     if characterised.escapes:
         _print_escapes(characterised)
+
+
+def _where(place: Equilibrium) -> str:
+    return f"{', '.join(map(_micrometres, place.position))} um"
 
 
 def _print_escapes(characterised: Trap) -> None:

@@ -1,13 +1,14 @@
-"""Where light and weight cancel on the beam's axis, and whether they hold the bead there."""
+"""Where the forces on a bead cancel, and whether they hold the bead there."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import bisect
+from scipy.optimize import bisect, root
 
 from tweezer.forces.force import Force
 
@@ -23,6 +24,12 @@ REACH, SPACING = 20.0, 0.02
 
 #: to how much a zero is located, in radii
 _ZERO = 1e-14
+#: radii from where it is sought that an equilibrium off the axis may be
+_NEAR = 3.0
+#: radii between two places that are two equilibria
+_SAME = 1e-3
+#: part of the force beside it that may be left at an equilibrium off the axis
+_VANISHED = 1e-7
 
 FOCUS: Point = (0.0, 0.0, 0.0)
 
@@ -35,7 +42,7 @@ DIRECTIONS: dict[str, Point] = {
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A place on the beam's axis where light and weight cancel."""
+    """A place where all forces but drag cancel."""
 
     position: Point
     """m from the focus"""
@@ -53,7 +60,7 @@ class Equilibrium:
 def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
     """The stable one nearest the focus."""
     stable = (place for place in every if place.stable)
-    return min(stable, key=lambda place: abs(place.position[2]), default=None)
+    return min(stable, key=lambda place: math.hypot(*place.position), default=None)
 
 
 def equilibria(radius: float, force: Force, net_force: NetForce) -> Iterator[Equilibrium]:
@@ -61,26 +68,73 @@ def equilibria(radius: float, force: Force, net_force: NetForce) -> Iterator[Equ
 
     force: whose gradient is the stiffness.
     """
-    r = radius
-    axial = along(net_force, FOCUS, "+z")
-    z = line(-REACH, r)
+    for zero in _zeros_on_axis(FOCUS, radius, net_force):
+        yield _equilibrium(np.array([0.0, 0.0, zero]), radius, force, net_force)
+
+
+def equilibria_about(
+    foci: Array, radius: float, force: Force, net_force: NetForce
+) -> Iterator[Equilibrium]:
+    """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
+
+    They are sought by Newton's method (`scipy.optimize.root`) from the focus and from every change
+    of sign of the axial force on its axis.
+    """
+    found: list[Array] = []
+    for focus in foci:
+        zeros = [0.0, *_zeros_on_axis(point(focus), radius, net_force)]
+        for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
+            place = _vanishing(start, radius, force, net_force)
+            if place is not None and all(
+                np.linalg.norm(place - other) > _SAME * radius for other in found
+            ):
+                found.append(place)
+                yield _equilibrium(place, radius, force, net_force)
+
+
+def _zeros_on_axis(focus: Point, radius: float, net_force: NetForce) -> Iterator[float]:
+    """Changes of sign of the axial force along the axis through a focus, m from there."""
+    axial = along(net_force, focus, "+z")
+    z = line(-REACH, radius)
     sign = np.sign(axial(z))
     z, sign = z[sign != 0], sign[sign != 0]
     for i in np.flatnonzero(np.diff(sign)):
         rising = sign[i + 1] > 0
-        zero = end_of_pull(opposite(axial) if rising else axial, z[i], z[i + 1], _ZERO * r)
-        place = np.array([[0.0, 0.0, zero]])
-        gradient = force.field(place, gradient=True).force_gradient[0]
-        eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
-        steps = SPACING * r * np.array(list(DIRECTIONS.values()))
-        pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
-        yield Equilibrium(
-            position=point(place[0]),
-            stable=bool(eigenvalues[0] > 0 and pulled_back),
-            stiffness=tuple(point(-row) for row in gradient),  # type: ignore[arg-type]
-            eigenvalues=point(eigenvalues),
-            residual=float(np.linalg.norm(net_force(place))),
-        )
+        pull = opposite(axial) if rising else axial
+        yield end_of_pull(pull, z[i], z[i + 1], _ZERO * radius)
+
+
+def _vanishing(start: Array, radius: float, force: Force, net_force: NetForce) -> Array | None:
+    """The place near `start` where the net force vanishes; None if there is none."""
+    size = float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
+    if size == 0.0:
+        return None
+
+    def scaled(place: Array) -> Array:
+        return net_force(radius * place[None])[0] / size
+
+    def gradient(place: Array) -> Array:
+        return force.field(radius * place[None], gradient=True).force_gradient[0] * radius / size
+
+    found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
+    place: Array = found.x * radius
+    near = np.linalg.norm(place - start) < _NEAR * radius
+    return place if near and np.abs(scaled(found.x)).max() < _VANISHED else None
+
+
+def _equilibrium(place: Array, radius: float, force: Force, net_force: NetForce) -> Equilibrium:
+    """What there is to know about a place where the net force vanishes, (3,) m."""
+    gradient = force.field(place[None], gradient=True).force_gradient[0]
+    eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
+    steps = SPACING * radius * np.array(list(DIRECTIONS.values()))
+    pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+    return Equilibrium(
+        position=point(place),
+        stable=bool(eigenvalues[0] > 0 and pulled_back),
+        stiffness=tuple(point(-row) for row in gradient),  # type: ignore[arg-type]
+        eigenvalues=point(eigenvalues),
+        residual=float(np.linalg.norm(net_force(place[None]))),
+    )
 
 
 def line(start: float, radius: float) -> Array:

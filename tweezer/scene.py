@@ -12,12 +12,10 @@ import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
-    ConfigDict,
     Field,
     StrictBool,
     StrictInt,
@@ -26,6 +24,15 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from tweezer.courses import (
+    Modulation,
+    Motion,
+    Section,
+    Vector,
+    Velocity,
+    refusal,
+    with_tables,
+)
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.units import (
     BEAD_RADIUS,
@@ -35,14 +42,12 @@ from tweezer.units import (
     BeadRadius,
     BeamSigma,
     Density,
-    Length,
     LossDistance,
     MomentOfInertia,
     PositiveLength,
     PositiveTime,
     Power,
     Quantity,
-    Speed,
     Temperature,
     Viscosity,
     complex_number,
@@ -94,8 +99,6 @@ _NOT_TOML = (ValueError, RecursionError)
 
 RefractiveIndex = Annotated[float, Quantity("", 1, 10)]
 EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
-Vector = Annotated[tuple[Length, Length, Length], entries(3)]
-Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
 AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
 Orientation = Annotated[
     tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
@@ -120,12 +123,6 @@ def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitud
 Jones = Annotated[tuple[Amplitude, Amplitude], entries(2), AfterValidator(_normalised)]
 
 
-class Section(BaseModel):
-    """A part of a scene: immutable, and no key it does not know."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
 def _with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
     """`data` with `other` rewritten as `key` = `other`/2; exactly one must be there."""
     if not isinstance(data, dict):
@@ -138,7 +135,7 @@ def _with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
     try:
         half = to_si(value, "m", 2 * low, 2 * high) / 2
     except ValueError as error:
-        raise _refusal(f"{other} = {value!r}: {error}") from None
+        raise refusal(f"{other} = {value!r}: {error}") from None
     return {**data, key: half}
 
 
@@ -146,11 +143,7 @@ def _exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
     given = [name for name in (key, other) if data.get(name) is not None]
     if len(given) != 1:
         both = "not both" if given else "one is needed"
-        raise _refusal(f"{key} or {other}: {both}")
-
-
-def _refusal(reason: str) -> PydanticCustomError:
-    return PydanticCustomError("scene", "{reason}", {"reason": reason})
+        raise refusal(f"{key} or {other}: {both}")
 
 
 class Bead(Section):
@@ -173,7 +166,7 @@ class Bead(Section):
         if self.moments_of_inertia:
             largest = max(self.moments_of_inertia)
             if largest > sum(self.moments_of_inertia) - largest:
-                raise _refusal(
+                raise refusal(
                     f"moments_of_inertia = {list(self.moments_of_inertia)}: no body has a moment "
                     "larger than the sum of the other two"
                 )
@@ -208,9 +201,9 @@ class Lens(Section):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if self.map == "tan" and self.focal_length is None:
-            raise _refusal("focal_length: missing; the tan map needs it")
+            raise refusal("focal_length: missing; the tan map needs it")
         if self.map == "sine" and self.numerical_aperture is None:
-            raise _refusal("numerical_aperture: missing; the sine map needs it")
+            raise refusal("numerical_aperture: missing; the sine map needs it")
         return self
 
 
@@ -261,6 +254,18 @@ class Beam(Section):
     divisions: Annotated[StrictInt, Field(ge=3, le=5000)] = Field(
         100, description="n_div, squares across the pupil (3.1)"
     )
+    position: Vector = Field(
+        (0.0, 0.0, 0.0), description="where the beam's focus is, from the origin of the scene"
+    )
+    direction: Literal["up", "down"] = Field(
+        "up",
+        description="up: the light goes along +z; down: it comes through a second lens from above, "
+        "along -z, turned by 180 degrees about x",
+    )
+    motion: Motion | None = Field(None, description="how the focus moves; at rest if not given")
+    modulation: Modulation | None = Field(
+        None, description="how the power changes; not at all if not given"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -279,13 +284,13 @@ class Beam(Section):
             choice, given = getattr(self, chooser), getattr(self, key) is not None
             name = "sigma or waist" if key == "sigma" else key
             if given and choice not in choices:
-                raise _refusal(
+                raise refusal(
                     f"{name}: not for {chooser} = {choice!r}, only for {' and '.join(choices)}"
                 )
             if not given and choice in choices:
                 if key == "sigma":
-                    raise _refusal(f"{name}: one is needed")
-                raise _refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
+                    raise refusal(f"{name}: one is needed")
+                raise refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
         return self
 
     @model_validator(mode="after")
@@ -299,19 +304,19 @@ class Beam(Section):
         if self.profile_radius is None or self.profile_intensity is None:
             return self
         if len(self.profile_radius) != len(self.profile_intensity):
-            raise _refusal(
+            raise refusal(
                 f"profile_intensity: has {len(self.profile_intensity)} entries; must have as many "
                 f"as profile_radius, {len(self.profile_radius)}"
             )
         if self.profile_radius[0] != 0:
-            raise _refusal(f"profile_radius.0 = {self.profile_radius[0]}: must be 0")
+            raise refusal(f"profile_radius.0 = {self.profile_radius[0]}: must be 0")
         for i, (radius, larger) in enumerate(itertools.pairwise(self.profile_radius), start=1):
             if larger < max(radius * (1 + 1e-12), 1e-18):
-                raise _refusal(
+                raise refusal(
                     f"profile_radius.{i} = {larger}: must be larger than the one before, {radius}"
                 )
         if max(self.profile_intensity) < 1e-100:
-            raise _refusal("profile_intensity: must not all be 0")
+            raise refusal("profile_intensity: must not all be 0")
         return self
 
 
@@ -341,13 +346,13 @@ class Start(Section):
     @model_validator(mode="after")
     def _some_ball(self) -> Self:
         if (self.drawn == "ball") != (self.ball_radius is not None):
-            raise _refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
+            raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
         return self
 
     @model_validator(mode="after")
     def _some_orientation(self) -> Self:
         if math.hypot(*self.orientation) < 1e-100:
-            raise _refusal(
+            raise refusal(
                 f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0"
             )
         return self
@@ -446,9 +451,9 @@ class Simulation(Section):
     @model_validator(mode="after")
     def _scaled_by(self) -> Self:
         if self.model == "scaled" and self.scaling_factor is None:
-            raise _refusal("scaling_factor: missing; the scaled model needs it")
+            raise refusal("scaling_factor: missing; the scaled model needs it")
         if self.step is not None and self.method.startswith("scipy:"):
-            raise _refusal("step: only the compiled methods take fixed steps")
+            raise refusal("step: only the compiled methods take fixed steps")
         return self
 
 
@@ -470,6 +475,9 @@ class Scene(Section):
     medium: Medium
     lens: Lens
     beam: Beam
+    more_beams: Annotated[tuple[Beam, ...], Field(max_length=100)] = Field(
+        (), description="of a file with several [[beam]]: all but the first"
+    )
     start: Start
     forces: Forces = Field(default_factory=Forces)
     optics: Optics = Field(default_factory=Optics)
@@ -477,7 +485,7 @@ class Scene(Section):
 
     def __repr__(self) -> str:
         """In short: the bead, the power, and what differs from the shipped scene of this name."""
-        power = self.beam.power_through_pupil or self.beam.power or 0.0
+        power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self.beams)
         told = f"{2e6 * self.bead.radius:.4g} um bead, {1e3 * power:.4g} mW"
         if self.name in (shipped := shipped_scenes()):
             here = by_key(self.model_dump())
@@ -488,35 +496,67 @@ class Scene(Section):
 
     __str__ = __repr__
 
+    @model_validator(mode="before")
+    @classmethod
+    def _several_beams(cls, data: Any) -> Any:
+        if isinstance(data, dict) and isinstance(beams := data.get("beam"), list | tuple):
+            if not beams:
+                raise refusal("beam: at least one is needed")
+            data = {**data, "beam": beams[0], "more_beams": list(beams[1:])}
+        return data
+
+    @property
+    def beams(self) -> tuple[Beam, ...]:
+        """All beams."""
+        return self.beam, *self.more_beams
+
+    @property
+    def plain(self) -> bool:
+        """Whether there is one beam only, along z through the origin, always the same."""
+        beam = self.beam
+        still = beam.motion is None and beam.modulation is None
+        return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
+
+    def with_one_beam(self, beam: Beam) -> Scene:
+        """The scene with that beam alone, along z through the origin, always the same."""
+        at_rest = {
+            "position": (0.0, 0.0, 0.0),
+            "direction": "up",
+            "motion": None,
+            "modulation": None,
+        }
+        return self.model_copy(update={"beam": beam.model_copy(update=at_rest), "more_beams": ()})
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         aperture = self.lens.numerical_aperture
         if self.lens.map == "sine" and aperture and aperture >= self.medium.refractive_index:
-            raise _refusal(
+            raise refusal(
                 f"lens.numerical_aperture = {aperture}: must be less than "
                 f"medium.refractive_index = {self.medium.refractive_index} for the sine map"
             )
-        if self.lit and self.optics.evaluator == "grid":
-            self._wider_than_a_square()
-        if self.optics.evaluator == "map" and self.beam.polarisation == "linear":
-            raise _refusal(NO_MAP)
+        for beam in self.beams:
+            if self.lit and self.optics.evaluator == "grid":
+                self._wider_than_a_square(beam)
+            if self.optics.evaluator == "map" and beam.polarisation == "linear":
+                raise refusal(NO_MAP)
         self._thermal()
         if self.start.frame == "lens" and self.lens.focal_length is None:
-            raise _refusal("start.frame = 'lens': needs lens.focal_length")
+            raise refusal("start.frame = 'lens': needs lens.focal_length")
         x, y, z = self.start_position
         ball = self.start.ball_radius or 0.0
         lens = -math.inf
         if self.lens.focal_length is not None:
             lens = self.bead.radius - self.lens.focal_length
         if z - ball <= lens:
-            raise _refusal(
+            raise refusal(
                 f"start.position = {list(self.start.position)}: the bead must start beyond the "
                 "lens, by more than its radius"
             )
         distance = math.hypot(x, y, z) + ball
         if distance >= self.simulation.loss_distance:
             to = "and its ball reach to" if ball else "is"
-            raise _refusal(
+            raise refusal(
                 f"start.position = {list(self.start.position)}: {to} {distance:.3g} m "
                 "from the focus; must be nearer than simulation.loss_distance = "
                 f"{self.simulation.loss_distance:.3g} m"
@@ -528,50 +568,58 @@ class Scene(Section):
         method, model = self.simulation.method, self.simulation.model
         if not self.forces.brownian:
             if method in STOCHASTIC:
-                raise _refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
+                raise refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
             if self.start.drawn != "no":
-                raise _refusal(f"start.drawn = {self.start.drawn!r}: is for forces.brownian = true")
+                raise refusal(f"start.drawn = {self.start.drawn!r}: is for forces.brownian = true")
             if self.forces.brownian_torque:
-                raise _refusal("forces.brownian_torque = True: needs forces.brownian = true")
+                raise refusal("forces.brownian_torque = True: needs forces.brownian = true")
             return
         if method not in ("auto", *STOCHASTIC):
-            raise _refusal(
+            raise refusal(
                 f"simulation.method = {method!r}: draws no thermal motion; allowed with "
                 f"forces.brownian: auto, {', '.join(STOCHASTIC)}"
             )
         if model == "first-order" and (self.rotates or method not in ("auto", "heun")):
-            raise _refusal(
+            raise refusal(
                 "simulation.model = 'first-order': with thermal motion by heun alone, and without "
                 "rotation"
             )
-        if method == "harmonic" and self.beam.torque != "none" and self.lit:
-            raise _refusal(
+        if method == "harmonic" and not self._at_rest:
+            raise refusal(
+                "simulation.method = 'harmonic': the spring is at rest; not with beam.motion or "
+                "beam.modulation"
+            )
+        if method == "harmonic" and self.lit and any(each.torque != "none" for each in self.beams):
+            raise refusal(
                 "simulation.method = 'harmonic': a spring exerts no torque; allowed: "
                 "beam.torque = 'none'"
             )
         if method == "baoab" and model == "overdamped":
-            raise _refusal("simulation.method = 'baoab': needs inertia, not model = 'overdamped'")
+            raise refusal("simulation.method = 'baoab': needs inertia, not model = 'overdamped'")
         if self.rotates and self.bead.moments_of_inertia and model != "overdamped":
-            raise _refusal(
+            raise refusal(
                 "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
                 "sphere; allowed: model = 'overdamped', or no moments"
             )
 
-    def _wider_than_a_square(self) -> None:
+    def _wider_than_a_square(self, beam: Beam) -> None:
         """Refuse a beam that the grid of rays would not see."""
-        beam = self.beam
         half_side = self.lens.radius / beam.divisions
         if beam.sigma is not None and beam.sigma < half_side:
-            raise _refusal(
+            raise refusal(
                 f"beam.sigma = {beam.sigma:.3g}: must be at least {half_side:.3g} m, half the "
                 f"side of a square of the grid, for {beam.divisions} beam.divisions"
             )
         if beam.profile_radius is not None and beam.profile_radius[-1] < 2 * half_side:
-            raise _refusal(
+            raise refusal(
                 f"beam.profile_radius ends at {beam.profile_radius[-1]:.3g}: must reach "
                 f"{2 * half_side:.3g} m, the side of a square of the grid, for {beam.divisions} "
                 "beam.divisions"
             )
+
+    @property
+    def _at_rest(self) -> bool:
+        return all(each.motion is None and each.modulation is None for each in self.beams)
 
     def __eq__(self, other: object) -> bool:
         """Whether both describe the same, however they came about."""
@@ -613,14 +661,15 @@ class Scene(Section):
     @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
-        turned_by_light = self.beam.torque == "thesis" and self.lit
+        turned_by_light = self.lit and any(beam.torque == "thesis" for beam in self.beams)
         turned = turned_by_light or any(self.start.angular_velocity)
         return turned or self.forces.brownian_torque
 
     @property
     def lit(self) -> bool:
         """Whether there is any light."""
-        return self.forces.optical and bool(self.beam.power or self.beam.power_through_pupil)
+        lit = any(beam.power or beam.power_through_pupil for beam in self.beams)
+        return self.forces.optical and lit
 
     def replace(self, **sections: Any) -> Scene:
         """A changed copy, validated again.
@@ -654,10 +703,12 @@ class Scene(Section):
 
         changed = {key: text for key, text in self.changed.items() if not differs(key)}
         for section, given in sections.items():
-            if isinstance(getattr(replaced, section), Section):
-                for key, value in dict(given).items():
+            if isinstance(getattr(replaced, section), Section) and isinstance(given, Mapping):
+                for key, value in given.items():
                     if differs(f"{section}.{key}"):
                         changed[f"{section}.{key}"] = _as_text(value)
+        if replaced.more_beams != self.more_beams:
+            changed["beam"] = f"{len(replaced.beams)} of them"
         return dict(sorted(changed.items()))
 
     def decided(self, **simulation: Any) -> Scene:
@@ -667,6 +718,8 @@ class Scene(Section):
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
         data = self.model_dump(exclude_none=True)
+        if isinstance(sections.get("beam"), list | tuple):
+            del data["more_beams"]
         for section, changes in sections.items():
             if isinstance(changes, Mapping) and isinstance(data.get(section), dict):
                 kept = {
@@ -674,10 +727,19 @@ class Scene(Section):
                     for key, value in data[section].items()
                     if not _displaced(key, section, changes)
                 }
-                data[section] = {**kept, **changes}
+                data[section] = kept | {
+                    key: _within(kept.get(key), value) for key, value in changes.items()
+                }
             else:
                 data[section] = changes
         return _validated(data, sections)
+
+
+def _within(before: Any, change: Any) -> Any:
+    """A section within a section, changed; one of another kind takes its place."""
+    if isinstance(change, Mapping) and isinstance(before, dict) and "kind" not in change:
+        return {**before, **change}
+    return change
 
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
@@ -722,7 +784,11 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
     numbers without a unit that are unusual in the SI unit.
     """
     if isinstance(source, Mapping):
-        return _validated(dict(source), source)
+        try:
+            data = with_tables(source, Path())
+        except ValueError as error:
+            raise SceneError(str(error)) from None
+        return _validated(data, source)
     name = str(source)
     if not name:
         raise SceneError("no scene is named: must be a shipped scene or a TOML file")
@@ -739,6 +805,10 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
         raise SceneError(f"{name!r}: not valid TOML: {error}") from None
     except OSError as error:
         raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
+    try:
+        data = with_tables(data, path.parent)
+    except ValueError as error:
+        raise SceneError(f"{name!r}: {error}") from None
     return _validated({"name": path.stem, **data}, data)
 
 
@@ -760,11 +830,15 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         section, dot, name = key.partition(".")
         if not dot:
             raise SceneError(f"{key!r}: must be section.key, such as beam.power")
+        within = sections.setdefault(section, {})
+        *parts, name = name.split(".")
+        for part in parts:  # of a section within: beam.motion.velocity
+            within = within.setdefault(part, {})
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except _NOT_TOML:
             value = {"True": True, "False": False}.get(text, text)
-        sections.setdefault(section, {})[name] = value
+        within[name] = value
     return scene.replace(**sections)
 
 
@@ -789,6 +863,9 @@ def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
 def _doubts(given: Mapping[str, Any]) -> Iterator[str]:
     """One line for each number without a unit that is unusual in the SI unit."""
     for section, values in given.items():
+        if section == "beam" and isinstance(values, list | tuple):
+            for beam in values:
+                yield from _doubts({"beam": beam})
         fields = getattr(Scene.model_fields[section].annotation, "model_fields", {})
         if not isinstance(values, Mapping) or not fields:
             continue
@@ -804,7 +881,10 @@ def _doubts(given: Mapping[str, Any]) -> Iterator[str]:
 def _lines(error: ValidationError) -> Iterator[str]:
     """One line per bad value, in the order of the scene."""
     for details in error.errors(include_url=False):
-        key = ".".join(str(part) for part in details["loc"])
+        where = details["loc"]
+        if where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
+            where = ("beam", int(where[1]) + 1, *where[2:])
+        key = ".".join(str(part) for part in where)
         if details["type"] == "scene":
             yield f"{key}.{details['msg']}" if key else details["msg"]
         elif details["type"] == "missing":
@@ -840,12 +920,20 @@ def _clipped(text: str) -> str:
 def _known_keys(details: ErrorDetails) -> str:
     section: Any = Scene
     for part in details["loc"][:-1]:
-        section = section.model_fields[str(part)].annotation
+        if not isinstance(part, int):  # the number of a beam
+            section = _section_of(section.model_fields[str(part)].annotation)
     keys = [key for key in section.model_fields if key != "changed"]
     for pair in ALTERNATIVES.get(str(details["loc"][0]), ()):
         keys += [key for key in pair if key not in keys]
     near = difflib.get_close_matches(str(details["loc"][-1]), keys, n=1)
     return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
+
+
+def _section_of(annotation: Any) -> Any:
+    """The section within annotations such as `Motion | None` or `tuple[Beam, ...]`."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return annotation
+    return next(filter(None, map(_section_of, get_args(annotation))), None)
 
 
 def _allowed(details: ErrorDetails) -> str:

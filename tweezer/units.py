@@ -35,6 +35,8 @@ _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
 _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
+#: of a frequency alone: as an angular speed pint takes 1 Hz as 1 rad/s
+_HERTZ = re.compile(r"[mkM]?Hz|1/s")
 #: how each SI unit is usually written, the likeliest first
 _USUAL = {
     "m": ("um", "nm", "mm", "m"),
@@ -45,6 +47,8 @@ _USUAL = {
     "kg/m^3": ("g/cm^3", "kg/m^3"),
     "m/s": ("um/s", "mm/s", "m/s"),
     "rad/s": ("rad/s", "deg/s", "rpm"),
+    "1/s": ("Hz", "kHz"),
+    "rad": ("rad", "deg"),
 }
 
 
@@ -81,7 +85,7 @@ def _or_text(unit: str) -> str:
 
 
 def _example(unit: str) -> str:
-    examples = {"m": '"500 nm"', "W": '"80 mW"', "K": '"20 degC"', "s": '"20 ms"'}
+    examples = {"m": '"500 nm"', "W": '"80 mW"', "K": '"20 degC"', "s": '"20 ms"', "1/s": '"50 Hz"'}
     return examples.get(unit, f'"1.0 {unit}"')
 
 
@@ -94,7 +98,8 @@ def _from_text(text: str, unit: str) -> float:
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
     try:
-        if not _UNIT.fullmatch(match["unit"]):
+        known = _HERTZ if unit == "1/s" else _UNIT
+        if not known.fullmatch(match["unit"]):
             raise ValueError(f"has a unit that is not known; {_convertible(match['unit'], unit)}")
         quantity = registry().Quantity(float(match["number"]), match["unit"].replace("·", "*"))
         return float(quantity.to(unit).magnitude)
@@ -231,5 +236,7 @@ Viscosity = Annotated[float, Quantity("Pa s", 1e-12, 1e9, usual=(0, 0.3))]
 Temperature = Annotated[float, Quantity("K", *TEMPERATURE)]
 Speed = Annotated[float, Quantity("m/s", -1e6, 1e6, usual=(0, 20))]
 Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
+Frequency = Annotated[float, Quantity("1/s", 1e-6, 1e12)]
+Angle = Annotated[float, Quantity("rad", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
 MomentOfInertia = Annotated[float, Quantity("kg m^2", 1e-50, 1e-3)]

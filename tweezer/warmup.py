@@ -9,7 +9,7 @@ import numpy as np
 from tweezer.dynamics import chosen, walk
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.errors import PhysicsWarning
-from tweezer.optics import light
+from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene
 from tweezer.simulation import simulate
 
@@ -36,7 +36,7 @@ def warm_up(scene: Scene) -> None:
     Of a scene that reads its force from a map, also make that, unless it is made.
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
-        lights = [light(scene)]
+        lights = [light_of_one_beam(scene.with_one_beam(scene.beam))]
         if scene.lit:
             lights.append(lights[0].by_quadrature(scene.optics.tolerance))
         for bound in lights:

@@ -22,7 +22,7 @@ from tweezer.dynamics import bind, integrate, walk
 from tweezer.dynamics.brownian import batch, euler, heun, noise, propagator
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.forces.data import packed
-from tweezer.forces.force import KERNEL, Force
+from tweezer.forces.force import Force
 from tweezer.forces.force import bound as bound_force
 
 #: five standard deviations: one seed in 1.7 million
@@ -48,7 +48,8 @@ def bound(model, method, step, *, samples=2, per_sample=1, seed=1, **sections):
         "duration": step * per_sample * (samples - 1), "loss_distance": 1.0,
     } | sections.pop("simulation", {})  # fmt: skip
     one = walk(DARK.replace(simulation=simulation, **sections), seed)
-    return dataclasses.replace(one, scene=_with_method(one.scene, method))
+    problem = dataclasses.replace(one.problem, scene=_with_method(one.scene, method))
+    return dataclasses.replace(one, problem=problem)
 
 
 def _with_method(scene, method):
@@ -836,7 +837,7 @@ def test_a_bead_at_rest_is_refused():
         walk(DARK.replace(forces={"brownian": False}))
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def _rising(pose, data, wrench):
     wrench.force[:] += pose.position + 1
     wrench.moment[:] += 10 * pose.position + np.array([1.0, 2.0, 3.0])

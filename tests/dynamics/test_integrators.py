@@ -30,7 +30,6 @@ from tweezer.dynamics import (
 from tweezer.dynamics.integrators import TABLEAUX
 from tweezer.dynamics.solution import Solver
 from tweezer.forces.data import number, packed
-from tweezer.forces.force import KERNEL
 
 COMPILED = ["dormand-prince", "dop853", "exponential"]
 ORDER = {"dormand-prince": 5, "dop853": 8, "exponential": 4}
@@ -426,7 +425,7 @@ def test_an_interrupted_run_is_not_run_again_for_its_error(monkeypatch):
 # --- failures -------------------------------------------------------------------------------------
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def _breaks(pose, data, wrench):
     """A spring that gives NaN within its width of the centre."""
     p = pose.position

@@ -340,7 +340,8 @@ scene = tweezer.Scene.model_validate_json(sys.argv[1])
 print("ready", flush=True)
 sys.stdin.readline()
 force = light(scene).field(np.full((1, 3), 1e-7)).force
-print(len(built), kernels.quadrature_kernel.cache_info().currsize, repr(float(force[0, 2])), flush=True)
+kernels = kernels.quadrature_kernel.cache_info().currsize
+print(len(built), kernels, repr(float(force[0, 2])), flush=True)
 """
 
 

@@ -10,10 +10,10 @@ import numpy as np
 from tweezer.compiled import cached_njit
 from tweezer.dynamics.brownian import propagator
 from tweezer.forces.data import number, packed, vector
-from tweezer.forces.force import KERNEL, Force
+from tweezer.forces.force import Force
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def _spring(pose, data, wrench):
     stiffness, moment = number(data, 0), vector(data, 1)
     for at in range(len(pose.position)):
@@ -24,7 +24,7 @@ def _spring(pose, data, wrench):
                 wrench.force_gradient[at, i, i] -= stiffness
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def _bowl(pose, data, wrench):
     stiffness, quartic = number(data, 0), number(data, 1)
     for at in range(len(pose.position)):
@@ -35,7 +35,7 @@ def _bowl(pose, data, wrench):
                 wrench.force_gradient[at, i, i] -= stiffness + 3.0 * quartic * p**2
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def _well(pose, data, wrench):
     stiffness, width = number(data, 0), number(data, 1)
     for at in range(len(pose.position)):

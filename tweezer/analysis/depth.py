@@ -24,8 +24,8 @@ from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.bead import bead_properties
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
-from tweezer.errors import IntegrationError, ResultError
-from tweezer.optics import light
+from tweezer.errors import IntegrationError, ResultError, SceneError
+from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -264,7 +264,9 @@ class _Likelihood:
     def __init__(self, track: Track, scene: Scene, noise: float | None, fit: Sequence[str]) -> None:
         if scene.beam.polarisation != "linear":
             scene = scene.replace(optics={"evaluator": "map", "table_range": _TABLE})
-        self._light = light(scene)
+        if not scene.plain:
+            raise SceneError("beam: the depth is fitted for one beam at rest, from below")
+        self._light = light_of_one_beam(scene)
         self._kT = Boltzmann * scene.medium.temperature
         self._bead = bead_properties(scene)
         self._velocity = np.array(scene.start.velocity)

@@ -205,13 +205,15 @@ def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float
     nearby = CAPTURE_RADII * scene.bead.radius
     if scene.forces.brownian:
         settled = position[-max(1, len(position) // 10) :].mean(axis=0)
-        force = optical_force(scene, settled) + bead_properties(scene).weight
-        step = _to_stable_equilibrium(scene, settled, force)
+        light_force = optical_force(scene, settled, time=times[-1])
+        force = light_force + bead_properties(scene).weight
+        step = _to_stable_equilibrium(scene, settled, times[-1], force)
         near = np.linalg.norm(position - (settled + step), axis=1) < nearby
         if not (np.linalg.norm(step) < scene.bead.radius and near.any()):
             return "not captured", float(times[-1]), settled
         return "captured", float(times[near.argmax()]), settled + step
-    step = _to_stable_equilibrium(scene, position[-1], run["net_force"].values[-1])
+    last = run["net_force"].values[-1]
+    step = _to_stable_equilibrium(scene, position[-1], times[-1], last)
     if not np.linalg.norm(step) < nearby:
         return "not captured", float(times[-1]), position[-1]
     rest = position[-1] + step
@@ -220,11 +222,12 @@ def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float
     return "captured", float(times[last_away + 1]), rest
 
 
-def _to_stable_equilibrium(scene: Scene, place: Array, force: Array) -> Array:
-    """The Newton step from a place, where the net force is that, to where no force is left;
-    infinite if the forces there do not drive the bead back from every side.
+def _to_stable_equilibrium(scene: Scene, place: Array, time: float, force: Array) -> Array:
+    """The Newton step from a place, where the net force is that, to where no force is left.
+
+    time: s. Infinite if the forces there do not drive the bead back from every side.
     """
-    gradient = optical_jacobian(scene, place)
+    gradient = optical_jacobian(scene, place, time=time)
     if np.linalg.eigvalsh(gradient + gradient.T).max() >= 0:
         return np.full(3, math.inf)
     return np.linalg.solve(gradient, -force).astype(float)

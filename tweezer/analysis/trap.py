@@ -23,7 +23,6 @@ from tweezer.equilibria import (
     Point,
     along,
     end_of_pull,
-    equilibria,
     line,
     nearest_stable,
     opposite,
@@ -91,7 +90,7 @@ class Trap:
     lateral_efficiency: Efficiency | None
     """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
     equilibria: tuple[Equilibrium, ...]
-    """by z; may be empty"""
+    """of one beam by z, of several by beam, at the time 0; may be empty"""
     equilibrium: Equilibrium | None
     """the stable one nearest the focus"""
     corner_frequencies: Point | None
@@ -113,10 +112,9 @@ class Trap:
         told = "no stable equilibrium"
         if self.equilibrium is not None:
             stiffness = ", ".join(f"{1e6 * self.equilibrium.stiffness[i][i]:.4g}" for i in range(3))
-            told = (
-                f"equilibrium at z = {1e6 * self.equilibrium.position[2]:.4g} um, stiffness "
-                f"{stiffness} pN/um"
-            )
+            x, y, z = (1e6 * c for c in self.equilibrium.position)
+            place = f"z = {z:.4g}" if x == y == 0.0 else f"({x:.4g}, {y:.4g}, {z:.4g})"
+            told = f"equilibrium at {place} um, stiffness {stiffness} pN/um"
         return f"<Trap by {self.evaluator}, {1e3 * self.power_through_pupil:.4g} mW: {told}>"
 
 
@@ -128,8 +126,9 @@ def characterise(scene: Scene) -> Trap:
 
     Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
     the force is along it. Equilibria are sought there, within 20 radii of the focus; rings of
-    equilibria around the axis are not. The forces have no potential, so stability is that of the
-    overdamped motion beta_v dx/dt = F (5.2). The force beside the place is asked too, since the
+    equilibria around the axis are not. Of several beams, and of one that is moved, they are sought
+    near the axis of each beam, at the time 0. The forces have no potential, so stability is that of
+    the overdamped motion beta_v dx/dt = F (5.2). The force beside the place is asked too, since the
     jumps of the sum over a grid are not in its derivative.
 
     Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
@@ -152,7 +151,7 @@ def characterise(scene: Scene) -> Trap:
     def net_force(points: Array) -> Array:
         return light_force(points) + weight
 
-    places = tuple(equilibria(r, problem.force, net_force))
+    places = problem.equilibria(net_force)
     equilibrium = nearest_stable(places)
     corner_frequencies = None
     escapes: tuple[Escape, ...] = ()
@@ -161,12 +160,13 @@ def characterise(scene: Scene) -> Trap:
         escapes = tuple(
             _escape(scene, net_force, equilibrium.position, name) for name in DIRECTIONS
         )
-    power = cone(scene).power
+    power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
+    given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
     lateral = [_efficiency(light_force, axis, line(0.0, r), unit) for axis in ("+x", "+y")]
     return Trap(
         power_through_pupil=power,
-        fraction_through_pupil=power / total_power(scene.lens, scene.beam) if scene.lit else None,
+        fraction_through_pupil=power / given if given else None,
         backward_efficiency=_efficiency(light_force, "+z", line(-REACH, r), unit),
         lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
         equilibria=places,

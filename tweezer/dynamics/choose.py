@@ -86,7 +86,8 @@ def rates_of_force(problem: Problem) -> Array:
     directions = rng.normal(size=(_PLACES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
-    places = np.vstack([directions * distances, scene.start_position])
+    about = [focus + directions * distances for focus in problem.foci]
+    places = np.vstack([*about, scene.start_position])
     gradient = problem.force.field(places, gradient=True).force_gradient
     sizes: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
     return sizes / problem.bead.drag

@@ -12,11 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.bead import BeadProperties, bead_properties
-from tweezer.equilibria import Equilibrium, equilibria, nearest_stable
+from tweezer.equilibria import (
+    Equilibrium,
+    NetForce,
+    equilibria,
+    equilibria_about,
+    nearest_stable,
+)
 from tweezer.errors import SceneError
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
-from tweezer.optics import Light, light
+from tweezer.optics import Beams, Light, light
 from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
@@ -28,7 +34,7 @@ class Problem:
 
     scene: Scene
     bead: BeadProperties
-    light: Light
+    light: Light | Beams
     others: tuple[Force, ...] = ()
     """forces beside those of the scene"""
 
@@ -46,15 +52,25 @@ class Problem:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
         return self.force.field(positions).force + np.array(self.bead.weight)
 
-    @functools.cached_property
-    def equilibria(self) -> tuple[Equilibrium, ...]:
-        """Places on the beam's axis where the net force vanishes at the time 0."""
-        return tuple(equilibria(self.scene.bead.radius, self.force, self.net_force))
-
     @property
+    def foci(self) -> Array:
+        """Where the beams' foci are at rest, (beams, 3) m."""
+        return np.array([beam.position for beam in self.scene.beams])
+
+    def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
+        """Places where a net force vanishes.
+
+        Of one beam on its axis; of several, and with other forces, near the axis of each.
+        """
+        radius = self.scene.bead.radius
+        if self.scene.plain and not self.others:
+            return tuple(equilibria(radius, self.force, net_force))
+        return tuple(equilibria_about(self.foci, radius, self.force, net_force))
+
+    @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:
-        """The stable one nearest the focus; None if there is none."""
-        return nearest_stable(self.equilibria)
+        """The stable one nearest the focus at the time 0; None if there is none."""
+        return nearest_stable(self.equilibria(self.net_force))
 
     def changed(self, **simulation: Any) -> Problem:
         """The same with other keys of the scene's `simulation`."""

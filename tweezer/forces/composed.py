@@ -63,7 +63,7 @@ class Sum(Force):
         return _add_all, packed(float(len(parts)), *parts)
 
 
-@cached_njit(KERNEL, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
     for each in range(int(number(data, 0))):
         add(part(data, 1 + each), pose, wrench)
@@ -186,7 +186,7 @@ class Moved(Force):
         )  # fmt: skip
 
 
-@cached_njit(KERNEL, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     force, down = part(data, 0), number(data, 1) > 0.0
     n, gradients = len(pose.time), len(wrench.force_gradient)
@@ -251,7 +251,7 @@ class Differenced(Force):
         return _add_differences, packed(bound(self.force, gradient=False), self.step)
 
 
-@cached_njit(KERNEL, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
     force, step = part(data, 0), number(data, 1)
     n, none = len(pose.time), np.zeros((0, 3, 3))

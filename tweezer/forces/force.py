@@ -139,6 +139,6 @@ KERNEL = types.void(POSE, DATA, WRENCH)
 """signature of a kernel"""
 
 
-@cached_njit(KERNEL)
+@cached_njit()
 def no_force(pose, data, wrench):  # type: ignore[no-untyped-def]
     """The kernel of what does nothing."""

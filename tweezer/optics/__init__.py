@@ -7,9 +7,11 @@ from tweezer.optics.beam import (
     total_power,
 )
 from tweezer.optics.light import (
+    Beams,
     Light,
     force_map,
     light,
+    light_of_one_beam,
     optical_force,
     optical_jacobian,
     optical_torque,
@@ -24,6 +26,7 @@ from tweezer.optics.worth import (
 )
 
 __all__ = [
+    "Beams",
     "Cone",
     "Light",
     "RayOpticsWorth",
@@ -33,6 +36,7 @@ __all__ = [
     "fraction_through_pupil",
     "grid",
     "light",
+    "light_of_one_beam",
     "optical_force",
     "optical_jacobian",
     "optical_torque",

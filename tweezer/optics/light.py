@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.errors import SceneError, warn
+from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import Force, Kernel, Wrench, bound, no_force, no_wrench, standing
 from tweezer.optics import charts
@@ -29,7 +30,7 @@ from tweezer.optics.rays import grid
 from tweezer.optics.table import Table, stored
 from tweezer.optics.tabulate import Progress
 from tweezer.optics.worth import ray_optics_caveat
-from tweezer.scene import NO_MAP, Scene, checked_scene
+from tweezer.scene import NO_MAP, Beam, Scene, checked_scene
 
 Array = NDArray[np.float64]
 
@@ -38,6 +39,8 @@ SPEED_OF_LIGHT = 299792458.0
 
 #: an estimated error of so many tolerances is told, beyond what rounding leaves of all the light
 MISSED, ROUNDING = 2.0, 1e-14
+#: s, longer than any run
+_FOREVER = 1e9
 #: a deviation of the light from its table that is told, of the largest radiance
 _UNEVEN = 1e-3
 
@@ -175,9 +178,90 @@ class Light(Force):
         return dataclasses.replace(self, radius=radius, source=source)
 
 
+@dataclass(frozen=True)
+class Beams(Sum):
+    """The light of several beams, or of one that is moved: a force about each focus, added up.
+
+    The beams do not interfere: their light is of different lasers, or of different polarisation.
+    """
+
+    lights: tuple[Light, ...]
+    """of each beam, about its own focus"""
+
+    @property
+    def evaluator(self) -> str:
+        """As `Light.evaluator`."""
+        return ", ".join(sorted({each.evaluator for each in self.lights}))
+
+
 @functools.lru_cache(maxsize=16)
-def light(scene: Scene) -> Light:
+def light(scene: Scene) -> Light | Beams:
     """The light of `scene`, with the evaluator that its `optics` section names.
+
+    That of several beams is added up as if they did not interfere.
+    """
+    if scene.plain:
+        return light_of_one_beam(scene)
+    lights = tuple(light_of_one_beam(scene.with_one_beam(beam)) for beam in scene.beams)
+    moved = (
+        Moved(each, _place(beam), _factor(beam), down=beam.direction == "down")
+        for each, beam in zip(lights, scene.beams, strict=True)
+    )
+    return Beams(tuple(moved), lights)
+
+
+def _place(beam: Beam) -> Course:
+    """Where the focus of a beam is, m."""
+    at, motion, none = np.array([beam.position]), beam.motion, np.zeros(3)
+    if motion is None:
+        return Course(np.zeros(1), at, none)
+    match motion.kind:
+        case "sine":
+            amplitude = np.array(motion.amplitude)
+            return Course(np.zeros(1), at, amplitude, motion.frequency or 0.0, motion.phase or 0.0)
+        case "ramp":
+            begin, end = motion.begin or 0.0, motion.end or _FOREVER
+            way = np.outer([0.0, end - begin], motion.velocity)  # type: ignore[arg-type]
+            return Course(np.array([begin, end]), at + way, none)
+    times, places = np.array(motion.times), at + np.array(motion.positions)
+    if motion.kind == "steps":
+        times, places = _stairs(times, places, at[0])
+    return Course(times, places, none)
+
+
+def _factor(beam: Beam) -> Course:
+    """The factor of a beam's power."""
+    modulation, none = beam.modulation, np.zeros(1)
+    if modulation is None:
+        return Course.constant(1.0)
+    frequency = modulation.frequency or 0.0
+    match modulation.kind:
+        case "sine":
+            depth = np.array([modulation.depth])
+            return Course(np.zeros(1), np.ones((1, 1)), depth, frequency, modulation.phase or 0.0)
+        case "ramp":
+            times = np.array([modulation.begin or 0.0, modulation.end])
+            return Course(times, np.array([[1.0], [modulation.factor]]), none)
+        case "on-off":
+            duty = 0.5 if modulation.duty is None else modulation.duty
+            times = np.array([0.0, duty, duty, 1.0]) / frequency
+            values = np.array([[1.0], [1.0], [0.0], [0.0]])
+            return Course(times, values, none, period=1 / frequency)
+    times, factors = np.array(modulation.times), np.array([modulation.factors]).T
+    if modulation.kind == "steps":
+        times, factors = _stairs(times, factors, np.ones(1))
+    return Course(times, factors, none)
+
+
+def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
+    """Points of a course that goes at once to each of `values` (n, m) at its time."""
+    stairs = np.repeat(np.vstack([before, values]), 2, axis=0)[1:-1]
+    return np.repeat(times, 2), stairs
+
+
+@functools.lru_cache(maxsize=16)
+def light_of_one_beam(scene: Scene) -> Light:
+    """The light of the one beam of a scene.
 
     The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
     (`PhysicsWarning`) of what ray optics is worth: see `ray_optics_caveat`. Warns of a beam's
@@ -247,42 +331,43 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     return Table(made, dark.radius, dark.strength, path)
 
 
-def optical_force(scene: Scene, positions: ArrayLike) -> Array:
+def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
     """Force of the light on the bead (3.26), N.
 
-    positions: (..., 3) m from the focus, z along the light. Returns (..., 3).
+    positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
+    Returns (..., 3).
     Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
     where the quadrature misses its tolerance; `light(scene).field` tells by how much.
     """
-    field, shape = _field(scene, positions)
+    field, shape = _field(scene, positions, time)
     return field.force.reshape(shape)
 
 
-def optical_jacobian(scene: Scene, positions: ArrayLike) -> Array:
+def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
     """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
-    positions: (..., 3) m from the focus. Returns (..., 3, 3). Raises `ValueError` as
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises `ValueError` as
     `optical_force`. Of the sum over the grid's rays: rays that begin or cease to hit the bead
     make that sum jump, and the jumps are not in its derivative.
     """
-    field, shape = _field(scene, positions, gradient=True)
+    field, shape = _field(scene, positions, time, gradient=True)
     return field.force_gradient.reshape((*shape, 3))
 
 
-def optical_torque(scene: Scene, positions: ArrayLike) -> Array:
+def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
     """Moment of the light about the bead's centre, inertial frame, N m.
 
-    positions: (..., 3) m from the focus. Returns (..., 3). Zero for `beam.torque = "none"`: every
-    ray leaves a lossless isotropic sphere with the impact parameter it came with, so it leaves
-    its angular momentum as it was. With "thesis" the moment (3.25). Raises `ValueError` as
-    `optical_force`.
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for
+    `beam.torque = "none"`: every ray leaves a lossless isotropic sphere with the impact parameter
+    it came with, so it leaves its angular momentum as it was. With "thesis" the moment (3.25).
+    Raises `ValueError` as `optical_force`.
     """
-    field, shape = _field(scene, positions)
+    field, shape = _field(scene, positions, time)
     return field.moment.reshape(shape)
 
 
 def _field(
-    scene: Scene, positions: ArrayLike, *, gradient: bool = False
+    scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
 ) -> tuple[Wrench, tuple[int, ...]]:
     """What the light does at `positions` (..., 3), as at (n, 3), and their shape."""
     array = np.ascontiguousarray(positions, dtype=np.float64)
@@ -291,8 +376,8 @@ def _field(
     if not np.isfinite(array).all():
         raise ValueError("positions must be finite")
     bound = light(checked_scene(scene))
-    field = bound.field(array.reshape(-1, 3), gradient=gradient)
-    if isinstance(bound.source, Rule):
+    field = bound.field(array.reshape(-1, 3), gradient=gradient, time=time)
+    if isinstance(bound, Light) and isinstance(bound.source, Rule):
         size = np.maximum(np.linalg.norm(field.force, axis=1), VANISHING * bound.strength)
         allowed = MISSED * bound.tolerance * size + ROUNDING * bound.strength
         if (missed := field.error > allowed).any():

@@ -1,0 +1,338 @@
+"""Several beams, beams that move, change or come from above: as scenes, in traps and in runs."""
+
+import math
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference.fields import GaussianWell, LinearTrap
+from tweezer.dynamics import bound_once, walk
+from tweezer.errors import SceneError
+from tweezer.forces import Course, Moved, Sum
+from tweezer.optics import light
+
+RNG = np.random.default_rng(401)
+PLACES = RNG.normal(size=(5, 3)) * 4e-7
+ONE = tweezer.load_scene("silica-1um")
+TWO = tweezer.load_scene("two-traps")
+BEAD = tweezer.bead_properties(ONE)
+KT = 1.380649e-23 * ONE.medium.temperature
+
+
+def beam_of(scene, **keys):
+    return scene.beam.model_dump(exclude_none=True) | keys
+
+
+# --- what the light does --------------------------------------------------------------------------
+
+
+def test_beams_add_up_each_about_its_focus():
+    alone = ONE.replace(beam={"power_through_pupil": "20 mW"})
+    for side in (-1.5e-6, 1.5e-6):
+        assert tuple(side * np.array([1, 0, 0])) in {beam.position for beam in TWO.beams}
+    expected = sum(
+        tweezer.optical_force(alone, PLACES - [side, 0, 0]) for side in (-1.5e-6, 1.5e-6)
+    )
+    np.testing.assert_allclose(tweezer.optical_force(TWO, PLACES), expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("evaluator", ["grid", "quadrature", "map"])
+def test_light_that_comes_from_above_is_seen_upside_down(evaluator):
+    scene = ONE.replace(optics={"evaluator": evaluator})
+    above = scene.replace(beam={"direction": "down", "position": [1e-7, 2e-7, 3e-7]})
+    R = np.diag([1.0, -1.0, -1.0])
+    there = (PLACES - [1e-7, 2e-7, 3e-7]) @ R
+    np.testing.assert_allclose(
+        tweezer.optical_force(above, PLACES), tweezer.optical_force(scene, there) @ R, rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        tweezer.optical_jacobian(above, PLACES),
+        R @ tweezer.optical_jacobian(scene, there) @ R, rtol=1e-9, atol=1e-15,
+    )  # fmt: skip
+
+
+STEPS = {"kind": "steps", "times": ["1 ms", "3 ms"], "positions": [[1e-7, 0, 0], [0, 2e-7, 0]]}
+TABLE = {**STEPS, "kind": "table"}
+
+
+@pytest.mark.parametrize(
+    ("motion", "time", "place"),
+    [
+        ({"kind": "sine", "amplitude": ["0.2 um", 0, 0], "frequency": "50 Hz"}, 5e-3, [2e-7, 0, 0]),
+        ({"kind": "sine", "amplitude": [0, 2e-7, 0], "frequency": 50, "phase": "90 deg"}, 0.0,
+         [0, 2e-7, 0]),
+        ({"kind": "ramp", "velocity": [1e-4, 0, 0]}, 2e-3, [2e-7, 0, 0]),
+        ({"kind": "ramp", "velocity": [1e-4, 0, 0], "begin": "1 ms", "end": "2 ms"}, 0.5e-3,
+         [0, 0, 0]),
+        ({"kind": "ramp", "velocity": [1e-4, 0, 0], "begin": "1 ms", "end": "2 ms"}, 9e-3,
+         [1e-7, 0, 0]),
+        (STEPS, 0.9e-3, [0, 0, 0]),
+        (STEPS, 1e-3, [1e-7, 0, 0]),
+        (STEPS, 5e-3, [0, 2e-7, 0]),
+        (TABLE, 2e-3, [0.5e-7, 1e-7, 0]),
+        (TABLE, 0.0, [1e-7, 0, 0]),
+    ],
+)  # fmt: skip
+def test_a_beam_is_where_its_motion_says(motion, time, place):
+    scene = ONE.replace(beam={"motion": motion, "position": [0, 0, 1e-7]})
+    np.testing.assert_allclose(
+        tweezer.optical_force(scene, PLACES, time=time),
+        tweezer.optical_force(ONE, PLACES - place - np.array([0, 0, 1e-7])), rtol=1e-9,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("modulation", "time", "factor"),
+    [
+        ({"kind": "sine", "depth": 0.3, "frequency": "50 Hz"}, 5e-3, 1.3),
+        ({"kind": "sine", "depth": 0.3, "frequency": "50 Hz", "phase": "90 deg"}, 10e-3, 0.7),
+        ({"kind": "ramp", "factor": 3, "begin": "1 ms", "end": "3 ms"}, 2e-3, 2.0),
+        ({"kind": "ramp", "factor": 3, "begin": "1 ms", "end": "3 ms"}, 9e-3, 3.0),
+        ({"kind": "on-off", "frequency": "100 Hz"}, 4.9e-3, 1.0),
+        ({"kind": "on-off", "frequency": "100 Hz"}, 5e-3, 0.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "duty": 0.2}, 13e-3, 0.0),
+        ({"kind": "on-off", "frequency": "100 Hz", "duty": 0.2}, 11e-3, 1.0),
+        ({"kind": "steps", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 0.0, 1.0),
+        ({"kind": "steps", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 1.5e-3, 0.5),
+        ({"kind": "table", "times": ["1 ms", "2 ms"], "factors": [0.5, 2]}, 1.5e-3, 1.25),
+    ],
+)
+def test_a_beam_is_as_strong_as_its_modulation_says(modulation, time, factor):
+    scene = ONE.replace(beam={"modulation": modulation})
+    np.testing.assert_allclose(
+        tweezer.optical_force(scene, PLACES, time=time),
+        factor * tweezer.optical_force(ONE, PLACES), rtol=1e-9, atol=1e-30,
+    )  # fmt: skip
+
+
+# --- scenes ---------------------------------------------------------------------------------------
+
+
+def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
+    text = tweezer.shipped_scenes()["moving-trap"].read_text(encoding="utf-8")
+    head, _, rest = text.partition("[beam.motion]")
+    motion = '[beam.motion]\nkind = "table"\nfile = "way.csv"\n\n[start]'
+    (tmp_path / "mine.toml").write_text(head + motion + rest.partition("[start]")[2])
+    (tmp_path / "way.csv").write_text("t (s),x (m),y (m),z (m)\n0,0,0,0\n1e-3,1e-6,0,2e-7\n")
+    scene = tweezer.load_scene(tmp_path / "mine.toml")
+    assert scene.beam.motion.times == (0.0, 1e-3)
+    assert scene.beam.motion.positions == ((0, 0, 0), (1e-6, 0, 2e-7))
+    # what a run keeps of it is whole
+    assert tweezer.Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
+
+    for wrong, said in (
+        ("0,0,0\n", "row 1: must have 4 numbers"),
+        ("0,0,0,0\n1,x,0,0\n", "row 2: must be"),
+    ):
+        (tmp_path / "way.csv").write_text(wrong)
+        with pytest.raises(SceneError, match=said):
+            tweezer.load_scene(tmp_path / "mine.toml")
+    (tmp_path / "way.csv").unlink()
+    with pytest.raises(SceneError, match=r"way.csv: cannot be read: No such file"):
+        tweezer.load_scene(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize(
+    ("beam", "said"),
+    [
+        ({"motion": {"kind": "circle"}}, "beam.motion.kind = 'circle': allowed: 'sine', 'ramp'"),
+        ({"motion": {"kind": "ramp"}}, "beam.motion.velocity: missing; kind = 'ramp' needs it"),
+        ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "phase": 1}},
+         "beam.motion.phase: not for kind = 'ramp'"),
+        ({"motion": {**STEPS, "times": ["3 ms", "1 ms"]}}, "beam.motion.times: must ascend"),
+        ({"motion": {**STEPS, "times": ["3 ms"]}}, "must have as many as times"),
+        ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "begin": 2, "end": 1}},
+         "beam.motion.end = 1: must be later than begin"),
+        ({"modulation": {"kind": "sine", "depth": 2, "frequency": 1}},
+         "beam.modulation.depth = 2: must be from 0 to 1"),
+        ({"modulation": {"kind": "sine", "depth": 1, "frequency": "1 rad/s"}},
+         "beam.modulation.frequency = '1 rad/s': has a unit that is not known; .* Hz, kHz"),
+        ({"modulation": {"kind": "on-off", "frequency": 1, "speed": 3}},
+         "beam.modulation.speed = 3: unknown key"),
+        ({"direction": "left"}, "beam.direction = 'left': allowed: 'up' or 'down'"),
+    ],
+)  # fmt: skip
+def test_a_beam_that_cannot_be_is_refused_in_one_line(beam, said):
+    with pytest.raises(SceneError, match=said) as refused:
+        ONE.replace(beam=beam)
+    assert len(str(refused.value).splitlines()) == 1
+
+
+def test_several_beams_are_written_and_refused_as_they_are_counted():
+    beams = [beam_of(ONE), beam_of(ONE, power_through_pupil=-1.0)]
+    with pytest.raises(SceneError, match=r"^beam\.1\.power_through_pupil = -1\.0: must be from 0"):
+        ONE.replace(beam=beams)
+    with pytest.raises(SceneError, match="beam: at least one is needed"):
+        ONE.replace(beam=[])
+    three = ONE.replace(beam=[beam_of(ONE)] * 3)
+    assert len(three.beams) == 3
+    assert three.title.endswith("changed: beam = 3 of them")
+    assert three.replace(beam=[beam_of(ONE)]).beams == ONE.beams
+    assert TWO.replace(bead={"radius": "0.4 um"}).more_beams == TWO.more_beams
+    moving = ONE.replace(beam={"motion": TABLE})
+    assert moving.replace(beam={"motion": {"times": [0, 1]}}).beam.motion.times == (0, 1)
+    faster = tweezer.load_scene("moving-trap").replace(
+        beam={"motion": {"velocity": ["2 mm/s", 0, 0]}}
+    )
+    assert faster.beam.motion.end == 4e-3
+
+
+def test_what_one_beam_is_needed_for_is_refused(tmp_path):
+    track = tmp_path / "track.csv"
+    track.write_text("t (s),x (m),y (m)\n" + "".join(f"{i * 1e-3},1e-7,0\n" for i in range(20)))
+    with pytest.raises(SceneError, match="fitted for one beam at rest"):
+        tweezer.fit_depth(track, TWO)
+    with pytest.raises(SceneError, match="the spring is at rest"):
+        ONE.replace(forces={"brownian": True}, simulation={"method": "harmonic"},
+                    beam={"motion": TABLE})  # fmt: skip
+
+
+# --- traps and runs -------------------------------------------------------------------------------
+
+
+def test_each_of_two_traps_is_found():
+    alone = tweezer.characterise(ONE.replace(beam={"power_through_pupil": "20 mW"}))
+    found = tweezer.characterise(TWO)
+    stable = sorted(place.position for place in found.equilibria if place.stable)
+    for place, side in zip(stable, (-1.5e-6, 1.5e-6), strict=True):
+        # the other trap, beyond the reach of its gradient, still pushes along the light
+        np.testing.assert_allclose(place, [side, 0, alone.equilibrium.position[2]], atol=2e-10)
+    assert found.power_through_pupil == pytest.approx(0.04)
+
+
+def test_two_beams_that_face_each_other_hold_a_bead_between_them():
+    scene = tweezer.load_scene("optical-stretcher").replace(
+        forces={"gravity": False, "buoyancy": False}
+    )
+    (place,) = tweezer.characterise(scene).equilibria
+    np.testing.assert_allclose(place.position, 0, atol=1e-12)
+    assert place.stable
+    alone = scene.replace(beam=[scene.beam.model_dump(exclude_none=True)])
+    assert tweezer.characterise(alone).equilibrium is None
+
+
+def test_a_bead_lags_behind_a_trap_by_its_drag():
+    """v beta/k, for small v."""
+    v = 2e-5
+    scene = ONE.replace(
+        beam={"motion": {"kind": "ramp", "velocity": [v, 0, 0]}},
+        start={"position": [0, 0, 0]},
+        simulation={"duration": "5 ms", "samples": 11, "position_tolerance": 1e-15},
+    )  # fmt: skip
+    stiffness = tweezer.characterise(ONE).equilibrium.stiffness[0][0]
+    run = tweezer.simulate(scene)
+    lag = v * run["time"].values[-1] - run["position"].values[-1, 0]
+    assert lag == pytest.approx(v * BEAD.drag / stiffness, rel=1e-3)
+    np.testing.assert_allclose(run["optical_force"].values[-1, 0], v * BEAD.drag, rtol=1e-3)
+
+
+@pytest.mark.parametrize("method", ["exponential", "scipy:LSODA"])
+def test_a_bead_falls_while_the_light_is_off(method):
+    """From 2 to 4 ms at its terminal speed, after a start at rest in the trap."""
+    height = tweezer.characterise(ONE).equilibrium.position[2]
+    scene = ONE.replace(
+        beam={"modulation": {"kind": "steps", "times": ["2 ms", "4 ms"], "factors": [0, 1]}},
+        start={"position": [0, 0, height]},
+        simulation={"duration": "8 ms", "samples": 801, "method": method, "model": "full"},
+    )
+    run = tweezer.simulate(scene)
+    t, z = run["time"].values, run["position"].values[:, 2] - height
+    speed = BEAD.weight[2] / BEAD.drag
+    falling = (t > 2.01e-3) & (t <= 4e-3)
+    off = z[falling] - speed * (t[falling] - 2e-3 - BEAD.relaxation_time)
+    assert np.abs(off).max() < 1e-11
+    assert abs(z[-1]) < 1e-3 * np.abs(z).max()
+    if method == "exponential":  # a step ends at each kink, and none is taken across
+        assert run.attrs["rejected_steps"] <= 4
+
+
+def test_ensembles_move_the_beams_too():
+    scene = tweezer.load_scene("moving-trap").replace(
+        forces={"brownian": True}, simulation={"samples": 9}
+    )
+    many = tweezer.ensemble(scene, 3, seed=8, workers=2)
+    run = tweezer.simulate(scene, seed=8)
+    np.testing.assert_array_equal(many["position"].values[0], run["position"].values)
+    assert run["position"].values[-1, 0] == pytest.approx(2e-6, abs=6e-8)
+
+
+def test_work_on_a_bead_in_a_moving_trap_obeys_jarzynski():
+    """A harmonic trap moved at v for a time t: dF = 0, and the work is Gaussian.
+
+    Its mean is v^2 beta (t - tau (1 - e^(-t/tau))), its variance 2 kT times that (Mazonka and
+    Jarzynski 1999), so <exp(-W/kT)> = 1. 5 standard errors of 4096 trajectories, three numbers:
+    one seed in 600,000.
+    """
+    stiffness, n = 2e-5, 4096
+    tau = BEAD.drag / stiffness
+    t = 2 * tau
+    v = math.sqrt(KT / (BEAD.drag * tau))  # a mean work of about kT
+    scene = ONE.replace(
+        forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+        start={"position": [0, 0, 0], "drawn": "boltzmann"},
+        simulation={"model": "overdamped", "duration": t, "samples": 201},
+    )
+    course = Course(np.array([0.0, t]), np.array([[0.0, 0, 0], [v * t, 0, 0]]), np.zeros(3))
+    trap = Moved(LinearTrap(stiffness), course, Course.constant(1.0))
+    one = walk(bound_once(scene, [trap]), 19)
+    trajectories = np.arange(n)
+    states = one.start(trajectories)
+    x = np.empty((n, len(one.times)))
+    x[:, 0] = states[:, 0]
+    out = np.empty((n, len(one.times) - 1, len(one.columns)))
+    one.advance(states, trajectories, 0, out)
+    x[:, 1:] = out[..., 0]
+    power = -stiffness * (x - v * one.times) * v  # dU/da da/dt
+    work = np.trapezoid(power, one.times, axis=1) / KT
+    mean = v**2 * BEAD.drag * (t - tau * (1 - math.exp(-t / tau))) / KT
+    error = math.sqrt(2 * mean / n)
+    assert work.mean() == pytest.approx(mean, abs=5 * error)
+    assert work.var() == pytest.approx(2 * mean, rel=5 * math.sqrt(2 / n))
+    spread = math.sqrt((math.exp(2 * mean) - 1) / n)
+    assert np.exp(-work).mean() == pytest.approx(1, abs=5 * spread)
+
+
+def test_a_bead_hops_between_two_traps_as_boltzmann_says():
+    """The histogram along the line of two wells 3 um apart, within a wide weak bowl.
+
+    U = -A (exp(-r1^2/2 s^2) + exp(-r2^2/2 s^2)) + k r^2/2. 1024 beads from one place, after
+    many hops; 12 bins, 5 standard errors each: one seed in 140,000.
+    """
+    A, s, k, n = 3 * KT, 0.7e-6, 1.2 * KT / (1.5e-6) ** 2, 1024
+    wells = [
+        Moved(GaussianWell(A / s**2, s), Course.constant(x, 0.0, 0.0), Course.constant(1.0))
+        for x in (-1.5e-6, 1.5e-6)
+    ]
+    duration = 30 * BEAD.drag / k
+    scene = ONE.replace(
+        forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+        start={"position": [1.5e-6, 0, 0]},
+        simulation={
+            "model": "overdamped", "method": "heun", "duration": duration, "samples": 3,
+            "loss_distance": "1 mm",
+        },
+    )  # fmt: skip
+    one = walk(bound_once(scene, [Sum((*wells, LinearTrap(k)))]), 23)
+    trajectories = np.arange(n)
+    states = one.start(trajectories)
+    out = np.empty((n, 2, len(one.columns)))
+    one.advance(states, trajectories, 0, out)
+    x = out[:, -1, 0]
+
+    edges = np.linspace(-3e-6, 3e-6, 13)
+    along = np.linspace(-6e-6, 6e-6, 2401)
+    rho = np.linspace(0, 6e-6, 601)
+    X, R = np.meshgrid(along, rho, indexing="ij")
+    U = k / 2 * (X**2 + R**2) - A * sum(
+        np.exp(-((X - c) ** 2 + R**2) / (2 * s**2)) for c in (-1.5e-6, 1.5e-6)
+    )
+    density = np.trapezoid(np.exp(-U / KT) * R, rho, axis=1)
+    cumulative = np.concatenate([[0], np.cumsum((density[1:] + density[:-1]) / 2)])
+    expected = np.diff(np.interp(edges, along, cumulative / cumulative[-1])) * n
+    counted, _ = np.histogram(x, edges)
+    assert np.abs((counted - expected) / np.sqrt(expected * (1 - expected / n))).max() < 5
+
+
+def test_light_is_bound_once_for_equal_beams():
+    assert light(TWO).lights[0] is light(TWO).lights[1]
