@@ -147,6 +147,12 @@ def scene_reference() -> str:
             required = section.get("required", [])
             lines += ["", f"## `[{name}]`", "", section["description"], ""]
             lines += _rows(name, section["properties"], required)
+            for key, nested in section["properties"].items():
+                if within := _section_of(nested):
+                    section_within = schema["$defs"][within]
+                    required = section_within.get("required", [])
+                    lines += ["", f"## `[{name}.{key}]`", "", section_within["description"], ""]
+                    lines += _rows(f"{name}.{key}", section_within["properties"], required)
     return "\n".join(lines) + "\n"
 
 
@@ -177,8 +183,16 @@ def _conditions(section: str, key: str) -> str:
     return told
 
 
+def _section_of(of: dict[str, Any]) -> str:
+    """Name of the section that a property of a JSON schema is; nothing for others."""
+    refs = [choice["$ref"] for choice in of.get("anyOf", [of]) if "$ref" in choice]
+    return refs[0].rpartition("/")[2] if refs else ""
+
+
 def _kind(of: dict[str, Any]) -> tuple[str, str]:
     """Unit and allowed values of a property of a JSON schema."""
+    if section := _section_of(of):
+        return "", f"keys of {section}"
     if "anyOf" in of:
         (of,) = (choice for choice in of["anyOf"] if choice["type"] != "null")
     if "enum" in of:

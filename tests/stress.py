@@ -89,7 +89,7 @@ def outcome(changes: dict[str, dict[str, Any]]) -> str:
     """How a scene ends; raises for what must not happen."""
     try:
         scene: Scene = tweezer.load_scene("silica-1um").replace(**changes)
-        scene = chosen(scene)[0].scene
+        scene, _ = chosen(scene)
         simulation = scene.simulation
         equations = bind(scene)
         events = [loss(simulation.loss_distance), closest_approach()]

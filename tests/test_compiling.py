@@ -247,7 +247,7 @@ def test_beads_of_a_lower_index_and_fits_of_the_depth_are_warmed_up(monkeypatch)
     )
     monkeypatch.setattr(warmup, "kalman_filter", lambda light: filters.add(light.kind[1]))
     monkeypatch.setattr(warmup, "walk", lambda scene: SimpleNamespace(scene=scene))
-    monkeypatch.setattr(warmup, "chosen", lambda scene: (SimpleNamespace(scene=scene), ""))
+    monkeypatch.setattr(warmup, "chosen", lambda scene: (scene, ""))
     monkeypatch.setattr(warmup, "simulate", lambda scene: None)
     for name in tweezer.shipped_scenes():
         for scene in usual_scenes(tweezer.load_scene(name)):

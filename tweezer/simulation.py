@@ -24,8 +24,8 @@ from tweezer.dynamics import (
     Problem,
     bind,
     bound_once,
-    chosen,
     closest_approach,
+    decided,
     error_budget,
     integrate,
     lens_touched,
@@ -91,7 +91,7 @@ def simulate(
         problem = bound_once(scene, forces)
         run = _thermal_run(problem, 0 if seed is None else seed, progress)
         return run.assign_attrs(as_given)
-    problem, why = chosen(bound_once(scene, forces))
+    problem, why = decided(bound_once(scene, forces))
     scene, simulation = problem.scene, problem.scene.simulation
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     if not all(isinstance(event, Event) for event in events):

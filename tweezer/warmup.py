@@ -44,5 +44,5 @@ def warm_up(scene: Scene) -> None:
                 bound.field(np.zeros((1, 3)), gradient=gradient)
         if scene.lit:
             kalman_filter(lights[0])
-        scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0].scene
+        scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
         simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}))

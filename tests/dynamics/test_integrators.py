@@ -519,9 +519,8 @@ def test_methods_that_do_not_fit_are_refused():
 def test_what_is_chosen_for_a_scene(changes, model, method):
     bare = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
     bare["simulation"] = {"duration": 2e-3}
-    problem, why = tweezer.dynamics.chosen(tweezer.load_scene(bare).replace(**changes))
-    simulation = problem.scene.simulation
-    assert (simulation.model, simulation.method) == (model, method)
+    scene, why = tweezer.dynamics.chosen(tweezer.load_scene(bare).replace(**changes))
+    assert (scene.simulation.model, scene.simulation.method) == (model, method)
     assert why.count(":") >= 1
 
 

@@ -97,7 +97,7 @@ def found() -> int:
 
 
 def _ours(dispatcher: Dispatcher) -> bool:
-    return dispatcher.py_func.__module__.partition(".")[0] == "tweezer"
+    return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
 
 
 def _find_place() -> None:

@@ -110,7 +110,7 @@ def _names(code: types.CodeType) -> set[str]:
 
 
 def _ours(value: Any) -> bool:
-    return _may_change(value.__module__)
+    return _may_change(str(value.__module__))
 
 
 def _may_change(module: str) -> bool:

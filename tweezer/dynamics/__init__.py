@@ -2,7 +2,7 @@
 
 from tweezer.compiled import compilation  # noqa: F401 (first: finds where to keep what it compiles)
 from tweezer.dynamics.budget import error_budget
-from tweezer.dynamics.choose import chosen
+from tweezer.dynamics.choose import chosen, decided
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
@@ -22,6 +22,7 @@ __all__ = [
     "capture",
     "chosen",
     "closest_approach",
+    "decided",
     "error_budget",
     "integrate",
     "lens_touched",

@@ -21,8 +21,14 @@ _STABLE = 3.0
 _STIFF = 3_000
 
 
-def chosen(scene: Scene | Problem) -> tuple[Problem, str]:
-    """A scene bound, with a model and a method, and why these; as it is where it names both.
+def chosen(scene: Scene) -> tuple[Scene, str]:
+    """`scene` with a model and a method, and why these: see `decided`."""
+    problem, why = decided(bound_once(scene))
+    return problem.scene, why
+
+
+def decided(problem: Problem) -> tuple[Problem, str]:
+    """A problem with a model and a method, and why these; as it is where it names both.
 
     With tau the relaxation time of the velocity and k/beta_v the fastest rate of the trap, leaving
     inertia out puts the bead off by about r tau k/beta_v, the first-order model by its square.
@@ -31,7 +37,6 @@ def chosen(scene: Scene | Problem) -> tuple[Problem, str]:
     integrate.
     """
     reasons = []
-    problem = bound_once(scene)
     if problem.scene.simulation.model is None:
         model, reason = _model(problem)
         problem = problem.decided(model=model)
