@@ -7,6 +7,7 @@ others without compiling anything.
 
 from __future__ import annotations
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -82,10 +83,7 @@ class Force(ABC):
         time: s, or (n,). orientations: (n, 4) Euler parameters, for a force that depends on them.
         What is not asked for, or not exerted, is zero.
         """
-        wrench = no_wrench(len(positions), gradient=gradient)
-        kernel, data = self.compiled(gradient=gradient)
-        kernel(standing(positions, time, orientations), data, wrench)
-        return wrench
+        return evaluated(bound(self, gradient=gradient), positions, gradient, time, orientations)
 
     def error_of(self, positions: Array, field: Wrench) -> Array:  # noqa: ARG002
         """Error of the force of `field`, which is this one's at `positions`, (n,) N."""
@@ -95,20 +93,47 @@ class Force(ABC):
 def no_wrench(n: int, *, gradient: bool) -> Wrench:
     """Zeros for n beads, to be added to."""
     gradients = n if gradient else 0
-    return Wrench(
-        np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
-        np.zeros((gradients, 3, 3)), np.zeros(n),
-    )  # fmt: skip
+    shapes = (n, 3), (n, 3), (gradients, 3, 3), (gradients, 3, 3), (n,)
+    wrench = Wrench(*(np.empty(shape) for shape in shapes))
+    for each in wrench:  # written now: memory that is added to would be fetched twice
+        each.fill(0.0)
+    return wrench
 
 
-def standing(
-    positions: Array, time: float | Array = 0.0, orientations: Array | None = None
-) -> Pose:
-    """Beads at `positions` (n, 3) m, at one time or (n,)."""
-    turned = np.zeros((0, 4)) if orientations is None else orientations
-    # of other layouts a kernel would be compiled once more
+def evaluated(
+    part: Part,
+    positions: Array,
+    gradient: bool,
+    time: float | Array = 0.0,
+    orientations: Array | None = None,
+) -> Wrench:
+    """What a bound force does to beads at `positions` (n, 3) m, at one time (s) or (n,)."""
+    # of other layouts the arrays would be taken for what they are not
     places = np.ascontiguousarray(positions, dtype=np.float64)
-    return Pose(np.full(len(places), time, np.float64), places, np.ascontiguousarray(turned))
+    turned = _NOT_TURNED if orientations is None else np.ascontiguousarray(orientations)
+    times = np.full(len(places), time, np.float64)
+    wrench = no_wrench(len(places), gradient=gradient)
+    _entry()(part.kernel, *part.data, times, places, turned, *wrench)
+    return wrench
+
+
+_NOT_TURNED = np.zeros((0, 4))
+
+
+@functools.cache
+def _entry() -> Any:
+    """A kernel called from Python, one array after the other: tuples of arrays take it longer."""
+
+    @cached_njit(types.void(types.int64, *DATA, *POSE, *WRENCH), nogil=True)
+    def enter(  # type: ignore[no-untyped-def]
+        kernel, numbers, shapes, time, position, orientation,
+        force, moment, force_gradient, moment_gradient, error,
+    ):  # fmt: skip
+        pose = Pose(time, position, orientation)
+        wrench = Wrench(force, moment, force_gradient, moment_gradient, error)
+        call(kernel, (pose, Data(numbers, shapes), wrench))
+
+    return enter
 
 
 def bound(force: Force, *, gradient: bool) -> Part:

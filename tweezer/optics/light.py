@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tweezer.compiled import address
 from tweezer.errors import SceneError, warn
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, Part, packed
-from tweezer.forces.force import Force, Kernel, Wrench, bound, no_force, no_wrench, standing
+from tweezer.forces.force import KERNEL, Force, Kernel, Wrench, bound, evaluated, no_force
 from tweezer.optics import charts
 from tweezer.optics.beam import Cone, cone
 from tweezer.optics.culling import Tiles, tiles
@@ -88,10 +89,10 @@ class Light(Force):
         orientations: Array | None = None,
     ) -> Wrench:
         """See `Force.field`. What is not asked for costs nothing."""
-        wrench = no_wrench(len(positions), gradient=gradient)
-        self._kernel(gradient=gradient)(
-            standing(positions, time, orientations), self._alone, wrench
-        )
+        if gradient not in self._parts:
+            kernel = address(self._kernel(gradient=gradient), KERNEL)
+            self._parts[gradient] = Part(kernel, self._alone)
+        wrench = evaluated(self._parts[gradient], positions, gradient, time, orientations)
         outside = np.isinf(wrench.error)
         if outside.any():  # else the quadrature need not be compiled
             beyond = self._integral.field(positions[outside], gradient=gradient)
@@ -131,6 +132,11 @@ class Light(Force):
             case Table():
                 return self._of_table(charts.unreached())
         return packed()
+
+    @functools.cached_property
+    def _parts(self) -> dict[bool, Part]:
+        """`_alone` with the kernel for gradients or without, once used."""
+        return {}
 
     @functools.cached_property
     def _with_gradient(self) -> Data:

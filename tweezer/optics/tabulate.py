@@ -25,9 +25,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
+from tweezer.compiled import address
 from tweezer.errors import TweezerError
 from tweezer.forces.data import Data, Part, packed
-from tweezer.forces.force import no_wrench, standing
+from tweezer.forces.force import KERNEL, evaluated
 from tweezer.optics import charts
 from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
 from tweezer.optics.kernels import VANISHING
@@ -416,10 +417,9 @@ def _worst(made: Made, samples: list[_Sample]) -> Array:
     z = np.concatenate([sample.z for sample in samples])
     exact = np.concatenate([sample.force for sample in samples])
     positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
-    read = no_wrench(len(rho), gradient=False)
-    charts.kernel(gradient=False, moment=made.moment)(
-        standing(positions), made.data(1.0, 1.0, charts.unreached()), read
-    )
+    kernel = address(charts.kernel(gradient=False, moment=made.moment), KERNEL)
+    data = made.data(1.0, 1.0, charts.unreached())
+    read = evaluated(Part(kernel, data), positions, gradient=False)
     at, places = np.empty(len(rho), np.int64), np.empty((len(rho), 7))
     charts.find(
         positions, made.half_angle, made.reach, made.frames, made.roots, made.index, at, places
