@@ -262,12 +262,12 @@ BAD_SCENES = {
     "thermal first order with rotation": (
         {"forces.brownian": "true", "forces.brownian_torque": "true",
          "simulation.model": '"first-order"'},
-        "simulation.model = 'first-order': with thermal motion by heun alone, and without rotation",
+        "simulation.model = 'first-order': with thermal motion without rotation only",
     ),
     "baoab without inertia": (
         {"forces.brownian": "true", "simulation.model": '"overdamped"',
          "simulation.method": '"baoab"'},
-        "simulation.method = 'baoab': needs inertia, not model = 'overdamped'",
+        "simulation.method = 'baoab': not with model = 'overdamped'; allowed: full, scaled",
     ),
     "thermal rotation of a body": (
         {"forces.brownian": "true", "forces.brownian_torque": "true",

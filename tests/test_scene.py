@@ -316,7 +316,8 @@ def test_shipped_scenes_are_the_tables_of_the_thesis(name):
 
 
 def test_shipped_scenes_load_without_a_warning():
-    assert set(shipped_scenes()) == {*OF_THE_BEAD, "silica-1um"}
+    of_several_beams = {"two-traps", "moving-trap", "optical-stretcher"}
+    assert set(shipped_scenes()) == {*OF_THE_BEAD, "silica-1um", *of_several_beams}
     with warnings.catch_warnings(action="error"):
         for name, path in shipped_scenes().items():
             assert load_scene(name) == load_scene(path)

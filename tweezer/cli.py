@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from rich.console import Console
 
+from tweezer.choices import MODELS, methods
 from tweezer.errors import PhysicsWarning, ResultError, SceneError, TweezerError
 from tweezer.rounding import rounded, with_uncertainty
 
@@ -140,15 +141,13 @@ def run(
     ] = None,
     model: Annotated[
         str | None,
-        typer.Option(
-            help="full, scaled, overdamped or first-order; by the tolerance if not given."
-        ),
+        typer.Option(help=f"{', '.join(MODELS)}; by the tolerance if not given."),
     ] = None,
     method: Annotated[
         str | None,
         typer.Option(
-            help="auto, dormand-prince, dop853, exponential or scipy:RK45 and so on; with thermal "
-            "motion auto, heun, one-call, harmonic, euler-maruyama or baoab."
+            help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
+            f"motion auto, {', '.join(each.name for each in methods(thermal=True))}."
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,

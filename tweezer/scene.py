@@ -12,7 +12,7 @@ import math
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
 from pydantic import (
     AfterValidator,
@@ -24,6 +24,7 @@ from pydantic import (
 )
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from tweezer.choices import EVALUATORS, METHODS, MODELS, methods, told
 from tweezer.courses import (
     Modulation,
     Motion,
@@ -85,9 +86,6 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
     "start": {"ball_radius": ("drawn", ("ball",))},
 }
 
-#: methods of thermal motion
-STOCHASTIC = ("heun", "one-call", "harmonic", "euler-maruyama", "baoab")
-
 #: why the light of a scene has no map
 NO_MAP = (
     "optics.evaluator = 'map': needs light that is the same all around the axis; allowed with "
@@ -96,6 +94,15 @@ NO_MAP = (
 
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
+
+if TYPE_CHECKING:
+    ModelName: TypeAlias = str
+    MethodName: TypeAlias = str
+    EvaluatorName: TypeAlias = str
+else:
+    ModelName = Literal[tuple(MODELS)]
+    MethodName = Literal[("auto", *METHODS)]
+    EvaluatorName = Literal[("auto", *EVALUATORS)]
 
 RefractiveIndex = Annotated[float, Quantity("", 1, 10)]
 EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
@@ -376,12 +383,7 @@ class Forces(Section):
 class Optics(Section):
     """How the force of the light is computed."""
 
-    evaluator: Literal["auto", "grid", "quadrature", "map"] = Field(
-        "auto",
-        description="grid: the thesis's sum over squares of the pupil (3.26); quadrature: the "
-        "integral over the lens, to `tolerance`; map: a table of it, to `table_tolerance`; auto: "
-        "the quadrature",
-    )
+    evaluator: EvaluatorName = Field("auto", description=told(EVALUATORS.values()))
     tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
         1e-8, description="relative tolerance of the quadrature"
     )
@@ -396,11 +398,10 @@ class Optics(Section):
 class Simulation(Section):
     """Model, method, tolerances and output."""
 
-    model: Literal["full", "scaled", "overdamped", "first-order"] | None = Field(
+    model: ModelName | None = Field(
         None,
         description="none: the cheapest whose error is below the tolerance; "
-        "full: (A.25); scaled: (4.17), inertia divided by the scaling factor; "
-        "overdamped: (5.2); first-order: the expansion (4.11) carried to order epsilon",
+        + told(MODELS.values()),
     )
     scaling_factor: Annotated[float, Quantity("", 1e-12, 1)] | None = Field(
         None, description="a2 of the scaled model (4.12)"
@@ -409,18 +410,11 @@ class Simulation(Section):
         "angular-velocity",
         description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
     )
-    method: Literal[
-        "auto", "dormand-prince", "dop853", "exponential",
-        "scipy:RK45", "scipy:DOP853", "scipy:Radau", "scipy:BDF", "scipy:LSODA",
-        "heun", "one-call", "harmonic", "euler-maruyama", "baoab",
-    ] = Field(
+    method: MethodName = Field(
         "auto",
-        description="auto: by stiffness and tolerance; dormand-prince: the thesis's ode45; "
-        "exponential: takes the drag exactly; scipy:...: a solver of scipy.integrate. With "
-        "thermal motion heun (auto): exponential Heun; one-call: one force a step, for "
-        "distributions; harmonic: the exact motion in the trap's spring; euler-maruyama and "
-        "baoab: for comparison",
-    )  # fmt: skip
+        description=f"auto: by stiffness and tolerance; {told(methods(thermal=False))}. With "
+        f"thermal motion: {told(methods(thermal=True))}",
+    )
     step: PositiveTime | None = Field(
         None,
         description="fixed steps of a compiled method, instead of steps by the tolerances; with "
@@ -452,7 +446,7 @@ class Simulation(Section):
     def _scaled_by(self) -> Self:
         if self.model == "scaled" and self.scaling_factor is None:
             raise refusal("scaling_factor: missing; the scaled model needs it")
-        if self.step is not None and self.method.startswith("scipy:"):
+        if self.step is not None and self.method != "auto" and not METHODS[self.method].fixed_steps:
             raise refusal("step: only the compiled methods take fixed steps")
         return self
 
@@ -538,7 +532,8 @@ class Scene(Section):
         for beam in self.beams:
             if self.lit and self.optics.evaluator == "grid":
                 self._wider_than_a_square(beam)
-            if self.optics.evaluator == "map" and beam.polarisation == "linear":
+            by = EVALUATORS.get(self.optics.evaluator)
+            if by and by.symmetric and beam.polarisation == "linear":
                 raise refusal(NO_MAP)
         self._thermal()
         if self.start.frame == "lens" and self.lens.focal_length is None:
@@ -566,36 +561,40 @@ class Scene(Section):
     def _thermal(self) -> None:
         """Refuse what does not go with thermal motion, or not without."""
         method, model = self.simulation.method, self.simulation.model
+        how = None if method == "auto" else METHODS[method]
         if not self.forces.brownian:
-            if method in STOCHASTIC:
+            if how and how.thermal:
                 raise refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
             if self.start.drawn != "no":
                 raise refusal(f"start.drawn = {self.start.drawn!r}: is for forces.brownian = true")
             if self.forces.brownian_torque:
                 raise refusal("forces.brownian_torque = True: needs forces.brownian = true")
             return
-        if method not in ("auto", *STOCHASTIC):
+        if how and not how.thermal:
             raise refusal(
                 f"simulation.method = {method!r}: draws no thermal motion; allowed with "
-                f"forces.brownian: auto, {', '.join(STOCHASTIC)}"
+                f"forces.brownian: auto, {', '.join(each.name for each in methods(thermal=True))}"
             )
-        if model == "first-order" and (self.rotates or method not in ("auto", "heun")):
+        if how and model and model not in how.models:
             raise refusal(
-                "simulation.model = 'first-order': with thermal motion by heun alone, and without "
-                "rotation"
+                f"simulation.method = {method!r}: not with model = {model!r}; allowed: "
+                f"{', '.join(how.models)}"
             )
-        if method == "harmonic" and not self._at_rest:
+        if model == "first-order" and self.rotates:
             raise refusal(
-                "simulation.method = 'harmonic': the spring is at rest; not with beam.motion or "
+                "simulation.model = 'first-order': with thermal motion without rotation only"
+            )
+        if how and how.spring_only and not self._at_rest:
+            raise refusal(
+                f"simulation.method = {method!r}: the spring is at rest; not with beam.motion or "
                 "beam.modulation"
             )
-        if method == "harmonic" and self.lit and any(each.torque != "none" for each in self.beams):
+        torque = self.lit and any(each.torque != "none" for each in self.beams)
+        if how and how.spring_only and torque:
             raise refusal(
-                "simulation.method = 'harmonic': a spring exerts no torque; allowed: "
+                f"simulation.method = {method!r}: a spring exerts no torque; allowed: "
                 "beam.torque = 'none'"
             )
-        if method == "baoab" and model == "overdamped":
-            raise refusal("simulation.method = 'baoab': needs inertia, not model = 'overdamped'")
         if self.rotates and self.bead.moments_of_inertia and model != "overdamped":
             raise refusal(
                 "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
@@ -703,8 +702,8 @@ class Scene(Section):
 
         changed = {key: text for key, text in self.changed.items() if not differs(key)}
         for section, given in sections.items():
-            if isinstance(getattr(replaced, section), Section) and isinstance(given, Mapping):
-                for key, value in given.items():
+            if isinstance(getattr(replaced, section), Section) and not isinstance(given, list):
+                for key, value in dict(given).items():
                     if differs(f"{section}.{key}"):
                         changed[f"{section}.{key}"] = _as_text(value)
         if replaced.more_beams != self.more_beams:
@@ -831,9 +830,12 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         if not dot:
             raise SceneError(f"{key!r}: must be section.key, such as beam.power")
         within = sections.setdefault(section, {})
-        *parts, name = name.split(".")
-        for part in parts:  # of a section within: beam.motion.velocity
-            within = within.setdefault(part, {})
+        outer, dot, inner = name.partition(".")
+        of = getattr(
+            getattr(Scene.model_fields.get(section), "annotation", None), "model_fields", {}
+        )
+        if dot and outer in of and _section_of(of[outer].annotation):  # beam.motion.velocity
+            within, name = within.setdefault(outer, {}), inner
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except _NOT_TOML:

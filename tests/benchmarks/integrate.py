@@ -25,8 +25,9 @@ from tests.benchmarks import numpy_sum
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine
 from tests.reference.fields import GaussianWell, in_field
+from tweezer.choices import METHODS
 from tweezer.dynamics import EquationsOfMotion, bind, integrators
-from tweezer.dynamics.integrate import SOLVERS, SciPySolver, integrate
+from tweezer.dynamics.integrate import SciPySolver, integrate
 from tweezer.dynamics.solution import Solver
 from tweezer.scene import Scene
 
@@ -187,7 +188,7 @@ def _run(motion: Motion, model: str, method: str, tolerance: float, **changes: A
             positions = equations.motion(done.times, done.states).position
             return done.status, positions, done.force_calls, done.steps
         end = float(motion.times[-1])
-        scipys = method in SOLVERS
+        scipys = METHODS[method].solver
         solver = (
             SciPySolver(equations, method, end) if scipys else Solver(equations, method, end=end)
         )

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.choices import METHODS
 from tweezer.dynamics.events import Event
-from tweezer.dynamics.integrate import MOST_HELD, SOLVERS, Integration, integrate
+from tweezer.dynamics.integrate import MOST_HELD, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
@@ -71,7 +72,7 @@ def _of_integration(
     equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event]
 ) -> tuple[Finer | None, float]:
     problem: Problem | None
-    if run.method in SOLVERS:
+    if METHODS[run.method].solver:
         problem, ratio = _compiled(equations), 1.0
         how: dict[str, Any] = {"tightened": TIGHTER}
     else:
@@ -90,8 +91,7 @@ def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
     """The problem with a compiled method that suits its equations."""
     method = "exponential" if equations.takes_drag_exactly else "dop853"
-    slow = equations.scene.simulation.model in ("overdamped", "first-order")
-    if method == "exponential" or slow:
+    if equations.takes_drag_exactly or not equations.stiff:
         return equations.problem.changed(method=method, step=None)
     return None
 

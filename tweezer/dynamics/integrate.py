@@ -13,8 +13,8 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import BDF, DOP853, LSODA, RK45, Radau
 
+from tweezer.choices import METHODS
 from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece
@@ -24,19 +24,6 @@ from tweezer.dynamics.solution import BEFORE, Solver
 from tweezer.errors import IntegrationError
 
 Array = NDArray[np.float64]
-
-SOLVERS: dict[str, Any] = {
-    "scipy:RK45": RK45,
-    "scipy:DOP853": DOP853,
-    "scipy:Radau": Radau,
-    "scipy:BDF": BDF,
-    "scipy:LSODA": LSODA,
-}
-#: solvers that take the Jacobian of the right-hand side
-IMPLICIT = frozenset({"scipy:Radau", "scipy:BDF", "scipy:LSODA"})
-#: solvers that begin each step from the state alone, so that it can be put back on its constraints;
-#: the others carry differences of past states, and their results are put back on output
-ONE_STEP = frozenset({"scipy:RK45", "scipy:DOP853", "scipy:Radau"})
 
 #: most steps whose dense output is held in memory, some 250 bytes each
 MOST_HELD = 2**18
@@ -125,7 +112,7 @@ def integrate(
     status, message = "complete", ""
     solver: Stepper | None = None
     try:
-        if method in SOLVERS:
+        if METHODS[method].solver:
             solver = SciPySolver(equations, method, float(times[-1]), tightened)
         else:
             solver = Solver(
@@ -235,14 +222,14 @@ class SciPySolver:
     ) -> None:
         simulation = equations.scene.simulation
         self._equations, self._method = equations, method
-        self._one_step = method in ONE_STEP
+        self._one_step = not METHODS[method].multistep
         self._calls_before = equations.force_calls
         self._most_calls = simulation.most_force_calls
         self._options: dict[str, Any] = {
             "rtol": simulation.relative_tolerance * tightened,
             "atol": equations.absolute_tolerance * tightened,
         }
-        if method in IMPLICIT:
+        if METHODS[method].implicit:
             self._options["jac"] = equations.jacobian
         self._ends = [*equations.force.kinks(end).tolist(), end]
         self._begin(0.0, equations.initial_state)
@@ -252,7 +239,7 @@ class SciPySolver:
         """Go on from a time to the next kink of the force, or the end."""
         self._end = self._ends.pop(0)
         last = self._end * BEFORE if self._ends else self._end
-        self._solver = SOLVERS[self._method](
+        self._solver = METHODS[self._method].load()(
             self._equations.rhs, time, state, last, **self._options
         )
 

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.choices import METHODS
 from tweezer.compiled import address
 from tweezer.dynamics import integrators
-from tweezer.dynamics.integrators import Control, Records, System
-from tweezer.errors import SceneError
+from tweezer.dynamics.integrators import Bound, Control, Records, System
 from tweezer.forces.force import bound
-from tweezer.generated import kinematics
 
 if TYPE_CHECKING:
     from tweezer.dynamics.models import EquationsOfMotion
@@ -91,30 +90,12 @@ class Solver:
             state.index("e0") if "e0" in state else -1,
             state.index("edot0") if "edot0" in state else -1,
         )
-        how: Any
-        if method == "exponential":
-            if not equations.takes_drag_exactly:
-                raise SceneError(
-                    "simulation.method = 'exponential': needs velocities in the state and a "
-                    f"sphere, which {equations.name} has not"
-                )
-            self._exponential = True
-            how = equations.relaxation
-            self._tau = how.times
-            loop = integrators.exponential.loop()
-            self._y = self._to_exponential(equations.initial_state)
-            shape = (3, len(how.times))
-        else:
-            self._exponential = False
-            how = integrators.TABLEAUX[method]
-            loop = integrators.explicit.loop()
-            self._y = equations.initial_state.copy()
-            shape = (len(how.dense), len(self._y))
-        self._shape = shape
+        self._bound: Bound = METHODS[method].load().bound(equations)
+        self._y = self._bound.start
         self._clock = np.zeros(4)
         self._counts = np.zeros(3, np.int64)
         self._kinks = equations.force.kinks(end).tolist()
-        self._call = functools.partial(loop, system, how)
+        self._call = functools.partial(self._bound.loop, system, self._bound.how)
         self._room = _FIRST_STEPS
 
     @property
@@ -140,9 +121,8 @@ class Solver:
     def advance(self) -> tuple[Piece | None, int]:
         """Some more steps, if any, and why they ended: `integrators.REACHED` and so on."""
         room, n = self._room, len(self._y)
-        records = Records(
-            np.empty(room), np.empty(room), np.empty((room, n)), np.empty((room, *self._shape))
-        )
+        shapes = (room,), (room,), (room, n), (room, *self._bound.shape)
+        records = Records(*map(np.empty, shapes))
         end = self._kinks[0] * BEFORE if self._kinks else self.control.end
         control = self.control._replace(end=end)
         written, why = self._call(control, self._y, self._clock, self._counts, records)
@@ -157,32 +137,4 @@ class Solver:
 
     def states(self, records: Records, times: Array) -> Array:
         """See `Piece.states`."""
-        out = np.empty((len(times), records.state.shape[1]))
-        if self._exponential:
-            integrators.exponential.sample(times, *records, self._tau, out)
-            return self._from_exponential(out)
-        integrators.explicit.sample(times, *records, out)
-        return out
-
-    def _to_exponential(self, state: Array) -> Array:
-        """(x, v) or (x, 0, v, omega, e), omega in the inertial frame."""
-        if len(state) == 6:
-            return state.copy()
-        e = state[3:7]
-        omega = _rotation(e) @ state[10:13]
-        return np.array([*state[:3], 0.0, 0.0, 0.0, *state[7:10], *omega, *e])
-
-    def _from_exponential(self, y: Array) -> Array:
-        if y.shape[1] == 6:
-            return y
-        states = np.concatenate([y[:, :3], y[:, 12:], y[:, 6:9], y[:, 9:12]], axis=1)
-        for state in states:
-            state[10:] = state[10:] @ _rotation(state[3:7])
-        return states
-
-
-def _rotation(e: Array) -> Array:
-    """R (A.2)."""
-    matrix = np.empty((3, 3))
-    kinematics.rotation_matrix(np.ascontiguousarray(e), matrix)
-    return matrix
+        return self._bound.states(records, times)

@@ -12,13 +12,10 @@ from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_thermal
+from tweezer.choices import METHODS, MODELS
 from tweezer.dynamics.brownian import march, noise
-from tweezer.dynamics.brownian.baoab import BAOAB
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
-from tweezer.dynamics.brownian.euler import EULER_MARUYAMA, HARMONIC
 from tweezer.dynamics.brownian.first_order import FIRST_ORDER
-from tweezer.dynamics.brownian.heun import HEUN
-from tweezer.dynamics.brownian.one_call import ONE_CALL
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.choose import rates_of_force
@@ -38,14 +35,6 @@ _PART, _PART_OF_TAU = 0.2, 0.2
 _MOST = 0.9
 #: steps a sample interval may take
 _MOST_PER_SAMPLE = 10**6
-
-_SCHEMES = {
-    "heun": HEUN,
-    "one-call": ONE_CALL,
-    "harmonic": HARMONIC,
-    "euler-maruyama": EULER_MARUYAMA,
-    "baoab": BAOAB,
-}
 
 
 @dataclass(frozen=True)
@@ -178,7 +167,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         reasons.append("heun: exact drag and noise, weak order 2")
     scene, bead = problem.scene, problem.bead
     simulation = scene.simulation
-    inertial = simulation.model in ("full", "scaled")
+    inertial = MODELS[str(simulation.model)].inertia
     dims = 6 if problem.rotates else 3
     tau = np.zeros(dims)
     drags = np.repeat([bead.drag, bead.rotational_drag], 3)[:dims]
@@ -190,10 +179,10 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     equilibrium = problem.equilibrium
     if equilibrium is None:
         for key, value, needing in (
-            ("simulation.method", simulation.method, ("harmonic",)),
-            ("start.drawn", scene.start.drawn, ("equilibrium", "boltzmann")),
+            ("simulation.method", simulation.method, METHODS[simulation.method].spring_only),
+            ("start.drawn", scene.start.drawn, scene.start.drawn in ("equilibrium", "boltzmann")),
         ):
-            if value in needing:
+            if needing:
                 raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
     kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
@@ -242,7 +231,8 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
 def _scheme(simulation: Simulation) -> Scheme:
     if simulation.model == "first-order":
         return FIRST_ORDER
-    return _SCHEMES[simulation.method]
+    scheme: Scheme = METHODS[simulation.method].load()
+    return scheme
 
 
 def _longest_step(
@@ -258,7 +248,7 @@ def _longest_step(
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
     rate = max(float(np.quantile(rates_of_force(problem), _MOST)), float(np.abs(kappa).max()))
-    if rate > 0 and simulation.method != "harmonic":
+    if rate > 0 and not METHODS[simulation.method].spring_only:
         some = f"{_PART:g} of "
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.optics import worth_attributes
@@ -142,7 +143,7 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
         skipped,
         simulation.loss_distance,
         tuple(bound.plan.centre[:3]) if bound.equilibrium else bound.scene.start_position,
-        simulation.method != "one-call",
+        METHODS[simulation.method].displacements,
     )
 
 

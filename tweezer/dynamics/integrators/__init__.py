@@ -1,8 +1,6 @@
 """Compiled methods of integration in time; the loops have no Python in them."""
 
 from tweezer.dynamics.integrators import explicit, exponential
-from tweezer.dynamics.integrators.dop853 import DOP853
-from tweezer.dynamics.integrators.dormand_prince import DORMAND_PRINCE
 from tweezer.dynamics.integrators.system import (
     COLLAPSED,
     EXHAUSTED,
@@ -10,13 +8,11 @@ from tweezer.dynamics.integrators.system import (
     NOT_FINITE,
     RATES,
     REACHED,
+    Bound,
     Control,
     Records,
     System,
 )
-
-#: explicit methods by name
-TABLEAUX = {"dormand-prince": DORMAND_PRINCE, "dop853": DOP853}
 
 __all__ = [
     "COLLAPSED",
@@ -25,7 +21,7 @@ __all__ = [
     "NOT_FINITE",
     "RATES",
     "REACHED",
-    "TABLEAUX",
+    "Bound",
     "Control",
     "Records",
     "System",

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.integrate import DOP853 as SOLVER
 
-from tweezer.dynamics.integrators.explicit import Tableau
+from tweezer.dynamics.integrators.explicit import Explicit, Tableau
 
 
 def _dense() -> np.ndarray:
@@ -32,14 +32,16 @@ def _dense() -> np.ndarray:
     return powers
 
 
-DOP853 = Tableau(
-    order=8,
-    estimate=8,
-    c=np.concatenate([SOLVER.C, [1.0], SOLVER.C_EXTRA]),
-    a=np.ascontiguousarray(SOLVER.A),
-    b=np.ascontiguousarray(SOLVER.B),
-    error=np.ascontiguousarray(SOLVER.E5),
-    damping=np.ascontiguousarray(SOLVER.E3),
-    extra=np.ascontiguousarray(SOLVER.A_EXTRA),
-    dense=_dense(),
+DOP853 = Explicit(
+    Tableau(
+        order=8,
+        estimate=8,
+        c=np.concatenate([SOLVER.C, [1.0], SOLVER.C_EXTRA]),
+        a=np.ascontiguousarray(SOLVER.A),
+        b=np.ascontiguousarray(SOLVER.B),
+        error=np.ascontiguousarray(SOLVER.E5),
+        damping=np.ascontiguousarray(SOLVER.E3),
+        extra=np.ascontiguousarray(SOLVER.A_EXTRA),
+        dense=_dense(),
+    )
 )

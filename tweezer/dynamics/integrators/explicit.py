@@ -7,7 +7,8 @@ differential equations I", II.4-II.6.
 from __future__ import annotations
 
 import functools
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof
@@ -17,6 +18,8 @@ from tweezer.dynamics.integrators.system import (
     GOING_ON,
     NOT_FINITE,
     Array,
+    Bound,
+    Records,
     all_finite,
     by_tolerance,
     next_step,
@@ -26,6 +29,9 @@ from tweezer.dynamics.integrators.system import (
     signature,
     step_to_try,
 )
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.models import EquationsOfMotion
 
 #: a step may grow by this factor
 _GROWTH = 5.0
@@ -209,6 +215,24 @@ def sample(times, begin, length, state, shape, out):  # type: ignore[no-untyped-
             for power in range(shape.shape[1] - 1, -1, -1):
                 total = (total + shape[step, power, i]) * place
             out[at, i] = state[step, i] + total
+
+
+@dataclass(frozen=True)
+class Explicit:
+    """An explicit method."""
+
+    tableau: Tableau
+
+    def bound(self, equations: EquationsOfMotion) -> Bound:
+        """The method bound to equations of motion."""
+        shape = len(self.tableau.dense), len(equations.initial_state)
+        return Bound(loop(), self.tableau, equations.initial_state.copy(), shape, _states)
+
+
+def _states(records: Records, times: Array) -> Array:
+    out = np.empty((len(times), records.state.shape[1]))
+    sample(times, *records, out)
+    return out
 
 
 _vector, _matrix = np.zeros(0), np.zeros((0, 0))

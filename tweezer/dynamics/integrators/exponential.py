@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof
@@ -38,6 +38,8 @@ from tweezer.dynamics.integrators.system import (
     GOING_ON,
     NOT_FINITE,
     Array,
+    Bound,
+    Records,
     all_finite,
     by_tolerance,
     next_step,
@@ -46,6 +48,11 @@ from tweezer.dynamics.integrators.system import (
     signature,
     step_to_try,
 )
+from tweezer.errors import SceneError
+from tweezer.generated import kinematics
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.models import EquationsOfMotion
 
 #: a step may grow by this factor, and by this one for so many tau of the initial layer
 _GROWTH, _GROWTH_IN_LAYER, _LAYER = 4.0, 2.0, 16.0
@@ -347,6 +354,65 @@ def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-unt
         _to(s, 1.0, tau, state[step], u[0], u[1], u[2], phi, out[at])
         if many == 6:
             _turn(s, tau, state[step], u, phi, out[at], False)
+
+
+class Exponential:
+    """The method."""
+
+    def bound(self, equations: EquationsOfMotion) -> Bound:
+        """The method bound to equations of motion.
+
+        Raises `SceneError` for those whose drag it cannot take exactly.
+        """
+        if not equations.takes_drag_exactly:
+            raise SceneError(
+                "simulation.method = 'exponential': needs velocities in the state and a "
+                f"sphere, which {equations.name} has not"
+            )
+        relaxation = equations.relaxation
+        columns = {name: i for i, name in enumerate(equations.module.STATE)}
+
+        def states(records: Records, times: Array) -> Array:
+            out = np.empty((len(times), records.state.shape[1]))
+            sample(times, *records, relaxation.times, out)
+            return _emitted(out, columns)
+
+        start = _in_inertial_frame(equations.initial_state, columns)
+        return Bound(loop(), relaxation, start, (3, len(relaxation.times)), states)
+
+
+EXPONENTIAL = Exponential()
+
+
+def _in_inertial_frame(state: Array, columns: dict[str, int]) -> Array:
+    """(x, v), or (x, 0, v, omega, e) with omega in the inertial frame, of an emitted state."""
+    x, v = (state[columns[name] : columns[name] + 3] for name in ("q1", "v1"))
+    if "e0" not in columns:
+        return np.array([*x, *v])
+    e = state[columns["e0"] : columns["e0"] + 4]
+    omega = state[columns["omega1"] : columns["omega1"] + 3]
+    return np.array([*x, 0.0, 0.0, 0.0, *v, *_rotation(e) @ omega, *e])
+
+
+def _emitted(y: Array, columns: dict[str, int]) -> Array:
+    """The inverse of `_in_inertial_frame`, (n, state)."""
+    states = np.empty((len(y), len(columns)))
+    if "e0" not in columns:
+        parts = {"q1": y[:, :3], "v1": y[:, 3:]}
+    else:
+        e = y[:, 12:]
+        omega = np.array([row[9:12] @ _rotation(row[12:]) for row in y]).reshape(-1, 3)
+        parts = {"q1": y[:, :3], "e0": e, "v1": y[:, 6:9], "omega1": omega}
+    for name, values in parts.items():
+        states[:, columns[name] : columns[name] + values.shape[1]] = values
+    return states
+
+
+def _rotation(e: Array) -> Array:
+    """R (A.2)."""
+    matrix = np.empty((3, 3))
+    kinematics.rotation_matrix(np.ascontiguousarray(e), matrix)
+    return matrix
 
 
 _vector = np.zeros(0)

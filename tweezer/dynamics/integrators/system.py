@@ -7,6 +7,7 @@ model and bead use the loop as it is.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -194,6 +195,21 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
     error = max(error, 1e-10)
     factor = _SAFETY * error ** (-0.7 / order) * max(before, 1e-4) ** (0.4 / order)
     return step * min(max(factor, _SHRINK), 1.0 if rejected else growth)
+
+
+class Bound(NamedTuple):
+    """A method bound to equations of motion."""
+
+    loop: Any
+    """compiled, see `explicit.loop`"""
+    how: Any
+    """what the method is given by"""
+    start: Array
+    """(state,) as the loop has it"""
+    shape: tuple[int, ...]
+    """of the dense output of a step"""
+    states: Callable[[Records, Array], Array]
+    """states of the emitted module, (n, state), at ascending times within records"""
 
 
 def signature(method: types.Type) -> Any:

@@ -1,0 +1,70 @@
+"""A name is written down once: a method and a scheme that are added to the table work at once."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+PROGRAM = """
+import sys
+from tweezer import choices
+
+# a scheme is one file with its step and its traits; here the file is this one
+sys.modules["mine"] = sys.modules["__main__"]
+choices.METHODS["mine"] = choices.Method("mine", "a scheme of mine", "mine:SCHEME", thermal=True,
+                                         models=("overdamped",))
+choices.METHODS["also-mine"] = choices.Method("also-mine", "a method of mine", "mine:METHOD")
+choices.MODELS["slow"] = choices.Model("slow", "a model of mine", inertia=False)
+choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine")
+
+import tweezer
+from tweezer import cli
+from tweezer.dynamics.brownian.euler import EULER_MARUYAMA as SCHEME
+from tweezer.dynamics.integrators.dop853 import DOP853 as METHOD
+
+dark = tweezer.load_scene("silica-1um").replace(
+    forces={"optical": False}, simulation={"model": "overdamped", "samples": 3}
+)
+run = tweezer.simulate(dark, "1 us", method="also-mine")
+assert run.attrs["method"] == "also-mine"
+thermal = dark.replace(forces={"brownian": True})
+theirs = tweezer.simulate(thermal, "1 us", method="euler-maruyama")
+mine = tweezer.simulate(thermal, "1 us", method="mine")
+assert (mine["position"].values == theirs["position"].values).all()
+
+keys = tweezer.scene.Simulation.model_fields
+for name in ("mine", "also-mine"):
+    assert f"{name}: " in keys["method"].description
+assert "slow: a model of mine" in keys["model"].description
+assert "by-hand: " in tweezer.scene.Optics.model_fields["evaluator"].description
+
+
+def refused(**changes):
+    try:
+        dark.replace(**changes)
+    except tweezer.SceneError as error:
+        return str(error)
+
+
+for name in ("mine", "also-mine"):
+    assert repr(name) in refused(simulation={"method": "newton"})
+assert "'slow'" in refused(simulation={"model": "fast"})
+assert "'by-hand'" in refused(optics={"evaluator": "guess"})
+assert "is for forces.brownian = true" in refused(simulation={"method": "mine"})
+assert "allowed: overdamped" in refused(
+    forces={"brownian": True}, simulation={"method": "mine", "model": "full"}
+)
+sys.argv[1:] = ["run", "--help"]
+cli.main()
+"""
+
+
+def test_what_is_added_to_the_table_is_known_everywhere():
+    done = subprocess.run(
+        [sys.executable, "-c", PROGRAM], cwd=ROOT, capture_output=True, text=True, check=False,
+        env={**os.environ, "COLUMNS": "300"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "also-mine" in "".join(done.stdout.split())  # lines may break within it

@@ -1,0 +1,124 @@
+"""The one table of names: models, methods and evaluators, what each is, and what it needs.
+
+Scene checks, errors, the command line's help and the documentation read it. What a name stands for
+is loaded when it is used: importing this loads nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model of motion: a family of emitted modules."""
+
+    name: str
+    about: str
+    inertia: bool
+    """whether its state holds velocities"""
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to follow the motion in time."""
+
+    name: str
+    about: str
+    place: str
+    """"module:name" of what it is: a method of `tweezer.dynamics.integrators`, a solver of
+    `scipy.integrate`, or a `tweezer.dynamics.brownian.batch.Scheme`"""
+    thermal: bool = False
+    """whether it draws thermal motion, and follows no other"""
+    models: tuple[str, ...] = ("full", "scaled", "overdamped")
+    """of thermal motion, that it follows"""
+    fixed_steps: bool = True
+    """whether it takes `simulation.step`"""
+    spring_only: bool = False
+    """whether it follows the trap's spring alone: at rest, and without a torque"""
+    displacements: bool = True
+    """whether the distance of two samples is that of the motion"""
+    implicit: bool = False
+    """whether it takes the Jacobian of the right-hand side"""
+    multistep: bool = False
+    """whether it carries differences of past states: these cannot be put back on constraints"""
+
+    @property
+    def solver(self) -> bool:
+        """Whether it is one of SciPy's."""
+        return self.place.startswith("scipy.")
+
+    def load(self) -> Any:
+        """What it is."""
+        module, _, name = self.place.partition(":")
+        return getattr(importlib.import_module(module), name)
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """A way to compute the force of the light."""
+
+    name: str
+    about: str
+    symmetric: bool = False
+    """whether the light must be the same all around its axis"""
+
+
+def _by_name(*entries: Any) -> dict[str, Any]:
+    return {each.name: each for each in entries}
+
+
+_METHODS = "tweezer.dynamics.integrators"
+_SCHEMES = "tweezer.dynamics.brownian"
+
+MODELS: dict[str, Model] = _by_name(
+    Model("full", "(A.25)", inertia=True),
+    Model("scaled", "(4.17), inertia divided by the scaling factor", inertia=True),
+    Model("overdamped", "(5.2)", inertia=False),
+    Model("first-order", "the expansion (4.11) carried to order epsilon", inertia=False),
+)
+
+METHODS: dict[str, Method] = _by_name(
+    Method("dormand-prince", "the thesis's ode45", f"{_METHODS}.dormand_prince:DORMAND_PRINCE"),
+    Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
+    Method("exponential", "takes the drag exactly", f"{_METHODS}.exponential:EXPONENTIAL"),
+    *(
+        Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
+               fixed_steps=False, implicit=implicit, multistep=multistep)
+        for name, implicit, multistep in (
+            ("RK45", False, False), ("DOP853", False, False), ("Radau", True, False),
+            ("BDF", True, True), ("LSODA", True, True),
+        )
+    ),
+    Method("heun", "exponential Heun, what auto takes", f"{_SCHEMES}.heun:HEUN", thermal=True,
+           models=("full", "scaled", "overdamped", "first-order")),
+    Method("one-call", "one force a step, for distributions", f"{_SCHEMES}.one_call:ONE_CALL",
+           thermal=True, displacements=False),
+    Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
+           thermal=True, spring_only=True),
+    Method("euler-maruyama", "for comparison", f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True),
+    Method("baoab", "for comparison", f"{_SCHEMES}.baoab:BAOAB", thermal=True,
+           models=("full", "scaled")),
+)  # fmt: skip
+
+EVALUATORS: dict[str, Evaluator] = _by_name(
+    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26)"),
+    Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes"),
+    Evaluator("map", "a table of it, to `table_tolerance`", symmetric=True),
+)
+
+
+def told(entries: Iterable[Model | Method | Evaluator]) -> str:
+    """What each is, in one line; alike ones together."""
+    by_text: dict[str, list[str]] = {}
+    for each in entries:
+        by_text.setdefault(each.about, []).append(each.name)
+    return "; ".join(f"{', '.join(names)}: {about}" for about, names in by_text.items())
+
+
+def methods(*, thermal: bool) -> list[Method]:
+    """Those that follow thermal motion, or those that follow motion without."""
+    return [each for each in METHODS.values() if each.thermal == thermal]
