@@ -66,7 +66,7 @@ def test_against_50_digits(module_name, name):
     reference, rng = exact(function), np.random.default_rng(30)
     worst = 0.0
     with mpmath.workdps(DIGITS):
-        for i in range(100 if module_name == "ray" else 4):
+        for i in range(200 if module_name == "ray" else 6):
             arguments = random_arguments(function, rng, i)
             if function.output_names:
                 result = np.atleast_1d(emitted(*arguments))
