@@ -1,26 +1,20 @@
-"""The site builds without a warning, and every command in the documentation runs.
+"""Every command in the documentation runs, and what it names and quotes is there.
 
 Pages: the sources of the site, and the README. Notebooks are executed by test_notebooks.py.
 """
 
-import html
 import os
 import re
-import shutil
+import shlex
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 from typing import NamedTuple
-from urllib.parse import unquote, urlsplit
+from urllib.parse import urlsplit
 
-import nbformat
 import pytest
 import typer
-from selenium import webdriver
-from selenium.webdriver.support.wait import WebDriverWait
 
-import tweezer
 from tests.benchmarks import pages, summary_report
 from tweezer import cli
 
@@ -66,22 +60,30 @@ def blocks(page):
 
 
 @pytest.fixture
-def place(tmp_path, tmp_path_factory, monkeypatch):
+def place(tmp_path, monkeypatch):
     """An empty working directory, with the command `tweezer` of this Python on the path."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / "maps"))
     return tmp_path
 
 
 @pytest.mark.parametrize("page", [*filter(blocks, PAGES)], ids=lambda page: page.stem)
-def test_commands_run(page, place):
-    """In their order; each ends with 0, and no error is one that the page does not show."""
+def test_commands_run(page, place, command_line):
+    """In their order; each ends with 0, and no error is one that the page does not show.
+
+    Plain commands `tweezer` are called in this process, all else by bash.
+    """
     names = {}
     for block in blocks(page):
         if block.language == "python":
             exec(compile(block.source, str(page), "exec"), names)
-        elif not set(block.lines) <= set(NOT_RUN):
+        elif set(block.lines) <= set(NOT_RUN):
+            continue
+        elif all(re.fullmatch(r"tweezer [^|<>$&;*`~]*", line) for line in block.lines):
+            for line in block.lines:
+                done = command_line(*shlex.split(line)[1:])
+                assert done.code == 0, f"{line}\n{done.out}\n{done.err}"
+        else:
             done = subprocess.run(
                 ["bash", "-euo", "pipefail", "-c", block.source],
                 check=False, capture_output=True, text=True,
@@ -109,75 +111,6 @@ def test_commands_named_in_the_text_exist():
     assert set(re.findall(r"`tweezer ([a-z][a-z-]*)", text)) <= commands
 
 
-def build(source, site):
-    """Build the site of a checkout as `make docs` does; what was said, and the exit code."""
-    return subprocess.run(
-        [sys.executable, "-m", "mkdocs", "build", "--site-dir", str(site)], check=False,
-        cwd=source, capture_output=True, text=True, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"},
-    )  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    """The folder of the site, built once."""
-    folder = tmp_path_factory.mktemp("site")
-    done = build(ROOT, folder)
-    assert done.returncode == 0, done.stderr
-    return folder
-
-
-def test_site_is_whole(site):
-    notebooks = {path.stem for path in (ROOT / "notebooks").glob("*.ipynb")}
-    assert {path.stem for path in (site / "notebooks").glob("*.html")} == notebooks
-    reference = (site / "python.html").read_text()
-    names = set(tweezer.__all__) - {"__version__"}
-    assert all(f'id="tweezer.{name}"' in reference for name in names)
-    scene_keys = (site / "scenes.html").read_text()
-    for section, of in tweezer.Scene.model_fields.items():
-        for key in getattr(of.annotation, "model_fields", [section]):
-            assert f"<code>{key}</code>" in scene_keys, (section, key)
-    commands = (site / "commands.html").read_text()
-    for name, command in typer.main.get_command(cli.app).commands.items():
-        assert f'id="tweezer-{name}"' in commands
-        for parameter in command.params:
-            option = parameter.opts[0]
-            assert f"<code>{option}" in commands or not option.startswith("--"), (name, option)
-
-
-def formulas(source):
-    """LaTeX of a page or a notebook, in its order."""
-    if source.suffix == ".md":
-        text = re.sub(r"^```.*?^```|`[^`]*`", "", source.read_text(), flags=re.DOTALL | re.M)
-        texts, between = [text], r"\\\[(.*?)\\\]|\\\((.*?)\\\)"
-    else:
-        texts, between = [], r"\$\$(.*?)\$\$|\$(.*?)\$"
-        for cell in nbformat.read(source, as_version=4).cells:
-            if cell.cell_type == "markdown":
-                texts.append(re.sub(r"`[^`]*`", "", cell.source))
-            shown = [output.get("data", {}) for output in cell.get("outputs", [])]
-            texts += [data["text/latex"] for data in shown if "text/latex" in data]
-    return [
-        " ".join("".join(each).split())
-        for text in texts
-        for each in re.findall(between, text, re.DOTALL)
-    ]
-
-
-def test_every_formula_arrives_whole(site):
-    """As one formula each, in their order, with the LaTeX that the source has."""
-    sources = [*(page for page in PAGES if page.name != "README.md" or page.parent != ROOT),
-               *(ROOT / "notebooks").glob("*.ipynb")]  # fmt: skip
-    found = {}
-    for source in sources:
-        page = source.relative_to(ROOT / "docs" if source.parent.name == "docs" else ROOT)
-        page = page.with_name("index") if page.name == "README.md" else page
-        drawn = re.findall(r'<math alttext="(.*?)"', (site / page.with_suffix(".html")).read_text())
-        found[source.name] = formulas(source)
-        assert [html.unescape(latex) for latex in drawn] == found[source.name], source
-    assert len(found["physics.md"]) > 30
-    assert len(found["01_euler_parameters.ipynb"]) > 30
-
-
 def test_links_lead_somewhere_in_the_repository():
     for page in PAGES:
         text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
@@ -185,137 +118,6 @@ def test_links_lead_somewhere_in_the_repository():
             place = urlsplit(address)
             if not place.scheme and place.path:
                 assert (page.parent / place.path).exists(), (page.name, address)
-
-
-class Links(HTMLParser):
-    """Addresses that a page leads to, those that it loads, and its anchors."""
-
-    def __init__(self, page):
-        super().__init__()
-        self.leads, self.loads, self.anchors = set(), set(), {""}
-        self.feed(page.read_text())
-
-    def handle_starttag(self, tag, attrs):
-        of = dict(attrs)
-        self.anchors |= {of.get("id"), of.get("name")}
-        if tag == "a" and of.get("href"):
-            self.leads.add(of["href"])
-        elif tag == "link" and of.get("rel") not in ("canonical", "prev", "next"):
-            self.loads.add(of["href"])
-        elif of.get("src"):
-            self.loads.add(of["src"])
-
-
-def test_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site):
-    links = {page: Links(page) for page in site.rglob("*.html") if page.name != "404.html"}
-    assert len(links) > 20
-    for page, of in links.items():
-        for address in of.leads | of.loads:
-            place = urlsplit(address)
-            if place.scheme or place.netloc:
-                assert address in of.leads or place.scheme == "data", (page.name, address)
-                continue
-            target = (page.parent / unquote(place.path)).resolve() if place.path else page
-            assert target.is_file(), (page.name, address)
-            if target in links:
-                assert unquote(place.fragment) in links[target].anchors, (page.name, address)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A Chromium without a window, of Debian's packages chromium and chromium-driver."""
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(programs):
-        pytest.skip("no chromium and chromedriver on this machine")
-    options = webdriver.ChromeOptions()
-    options.binary_location = programs[0]
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
-    yield driver
-    driver.quit()
-
-
-#: of the page and of the window, in pixels
-WIDTHS = "return [document.documentElement.scrollWidth, window.innerWidth]"
-#: formulas that are not drawn; matrices, and those whose bracket is lower than they are; the font
-LAYOUT = """
-const height = element => element.getBoundingClientRect().height;
-const low = [...document.querySelectorAll("math mtable")].filter(table => {
-  const bracket = table.previousElementSibling;
-  return bracket && height(bracket) < 0.9 * height(table);
-});
-return {
-  empty: [...document.querySelectorAll("math")].filter(formula => height(formula) < 4).length,
-  low: low.length,
-  matrices: document.querySelectorAll("math mtable").length,
-  font: document.fonts.check("16px 'TeX Gyre Termes Math'"),
-};
-"""
-
-
-def test_pages_opened_from_a_folder(site, browser):
-    """On a wide screen and on a phone's: none is wider, and formulas are drawn in their font."""
-    matrices = 0
-    for page in sorted(site.rglob("*.html")):
-        if page.name == "404.html":  # for a server: its addresses begin at the root
-            continue
-        browser.get(page.as_uri())
-        browser.execute_async_script("document.fonts.ready.then(arguments[0])")
-        for width in (1280, 400):
-            screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
-            browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-            WebDriverWait(browser, 30).until(  # sidebars move in and out
-                lambda driver, width=width: driver.execute_script(WIDTHS) == [width, width],
-                f"{page.name} is not {width} pixels wide",
-            )
-            layout = browser.execute_script(LAYOUT)
-            assert (layout["empty"], layout["low"]) == (0, 0), page.name
-        assert layout["font"] or "<math" not in page.read_text(), page.name
-        assert browser.get_log("browser") == [], page.name
-        matrices += layout["matrices"]
-    assert matrices > 20
-
-
-def test_search_from_a_folder(site, browser):
-    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-    browser.set_window_size(1280, 900)
-    browser.get((site / "index.html").as_uri())
-    browser.find_element("class name", "md-search__input").send_keys("stiffness")
-    results = WebDriverWait(browser, 30).until(
-        lambda driver: driver.find_elements("css selector", "a.md-search-result__link")
-    )
-    addresses = [urlsplit(result.get_attribute("href")) for result in results]
-    assert len(addresses) > 3
-    assert all(Path(unquote(address.path)).is_file() for address in addresses)
-    assert "06_trap_characterisation.html" in {Path(address.path).name for address in addresses}
-
-
-def test_what_is_broken_fails(tmp_path):
-    """A link to nothing, a name that is not there, and formulas that are none."""
-    for name in ("docs", "notebooks", "derivation"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("*.ipynb"))
-    for name in ("mkdocs.yml", "CONTRIBUTING.md"):
-        shutil.copy(ROOT / name, tmp_path)
-    (tmp_path / "tweezer").symlink_to(ROOT / "tweezer")
-    with (tmp_path / "docs/models.md").open("a") as page:
-        page.write("\n[one](nowhere.md) [two][tweezer.nothing] \\(\\nonsense\\)\n")
-    broken = nbformat.v4.new_notebook(
-        cells=[
-            nbformat.v4.new_markdown_cell("# Broken\n\n$e_0$, and a list: $a\n+ b$"),
-            nbformat.v4.new_markdown_cell("Two parts: $c\n\nd"),
-        ],
-        metadata=nbformat.read(next(iter((ROOT / "notebooks").glob("*.ipynb"))), 4).metadata,
-    )
-    nbformat.write(broken, tmp_path / "notebooks/broken.ipynb")
-    done = build(tmp_path, tmp_path / "site")
-    assert done.returncode != 0
-    for complaint in (
-        "nowhere.md", "tweezer.nothing", "no MathML for \\nonsense", "no MathML for a</p>",
-        "a formula without its end: <p>Two parts: $c",
-    ):  # fmt: skip
-        assert complaint in done.stderr
 
 
 def test_readme_quotes_the_committed_results():

@@ -12,20 +12,73 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
-PROGRAM = """
+#: what to compute, and what was found in the cache and what was not
+COUNTED = """
+def counted(value, compiled):
+    print(value, sum(compiled.stats.cache_hits.values()), sum(compiled.stats.cache_misses.values()))
+"""
+#: of the smallest kernel, which calls the emitted ray
+FORCE = """
+import tweezer
+from tweezer.optics.kernels import Rays, grid_kernel
+scene = tweezer.load_scene("thesis-990nm")
+force = tweezer.optical_force(scene, [1e-7, 2e-7, -1e-7])
+counted(force[2], grid_kernel(
+    Rays("averaged-reflectance", denser_medium=False, gradient=False, moment=False)
+))
+"""
+#: of a motion without light: the emitted equations alone
+VELOCITY = """
 import numpy as np
 import tweezer
 from tweezer.dynamics import bind
-from tweezer.optics.kernels import Rays, grid_kernel
-scene = tweezer.load_scene("thesis-990nm").replace(simulation={"model": "overdamped"})
-position = np.array([1e-7, 2e-7, -1e-7])
-force = tweezer.optical_force(scene, position)
-rates = bind(scene).rhs(0.0, position)
-stats = grid_kernel(
-    Rays("averaged-reflectance", denser_medium=False, gradient=False, moment=False)
-).stats
-print(force[2], rates[2], sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+from tweezer.generated import overdamped_translation
+scene = tweezer.load_scene("thesis-990nm").replace(
+    simulation={"model": "overdamped"}, forces={"optical": False}
+)
+counted(bind(scene).rhs(0.0, np.array([1e-7, 2e-7, -1e-7]))[2], overdamped_translation.rhs)
 """
+#: of a random walk in the dark, whose loop calls the generator of noise
+WALK = """
+import numpy as np
+import tweezer
+from tweezer.dynamics import walk
+scene = tweezer.load_scene("silica-1um").replace(
+    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+    start={"position": [0, 0, 0]},
+    simulation={
+        "model": "overdamped", "method": "euler-maruyama", "samples": 2, "duration": 1e-3
+    },
+)
+bound = walk(scene, 1)
+states, out = bound.start(np.arange(1)), np.empty((1, 1, 3))
+bound.advance(states, np.arange(1), 0, out)
+counted(out[0, 0, 0], bound._compiled[1])
+"""
+#: of the attitude, by one small emitted function
+TURN = """
+import numpy as np
+from tweezer.dynamics.models import kinematics
+out = np.empty((3, 3))
+kinematics.rotation_matrix(np.array([0.5, 0.1, -0.7, 0.3]), out)
+counted(out[0, 1], kinematics.rotation_matrix)
+"""
+#: of an error, which is a constant of another file
+ESTIMATE = """
+from tweezer.optics.kernels import ARCS, _estimate
+counted(_estimate(0.1, ARCS, 0), _estimate)
+"""
+
+#: changes of a file
+VELOCITY_TRIPLED = ("generated/overdamped_translation.py", "out[2] = ", "out[2] = 3.0 * ")
+FORCE_DOUBLED = ("generated/ray.py", "return F1, F2, F3", "return F1, F2, 2.0 * F3")
+NOISE_TURNED = (
+    "tweezer/dynamics/brownian/noise.py",
+    "        return float(fraction) * _WIDTH[layer]",
+    "        return -float(fraction) * _WIDTH[layer]",
+)
+ERROR_DOUBLED = ("tweezer/optics/quadrature.py", "ERROR_OF_ARCS = ((6.0", "ERROR_OF_ARCS = ((12.0")
+ROTATION_DOUBLED = ("generated/kinematics.py", "out[0, 1] = ", "out[0, 1] = 2.0 * ")
 
 
 @pytest.fixture
@@ -36,83 +89,56 @@ def tree(tmp_path):
     return tmp_path
 
 
-def run(tree, program=PROGRAM):
+def run(tree, *programs):
+    """Value, hits and misses of each program, all in one fresh process."""
     environment = {
         **os.environ,
         "PYTHONPATH": str(tree),
         "NUMBA_CACHE_DIR": str(tree / "cache"),
     }
     result = subprocess.run(
-        [sys.executable, "-c", program], cwd=tree, env=environment, capture_output=True, text=True,
-        check=True,
+        [sys.executable, "-c", COUNTED + "".join(programs)], cwd=tree, env=environment,
+        capture_output=True, text=True, check=True,
     )  # fmt: skip
-    force, velocity, hits, misses = map(float, result.stdout.split())
-    return force, velocity, hits, misses
+    return [tuple(map(float, line.split())) for line in result.stdout.splitlines()]
 
 
 def edit(tree, name, old, new):
-    path = tree / "generated" / name
+    path = tree / name
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new))
 
 
-def test_cache_follows_a_regenerated_module(tree):
-    force, velocity, hits, misses = run(tree)
-    assert (hits, misses) == (0, 1)
-    assert run(tree) == (force, velocity, 1, 0)
+def test_cache_follows_the_files_that_a_function_calls(tree):
+    """One change after the other: only what calls the changed file is compiled again."""
+    programs = (FORCE, VELOCITY, WALK)
+    (force, *first), (velocity, *second), (x, *third) = run(tree, *programs)
+    assert first == second == third == [0, 1]
 
-    edit(tree, "overdamped_translation.py", "out[2] = ", "out[2] = 3.0 * ")
-    same_force, tripled_velocity, hits, misses = run(tree)
-    assert (same_force, hits, misses) == (force, 1, 0)
-    assert tripled_velocity == pytest.approx(3 * velocity, rel=1e-12)
+    edit(tree, *VELOCITY_TRIPLED)
+    same_force, tripled_velocity, same_x = run(tree, *programs)
+    assert (same_force, same_x) == ((force, 1, 0), (x, 1, 0))
+    assert tripled_velocity == (pytest.approx(3 * velocity, rel=1e-12), 0, 1)
 
-    edit(tree, "ray.py", "return F1, F2, F3", "return F1, F2, 2.0 * F3")
-    doubled_force, _, hits, misses = run(tree)
-    assert (hits, misses) == (0, 1)
-    assert doubled_force == pytest.approx(2 * force, rel=1e-12)
-    assert run(tree)[2:] == (1, 0)
+    edit(tree, *FORCE_DOUBLED)
+    edit(tree, *NOISE_TURNED)
+    doubled_force, same_velocity, turned_x = run(tree, *programs)
+    assert doubled_force == (pytest.approx(2 * force, rel=1e-12), 0, 1)
+    assert same_velocity == (tripled_velocity[0], 1, 0)
+    assert turned_x == (-x, 0, 1)
 
 
 def test_a_module_that_changes_under_a_running_program_does_not_spoil_the_cache(tree):
     """Imported, then replaced on disk, then first called: the old code under the old digest."""
-    lines = PROGRAM.strip().splitlines()
-    replacing = (
-        "path = 'generated/ray.py'; text = open(path).read();"
-        "open(path, 'w').write(text.replace('return F1, F2, F3', 'return F1, F2, 2.0 * F3'))"
-    )
-    at = next(i for i, line in enumerate(lines) if line.startswith("scene ="))
-    old_force, *_ = run(tree, "\n".join([*lines[:at], replacing, *lines[at:]]))
-    new_force, _, hits, misses = run(tree)
-    assert (hits, misses) == (0, 1)
-    assert new_force == pytest.approx(2 * old_force, rel=1e-12)
-
-
-WALK = """
-import numpy as np
-import tweezer
-from tweezer.dynamics import walk
-scene = tweezer.load_scene("silica-1um").replace(
-    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
-    start={"position": [0, 0, 0]},
-    simulation={"model": "overdamped", "samples": 2, "duration": 1e-3},
-)
-bound = walk(scene, 1)
-states, out = bound.start(np.arange(1)), np.empty((1, 1, 3))
-bound.advance(states, np.arange(1), 0, out)
-stats = bound._compiled[1].stats
-print(*out[0, 0, :2], sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+    replacing = f"""
+import tweezer.dynamics.models, tweezer.optics.kernels
+from pathlib import Path
+for name, old, new in ({ROTATION_DOUBLED}, {ERROR_DOUBLED}):
+    text = Path(name).read_text()
+    Path(name).write_text(text.replace(old, new))
 """
-
-
-def test_cache_of_a_walk_follows_the_files_that_it_calls(tree):
-    before = run(tree, WALK)
-    x, _, hits, _ = run(tree, WALK)
-    assert hits > 0
-    assert x == before[0]
-    path = tree / "tweezer" / "dynamics" / "brownian" / "noise.py"
-    text = path.read_text()
-    old = "        return float(fraction) * _WIDTH[layer]"
-    assert old in text
-    path.write_text(text.replace(old, old.replace("return ", "return -")))
-    assert run(tree, WALK)[0] == -x
+    (R12, *_), (error, *_) = run(tree, replacing, TURN, ESTIMATE)
+    (R12_new, *counted), (error_new, *also_counted) = run(tree, TURN, ESTIMATE)
+    assert counted == also_counted == [0, 1]
+    assert (R12_new, error_new) == (2 * R12, 2 * error)

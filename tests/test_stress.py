@@ -1,15 +1,17 @@
 """A short form of `make stress`."""
 
-from tests.stress import outcomes
+from tests import stress
 
 
 def test_random_scenes_end_finite_or_with_a_typed_error():
-    counted = outcomes(200, 20_251)
-    assert sum(counted.values()) == 200
-    assert counted["complete"] > 100
+    counted = stress.outcomes(80, 20_251)
+    assert sum(counted.values()) == 80
+    assert counted["complete"] > 40
 
 
-def test_random_scenes_with_thermal_motion_end_finite_or_with_a_typed_error():
-    counted = outcomes(100, 20_252, thermal=True)
-    assert sum(counted.values()) == 100
+def test_random_scenes_with_thermal_motion_end_finite_or_with_a_typed_error(monkeypatch):
+    """By the scheme that is chosen: `make stress` has all, each some more loops to compile."""
+    monkeypatch.setattr(stress, "STOCHASTIC", ("auto",))
+    counted = stress.outcomes(60, 20_252, thermal=True)
+    assert sum(counted.values()) == 60
     assert counted["complete"] > 30

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import tweezer
 from tweezer import cli, thesis
 from tweezer.errors import ResultError, SceneError
-from tweezer.thesis import figures
+from tweezer.thesis import figures, lost_bead, writing
 from tweezer.thesis.runs import closest_approach, crossings
 from tweezer.thesis.verdicts import Claim
 
@@ -226,8 +226,12 @@ def test_the_a2_that_keeps_the_bead_by_another_solver(factor, kept):
     assert moving_out != kept
 
 
-def test_study_as_documented():
-    """What the page says of it."""
+def test_study_as_documented(tmp_path, monkeypatch):
+    """What the page and the fifth notebook say of it, and that it is what is found today.
+
+    Of the map of a2 and power, the cells about the border of what is captured; of the trajectories
+    with thermal motion a quarter, which are among the documented ones.
+    """
     study = json.loads((COMMITTED / "study.json").read_text())
     outcome = {variant["name"]: variant["as_claimed"] for variant in study["variants"]}
     groups = {variant["name"]: variant["group"] for variant in study["variants"]}
@@ -243,12 +247,38 @@ def test_study_as_documented():
         "lost", "not captured",
     }  # fmt: skip
 
+    factors, powers = [2e-5, 5e-5, 1e-4], [60, 80, 156, 200, 300]
+    monkeypatch.setattr(lost_bead, "_FACTORS", tuple(factors))
+    monkeypatch.setattr(lost_bead, "_POWERS", tuple(powers))
+    monkeypatch.setattr(lost_bead, "_THERMAL_TRAJECTORIES", 50)
+    told = []
+    done = thesis.reproduce(["study"], tmp_path / "today", progress=told.append)
+    assert [path.name for path in done.files] == ["study.json", "study.png"]
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1)
+    found = json.loads(done.files[0].read_text())
+    for variant, entry in zip(found["variants"], study["variants"], strict=True):
+        # a time of the outcome is that of a sample
+        for name in ("outcome_time", "overshoot"):
+            expected = pytest.approx(entry.pop(name), rel=0.02, abs=1e-12)
+            assert variant.pop(name) == expected, entry["name"]
+        assert variant == entry
+    rows = [study["powers_mW"].index(power) for power in powers]
+    columns = [study["factors"].index(factor) for factor in factors]
+    documented = np.ix_(rows, columns)
+    assert found["captured"] == np.array(study["captured"])[documented].tolist()
+    np.testing.assert_allclose(
+        found["overshoot"], np.array(study["overshoot"])[documented], rtol=0.02, atol=1e-12
+    )
+    assert (found["kept"], found["released"]) == (0, 50)
+
 
 def run_cli(*arguments):
     return CliRunner().invoke(cli.app, ["reproduce", *arguments])
 
 
-def test_command_writes_what_is_asked_for(tmp_path):
+def test_command_writes_what_is_asked_for(by_bead, tmp_path, monkeypatch):
+    monkeypatch.setattr(writing, "motions", lambda bead, seed: by_bead[bead])
     out = tmp_path / "folder"
     done = run_cli("5.2", "C.5", "--out", str(out))
     assert done.exit_code == 0, done.output

@@ -131,7 +131,10 @@ def test_500nm_bead_stays_and_rings_with_a_larger_a2():
 @pytest.mark.parametrize("method", ["exponential", "scipy:LSODA"])
 def test_unscaled_500nm_bead_is_captured_without_ringing(method):
     """The truth beside the scaled model: no inertia to speak of, no overshoot, no loss."""
-    run = tweezer.simulate(tweezer.load_scene("thesis-500nm"), model="full", method=method)
+    scene = tweezer.load_scene("thesis-500nm")
+    if method == "scipy:LSODA":  # whose steps the jumps of the grid keep short
+        scene = scene.replace(optics={"evaluator": "quadrature"})
+    run = tweezer.simulate(scene, model="full", method=method)
     summary = tweezer.summarise(run)
     assert summary.outcome == "captured"
     assert summary.overshoot < 1e-9

@@ -197,18 +197,18 @@ def test_what_memory_held_changes_nothing(method, fixed):
 
 
 def test_orientation_does_not_drift():
-    """|e| = 1 by construction: rounding alone, over 10^7 steps of a bead spun and turned."""
-    scene = scene_with("exponential", most_force_calls=10**9).replace(
+    """|e| = 1 by construction: rounding alone, over 10^6 steps of a bead spun and turned."""
+    scene = scene_with("exponential", most_force_calls=10**8).replace(
         beam={"torque": "thesis"}, start={"angular_velocity": [2e4, -1e4, 3e4]}
     )
     equations = in_trap(bind(scene), 1e-5, (1e-21, 2e-21, -3e-21))
-    solver = Solver(equations, "exponential", end=10.0, fixed=1e-6)
+    solver = Solver(equations, "exponential", end=1.0, fixed=1e-6)
     while (part := solver.advance())[1] != 0:
         pass
-    assert solver.steps > 9_999_990
-    e = part[0].states(np.array([10.0]))[0, 3:7]
-    # a random walk of 10^7 roundings is 4e-13
-    assert abs(np.linalg.norm(e) - 1) < 1e-11
+    assert solver.steps > 999_990
+    e = part[0].states(np.array([1.0]))[0, 3:7]
+    # a random walk of 10^6 roundings is 1e-13
+    assert abs(np.linalg.norm(e) - 1) < 1e-12
 
 
 def test_spun_sphere_turns_by_the_closed_form():

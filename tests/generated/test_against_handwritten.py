@@ -36,7 +36,7 @@ MODELS = [
     "first_order_sphere",
     "first_order_rigid_body",
 ]
-STATES = 10_000
+STATES = 3_000
 
 
 def emitted(name):

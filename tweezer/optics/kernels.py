@@ -284,7 +284,7 @@ def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     return add_up
 
 
-@njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
     factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
     return factor * min(tail, 1.0) ** power
