@@ -183,9 +183,10 @@ def test_what_one_beam_is_needed_for_is_refused(tmp_path):
     track.write_text("t (s),x (m),y (m)\n" + "".join(f"{i * 1e-3},1e-7,0\n" for i in range(20)))
     with pytest.raises(SceneError, match="fitted for one beam at rest"):
         tweezer.fit_depth(track, TWO)
+    harmonic = ONE.replace(forces={"brownian": True}, simulation={"method": "harmonic"})
     with pytest.raises(SceneError, match="the spring is at rest"):
-        ONE.replace(forces={"brownian": True}, simulation={"method": "harmonic"},
-                    beam={"motion": TABLE})  # fmt: skip
+        walk(harmonic.replace(beam={"motion": TABLE}))
+    walk(harmonic)
 
 
 # --- traps and runs -------------------------------------------------------------------------------

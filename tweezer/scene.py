@@ -584,11 +584,6 @@ class Scene(Section):
             raise refusal(
                 "simulation.model = 'first-order': with thermal motion without rotation only"
             )
-        if how and how.spring_only and not self._at_rest:
-            raise refusal(
-                f"simulation.method = {method!r}: the spring is at rest; not with beam.motion or "
-                "beam.modulation"
-            )
         torque = self.lit and any(each.torque != "none" for each in self.beams)
         if how and how.spring_only and torque:
             raise refusal(
@@ -615,10 +610,6 @@ class Scene(Section):
                 f"{2 * half_side:.3g} m, the side of a square of the grid, for {beam.divisions} "
                 "beam.divisions"
             )
-
-    @property
-    def _at_rest(self) -> bool:
-        return all(each.motion is None and each.modulation is None for each in self.beams)
 
     def __eq__(self, other: object) -> bool:
         """Whether both describe the same, however they came about."""

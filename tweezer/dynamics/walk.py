@@ -176,6 +176,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         tau = inertias / drags
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
+    if METHODS[simulation.method].spring_only and not problem.force.steady:
+        raise SceneError(
+            f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
+            "beam.motion, beam.modulation or another force that changes in time"
+        )
     equilibrium = problem.equilibrium
     if equilibrium is None:
         for key, value, needing in (
