@@ -337,3 +337,38 @@ def test_a_bead_hops_between_two_traps_as_boltzmann_says():
 
 def test_light_is_bound_once_for_equal_beams():
     assert light(TWO).lights[0] is light(TWO).lights[1]
+
+
+def test_the_error_of_the_grid_is_told_of_several_beams_too():
+    """The distance to the quadrature, at the time of each sample."""
+    scene = TWO.replace(
+        optics={"evaluator": "grid"}, simulation={"samples": 5, "duration": "1 ms"},
+        beam={"motion": {"kind": "ramp", "velocity": [1e-4, 0, 0]}},
+    )  # fmt: skip
+    run = tweezer.simulate(scene)
+    exact = scene.replace(optics={"evaluator": "quadrature"})
+    for place, time, force, error in zip(
+        run["position"].values, run["time"].values, run["optical_force"].values,
+        run["force_error"].values, strict=True,
+    ):  # fmt: skip
+        off = np.linalg.norm(force - tweezer.optical_force(exact, place, time=time))
+        assert error == pytest.approx(off, rel=1e-3)
+
+
+def test_steps_of_thermal_motion_are_short_enough_for_light_that_grows():
+    thermal = ONE.replace(
+        forces={"brownian": True}, simulation={"duration": "10 ms", "samples": 11}
+    )
+    grows = {"kind": "ramp", "factor": 20, "begin": 0, "end": "10 ms"}
+    step = walk(thermal).step
+    assert walk(thermal.replace(beam={"modulation": grows})).step == pytest.approx(
+        step / 20, rel=0.3
+    )
+    off_at_first = {"kind": "steps", "times": [0, "9 ms"], "factors": [0, 1]}
+    late = walk(thermal.replace(beam={"modulation": off_at_first})).step
+    assert late == pytest.approx(step, rel=0.3)
+
+
+def test_one_force_is_not_taken_for_a_list():
+    with pytest.raises(SceneError, match="forces: must be a list"):
+        tweezer.simulate(ONE, "1 us", forces=LinearTrap(1e-6))

@@ -15,6 +15,7 @@ import threading
 import tracemalloc
 from pathlib import Path
 
+import dask
 import numpy as np
 import pytest
 import scipy.signal
@@ -674,6 +675,7 @@ def test_a_scheduler_that_is_not_there(address, reason, tmp_path, monkeypatch):
     with pytest.raises(tweezer.SceneError) as told:
         tweezer.ensemble(FREE, 3, scheduler=address, out=tmp_path / "a.zarr")
     assert re.fullmatch(f"scheduler = '{address}': not reached: {reason}.*", str(told.value))
+    assert dask.config.get("scheduler", None) is None  # what follows does not ask for it either
     assert not list(tmp_path.iterdir())
 
 

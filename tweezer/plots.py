@@ -125,8 +125,11 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     direction = start / np.linalg.norm(start) if start.any() else np.array([1.0, 0.0])
     lateral, z = position[:, :2] @ direction, position[:, 2]
     radius = scene.bead.radius * _MICRO
-    reach = 1.15 * max(np.abs(lateral).max() + radius, np.abs(z).max() + radius, 3 * radius)
-    _draw_cone(axes, scene, reach, color=_LIGHT, alpha=0.07, lw=0, zorder=0)
+    foci = _MICRO * np.array([beam.position for beam in scene.beams])
+    across = np.abs(np.append(lateral, foci[:, :2] @ direction)).max()
+    along = np.abs(np.append(z, foci[:, 2])).max()
+    reach = 1.15 * max(across + radius, along + radius, 3 * radius)
+    _draw_cones(axes, scene, reach, direction, color=_LIGHT, alpha=0.07, lw=0, zorder=0)
     axes.plot(lateral, z, color=_PATH, zorder=3, **_style(run, 1.6))
     for i, filled in ((0, False), (-1, True)):
         axes.add_patch(
@@ -139,7 +142,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
         va="top" if below else "bottom", xytext=(0, -2 if below else 2),
         textcoords="offset points", fontsize=8, color=_MUTED,
     )  # fmt: skip
-    axes.plot(0, 0, "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
+    axes.plot(foci[:, :2] @ direction, foci[:, 2], "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
     axes.set(
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
         xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
@@ -148,12 +151,22 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     axes.set_title(f"{shown}, bead and cone of light to scale; + focus", fontsize=9)
 
 
-def _draw_cone(axes: Axes, scene: Scene, reach: float, **style: Any) -> None:
-    """The light before and behind the focus, up to `reach` along the axis."""
-    slope = math.tan(cone(scene).half_angle)
-    for side in (-1, 1):
-        triangle = [(0, 0), (-slope * reach, side * reach), (slope * reach, side * reach)]
-        axes.add_patch(Polygon(triangle, **style))
+def _draw_cones(
+    axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **style: Any
+) -> None:
+    """The light of each beam before and behind its focus, out of a figure that shows `reach`.
+
+    direction: (2,) along the figure's horizontal axis. Lengths in um. Beams that move are drawn
+    where they are at rest.
+    """
+    length = 3 * reach
+    for beam in scene.beams:
+        slope = math.tan(cone(scene.with_one_beam(beam)).half_angle)
+        x, z = _MICRO * np.array(beam.position[:2]) @ direction, _MICRO * beam.position[2]
+        for side in (-1, 1):
+            end = z + side * length
+            triangle = [(x, z), (x - slope * length, end), (x + slope * length, end)]
+            axes.add_patch(Polygon(triangle, **style))
 
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
@@ -246,9 +259,10 @@ def _centre(trap: Trap) -> np.ndarray:
 
 
 def _reach(scene: Scene, trap: Trap) -> float:
-    """How far the figure shows, m from the focus."""
+    """How far the figure shows, m from the origin."""
     r = scene.bead.radius
-    return max(3.5 * r, float(abs(_centre(trap)[2])) + 2 * r)
+    shown = [_centre(trap), *(beam.position for beam in scene.beams)]
+    return max(3.5 * r, float(np.abs(shown).max()) + 2 * r)
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
@@ -336,13 +350,15 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         )
     reach = _reach(scene, trap) * _MICRO
     if scene.lit:
-        _draw_cone(axes, scene, reach, ec=_LIGHT, fc="none", alpha=0.6, lw=0.8, zorder=1)
+        style: dict[str, Any] = {"ec": _LIGHT, "fc": "none", "alpha": 0.6, "lw": 0.8, "zorder": 1}
+        _draw_cones(axes, scene, reach, np.array([1.0, 0.0]), **style)
     if trap.equilibrium:
         axes.add_patch(
             Circle((centre[0] * _MICRO, centre[2] * _MICRO), r * _MICRO, facecolor="none",
                    edgecolor=_PATH, lw=1.4, zorder=3)
         )  # fmt: skip
-    axes.plot(0, 0, "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
+    foci = _MICRO * np.array([beam.position for beam in scene.beams])
+    axes.plot(foci[:, 0], foci[:, 2], "+", color=_LIGHT, ms=9, mew=1.4, zorder=4)
     axes.set(
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
         xlabel="x (µm)", ylabel="z along the light (µm)",

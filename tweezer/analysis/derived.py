@@ -32,7 +32,7 @@ def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
     bound = problem.light
     field = bound.field(places, time=times)
     optical_force = position.copy(data=field.force)
-    force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field))
+    force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field, times))
     net_force = optical_force + weight
     orientations = run["orientation"].values if "orientation" in run else None
     for each in problem.others:

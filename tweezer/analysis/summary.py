@@ -180,7 +180,7 @@ def _force(path: Path) -> tuple[float, float]:
     places = path.positions(times)
     bound = path.equations.problem.light
     field = bound.field(places, time=times)
-    return _largest(field.force), float(bound.error_of(places, field).max())
+    return _largest(field.force), float(bound.error_of(places, field, times).max())
 
 
 def _largest(vectors: Array) -> float:

@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 
 #: places about the trap at which the stiffness is looked at, and how far from the focus, radii
 _PLACES, _AROUND = 64, 1.5
+#: times at which it is looked at, and kinks, where the force changes in time
+_TIMES = 32
 #: relative tolerance below which order 8 pays
 _TIGHT = 1e-9
 #: an explicit method of order 8 is stable up to so many relaxation times
@@ -85,14 +87,25 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
 
 
 def rates_of_force(problem: Problem) -> Array:
-    """|dF/dx|/beta_v at places about the trap and at the start, (n,) 1/s."""
-    scene = problem.scene
+    """|dF/dx|/beta_v at places about the foci and at the start, (n,) 1/s.
+
+    Of forces that change in time: at the time of those looked at when they are the largest.
+    """
+    scene, force = problem.scene, problem.force
     rng = np.random.default_rng(7)
     directions = rng.normal(size=(_PLACES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
     about = [focus + directions * distances for focus in problem.foci]
     places = np.vstack([*about, scene.start_position])
-    gradient = problem.force.field(places, gradient=True).force_gradient
-    sizes: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
-    return sizes / problem.bead.drag
+    times = np.zeros(1)
+    if not force.steady:
+        kinks = force.kinks(scene.simulation.duration)
+        times = np.linspace(0.0, scene.simulation.duration, _TIMES)
+        times = np.append(times, kinks[:: -(-len(kinks) // _TIMES)] if len(kinks) else kinks)
+    sizes = [
+        np.linalg.norm(field.force_gradient, ord=2, axis=(1, 2))
+        for field in (force.field(places, gradient=True, time=time) for time in times)
+    ]
+    largest: Array = max(sizes, key=lambda each: float(np.median(each)))
+    return largest / problem.bead.drag

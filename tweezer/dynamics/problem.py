@@ -88,6 +88,6 @@ def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
     """
     if isinstance(scene, Problem):
         return scene
-    if not all(isinstance(each, Force) for each in others):
+    if isinstance(others, Force) or not all(isinstance(each, Force) for each in others):
         raise SceneError("forces: must be a list of `tweezer.forces.Force`")
     return Problem(scene, bead_properties(checked_scene(scene)), light(scene), tuple(others))

@@ -83,7 +83,9 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
             client = scheduler
         else:
             try:
-                client = stack.enter_context(Client(scheduler, timeout=_PATIENCE))
+                client = stack.enter_context(
+                    Client(scheduler, timeout=_PATIENCE, set_as_default=False)
+                )
             except (OSError, ValueError, TypeError) as error:
                 reason = " ".join(str(error).split())
                 if scheduler.startswith("tls:"):

@@ -85,8 +85,13 @@ class Force(ABC):
         """
         return evaluated(bound(self, gradient=gradient), positions, gradient, time, orientations)
 
-    def error_of(self, positions: Array, field: Wrench) -> Array:  # noqa: ARG002
-        """Error of the force of `field`, which is this one's at `positions`, (n,) N."""
+    def error_of(
+        self,
+        positions: Array,  # noqa: ARG002
+        field: Wrench,
+        time: float | Array = 0.0,  # noqa: ARG002
+    ) -> Array:
+        """Error of the force of `field`, which is this one's at `positions` and `time`, (n,) N."""
         return field.error
 
 

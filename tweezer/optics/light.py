@@ -154,14 +154,14 @@ class Light(Force):
     def _integral(self) -> Light:
         return self.by_quadrature(self.tolerance)
 
-    def error_of(self, positions: Array, field: Wrench) -> Array:
+    def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
         """Error of the force of `field`, which is this light's at `positions`, (n,) N.
 
         The sum over the thesis's grid tells none: its error is the distance to the quadrature.
         """
         if self.evaluator != "grid":
             return field.error
-        exact = self._integral.field(positions)
+        exact = self._integral.field(positions, time=time)
         return np.linalg.norm(field.force - exact.force, axis=1) + exact.error
 
     def by_quadrature(self, tolerance: float) -> Light:
@@ -191,6 +191,7 @@ class Beams(Sum):
     The beams do not interfere: their light is of different lasers, or of different polarisation.
     """
 
+    forces: tuple[Moved, ...]
     lights: tuple[Light, ...]
     """of each beam, about its own focus"""
 
@@ -198,6 +199,21 @@ class Beams(Sum):
     def evaluator(self) -> str:
         """As `Light.evaluator`."""
         return ", ".join(sorted({each.evaluator for each in self.lights}))
+
+    def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
+        """As `Light.error_of`."""
+        if not np.isnan(field.error).any():
+            return field.error
+        exact = self._integral.field(positions, time=time)
+        return np.linalg.norm(field.force - exact.force, axis=1) + exact.error
+
+    @functools.cached_property
+    def _integral(self) -> Sum:
+        """The same light by the quadrature."""
+        return Sum(tuple(
+            dataclasses.replace(moved, force=each.by_quadrature(each.tolerance))
+            for moved, each in zip(self.forces, self.lights, strict=True)
+        ))  # fmt: skip
 
 
 @functools.lru_cache(maxsize=16)
@@ -209,11 +225,11 @@ def light(scene: Scene) -> Light | Beams:
     if scene.plain:
         return light_of_one_beam(scene)
     lights = tuple(light_of_one_beam(scene.with_one_beam(beam)) for beam in scene.beams)
-    moved = (
+    moved = tuple(
         Moved(each, _place(beam), _factor(beam), down=beam.direction == "down")
         for each, beam in zip(lights, scene.beams, strict=True)
     )
-    return Beams(tuple(moved), lights)
+    return Beams(moved, lights)
 
 
 def _place(beam: Beam) -> Course:

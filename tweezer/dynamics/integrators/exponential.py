@@ -366,8 +366,8 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs velocities in the state and a "
-                f"sphere, which {equations.name} has not"
+                "simulation.method = 'exponential': needs velocities in the state, a sphere, and "
+                f"forces that do not look at the orientation, which {equations.name} has not"
             )
         relaxation = equations.relaxation
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
