@@ -261,7 +261,7 @@ def _centre(trap: Trap) -> np.ndarray:
 def _reach(scene: Scene, trap: Trap) -> float:
     """How far the figure shows, m from the origin."""
     r = scene.bead.radius
-    shown = [_centre(trap), *(beam.position for beam in scene.beams)]
+    shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
     return max(3.5 * r, float(np.abs(shown).max()) + 2 * r)
 
 
