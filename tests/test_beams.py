@@ -372,3 +372,74 @@ def test_steps_of_thermal_motion_are_short_enough_for_light_that_grows():
 def test_one_force_is_not_taken_for_a_list():
     with pytest.raises(SceneError, match="forces: must be a list"):
         tweezer.simulate(ONE, "1 us", forces=LinearTrap(1e-6))
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [{"kind": "table", "times": [0, 1], "positions": [[8e-6, 0, 0], [8e-6, 0, 1e-9]]},
+     {"kind": "sine", "amplitude": [8e-6, 0, 0], "frequency": "1e-3 Hz", "phase": "90 deg"}],
+)  # fmt: skip
+def test_a_beam_is_looked_for_where_it_is_at_the_begin(motion):
+    scene = ONE.replace(
+        beam={"motion": motion}, forces={"brownian": True},
+        start={"position": [8e-6, 0, 0]}, simulation={"duration": "1 ms", "samples": 3},
+    )  # fmt: skip
+    still = scene.replace(beam={"motion": None, "position": [8e-6, 0, 0]})
+    assert walk(scene).step == pytest.approx(walk(still).step, rel=0.01)
+    place = tweezer.characterise(scene).equilibrium.position
+    np.testing.assert_allclose(place, tweezer.characterise(still).equilibrium.position, atol=1e-12)
+
+
+def test_steps_of_thermal_motion_resolve_light_that_blinks():
+    blinking = ONE.replace(
+        forces={"brownian": True}, simulation={"duration": "1 ms", "samples": 101},
+        beam={"modulation": {"kind": "on-off", "frequency": "100 kHz", "duty": 0.25}},
+    )  # fmt: skip
+    assert walk(blinking).step <= 0.05 * 2.5e-6 * (1 + 1e-9)
+    with pytest.raises(SceneError, match="too many"):
+        walk(blinking.replace(beam={"modulation": {"frequency": 1e12}}))
+
+
+@pytest.mark.parametrize("frequency", [90.0, 730.0])
+@pytest.mark.parametrize("method", ["dormand-prince", "dop853", "scipy:LSODA"])
+def test_the_error_of_a_run_with_many_kinks_is_told(frequency, method):
+    """By a run with every step halved, which ends its steps at the same kinks."""
+    scene = ONE.replace(
+        beam={"modulation": {"kind": "on-off", "frequency": frequency, "duty": 0.77}},
+        simulation={"model": "overdamped", "method": method, "duration": "50 ms", "samples": 11},
+    )
+    run = tweezer.simulate(scene)
+    finer = tweezer.simulate(scene, tolerance=1e-11)
+    off = np.abs(run["position"].values - finer["position"].values).max()
+    assert off < run.attrs["integration_error"] < max(300 * off, 1e-10)
+
+
+def test_files_of_other_beams_are_not_replaced(tmp_path):
+    from tweezer.io import unlike
+
+    run = tweezer.simulate(TWO.replace(simulation={"samples": 2}), "1 us")
+    tweezer.save_run(run, tmp_path / "two.nc")
+    scene = tweezer.Scene.model_validate_json(run.attrs["scene_as_given"])
+    assert unlike(tmp_path / "two.nc", scene, 0) == ""
+    stronger = scene.replace(
+        beam=[beam_of(scene), {**beam_of(scene), "power_through_pupil": "500 mW"}]
+    )
+    assert unlike(tmp_path / "two.nc", stronger, 0)
+    run = tweezer.simulate(scene, forces=[LinearTrap(1e-9)])
+    tweezer.save_run(run, tmp_path / "own.nc")
+    assert unlike(tmp_path / "own.nc", scene, 0)
+
+
+def test_beams_given_again_are_the_same_beams():
+    assert TWO.replace(beam=TWO.beams).beams == TWO.beams
+    stronger = ONE.replace(beam=[beam_of(ONE, power_through_pupil=0.5)])
+    assert "changed: beam = 1 of them" in stronger.title
+
+
+def test_a_dark_beam_has_no_map():
+    dark = TWO.replace(
+        beam=[beam_of(TWO, power_through_pupil=0.0), beam_of(TWO)], optics={"evaluator": "map"}
+    )
+    assert np.abs(tweezer.optical_force(dark, [-1.3e-6, 0, 0])).max() > 0
+    with pytest.raises(SceneError, match="a map is of one beam"):
+        tweezer.optics.force_map(dark)

@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from collections import namedtuple
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -370,6 +371,19 @@ def test_what_cannot_be_compared_is_refused():
 
     with pytest.raises(TypeError, match="cannot be seen"):
         fingerprint(closure)
+
+
+def test_the_order_of_a_tuple_s_names_is_part_of_its_type(tmp_path):
+    """Code reads a value by the place of its name."""
+    types = [
+        numba.typeof(namedtuple("Pair", names)(1.0, 2.0)) for names in ("near far", "far near")
+    ]
+    assert repr(types[0]) == repr(types[1])
+    paths = {file_of(tmp_path)._path(((each, numba.float64), ("processor",))) for each in types}
+    nested = {
+        file_of(tmp_path)._path(((numba.types.Tuple((each,)),), ("processor",))) for each in types
+    }
+    assert len(paths) == len(nested) == 2
 
 
 #: Numba's key of a function of that argument

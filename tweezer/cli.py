@@ -772,8 +772,9 @@ def _bind_light(scene: Scene) -> None:
 
     if caveat := ray_optics_caveat(scene):
         _show_warning(caveat)
-    if scene.lit and scene.optics.evaluator == "map":
-        _map_of(scene)
+    for alone in map(scene.with_one_beam, scene.beams):
+        if alone.lit and scene.optics.evaluator == "map":
+            _map_of(alone)
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # said above
         light(scene)
 

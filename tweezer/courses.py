@@ -157,6 +157,8 @@ def _with_tables_of(beam: Any, folder: Path) -> Any:
         course = beam.get(section)
         if isinstance(course, Mapping) and isinstance(course.get("file"), str):
             course = dict(course)
+            if "times" in course or key in course:
+                raise ValueError(f"beam.{section}: file, or times and {key}: not both")
             rows = _rows(folder / course.pop("file"), columns + 1)
             values = [row[1:] if columns > 1 else row[1] for row in rows]
             beam[section] = {**course, "times": [row[0] for row in rows], key: values}
@@ -165,7 +167,7 @@ def _with_tables_of(beam: Any, folder: Path) -> Any:
 
 def _rows(path: Path, columns: int) -> list[list[float]]:
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with path.open(encoding="utf-8-sig", newline="") as file:
             lines = [line for line in csv.reader(file) if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or error

@@ -146,6 +146,8 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
         there = by_key(json.loads(made["scene_as_given"]))
     except (ResultError, KeyError, ValueError, AttributeError):
         return "no run that can be compared"
+    if made.get("other_forces"):
+        return "a run with forces beside those of its scene"
     here = by_key(scene.model_dump(mode="json", exclude_none=True))
     if scene.forces.brownian:
         there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}

@@ -105,7 +105,9 @@ def _resolved(run: xr.Dataset) -> bool:
     scene, time = scene_of(run), run["time"].values
     if len(time) < 2:
         return False
-    gradient = optical_jacobian(scene, run["position"].values[[0, -1]])
+    gradient = np.array([
+        optical_jacobian(scene, run["position"].values[i], time=time[i]) for i in (0, -1)
+    ])  # fmt: skip
     rate = float(np.linalg.norm(gradient, ord=2, axis=(1, 2)).max()) / bead_properties(scene).drag
     return bool((time[1] - time[0]) * rate < 1)
 

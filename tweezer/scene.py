@@ -693,11 +693,13 @@ class Scene(Section):
 
         changed = {key: text for key, text in self.changed.items() if not differs(key)}
         for section, given in sections.items():
-            if isinstance(getattr(replaced, section), Section) and not isinstance(given, list):
+            if isinstance(getattr(replaced, section), Section) and not isinstance(
+                given, list | tuple
+            ):
                 for key, value in dict(given).items():
                     if differs(f"{section}.{key}"):
                         changed[f"{section}.{key}"] = _as_text(value)
-        if replaced.more_beams != self.more_beams:
+        if isinstance(sections.get("beam"), list | tuple) and replaced.beams != self.beams:
             changed["beam"] = f"{len(replaced.beams)} of them"
         return dict(sorted(changed.items()))
 
@@ -736,7 +738,10 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
     """The values of a scene as a mapping, by `section.key`."""
     return {
         f"{section}.{key}": value
-        for section, values in scene.items()
+        for section, values in [
+            *scene.items(),
+            *((f"beam.{i + 1}", beam) for i, beam in enumerate(scene.get("more_beams", ()))),
+        ]
         if isinstance(values, dict) and section != "changed"
         for key, value in values.items()
     }
@@ -827,6 +832,8 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         )
         if dot and outer in of and _section_of(of[outer].annotation):  # beam.motion.velocity
             within, name = within.setdefault(outer, {}), inner
+            if not isinstance(within, dict):
+                raise SceneError(f"{section}.{outer}: given as a whole, and key by key")
         try:
             value = tomllib.loads(f"value = {text}")["value"]
         except _NOT_TOML:
@@ -894,6 +901,8 @@ def _as_text(value: Any) -> str:
         return value
     if isinstance(value, bool):
         return str(value).lower()
+    if isinstance(value, Mapping):
+        return _clipped(f"{{{', '.join(f'{key} = {_as_text(of)}' for key, of in value.items())}}}")
     if isinstance(value, list | tuple):
         return _clipped(f"[{', '.join(map(_as_text, value))}]")
     return f"{value:g}" if isinstance(value, float) else str(value)

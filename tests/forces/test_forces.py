@@ -281,3 +281,42 @@ def test_no_rotation_is_followed_for_a_force_that_turns_nothing():
 def test_what_is_no_force_is_refused():
     with pytest.raises(SceneError, match="forces: must be a list of"):
         tweezer.simulate(DARK, "1 us", forces=[spring])
+
+
+def test_a_force_that_looks_at_the_orientation_is_asked_with_one():
+    """Of places alone: not turned."""
+    swimmer = UserForce(swim, (1e-13, 0.0), turns=True)
+    np.testing.assert_allclose(swimmer.field(np.zeros((50, 3))).force, [[1e-13, 0, 0]] * 50)
+    thermal = DARK.replace(forces={"brownian": True}, simulation={"samples": 3})
+    run = tweezer.simulate(thermal, "10 us", forces=[swimmer])
+    assert "orientation" in run
+    for changes in ({"model": "first-order"}, {"method": "harmonic", "model": "overdamped"}):
+        with pytest.raises(SceneError, match="one that turns the bead"):
+            tweezer.simulate(thermal.replace(simulation=changes), "1 us", forces=[swimmer])
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        lambda: Course(np.array([0.0, 1.0]), np.array([1.0, 2.0]), np.zeros(1)),
+        lambda: Course(np.array([1.0, 0.0]), np.zeros((2, 1)), np.zeros(1)),
+        lambda: Course(np.zeros(1), np.zeros((1, 1)), np.zeros(1), frequency=-1.0),
+        lambda: Course(np.zeros(1), np.full((1, 1), np.nan), np.zeros(1)),
+        lambda: Moved(WELL, Course.constant(0.0, 0.0), Course.constant(1.0)),
+        lambda: UserForce(lambda pose, data, wrench: None),
+    ],
+)
+def test_what_cannot_be_put_together_is_refused(wrong):
+    with pytest.raises(ValueError, match=r"do not fit|ascend|negative|finite|courses|decorator"):
+        wrong()
+
+
+def test_whole_numbers_are_numbers():
+    force = UserForce(spring, (np.array(3, np.int32), [1, 2, 3]))
+    np.testing.assert_allclose(force.field(np.zeros((1, 3))).force, [[3, 6, 9]])
+
+
+def test_places_that_cannot_be_written_are_read():
+    places = PLACES.copy()
+    places.flags.writeable = False
+    np.testing.assert_array_equal(WELL.field(places).force, WELL.field(PLACES).force)

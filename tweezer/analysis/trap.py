@@ -82,11 +82,12 @@ class Trap:
     """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
 
     power_through_pupil: float
-    """P, W"""
+    """P, W, of all beams, without their modulation"""
     fraction_through_pupil: float | None
     """P over the power of the whole beam; None in the dark"""
     backward_efficiency: Efficiency | None
-    """against the light, on the axis; None if the light pulls back nowhere"""
+    """against the light, on the axis; None if the light pulls back nowhere, or there is more than
+    one beam at rest at the origin"""
     lateral_efficiency: Efficiency | None
     """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
     equilibria: tuple[Equilibrium, ...]
@@ -163,11 +164,14 @@ def characterise(scene: Scene) -> Trap:
     power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
     given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
-    lateral = [_efficiency(light_force, axis, line(0.0, r), unit) for axis in ("+x", "+y")]
+    backward, lateral = None, []
+    if scene.plain:
+        backward = _efficiency(light_force, "+z", line(-REACH, r), unit)
+        lateral = [_efficiency(light_force, axis, line(0.0, r), unit) for axis in ("+x", "+y")]
     return Trap(
         power_through_pupil=power,
         fraction_through_pupil=power / given if given else None,
-        backward_efficiency=_efficiency(light_force, "+z", line(-REACH, r), unit),
+        backward_efficiency=backward,
         lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
         equilibria=places,
         equilibrium=equilibrium,

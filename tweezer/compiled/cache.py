@@ -129,6 +129,16 @@ def _tell_once() -> None:
     _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 
+def _fields(kind: Any) -> Any:
+    """Names in the order of their values, of a type and of those within it.
+
+    Code that reads a value by its name holds the number of its place.
+    """
+    parts = kind if isinstance(kind, tuple) else getattr(kind, "types", ())
+    within = [_fields(each) for each in parts]
+    return (getattr(kind, "fields", ()), within) if within else ()
+
+
 class _File:
     """Compiled code of one function, in a file for each set of argument types and processor.
 
@@ -173,7 +183,9 @@ class _File:
             part.unlink(missing_ok=True)
 
     def _path(self, key: Any) -> Path:
-        types_and_processor = hashlib.sha256(repr(key).encode()).hexdigest()
+        signature, processor = key
+        told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {processor!r}"
+        types_and_processor = hashlib.sha256(told.encode()).hexdigest()
         return Path(f"{self._base}.{types_and_processor[:16]}.nbc")
 
     def _digest(self, content: bytes) -> bytes:

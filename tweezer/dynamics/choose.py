@@ -96,16 +96,18 @@ def rates_of_force(problem: Problem) -> Array:
     directions = rng.normal(size=(_PLACES, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
-    about = [focus + directions * distances for focus in problem.foci]
-    places = np.vstack([*about, scene.start_position])
     times = np.zeros(1)
     if not force.steady:
         kinks = force.kinks(scene.simulation.duration)
         times = np.linspace(0.0, scene.simulation.duration, _TIMES)
-        times = np.append(times, kinks[:: -(-len(kinks) // _TIMES)] if len(kinks) else kinks)
-    sizes = [
-        np.linalg.norm(field.force_gradient, ord=2, axis=(1, 2))
-        for field in (force.field(places, gradient=True, time=time) for time in times)
-    ]
-    largest: Array = max(sizes, key=lambda each: float(np.median(each)))
+        times = np.concatenate([times, kinks[:_TIMES], kinks[-_TIMES:]])
+
+    def sizes(time: float) -> Array:
+        about = [focus + directions * distances for focus in problem.foci(time)]
+        places = np.vstack([*about, scene.start_position])
+        gradient = force.field(places, gradient=True, time=time).force_gradient
+        found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
+        return found
+
+    largest = max(map(sizes, times.tolist()), key=lambda each: float(np.median(each)))
     return largest / problem.bead.drag

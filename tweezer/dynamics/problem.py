@@ -52,10 +52,11 @@ class Problem:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
         return self.force.field(positions).force + np.array(self.bead.weight)
 
-    @property
-    def foci(self) -> Array:
-        """Where the beams' foci are at rest, (beams, 3) m."""
-        return np.array([beam.position for beam in self.scene.beams])
+    def foci(self, time: float = 0.0) -> Array:
+        """Where the beams' foci are at a time, s, (beams, 3) m."""
+        if not isinstance(self.light, Beams):
+            return np.zeros((1, 3))
+        return np.array([each.place.at(time) for each in self.light.forces])
 
     def equilibria(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
         """Places where a net force vanishes.
@@ -65,7 +66,7 @@ class Problem:
         radius = self.scene.bead.radius
         if self.scene.plain and not self.others:
             return tuple(equilibria(radius, self.force, net_force))
-        return tuple(equilibria_about(self.foci, radius, self.force, net_force))
+        return tuple(equilibria_about(self.foci(), radius, self.force, net_force))
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 #: steps of the first call of a loop, and most of one: what ends a run early is seen between calls
 _FIRST_STEPS, _MOST_STEPS = 128, 4096
 #: steps end this little before a kink of the force: what it is from then on is not looked at
-BEFORE = 1 - 1e-15
+BEFORE = 1 - 1e-14
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,8 @@ Integers = NDArray[np.int64]
 _PART, _PART_OF_TAU = 0.2, 0.2
 #: part of the places about the trap where the force changes no faster than the scale it is taken as
 _MOST = 0.9
+#: step over the shortest time in which a force changes: a jump is smeared over a step
+_PART_OF_CHANGE = 0.05
 #: steps a sample interval may take
 _MOST_PER_SAMPLE = 10**6
 
@@ -176,10 +178,21 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         tau = inertias / drags
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
-    if METHODS[simulation.method].spring_only and not problem.force.steady:
+    how = METHODS[simulation.method]
+    if how.spring_only and not problem.force.steady:
         raise SceneError(
             f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
             "beam.motion, beam.modulation or another force that changes in time"
+        )
+    if problem.force.oriented and (how.spring_only or simulation.model == "first-order"):
+        raise SceneError(
+            "forces: one that turns the bead; not with simulation.method = 'harmonic' or "
+            "simulation.model = 'first-order'"
+        )
+    if problem.rotates and scene.bead.moments_of_inertia and inertial:
+        raise SceneError(
+            "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
+            "sphere; allowed: model = 'overdamped', or no moments"
         )
     equilibrium = problem.equilibrium
     if equilibrium is None:
@@ -258,6 +271,9 @@ def _longest_step(
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
+    if shortest := problem.force.shortest_time(simulation.duration):
+        limits.append((_PART_OF_CHANGE * shortest, f"{_PART_OF_CHANGE:g} of the time in which the "
+                       "force changes"))  # fmt: skip
     if tau[0] > 0 and _scheme(simulation).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)

@@ -5,7 +5,7 @@ forces=[...])` takes it beside the forces of the scene.
 """
 
 from tweezer.forces.composed import Course, Moved, Sum, UserForce, kernel
-from tweezer.forces.data import integers, matrix, number, tensor, vector
+from tweezer.forces.data import matrix, number, tensor, vector
 from tweezer.forces.force import Force, Pose, Wrench
 
 __all__ = [
@@ -16,7 +16,6 @@ __all__ = [
     "Sum",
     "UserForce",
     "Wrench",
-    "integers",
     "kernel",
     "matrix",
     "number",

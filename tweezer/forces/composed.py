@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
+from numba.core.dispatcher import Dispatcher
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
+from tweezer.errors import SceneError
 from tweezer.forces.data import Data, matrix, number, packed, part, vector
 from tweezer.forces.force import KERNEL, Force, Kernel, Pose, Wrench, add, bound, clear, no_wrench
 
@@ -52,6 +54,10 @@ class Sum(Force):
         """See `Force.kinks`."""
         return np.unique(np.concatenate([np.zeros(0), *(each.kinks(end) for each in self.forces)]))
 
+    def shortest_time(self, end: float) -> float:
+        """See `Force.shortest_time`."""
+        return _shortest(each.shortest_time(end) for each in self.forces)
+
     @property
     def steady(self) -> bool:
         """See `Force.steady`."""
@@ -61,6 +67,10 @@ class Sum(Force):
         """See `Force.compiled`."""
         parts = [bound(each, gradient=gradient) for each in self.forces]
         return _add_all, packed(float(len(parts)), *parts)
+
+
+def _shortest(times: Iterable[float]) -> float:
+    return min(filter(None, times), default=0.0)
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -90,6 +100,21 @@ class Course:
     period: float = math.inf
     """s, of the points"""
 
+    def __post_init__(self) -> None:
+        """Raises `ValueError` for arrays that do not fit, or times that do not ascend."""
+        for name in ("times", "values", "amplitude"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            object.__setattr__(self, name, array)
+            if not np.isfinite(array).all():
+                raise ValueError(f"{name}: must be finite")
+        n, m = len(self.times), self.amplitude.size
+        if self.times.ndim != 1 or not n or self.values.shape != (n, m):
+            raise ValueError("times (n,), values (n, m) and amplitude (m,): do not fit together")
+        if (np.diff(self.times) < 0).any():
+            raise ValueError("times: must ascend")
+        if self.frequency < 0 or not self.period > 0:
+            raise ValueError("frequency and period: must not be negative")
+
     @classmethod
     def constant(cls, *values: float) -> Course:
         """One that does not change."""
@@ -107,9 +132,19 @@ class Course:
             return np.zeros(0)
         times = self.times
         if math.isfinite(self.period):
+            if end / self.period > _MOST_PERIODS:
+                raise SceneError(f"{end / self.period:.2g} periods of a force in a run: too many")
             repeats = np.arange(math.ceil(end / self.period) + 1) * self.period
-            times = (repeats[:, None] + np.append(self.times, 0.0)).ravel()
+            within = np.append(0.0, self.times[self.times < self.period * (1 - 1e-12)])
+            times = (repeats[:, None] + np.unique(within)).ravel()
         return np.unique(times[(times > 0) & (times < end)])
+
+    def shortest_time(self, end: float) -> float:
+        """Shortest time in which it changes in (0, end), s; 0 if it does not."""
+        kinks = self.kinks(end)
+        between = float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
+        swing = 1 / self.frequency if self.frequency and self.amplitude.any() else 0.0
+        return _shortest((between, swing))
 
     def at(self, time: float) -> Array:
         """(m,) at a time, s."""
@@ -125,6 +160,10 @@ class Course:
         )  # fmt: skip
 
 
+#: Part of a time by which a repeated kink may come too early, so that rounding makes none late
+_LATER = 2e-15
+#: Most periods of a course that repeats in a run
+_MOST_PERIODS = 1e6
 #: Entries of a `Course` in the data of a force
 _ENTRIES = 4
 
@@ -136,7 +175,8 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
     amplitude, wave = vector(data, first + 2), vector(data, first + 3)
     frequency, phase, period = wave[0], wave[1], wave[2]
     swing = math.sin(2.0 * math.pi * frequency * time + phase) if frequency > 0.0 else 0.0
-    if period < math.inf:
+    if period < math.inf:  # a kink that rounding puts before its time has come
+        time += _LATER * abs(time)
         time -= period * math.floor(time / period)
     after = np.searchsorted(times, time, side="right")
     last = times.size - 1
@@ -162,6 +202,16 @@ class Moved(Force):
     """(1,) factor of all it does"""
     down: bool = False
     """turned by 180 degrees about x: its z axis points down"""
+
+    def __post_init__(self) -> None:
+        """Raises `ValueError` for courses of other than 3 numbers, and 1."""
+        if self.place.amplitude.size != 3 or self.strength.amplitude.size != 1:
+            raise ValueError("place and strength: must be courses of 3 numbers, and of 1")
+
+    def shortest_time(self, end: float) -> float:
+        """See `Force.shortest_time`."""
+        parts = self.place, self.strength, self.force
+        return _shortest(each.shortest_time(end) for each in parts)
 
     @property
     def oriented(self) -> bool:
@@ -301,9 +351,14 @@ class UserForce(Force):
         """See `Force.steady`."""
         return not self.by_time
 
+    def __post_init__(self) -> None:
+        """Raises `ValueError` for a function that is not compiled."""
+        if not isinstance(self.function, Dispatcher):
+            raise ValueError("function: must be made by the decorator tweezer.forces.kernel")
+
     @functools.cached_property
     def _data(self) -> Data:
-        return packed(*self.entries)
+        return packed(*(np.asarray(each, dtype=np.float64) for each in self.entries))
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""

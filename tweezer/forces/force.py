@@ -66,6 +66,11 @@ class Force(ABC):
         """Times in (0, end), s, at which it jumps or bends."""
         return np.zeros(0)
 
+    def shortest_time(self, end: float) -> float:
+        """Shortest time in which it changes in (0, end), s; 0 if it does not, or none is known."""
+        kinks = self.kinks(end)
+        return float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
+
     @abstractmethod
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """Its kernel, which adds the gradients only if they are asked for, and its data."""
@@ -80,9 +85,11 @@ class Force(ABC):
     ) -> Wrench:
         """What it does at `positions` (n, 3) m from the focus, and its gradients if asked.
 
-        time: s, or (n,). orientations: (n, 4) Euler parameters, for a force that depends on them.
-        What is not asked for, or not exerted, is zero.
+        time: s, or (n,). orientations: (n, 4) Euler parameters, for a force that depends on them;
+        not turned if not given. What is not asked for, or not exerted, is zero.
         """
+        if self.oriented and orientations is None:
+            orientations = np.tile([1.0, 0.0, 0.0, 0.0], (len(positions), 1))
         return evaluated(bound(self, gradient=gradient), positions, gradient, time, orientations)
 
     def error_of(
@@ -114,8 +121,10 @@ def evaluated(
 ) -> Wrench:
     """What a bound force does to beads at `positions` (n, 3) m, at one time (s) or (n,)."""
     # of other layouts the arrays would be taken for what they are not
-    places = np.ascontiguousarray(positions, dtype=np.float64)
-    turned = _NOT_TURNED if orientations is None else np.ascontiguousarray(orientations)
+    places = np.require(positions, np.float64, ["C", "W"])
+    turned = _NOT_TURNED
+    if orientations is not None:
+        turned = np.require(orientations, np.float64, ["C", "W"])
     times = np.full(len(places), time, np.float64)
     wrench = no_wrench(len(places), gradient=gradient)
     _entry()(part.kernel, *part.data, times, places, turned, *wrench)

@@ -343,6 +343,8 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     tolerance is not reached (`PhysicsWarning`): `Table.certified_error` is what is. Warns if the
     file is damaged, and it is made again, or if it cannot be written.
     """
+    if scene.more_beams:
+        raise SceneError("beam: a map is of one beam; a run makes that of each that it needs")
     dark = _dark(scene)
     if not scene.lit:
         raise SceneError("optics.evaluator = 'map': there is no light to map the force of")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tweezer.errors import ResultError, warn
+from tweezer.forces import data, force
 from tweezer.generated import ray
 from tweezer.optics import charts, kernels, quadrature, tabulate
 from tweezer.optics.tabulate import Made, Progress, build
@@ -40,7 +41,10 @@ _MOST_IN_MEMORY = 16
 #: once, for a file may change under a running program
 _SOURCES = "".join(
     Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("table.py", "light.py")
-) + "".join(inspect.getsource(module) for module in (ray, quadrature, kernels, charts, tabulate))
+) + "".join(
+    inspect.getsource(module)
+    for module in (ray, quadrature, kernels, charts, tabulate, data, force)
+)
 
 _in_memory: dict[str, tuple[Made, Path | None]] = {}
 

@@ -101,8 +101,9 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     circular light, scattered by a sphere (Mie). It ripples with the bead's size, and only its
     average over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459,
     3021, 2003). Beads of fewer or more wavelengths than the table's 0.25 to 16, and apertures
-    beyond its own, are given the ratios of its last ones. In linear light the exact stiffness
-    differs along x and y besides, by a third for beads of about a wavelength.
+    beyond its own, are given the ratios of its last ones. Of several beams this is about the
+    first, as if it were alone; beams that face each other were not compared. In linear light the
+    exact stiffness differs along x and y besides, by a third for beads of about a wavelength.
     """
     if not scene.lit:
         return None
@@ -111,7 +112,8 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     index_ratio = scene.bead.refractive_index / medium.refractive_index
     wavelengths = diameter * medium.refractive_index / scene.beam.wavelength
     focal_spot = 2 * scene.beam.wavelength / (math.pi * aperture * medium.refractive_index)
-    alike = _alike(index_ratio, aperture, wavelengths)
+    # beams that face each other make another trap than the table's
+    alike = _alike(math.nan if _facing(scene) else index_ratio, aperture, wavelengths)
     trapped = ~np.isnan(alike["stiffness_across"])
     return RayOpticsWorth(
         wavelengths=wavelengths,
@@ -124,6 +126,10 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     )
 
 
+def _facing(scene: Scene) -> bool:
+    return len({beam.direction for beam in scene.beams}) > 1
+
+
 def ray_optics_caveat(scene: Scene) -> str | None:
     """`ray_optics_worth` in one sentence; None in the dark."""
     worth = ray_optics_worth(scene)
@@ -134,7 +140,8 @@ def ray_optics_caveat(scene: Scene) -> str | None:
         f"{worth.focal_spots:.2g} times the focal spot ({1e6 * worth.focal_spot:.2g} um)"
     )
     if worth.trapped is None:
-        found = "ray optics was not compared with wave optics for beads of this index"
+        of = "beams that face each other" if _facing(scene) else "beads of this index"
+        found = f"ray optics was not compared with wave optics for {of}"
     elif not worth.trapped:
         found = "where ray optics finds a trap, wave optics has none"
     else:

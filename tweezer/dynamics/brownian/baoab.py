@@ -51,6 +51,6 @@ def weights(step: float, linear: Linear) -> Weights:
 
 
 BAOAB = Scheme(
-    step, weights, force_calls=1, noise_of_position=False, force_first=True, spring_is_exact=False,
+    step, weights, force_calls=1, noise_of_position=False, force_first=True,
     resolves_drag=True,
 )  # fmt: skip

@@ -157,7 +157,5 @@ class Scheme(NamedTuple):
     """whether a sample is the place that the last step asked the force at"""
     force_first: bool = False
     """whether a step wants the slow velocity of the one before"""
-    spring_is_exact: bool = True
-    """whether the trap's own stiffness is in the weights"""
     resolves_drag: bool = False
     """whether its steps must be shorter than the relaxation times"""

@@ -76,5 +76,5 @@ def harmonic_weights(step: float, linear: Linear) -> Weights:
     return propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
 
 
-EULER_MARUYAMA = Scheme(step, weights, force_calls=1, spring_is_exact=False, resolves_drag=True)
+EULER_MARUYAMA = Scheme(step, weights, force_calls=1, resolves_drag=True)
 HARMONIC = Scheme(harmonic_step, harmonic_weights, force_calls=0)

@@ -46,4 +46,4 @@ def weights(step: float, linear: Linear) -> Weights:
     return propagator.exact(step, linear.tau, none, linear.diffusion)
 
 
-ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True, spring_is_exact=False)
+ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True)

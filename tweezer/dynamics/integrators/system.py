@@ -25,6 +25,8 @@ REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
 
 #: a step may shrink and grow by these factors, and is aimed at this part of the tolerance
 _SHRINK, _SAFETY = 0.2, 0.9
+#: part of a time that many roundings of the clock may come to
+_ROUNDING = 1e-14
 
 _f8 = types.float64
 _vector, _matrix = _f8[::1], _f8[:, ::1]
@@ -171,6 +173,8 @@ def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
     if control.prescribed.size > 0:
         step = control.prescribed[counts[0]]
         last = counts[0] == control.prescribed.size - 1
+        # what rounding of the clock leaves before a kink is not a step of its own
+        last |= left - step <= _ROUNDING * control.end
     last |= step >= left * (1.0 - 1e-12)
     if last:
         step = left
