@@ -17,7 +17,7 @@ from tweezer.thesis import figures, lost_bead, writing
 from tweezer.thesis.runs import closest_approach, crossings
 from tweezer.thesis.verdicts import Claim
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 COMMITTED = DOCS / "figures" / "thesis"
 BOLTZMANN = 1.380649e-23
 

@@ -59,7 +59,7 @@ def test_table_says_what_comes_out(runs):
     rows = re.findall(
         r"\| `(thesis-\d+nm)` \| (\w+) after (\d+) ms.*?\| ([\d.]+) µm \| (\d+) \| (\d+) "
         r"\| ([\d.]+) µm \|",
-        (Path(__file__).parents[1] / "docs/models.md").read_text(encoding="utf-8"),
+        (Path(__file__).parents[2] / "docs/models.md").read_text(encoding="utf-8"),
     )
     assert {row[0] for row in rows} == set(runs)
     for name, outcome, milliseconds, micrometres, steps, force_calls, off in rows:

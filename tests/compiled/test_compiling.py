@@ -28,7 +28,7 @@ from tweezer.compiled import cache, compilation, fingerprint
 from tweezer.dynamics import bind
 from tweezer.warmup import usual_scenes
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"
 #: the command line, which does not wait with its notice
 COMMAND = (

@@ -12,7 +12,7 @@ import tweezer
 from tweezer.plots import trap_figure
 
 AXES = {"x": 0, "y": 1, "z": 2}
-PUBLISHED = Path(__file__).parent / "data" / "ashkin1992.csv"
+PUBLISHED = Path(__file__).parents[1] / "data" / "ashkin1992.csv"
 
 
 def silica(**changes):

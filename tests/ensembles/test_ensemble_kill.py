@@ -1,6 +1,6 @@
 """Ensembles whose processes are killed: nothing is lost or wrong, and the bytes are the same.
 
-`TWEEZER_KILLS=20 pytest tests/test_ensemble_kill.py` kills so many times.
+`TWEEZER_KILLS=20 pytest tests/ensembles/test_ensemble_kill.py` kills so many times.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import tweezer
-from tests.test_ensemble import FREE, content, interrupt_after
+from tests.ensembles.test_ensemble import FREE, content, interrupt_after
 from tweezer.ensembles import job, statistics, store
 
 KILLS = int(os.environ.get("TWEEZER_KILLS", "3"))
@@ -37,7 +37,7 @@ def work(out: Path, gathered: bool, scheduler: str | None = None) -> None:
 def process():
     """`process(work, ...)`: a process started, from one that has imported what it needs."""
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["tests.test_ensemble_kill", "tweezer.ensembles"])
+    context.set_forkserver_preload(["tests.ensembles.test_ensemble_kill", "tweezer.ensembles"])
 
     def start(*arguments):
         started = context.Process(target=work, args=arguments, daemon=True)
@@ -45,7 +45,7 @@ def process():
         return started
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("PYTHONPATH", str(Path(__file__).parents[1]))  # where these are found
+        patch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))  # where these are found
         yield start
 
 
