@@ -17,12 +17,43 @@ choices.METHODS["mine"] = choices.Method("mine", "a scheme of mine", "mine:SCHEM
                                          models=("overdamped",))
 choices.METHODS["also-mine"] = choices.Method("also-mine", "a method of mine", "mine:METHOD")
 choices.MODELS["slow"] = choices.Model("slow", "a model of mine", inertia=False)
-choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine")
+choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine", "mine:mine")
 
+import numpy as np
 import tweezer
+from tests.reference.fields import LinearTrap
 from tweezer import cli
 from tweezer.dynamics.brownian.euler import EULER_MARUYAMA as SCHEME
 from tweezer.dynamics.integrators.dop853 import DOP853 as METHOD
+from tweezer.optics.light import LightForce, light_on_bead
+
+
+class Mine(LightForce):
+    def compiled(self, *, gradient):
+        return LinearTrap(1e3 * self.light.cone.power * 1e-6).compiled(gradient=gradient)
+
+
+def mine(scene):
+    return Mine(light_on_bead(scene))
+
+
+# its force is that of the scene: in the public functions, in two beams, and in a run
+mW = tweezer.load_scene("silica-1um").replace(
+    optics={"evaluator": "by-hand"}, beam={"power_through_pupil": "2 mW"},
+    simulation={"samples": 3, "method": "dop853"},
+)
+place = np.array([1e-7, 0, -2e-7])
+np.testing.assert_allclose(tweezer.optical_force(mW, place), -2e-6 * place, rtol=1e-12)
+beam = {key: of for key, of in mW.beam.model_dump().items() if of is not None}
+both = mW.replace(beam=[beam, {**beam, "position": [1e-6, 0, 0]}])
+np.testing.assert_allclose(
+    tweezer.optical_force(both, place), -2e-6 * (2 * place - [1e-6, 0, 0]), rtol=1e-12
+)
+followed = tweezer.simulate(mW, "20 us")
+np.testing.assert_allclose(
+    followed["optical_force"].values, -2e-6 * followed["position"].values, rtol=1e-9
+)
+assert followed.attrs["force_evaluator"] == "by-hand"
 
 dark = tweezer.load_scene("silica-1um").replace(
     forces={"optical": False}, simulation={"model": "overdamped", "samples": 3}

@@ -53,8 +53,7 @@ class Method:
 
     def load(self) -> Any:
         """What it is."""
-        module, _, name = self.place.partition(":")
-        return getattr(importlib.import_module(module), name)
+        return _at(self.place)
 
 
 @dataclass(frozen=True)
@@ -63,8 +62,20 @@ class Evaluator:
 
     name: str
     about: str
+    place: str
+    """"module:name" of a function that gives the force of the one beam of a scene, a
+    `tweezer.optics.light.LightForce`"""
     symmetric: bool = False
     """whether the light must be the same all around its axis"""
+
+    def load(self) -> Any:
+        """What it is."""
+        return _at(self.place)
+
+
+def _at(place: str) -> Any:
+    module, _, name = place.partition(":")
+    return getattr(importlib.import_module(module), name)
 
 
 def _by_name(*entries: Any) -> dict[str, Any]:
@@ -73,6 +84,7 @@ def _by_name(*entries: Any) -> dict[str, Any]:
 
 _METHODS = "tweezer.dynamics.integrators"
 _SCHEMES = "tweezer.dynamics.brownian"
+_OPTICS = "tweezer.optics"
 
 MODELS: dict[str, Model] = _by_name(
     Model("full", "(A.25)", inertia=True),
@@ -105,10 +117,18 @@ METHODS: dict[str, Method] = _by_name(
 )  # fmt: skip
 
 EVALUATORS: dict[str, Evaluator] = _by_name(
-    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26)"),
-    Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes"),
-    Evaluator("map", "a table of it, to `table_tolerance`", symmetric=True),
-)
+    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26)",
+              f"{_OPTICS}.by_grid:by_grid"),
+    Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes",
+              f"{_OPTICS}.by_quadrature:by_quadrature"),
+    Evaluator("map", "a table of it, to `table_tolerance`", f"{_OPTICS}.by_map:by_map",
+              symmetric=True),
+)  # fmt: skip
+
+
+def evaluator(name: str) -> Evaluator:
+    """The evaluator of `optics.evaluator`."""
+    return EVALUATORS["quadrature" if name == "auto" else name]
 
 
 def told(entries: Iterable[Model | Method | Evaluator]) -> str:

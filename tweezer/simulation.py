@@ -34,7 +34,7 @@ from tweezer.dynamics import (
 )
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
-from tweezer.optics import worth_attributes
+from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.scene import Scene, checked_scene
 from tweezer.units import to_si
 
@@ -231,7 +231,7 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
-        "force_evaluator": problem.light.evaluator,
+        "force_evaluator": evaluators_of(scene),
         **others,
         **worth_attributes(scene),
         "chosen": why,

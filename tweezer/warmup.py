@@ -9,7 +9,8 @@ import numpy as np
 from tweezer.dynamics import chosen, walk
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.errors import PhysicsWarning
-from tweezer.optics import light_of_one_beam
+from tweezer.optics import LightForce, light_of_one_beam
+from tweezer.optics.by_quadrature import by_quadrature
 from tweezer.scene import Scene
 from tweezer.simulation import simulate
 
@@ -36,9 +37,9 @@ def warm_up(scene: Scene) -> None:
     Of a scene that reads its force from a map, also make that, unless it is made.
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
-        lights = [light_of_one_beam(scene.with_one_beam(scene.beam))]
+        lights: list[LightForce] = [light_of_one_beam(scene.with_one_beam(scene.beam))]
         if scene.lit:
-            lights.append(lights[0].by_quadrature(scene.optics.tolerance))
+            lights.append(by_quadrature(scene))
         for bound in lights:
             for gradient in (False, True):
                 bound.field(np.zeros((1, 3)), gradient=gradient)

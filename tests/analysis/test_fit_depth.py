@@ -223,7 +223,7 @@ def test_power_and_a_given_noise(scene, tracks):
         tracks[1], scene, noise=STUDY.noise, search=(-6e-6, -2e-6), fit=["power"]
     )
     (power,) = fit.parameters
-    true = light(scene).cone.power
+    true = light(scene).light.cone.power
     assert abs(power.value - true) < 4 * power.uncertainty  # false alarm 1e-4
     assert fit.intervals[-1][1] - fit.intervals[0][0] > 2 * (
         known.intervals[-1][1] - known.intervals[0][0]

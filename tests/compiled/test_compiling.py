@@ -240,12 +240,10 @@ def test_beads_of_a_lower_index_and_fits_of_the_depth_are_warmed_up(monkeypatch)
         def field(self, positions, *, gradient):
             fields.add((*self.kind, gradient))
 
-        def by_quadrature(self, tolerance):
-            return Seen(self.scene, "quadrature")
-
     monkeypatch.setattr(
         warmup, "light_of_one_beam", lambda scene: Seen(scene, scene.optics.evaluator)
     )
+    monkeypatch.setattr(warmup, "by_quadrature", lambda scene: Seen(scene, "quadrature"))
     monkeypatch.setattr(warmup, "kalman_filter", lambda light: filters.add(light.kind[1]))
     monkeypatch.setattr(warmup, "walk", lambda scene: SimpleNamespace(scene=scene))
     monkeypatch.setattr(warmup, "chosen", lambda scene: (scene, ""))

@@ -16,7 +16,7 @@ import pytest
 from filelock import FileLock
 
 import tweezer
-from tweezer.optics import force_map, light, tabulate
+from tweezer.optics import evaluators_of, force_map, light, tabulate
 from tweezer.optics.table import _in_memory, _load
 
 #: a table of a few pieces, made in no time
@@ -66,7 +66,7 @@ def test_never_worse_than_its_certificate():
     positions = within(scene, 100_000, np.random.default_rng(81))
     read, true = light(scene).field(positions), exact(scene).field(positions)
     made = force_map(scene)
-    assert (light(scene).evaluator, made.range) == ("map", 3 * scene.bead.radius)
+    assert (evaluators_of(scene), made.range) == ("map", 3 * scene.bead.radius)
     assert (read.error == made.certified_error).all()
     error = norm(read.force - true.force) + true.error
     assert error.max() < made.certified_error
@@ -139,7 +139,7 @@ def test_at_the_singular_places():
     """On the axis, at the focus, at d = r, where a ray of the rim is tangent, and at the range."""
     scene = mapped(tweezer.load_scene("thesis-990nm"))
     bound, r = light(scene), scene.bead.radius
-    th = bound.cone.half_angle
+    th = bound.light.cone.half_angle
     arc = [np.pi / 2 - th, np.pi / 2, np.pi / 2 + th]
     places = [[0, 0, z] for z in (0, 1, -1, 0.6, -0.6, 2, -3, 3)]
     places += [[np.sin(a), 0, np.cos(a)] for a in arc]
@@ -186,7 +186,7 @@ def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
     assert made.pieces <= 150
     assert made.certified_error > 1e-8 * made.largest_force
     positions = within(scene, 20_000, np.random.default_rng(85))
-    force = dataclasses.replace(light(scene), source=made).field(positions).force
+    force = dataclasses.replace(light(scene), made=made.made).field(positions).force
     assert norm(force - exact(scene, 1e-10).field(positions).force).max() < made.certified_error
 
 
@@ -203,7 +203,7 @@ def builds(monkeypatch):
     """A list that grows by one with every table that is made."""
     made = []
     build = tabulate.build
-    module = sys.modules["tweezer.optics.table"]
+    module = sys.modules["tweezer.optics.by_map"]
     monkeypatch.setattr(module, "build", lambda *a, **k: made.append(k) or build(*a, **k))
     return made
 
@@ -333,9 +333,9 @@ import sys
 import numpy as np
 import tweezer
 from tweezer.optics import kernels, light, tabulate
-table = sys.modules["tweezer.optics.table"]
+by_map = sys.modules["tweezer.optics.by_map"]
 built = []
-table.build = lambda *a, **k: built.append(1) or tabulate.build(*a, **k)
+by_map.build = lambda *a, **k: built.append(1) or tabulate.build(*a, **k)
 scene = tweezer.Scene.model_validate_json(sys.argv[1])
 print("ready", flush=True)
 sys.stdin.readline()
@@ -374,7 +374,7 @@ def test_of_two_processes_one_makes_the_table(scene):
 def test_no_map_of_the_dark_or_of_linear_light(scene):
     with pytest.raises(tweezer.SceneError, match="no light to map the force of"):
         force_map(scene.replace(beam={"power": 0}))
-    assert light(scene.replace(beam={"power": 0})).evaluator == "dark"
+    assert evaluators_of(scene.replace(beam={"power": 0})) == "dark"
     linear = scene.replace(
         optics={"evaluator": "auto"}, beam={"polarisation": "linear", "jones": [1, 0]}
     )

@@ -274,7 +274,7 @@ class _Likelihood:
         if scene.simulation.model == "scaled":
             self._tau = self._bead.relaxation_time / (scene.simulation.scaling_factor or 1.0)
         self._given = {
-            "power": self._light.cone.power, "radius": scene.bead.radius,
+            "power": self._light.light.cone.power, "radius": scene.bead.radius,
             "scaling_factor": scene.simulation.scaling_factor,
         }  # fmt: skip
         self._filter = kalman_filter(self._light)
@@ -296,7 +296,7 @@ class _Likelihood:
     @functools.cached_property
     def unit(self) -> float:
         """m, the radius."""
-        return self._light.radius
+        return self._light.light.radius
 
     @functools.cached_property
     def _guess(self) -> float:
@@ -352,7 +352,7 @@ class _Likelihood:
         )
         drag = size * self._bead.drag
         moving = Bead(
-            size * self._light.radius, power, 1 / drag, size**3 * np.array(self._bead.weight),
+            size * self._light.light.radius, power, 1 / drag, size**3 * np.array(self._bead.weight),
             self._kT / drag, self._tau * size**2 / a2, np.append(self._start, z), self._spread,
             self._velocity, change.get("release", 0.0) * self._step,
         )  # fmt: skip

@@ -31,6 +31,7 @@ from tweezer.equilibria import (
 from tweezer.optics import (
     RayOpticsWorth,
     cone,
+    evaluators_of,
     ray_optics_caveat,
     ray_optics_worth,
     total_power,
@@ -177,7 +178,7 @@ def characterise(scene: Scene) -> Trap:
         equilibrium=equilibrium,
         corner_frequencies=corner_frequencies,
         escapes=escapes,
-        evaluator=problem.light.evaluator,
+        evaluator=evaluators_of(scene),
         force_error=light_force.error,
         caveat=ray_optics_caveat(scene),
         ray_optics=ray_optics_worth(scene),

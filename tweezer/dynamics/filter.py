@@ -35,7 +35,7 @@ from tweezer.dynamics.integrators.system import push, scratch
 from tweezer.errors import IntegrationError
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import bound
-from tweezer.optics import Light
+from tweezer.optics import LightForce
 
 Array = NDArray[np.float64]
 
@@ -106,7 +106,7 @@ class Filtered(NamedTuple):
     """(n, 2) the probability that it is the bead's; NaN for what is missing"""
 
 
-def kalman_filter(light: Light) -> Callable[..., Filtered]:
+def kalman_filter(light: LightForce) -> Callable[..., Filtered]:
     """What filters the tracks of a bead in that light.
 
     least: a log-likelihood. The filter stops at the frame after which it cannot be reached any

@@ -22,7 +22,7 @@ from tweezer.equilibria import (
 from tweezer.errors import SceneError
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
-from tweezer.optics import Beams, Light, light
+from tweezer.optics import Beams, LightForce, light
 from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Problem:
 
     scene: Scene
     bead: BeadProperties
-    light: Light | Beams
+    light: LightForce | Beams
     others: tuple[Force, ...] = ()
     """forces beside those of the scene"""
 

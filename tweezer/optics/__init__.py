@@ -6,16 +6,17 @@ from tweezer.optics.beam import (
     fraction_through_pupil,
     total_power,
 )
-from tweezer.optics.light import (
+from tweezer.optics.binding import (
     Beams,
-    Light,
-    force_map,
+    evaluators_of,
     light,
     light_of_one_beam,
     optical_force,
     optical_jacobian,
     optical_torque,
 )
+from tweezer.optics.by_map import force_map
+from tweezer.optics.light import LightForce
 from tweezer.optics.rays import grid
 from tweezer.optics.table import Table
 from tweezer.optics.worth import (
@@ -28,10 +29,11 @@ from tweezer.optics.worth import (
 __all__ = [
     "Beams",
     "Cone",
-    "Light",
+    "LightForce",
     "RayOpticsWorth",
     "Table",
     "cone",
+    "evaluators_of",
     "force_map",
     "fraction_through_pupil",
     "grid",

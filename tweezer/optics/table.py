@@ -18,18 +18,16 @@ from tweezer.errors import ResultError, warn
 from tweezer.forces import data, force
 from tweezer.generated import ray
 from tweezer.optics import charts, kernels, quadrature, tabulate
-from tweezer.optics.tabulate import Made, Progress, build
+from tweezer.optics.light import Light
+from tweezer.optics.tabulate import Made
 
 if TYPE_CHECKING:
     from filelock import FileLock
 
-    from tweezer.optics.light import Light
     from tweezer.scene import Optics
 
 _log = logging.getLogger("tweezer")
 
-#: tolerance of the quadrature that a table is made from, of the table's
-_FINER = 0.03
 #: Time after which a user reads that a table of another process is waited for, s
 _PATIENCE = 1.0
 #: Longest time that a table of another process is waited for, s
@@ -40,7 +38,8 @@ _MOST_IN_MEMORY = 16
 #: what a stored table depends on besides the light: the sources that it was computed by, read at
 #: once, for a file may change under a running program
 _SOURCES = "".join(
-    Path(__file__).with_name(name).read_text(encoding="utf-8") for name in ("table.py", "light.py")
+    Path(__file__).with_name(name).read_text(encoding="utf-8")
+    for name in ("table.py", "light.py", "by_quadrature.py")
 ) + "".join(
     inspect.getsource(module)
     for module in (ray, quadrature, kernels, charts, tabulate, data, force)
@@ -87,28 +86,15 @@ class Table:
         return self.made.seconds
 
 
-def stored(
-    light: Light, optics: Optics, progress: Progress | None = None
-) -> tuple[Made, Path | None]:
+def stored(light: Light, optics: Optics, make: Callable[[], Made]) -> tuple[Made, Path | None]:
     """The table of `light`, given in radii and n_m P/c, and its file.
 
-    It is the one in memory, or in the user's cache folder, or made. Warns as
+    It is the one in memory, or in the user's cache folder, or what `make` gives. Warns as
     `tweezer.optics.force_map`.
     """
     key = _key(light, optics)
     if key in _in_memory:
         return _in_memory[key]
-
-    def make() -> Made:
-        return build(
-            light.by_quadrature(max(1e-13, _FINER * optics.table_tolerance)).field,
-            half_angle=light.cone.half_angle,
-            tolerance=optics.table_tolerance,
-            reach=optics.table_range,
-            moment=light.torque,
-            progress=progress,
-        )
-
     made, path = _kept(key, make)
     reached = made.certified / made.largest
     if reached > optics.table_tolerance:

@@ -67,7 +67,7 @@ _TO_POWERS = np.array(
 
 
 class Evaluate(Protocol):
-    """What a table is made from: `Light.field` with the quadrature, of a bead of radius 1."""
+    """What a table is made from: `ByQuadrature.field`, of a bead of radius 1."""
 
     def __call__(self, positions: Array) -> Wrench:
         """Force, moment and estimated error at positions (n, 3)."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof
@@ -19,6 +19,7 @@ from tweezer.dynamics.integrators.system import (
     NOT_FINITE,
     Array,
     Bound,
+    Equations,
     Records,
     all_finite,
     by_tolerance,
@@ -29,9 +30,6 @@ from tweezer.dynamics.integrators.system import (
     signature,
     step_to_try,
 )
-
-if TYPE_CHECKING:
-    from tweezer.dynamics.models import EquationsOfMotion
 
 #: a step may grow by this factor
 _GROWTH = 5.0
@@ -223,7 +221,7 @@ class Explicit:
 
     tableau: Tableau
 
-    def bound(self, equations: EquationsOfMotion) -> Bound:
+    def bound(self, equations: Equations) -> Bound:
         """The method bound to equations of motion."""
         shape = len(self.tableau.dense), len(equations.initial_state)
         return Bound(loop(), self.tableau, equations.initial_state.copy(), shape, _states)

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit, typeof
@@ -39,6 +39,7 @@ from tweezer.dynamics.integrators.system import (
     NOT_FINITE,
     Array,
     Bound,
+    Equations,
     Records,
     all_finite,
     by_tolerance,
@@ -50,9 +51,6 @@ from tweezer.dynamics.integrators.system import (
 )
 from tweezer.errors import SceneError
 from tweezer.generated import kinematics
-
-if TYPE_CHECKING:
-    from tweezer.dynamics.models import EquationsOfMotion
 
 #: a step may grow by this factor, and by this one for so many tau of the initial layer
 _GROWTH, _GROWTH_IN_LAYER, _LAYER = 4.0, 2.0, 16.0
@@ -359,7 +357,7 @@ def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-unt
 class Exponential:
     """The method."""
 
-    def bound(self, equations: EquationsOfMotion) -> Bound:
+    def bound(self, equations: Equations) -> Bound:
         """The method bound to equations of motion.
 
         Raises `SceneError` for those whose drag it cannot take exactly.

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from types import ModuleType
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import njit, typeof, types
@@ -199,6 +200,26 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
     error = max(error, 1e-10)
     factor = _SAFETY * error ** (-0.7 / order) * max(before, 1e-4) ** (0.4 / order)
     return step * min(max(factor, _SHRINK), 1.0 if rejected else growth)
+
+
+class Equations(Protocol):
+    """What methods read of equations of motion, `tweezer.dynamics.models.EquationsOfMotion`."""
+
+    module: ModuleType
+    """the emitted one"""
+    initial_state: Array
+
+    @property
+    def name(self) -> str:
+        """Of the model."""
+
+    @property
+    def takes_drag_exactly(self) -> bool:
+        """Whether the exponential method may follow them."""
+
+    @property
+    def relaxation(self) -> Any:
+        """The `exponential.Relaxation`."""
 
 
 class Bound(NamedTuple):

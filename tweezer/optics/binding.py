@@ -1,0 +1,229 @@
+"""The force of a scene's light on its bead, bound once and evaluated many times."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tweezer.choices import evaluator
+from tweezer.errors import warn
+from tweezer.forces.composed import Course, Moved, Sum
+from tweezer.forces.data import Data, packed
+from tweezer.forces.force import Kernel, Wrench, no_force
+from tweezer.optics.light import LightForce, error_by, light_on_bead
+from tweezer.optics.worth import ray_optics_caveat
+from tweezer.scene import Beam, Scene, checked_scene
+
+Array = NDArray[np.float64]
+
+#: s, longer than any run
+_FOREVER = 1e9
+#: a deviation of the light from its table that is told, of the largest radiance
+_UNEVEN = 1e-3
+
+
+@dataclass(frozen=True)
+class Beams(Sum):
+    """The light of several beams, or of one that moves or changes: the sum of their forces.
+
+    The beams do not interfere: their light is of different lasers, or of different polarisation.
+    """
+
+    forces: tuple[Moved, ...]
+    lights: tuple[LightForce, ...]
+    """of each beam, about its own focus"""
+
+    def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
+        """As `LightForce.error_of`."""
+        return error_by(self._certain, positions, field, time)
+
+    @functools.cached_property
+    def _certain(self) -> Sum:
+        return Sum(tuple(
+            dataclasses.replace(moved, force=each.certain())
+            for moved, each in zip(self.forces, self.lights, strict=True)
+        ))  # fmt: skip
+
+
+@functools.lru_cache(maxsize=16)
+def light(scene: Scene) -> LightForce | Beams:
+    """The light of `scene`, with the evaluator that its `optics` section names.
+
+    That of several beams is added up as if they did not interfere.
+    """
+    if scene.plain:
+        return light_of_one_beam(scene)
+    lights = tuple(light_of_one_beam(scene.with_one_beam(beam)) for beam in scene.beams)
+    moved = tuple(
+        Moved(each, _place(beam), _factor(beam), down=beam.direction == "down")
+        for each, beam in zip(lights, scene.beams, strict=True)
+    )
+    return Beams(moved, lights)
+
+
+def _place(beam: Beam) -> Course:
+    """Where the focus of a beam is, m."""
+    at, motion, none = np.array([beam.position]), beam.motion, np.zeros(3)
+    if motion is None:
+        return Course(np.zeros(1), at, none)
+    match motion.kind:
+        case "sine":
+            amplitude = np.array(motion.amplitude)
+            return Course(np.zeros(1), at, amplitude, motion.frequency or 0.0, motion.phase or 0.0)
+        case "ramp":
+            begin, end = motion.begin or 0.0, motion.end or _FOREVER
+            way = np.outer([0.0, end - begin], motion.velocity)  # type: ignore[arg-type]
+            return Course(np.array([begin, end]), at + way, none)
+    times, places = np.array(motion.times), at + np.array(motion.positions)
+    if motion.kind == "steps":
+        times, places = _stairs(times, places, at[0])
+    return Course(times, places, none)
+
+
+def _factor(beam: Beam) -> Course:
+    """The factor of a beam's power."""
+    modulation, none = beam.modulation, np.zeros(1)
+    if modulation is None:
+        return Course.constant(1.0)
+    frequency = modulation.frequency or 0.0
+    match modulation.kind:
+        case "sine":
+            depth = np.array([modulation.depth])
+            return Course(np.zeros(1), np.ones((1, 1)), depth, frequency, modulation.phase or 0.0)
+        case "ramp":
+            times = np.array([modulation.begin or 0.0, modulation.end])
+            return Course(times, np.array([[1.0], [modulation.factor]]), none)
+        case "on-off":
+            duty = 0.5 if modulation.duty is None else modulation.duty
+            times = np.array([0.0, duty, duty, 1.0]) / frequency
+            values = np.array([[1.0], [1.0], [0.0], [0.0]])
+            return Course(times, values, none, period=1 / frequency)
+    times, factors = np.array(modulation.times), np.array([modulation.factors]).T
+    if modulation.kind == "steps":
+        times, factors = _stairs(times, factors, np.ones(1))
+    return Course(times, factors, none)
+
+
+def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
+    """Points of a course that goes at once to each of `values` (n, m) at its time."""
+    stairs = np.repeat(np.vstack([before, values]), 2, axis=0)[1:-1]
+    return np.repeat(times, 2), stairs
+
+
+@functools.lru_cache(maxsize=16)
+def light_of_one_beam(scene: Scene) -> LightForce:
+    """The light of the one beam of a scene.
+
+    The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
+    (`PhysicsWarning`) of what ray optics is worth: see `ray_optics_caveat`. Warns of a beam's
+    table that its series does not follow to 0.1 % of the peak.
+    """
+    if (caveat := ray_optics_caveat(scene)) is not None:
+        _warn_once(caveat)
+    if not scene.lit:
+        return Dark(light_on_bead(scene))
+    force: LightForce = evaluator(scene.optics.evaluator).load()(scene)
+    if (off := force.light.cone.deviation) > _UNEVEN:
+        warn(
+            f"beam.profile_intensity: points so uneven that the light summed differs from them by "
+            f"up to {100 * off:.2g} % of the peak",
+        )
+    return force
+
+
+@dataclass(frozen=True, eq=False)
+class Dark(LightForce):
+    """No light."""
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
+        """See `Force.compiled`."""
+        return no_force, packed()
+
+
+def evaluators_of(scene: Scene) -> str:
+    """Names of the evaluators that the beams of `scene` need; "dark" for a beam without light."""
+    name = evaluator(scene.optics.evaluator).name
+    lit = {scene.with_one_beam(beam).lit for beam in scene.beams}
+    return ", ".join(sorted(name if each else "dark" for each in lit))
+
+
+@functools.cache
+def _warn_once(text: str) -> None:
+    """Once in a program, whatever becomes of its filters."""
+    warn(text)
+
+
+def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+    """Force of the light on the bead (3.26), N.
+
+    positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
+    Returns (..., 3).
+    Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
+    where the quadrature misses its tolerance; `light(scene).field` tells by how much.
+    """
+    field, shape = _field(scene, positions, time)
+    return field.force.reshape(shape)
+
+
+def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+    """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
+
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises `ValueError` as
+    `optical_force`. Of the sum over the grid's rays: rays that begin or cease to hit the bead
+    make that sum jump, and the jumps are not in its derivative.
+    """
+    field, shape = _field(scene, positions, time, gradient=True)
+    return field.force_gradient.reshape((*shape, 3))
+
+
+def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+    """Moment of the light about the bead's centre, inertial frame, N m.
+
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for
+    `beam.torque = "none"`: every ray leaves a lossless isotropic sphere with the impact parameter
+    it came with, so it leaves its angular momentum as it was. With "thesis" the moment (3.25).
+    Raises `ValueError` as `optical_force`.
+    """
+    field, shape = _field(scene, positions, time)
+    return field.moment.reshape(shape)
+
+
+def _field(
+    scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
+) -> tuple[Wrench, tuple[int, ...]]:
+    """What the light does at `positions` (..., 3), as at (n, 3), and their shape."""
+    array = np.ascontiguousarray(positions, dtype=np.float64)
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError("positions must be finite")
+    places, force = array.reshape(-1, 3), light(checked_scene(scene))
+    field = force.field(places, gradient=gradient, time=time)
+    tolerance = scene.optics.tolerance
+    doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
+    if doubtful.any():
+        allowed = _allowed_error(force, places[doubtful], time)
+        ratio = field.error[doubtful] / allowed
+        if (missed := ratio > 1).any():
+            warn(
+                f"the quadrature misses optics.tolerance = {tolerance:g} at {missed.sum()} of "
+                f"{len(places)} places: estimated errors are up to {ratio.max():.2g} times what it "
+                "allows",
+            )
+    return field, array.shape
+
+
+def _allowed_error(force: LightForce | Beams, positions: Array, time: float) -> Array:
+    """Error allowed at `positions` (n, 3) m by the tolerance, of all beams together, (n,) N."""
+    if isinstance(force, LightForce):
+        return force.allowed_error(force.field(positions).force)
+    allowed = np.zeros(len(positions))
+    for moved, each in zip(force.forces, force.lights, strict=True):
+        if strength := abs(float(moved.strength.at(time)[0])):
+            of_beam = moved.field(positions, time=time).force / strength
+            allowed += strength * each.allowed_error(of_beam)
+    return allowed

@@ -1,0 +1,53 @@
+"""The force of light as an integral over the lens, by quadrature to a tolerance."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.forces.data import Data
+from tweezer.forces.force import Kernel
+from tweezer.optics.kernels import VANISHING, quadrature_data, quadrature_kernel
+from tweezer.optics.light import Light, LightForce, light_on_bead
+from tweezer.optics.quadrature import Rule, rule
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: An error is allowed up to MISSED * tolerance * |F| + ROUNDING * n_m P/c
+MISSED, ROUNDING = 2.0, 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class ByQuadrature(LightForce):
+    """The integral over the lens, with an estimated error."""
+
+    rule: Rule
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        return quadrature_kernel(self.light.rays(gradient=gradient)), self._data
+
+    @functools.cached_property
+    def _data(self) -> Data:
+        return quadrature_data(self.rule, self.light.sphere, self.light.jones)
+
+    def allowed_error(self, force: Array) -> Array:
+        """See `LightForce.allowed_error`."""
+        strength = self.light.strength
+        size = np.maximum(np.linalg.norm(force, axis=1), VANISHING * strength)
+        return MISSED * self.rule.tolerance * size + ROUNDING * strength
+
+
+def to_tolerance(light: Light, tolerance: float) -> ByQuadrature:
+    """The force of `light` to that relative tolerance."""
+    series = light.momentum_per_energy * light.cone.series
+    return ByQuadrature(light, rule(light.cone.half_angle, series, light.strength, tolerance))
+
+
+def by_quadrature(scene: Scene) -> ByQuadrature:
+    """The force of the light of `scene`, to `optics.tolerance`."""
+    return to_tolerance(light_on_bead(scene), scene.optics.tolerance)
