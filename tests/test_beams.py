@@ -1,6 +1,7 @@
 """Several beams, beams that move, change or come from above: as scenes, in traps and in runs."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from tweezer.dynamics import bound_once, walk
 from tweezer.errors import SceneError
 from tweezer.forces import Course, Moved, Sum
 from tweezer.optics import light
+from tweezer.scene import with_settings
 
 RNG = np.random.default_rng(401)
 PLACES = RNG.normal(size=(5, 3)) * 4e-7
@@ -121,6 +123,15 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
     # what a run keeps of it is whole
     assert tweezer.Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
 
+    # as do a key on the command line and a mapping, from the folder they are used in
+    file = tmp_path / "way.csv"
+    settings = {"beam.motion.kind": "table", "beam.motion.file": str(file)}
+    assert with_settings(ONE, settings).beam.motion == scene.beam.motion
+    of_second = {key.replace("beam", "beam[2]"): value for key, value in settings.items()}
+    second = with_settings(TWO, of_second)
+    assert (second.beams[0].motion, second.beams[1].motion) == (None, scene.beam.motion)
+    assert "changed: beam.motion = {kind = table, file = " in with_settings(ONE, settings).title
+
     for wrong, said in (
         ("0,0,0\n", "row 1: must have 4 numbers"),
         ("0,0,0,0\n1,x,0,0\n", "row 2: must be"),
@@ -149,7 +160,8 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
         ({"modulation": {"kind": "sine", "depth": 1, "frequency": "1 rad/s"}},
          "beam.modulation.frequency = '1 rad/s': has a unit that is not known; .* Hz, kHz"),
         ({"modulation": {"kind": "on-off", "frequency": 1, "speed": 3}},
-         "beam.modulation.speed = 3: unknown key"),
+         "beam.modulation.speed = 3: unknown key; allowed: kind, depth, .*, factors, file$"),
+        ({"motion": {"kind": "table", "file": 3}}, "beam.motion.file = 3: unknown key"),
         ({"direction": "left"}, "beam.direction = 'left': allowed: 'up' or 'down'"),
     ],
 )  # fmt: skip
@@ -161,14 +173,33 @@ def test_a_beam_that_cannot_be_is_refused_in_one_line(beam, said):
 
 def test_several_beams_are_written_and_refused_as_they_are_counted():
     beams = [beam_of(ONE), beam_of(ONE, power_through_pupil=-1.0)]
-    with pytest.raises(SceneError, match=r"^beam\.1\.power_through_pupil = -1\.0: must be from 0"):
-        ONE.replace(beam=beams)
+    for number, given in ((2, beams), (1, beams[::-1])):
+        said = rf"^beam\[{number}\]\.power_through_pupil = -1\.0: must be from 0"
+        with pytest.raises(SceneError, match=said):
+            ONE.replace(beam=given)
     with pytest.raises(SceneError, match="beam: at least one is needed"):
         ONE.replace(beam=[])
     three = ONE.replace(beam=[beam_of(ONE)] * 3)
     assert len(three.beams) == 3
     assert three.title.endswith("changed: beam = 3 of them")
     assert three.replace(beam=[beam_of(ONE)]).beams == ONE.beams
+    weaker = with_settings(three, {"beam[2].power": "5 mW", "beam[3].waist": "4 mm"})
+    assert weaker.title.endswith(" 3 of them, beam[2].power = 5 mW, beam[3].waist = 4 mm")
+    assert [beam.power for beam in weaker.beams] == [None, 5e-3, None]
+    assert (weaker.beams[0], weaker.beams[2].sigma) == (ONE.beam, 2e-3)
+    undone = weaker.replace(**{"beam[2]": {"power_through_pupil": ONE.beam.power_through_pupil}})
+    assert undone.beams[1] == ONE.beam
+    assert "beam[2].power =" not in undone.title
+    assert repr(three) == "<Scene 'silica-1um': 1 um bead, 150 mW; 3 beams>"
+    for scene, key, said in (
+        (three, "beam.power", r"beam\.power: of which beam\? The scene has 3 beams, beam\[1\] to "),
+        (three, "beam[4].power", r"beam\[4\]: the scene has 3 beams, beam\[1\] to beam\[3\]"),
+        (ONE, "beam[1].power", r"beam\[1\]: the scene has one beam, beam"),
+    ):
+        with pytest.raises(SceneError, match=f"^{said}"):
+            with_settings(scene, {key: "5 mW"})
+    with pytest.raises(SceneError, match=r"^beam\[2\]: not beside beam"):
+        three.replace(**{"beam": beams, "beam[2]": {"power": 1}})
     assert TWO.replace(bead={"radius": "0.4 um"}).more_beams == TWO.more_beams
     moving = ONE.replace(beam={"motion": TABLE})
     assert moving.replace(beam={"motion": {"times": [0, 1]}}).beam.motion.times == (0, 1)
@@ -208,6 +239,8 @@ def test_two_beams_that_face_each_other_hold_a_bead_between_them():
     )
     (place,) = tweezer.characterise(scene).equilibria
     np.testing.assert_allclose(place.position, 0, atol=1e-12)
+    with warnings.catch_warnings(action="error"):  # the error is small beside that of each beam
+        tweezer.optical_force(scene, place.position)
     assert place.stable
     alone = scene.replace(beam=[scene.beam.model_dump(exclude_none=True)])
     assert tweezer.characterise(alone).equilibrium is None
@@ -343,7 +376,7 @@ def test_the_error_of_the_grid_is_told_of_several_beams_too():
     """The distance to the quadrature, at the time of each sample."""
     scene = TWO.replace(
         optics={"evaluator": "grid"}, simulation={"samples": 5, "duration": "1 ms"},
-        beam={"motion": {"kind": "ramp", "velocity": [1e-4, 0, 0]}},
+        **{"beam[1]": {"motion": {"kind": "ramp", "velocity": [1e-4, 0, 0]}}},
     )  # fmt: skip
     run = tweezer.simulate(scene)
     exact = scene.replace(optics={"evaluator": "quadrature"})

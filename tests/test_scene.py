@@ -130,7 +130,15 @@ def test_units_that_mean_something_else_are_refused(text, unit, answer):
      ({"medium": {"viscosity": 1.002}}, "medium.viscosity = 1.002 is 1.002 Pa s; 1.002 mPa s is"),
      ({"bead": {"density": 1.05}}, "bead.density = 1.05 is 1.05 kg/m^3; 1.05 g/cm^3 is"),
      ({"simulation": {"duration": 20}}, 'simulation.duration = 20 is 20 s; 20 ms is written'),
-     ({"start": {"velocity": [0, 0, -50]}}, "start.velocity = -50 is -50 m/s; -50 um/s is")],
+     ({"start": {"velocity": [0, 0, -50]}}, "start.velocity = -50 is -50 m/s; -50 um/s is"),
+     ({"beam": {"motion": {"kind": "ramp", "velocity": [30, 0, 0]}}},
+      "beam.motion.velocity = 30 is 30 m/s; 30 um/s is"),
+     ({"beam": {"motion": {"kind": "steps", "times": [0, 20], "positions": 2 * [[0, 0, 1e-6]]}}},
+      "beam.motion.times = 20 is 20 s; 20 ms is"),
+     ({"beam": {"modulation": {"kind": "ramp", "factor": 2, "end": 12}}},
+      "beam.modulation.end = 12 is 12 s; 12 ms is"),
+     ({"beam": {"motion": {"kind": "table", "times": [0, 1], "positions": 2 * [[0.1, 0, 0.2]]}}},
+      "beam.motion.positions = 0.1 is 0.1 m; 0.1 um is")],
 )  # fmt: skip
 def test_a_bare_number_that_is_unusual_names_its_unit(scene, changes, said):
     with pytest.warns(UnitWarning, match="written") as warned:

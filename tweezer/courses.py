@@ -141,15 +141,16 @@ def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     A row of the CSV file is a time, s, and then x, y, z, m, or a factor; the first row may be a
     heading. Raises `ValueError`.
     """
-    beams = data.get("beam")
-    if not isinstance(beams, Mapping | list | tuple):
-        return dict(data)
-    several = not isinstance(beams, Mapping)
-    read = [_with_tables_of(each, folder) for each in (beams if several else [beams])]
-    return {**data, "beam": read if several else read[0]}
+    return {
+        key: _with_tables_of(key, value, folder) if key.partition("[")[0] == "beam" else value
+        for key, value in data.items()
+    }
 
 
-def _with_tables_of(beam: Any, folder: Path) -> Any:
+def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
+    if isinstance(beam, list | tuple):
+        named = enumerate(beam, start=1)
+        return [_with_tables_of(f"{name}[{i}]", each, folder) for i, each in named]
     if not isinstance(beam, Mapping):
         return beam
     beam = dict(beam)
@@ -158,7 +159,7 @@ def _with_tables_of(beam: Any, folder: Path) -> Any:
         if isinstance(course, Mapping) and isinstance(course.get("file"), str):
             course = dict(course)
             if "times" in course or key in course:
-                raise ValueError(f"beam.{section}: file, or times and {key}: not both")
+                raise ValueError(f"{name}.{section}: file, or times and {key}: not both")
             rows = _rows(folder / course.pop("file"), columns + 1)
             values = [row[1:] if columns > 1 else row[1] for row in rows]
             beam[section] = {**course, "times": [row[0] for row in rows], key: values}

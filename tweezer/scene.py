@@ -9,8 +9,9 @@ from __future__ import annotations
 import difflib
 import itertools
 import math
+import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
 
@@ -69,11 +70,10 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
 }
 
 #: the key that a scene has in place of one that says the same
-_HALVES = {
-    f"{section}.{other}": f"{section}.{key}"
-    for section, pairs in ALTERNATIVES.items()
-    for key, other in pairs
-}
+_HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
+
+#: One of several beams, counted from 1
+_NUMBERED = re.compile(r"beam\[(\d+)\]")
 
 #: keys that go with some choices of another key, and are refused with the others
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
@@ -485,6 +485,9 @@ class Scene(Section):
             here = by_key(self.model_dump())
             there = by_key(load_scene(shipped[self.name]).model_dump())
             changed = [key for key in sorted(here | there) if here.get(key) != there.get(key)]
+            if ("beam.power" in here) != ("beam.power" in there):
+                told += f"; {len(self.beams)} beams"
+                changed = [key for key in changed if not key.startswith("beam")]
             told = "; ".join([told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
         return f"<Scene {self.name!r}: {told}>"
 
@@ -667,6 +670,7 @@ class Scene(Section):
         `scene.replace(beam={"power": "80 mW"})` changes the named keys of a section and keeps
         the others; a key displaces the one that says the same in another way (diameter, radius),
         and a choice the keys that do not go with it (profile = uniform displaces sigma).
+        Of several beams, `beam=[...]` replaces all, and `**{"beam[2]": {...}}` changes the second.
         The title of the copy names what was changed, unless a new description is among it.
 
         Raises `SceneError`. Warns (`PhysicsWarning`) of a temperature changed without the
@@ -688,12 +692,14 @@ class Scene(Section):
         before, after = by_key(self.model_dump()), by_key(replaced.model_dump())
 
         def differs(key: str) -> bool:
-            field = key if key in after else _HALVES.get(key, key)
+            section, _, name = key.partition(".")
+            other = _HALVES.get((_kind(section), name), name)
+            field = key if key in after else f"{section}.{other}"
             return bool(before.get(field) != after.get(field))
 
         changed = {key: text for key, text in self.changed.items() if not differs(key)}
         for section, given in sections.items():
-            if isinstance(getattr(replaced, section), Section) and not isinstance(
+            if isinstance(getattr(replaced, _kind(section)), Section) and not isinstance(
                 given, list | tuple
             ):
                 for key, value in dict(given).items():
@@ -710,21 +716,46 @@ class Scene(Section):
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
         data = self.model_dump(exclude_none=True)
-        if isinstance(sections.get("beam"), list | tuple):
-            del data["more_beams"]
-        for section, changes in sections.items():
-            if isinstance(changes, Mapping) and isinstance(data.get(section), dict):
-                kept = {
-                    key: value
-                    for key, value in data[section].items()
-                    if not _displaced(key, section, changes)
-                }
-                data[section] = kept | {
-                    key: _within(kept.get(key), value) for key, value in changes.items()
-                }
+        beams = [data["beam"], *data.pop("more_beams")]
+        if len(beams) > 1:
+            data["beam"] = beams
+        try:
+            read = with_tables(sections, Path())
+        except ValueError as error:
+            raise SceneError(str(error)) from None
+        for section, changes in read.items():
+            if section == "beam" and len(beams) > 1 and isinstance(changes, Mapping):
+                key = next(iter(changes), "")
+                raise SceneError(f"beam.{key}: of which beam? The scene has {_counted(beams)}")
+            if numbered := _NUMBERED.fullmatch(section):
+                at = int(numbered[1]) - 1
+                if len(beams) == 1 or not 0 <= at < len(beams):
+                    raise SceneError(f"{section}: the scene has {_counted(beams)}")
+                if "beam" in sections:
+                    raise SceneError(f"{section}: not beside beam, which gives all of them")
+                beams[at] = _changed_section(beams[at], "beam", changes)
+                data["beam"] = beams
             else:
-                data[section] = changes
+                data[section] = _changed_section(data.get(section), section, changes)
         return _validated(data, sections)
+
+
+def _kind(section: str) -> str:
+    """What a section is: beam[2] is a beam."""
+    return "beam" if _NUMBERED.fullmatch(section) else section
+
+
+def _counted(beams: Sequence[Any]) -> str:
+    count = len(beams)
+    return "one beam, beam" if count == 1 else f"{count} beams, beam[1] to beam[{count}]"
+
+
+def _changed_section(before: Any, section: str, changes: Any) -> Any:
+    """A section of a scene as a mapping, with changes; of another form, the changes."""
+    if not isinstance(changes, Mapping) or not isinstance(before, dict):
+        return changes
+    kept = {key: value for key, value in before.items() if not _displaced(key, section, changes)}
+    return kept | {key: _within(kept.get(key), value) for key, value in changes.items()}
 
 
 def _within(before: Any, change: Any) -> Any:
@@ -735,13 +766,14 @@ def _within(before: Any, change: Any) -> Any:
 
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of a scene as a mapping, by `section.key`."""
+    """The values of a scene as a mapping, by `section.key`; of several beams by `beam[1].key`."""
+    sections = dict(scene)
+    if more := sections.pop("more_beams", ()):
+        beams = sections.pop("beam"), *more
+        sections |= {f"beam[{i}]": beam for i, beam in enumerate(beams, start=1)}
     return {
         f"{section}.{key}": value
-        for section, values in [
-            *scene.items(),
-            *((f"beam.{i + 1}", beam) for i, beam in enumerate(scene.get("more_beams", ()))),
-        ]
+        for section, values in sections.items()
         if isinstance(values, dict) and section != "changed"
         for key, value in values.items()
     }
@@ -801,10 +833,10 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
     except OSError as error:
         raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
     try:
-        data = with_tables(data, path.parent)
+        whole = with_tables(data, path.parent)
     except ValueError as error:
         raise SceneError(f"{name!r}: {error}") from None
-    return _validated({"name": path.stem, **data}, data)
+    return _validated({"name": path.stem, **whole}, data)
 
 
 def _shipped_like(path: Path) -> str:
@@ -817,6 +849,7 @@ def _shipped_like(path: Path) -> str:
 def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     """`scene` with dotted keys set to text values, as given on a command line.
 
+    A key is `section.key`, `beam[2].key` of several beams, or `beam.motion.key`.
     A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
     ("80 mW"); "True" and "False" are as Python has them. Raises `SceneError`.
     """
@@ -828,7 +861,7 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         within = sections.setdefault(section, {})
         outer, dot, inner = name.partition(".")
         of = getattr(
-            getattr(Scene.model_fields.get(section), "annotation", None), "model_fields", {}
+            getattr(Scene.model_fields.get(_kind(section)), "annotation", None), "model_fields", {}
         )
         if dot and outer in of and _section_of(of[outer].annotation):  # beam.motion.velocity
             within, name = within.setdefault(outer, {}), inner
@@ -847,7 +880,8 @@ def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     try:
         scene = Scene.model_validate(data)
     except ValidationError as error:
-        lines = (" ".join(line.splitlines()) for line in _lines(error))
+        several = isinstance(data.get("beam"), list | tuple) or bool(data.get("more_beams"))
+        lines = (" ".join(line.splitlines()) for line in _lines(error, several))
         raise SceneError("\n".join(lines)) from None
     knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
     if knudsen > KNUDSEN_LIMIT:
@@ -860,30 +894,52 @@ def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     return scene
 
 
-def _doubts(given: Mapping[str, Any]) -> Iterator[str]:
-    """One line for each number without a unit that is unusual in the SI unit."""
-    for section, values in given.items():
-        if section == "beam" and isinstance(values, list | tuple):
-            for beam in values:
-                yield from _doubts({"beam": beam})
-        fields = getattr(Scene.model_fields[section].annotation, "model_fields", {})
-        if not isinstance(values, Mapping) or not fields:
+def _doubts(given: Mapping[str, Any], section: Any = None, within: str = "") -> Iterator[str]:
+    """A line for each key whose number has no unit and is unusual in the SI unit.
+
+    given: keys of a section, or sections of the scene. within: the name of that section, with a
+    dot.
+    """
+    fields = (section or Scene).model_fields
+    for key, value in given.items():
+        kind = _HALVES.get((_kind(within.removesuffix(".")), key), _kind(key))
+        if kind not in fields:  # the file of a table
             continue
-        halves = {double: key for key, double in ALTERNATIVES.get(section, ())}
-        for key, value in values.items():
-            field = fields.get(key) or fields[halves[key]]
-            quantity = quantity_of(*field.metadata, field.annotation)
-            for number in value if isinstance(value, list | tuple) else [value]:
-                if quantity and (doubt := quantity.doubt(number)):
-                    yield f"{section}.{key} = {number} {doubt}"
+        annotation, metadata = fields[kind].annotation, fields[kind].metadata
+        if inner := _section_of(annotation):
+            for name, part in _each(key, value):
+                if isinstance(part, Mapping):
+                    yield from _doubts(part, inner, f"{within}{name}.")
+        elif quantity := quantity_of(*metadata, annotation):
+            doubts = ((number, quantity.doubt(number)) for number in _numbers(value))
+            unusual = (f"{within}{key} = {number} {doubt}" for number, doubt in doubts if doubt)
+            yield from itertools.islice(unusual, 1)
 
 
-def _lines(error: ValidationError) -> Iterator[str]:
-    """One line per bad value, in the order of the scene."""
+def _each(section: str, value: Any) -> list[tuple[str, Any]]:
+    """The section, or those of a list, by name."""
+    if isinstance(value, list | tuple):
+        return [(f"{section}[{i}]", each) for i, each in enumerate(value, start=1)]
+    return [(section, value)]
+
+
+def _numbers(value: Any) -> Iterator[Any]:
+    """What a value holds: itself, or what is in the list."""
+    if isinstance(value, list | tuple):
+        for each in value:
+            yield from _numbers(each)
+    else:
+        yield value
+
+
+def _lines(error: ValidationError, several: bool) -> Iterator[str]:
+    """One line per bad value, in the order of the scene. several: whether it has several beams."""
     for details in error.errors(include_url=False):
         where = details["loc"]
-        if where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
-            where = ("beam", int(where[1]) + 1, *where[2:])
+        if several and where[:1] == ("beam",):
+            where = ("beam[1]", *where[1:])
+        elif where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
+            where = (f"beam[{int(where[1]) + 2}]", *where[2:])
         key = ".".join(str(part) for part in where)
         if details["type"] == "scene":
             yield f"{key}.{details['msg']}" if key else details["msg"]
@@ -925,8 +981,11 @@ def _known_keys(details: ErrorDetails) -> str:
         if not isinstance(part, int):  # the number of a beam
             section = _section_of(section.model_fields[str(part)].annotation)
     keys = [key for key in section.model_fields if key != "changed"]
-    for pair in ALTERNATIVES.get(str(details["loc"][0]), ()):
+    names = [str(part) for part in details["loc"][:-1] if not isinstance(part, int)]
+    for pair in ALTERNATIVES.get(".".join(names).replace("more_beams", "beam"), ()):
         keys += [key for key in pair if key not in keys]
+    if "times" in keys:
+        keys.append("file")
     near = difflib.get_close_matches(str(details["loc"][-1]), keys, n=1)
     return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
 

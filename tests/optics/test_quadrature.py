@@ -333,6 +333,9 @@ def test_light_too_uneven_for_the_tolerance_ends_and_is_told(polarisation):
     positions = scene.bead.radius * np.array([[0.5845, 0.0, -0.8114], [0.3, 0.2, 0.9]])
     with pytest.warns(tweezer.PhysicsWarning, match="misses optics.tolerance = 1e-12 at"):
         force = tweezer.optical_force(scene, positions)
+    beams = [scene.beam.model_dump(exclude_none=True)] * 2
+    with pytest.warns(tweezer.PhysicsWarning, match="misses optics.tolerance = 1e-12 at"):
+        tweezer.optical_force(scene.replace(beam=beams), positions)
     truth = Truth(scene)
     for position, here, estimate in zip(positions, force, light(scene).field(positions).error,
                                         strict=True):  # fmt: skip
