@@ -8,6 +8,7 @@ their outputs, `python tests/test_notebooks.py 03 04b` those two.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -20,16 +21,20 @@ PATHS = sorted(NOTEBOOKS.glob("*.ipynb"))
 COMPARED = ("text/latex", "text/plain")
 
 
-def execute(notebook: nbformat.NotebookNode) -> None:
-    """Run all cells in a fresh kernel and keep nothing that depends on when and where."""
-    NotebookClient(
+def runner(notebook: nbformat.NotebookNode) -> NotebookClient:
+    """What executes `notebook`, beside the others."""
+    return NotebookClient(
         notebook,
         timeout=300,
         kernel_name="python3",
         resources={"metadata": {"path": str(NOTEBOOKS)}},
         record_timing=False,
         coalesce_streams=True,
-    ).execute()
+    )
+
+
+def tidy(notebook: nbformat.NotebookNode) -> None:
+    """Keep nothing that depends on when and where a notebook was executed."""
     notebook.metadata["language_info"] = {"name": "python"}
     for cell in notebook.cells:  # what the first run of all says of compiling
         if "outputs" in cell:
@@ -47,15 +52,34 @@ def shown(cell: nbformat.NotebookNode) -> list[Any]:
     return texts
 
 
+@pytest.fixture(scope="module")
+def kernel() -> Iterator[NotebookClient]:
+    """One kernel for all notebooks: its start and its imports take longer than most of them."""
+    client = runner(nbformat.v4.new_notebook())
+    with client.setup_kernel():
+        yield client
+
+
+#: A name that an earlier notebook defined is none here. An image is not compared: it is drawn once,
+#: without a look at how much of it is empty. Compiling makes many objects that stay
+BEFORE = """%reset -f
+%matplotlib inline
+%config InlineBackend.print_figure_kwargs = {"bbox_inches": None}
+__import__("gc").set_threshold(100_000, 50, 100)
+"""
+
+
 def test_all_notebooks_are_found():
     assert len(PATHS) >= 8
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)
-def test_outputs_are_current(path):
+def test_outputs_are_current(path, kernel):
     committed = nbformat.read(path, as_version=4)
     fresh = nbformat.read(path, as_version=4)
-    execute(fresh)  # an error in a cell raises here
+    kernel.nb = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(BEFORE), *fresh.cells])
+    kernel.execute(cleanup_kc=False)  # an error in a cell raises here
+    tidy(fresh)
     for old, new in zip(committed.cells, fresh.cells, strict=True):
         assert shown(old) == shown(new), f"stale output below\n{old.source}"
 
@@ -72,5 +96,6 @@ if __name__ == "__main__":
     numbers = sys.argv[1:] or [path.name.split("_")[0] for path in PATHS]
     for notebook_path in (path for path in PATHS if path.name.split("_")[0] in numbers):
         content = nbformat.read(notebook_path, as_version=4)
-        execute(content)
+        runner(content).execute()
+        tidy(content)
         nbformat.write(content, notebook_path)

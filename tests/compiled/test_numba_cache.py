@@ -17,15 +17,24 @@ COUNTED = """
 def counted(value, compiled):
     print(value, sum(compiled.stats.cache_hits.values()), sum(compiled.stats.cache_misses.values()))
 """
-#: of the smallest kernel, which calls the emitted ray
-FORCE = """
-import tweezer
-from tweezer.optics.kernels import Rays, grid_kernel
-scene = tweezer.load_scene("thesis-990nm")
-force = tweezer.optical_force(scene, [1e-7, 2e-7, -1e-7])
-counted(force[2], grid_kernel(
-    Rays("averaged-reflectance", denser_medium=False, gradient=False, moment=False)
-))
+#: of a user's function that calls a part of the kernels, which calls the emitted ray
+SCATTERING = """
+import numpy as np
+from tweezer.compiled import cached_njit
+from tweezer.optics import kernels, quadrature
+
+circular = kernels.Rays("circular", denser_medium=False, gradient=False, moment=False)
+efficiencies = kernels._efficiencies(circular)
+Q, S = quadrature.Q_OF, quadrature.S_OF
+
+@cached_njit()
+def scattering(sine_squared):
+    room = np.zeros((S + 1, 1))
+    room[S, 0] = sine_squared
+    efficiencies(room, 1, 1, 0.9)
+    return room[Q, 0]
+
+counted(scattering(0.25), scattering)
 """
 #: of a motion without light: the emitted equations alone
 VELOCITY = """
@@ -38,22 +47,19 @@ scene = tweezer.load_scene("thesis-990nm").replace(
 )
 counted(bind(scene).rhs(0.0, np.array([1e-7, 2e-7, -1e-7]))[2], overdamped_translation.rhs)
 """
-#: of a random walk in the dark, whose loop calls the generator of noise
-WALK = """
+#: of a user's function that calls the generator of noise by its own name
+NOISE = """
 import numpy as np
-import tweezer
-from tweezer.dynamics import walk
-scene = tweezer.load_scene("silica-1um").replace(
-    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
-    start={"position": [0, 0, 0]},
-    simulation={
-        "model": "overdamped", "method": "euler-maruyama", "samples": 2, "duration": 1e-3
-    },
-)
-bound = walk(scene, 1)
-states, out = bound.start(np.arange(1)), np.empty((1, 1, 3))
-bound.advance(states, np.arange(1), 0, out)
-counted(out[0, 0, 0], bound._compiled[1])
+from tweezer.compiled import cached_njit
+from tweezer.dynamics.brownian.noise import normals
+
+@cached_njit()
+def number(seed):
+    numbers = np.empty((3, 1))
+    normals(seed, np.arange(1), 0, 0, numbers)
+    return numbers[0, 0]
+
+counted(number(1), number)
 """
 #: of the attitude, by one small emitted function
 TURN = """
@@ -71,7 +77,7 @@ counted(_estimate(0.1, ARCS, 0), _estimate)
 
 #: changes of a file
 VELOCITY_TRIPLED = ("generated/overdamped_translation.py", "out[2] = ", "out[2] = 3.0 * ")
-FORCE_DOUBLED = ("generated/ray.py", "return F1, F2, F3", "return F1, F2, 2.0 * F3")
+SCATTERING_DOUBLED = ("generated/ray.py", "return Q_sc, G\n", "return 2.0 * Q_sc, G\n")
 NOISE_TURNED = (
     "tweezer/dynamics/brownian/noise.py",
     "        return float(fraction) * _WIDTH[layer]",
@@ -96,8 +102,9 @@ def run(tree, *programs):
         "PYTHONPATH": str(tree),
         "NUMBA_CACHE_DIR": str(tree / "cache"),
     }
+    (tree / "programs.py").write_text(COUNTED + "".join(programs), encoding="utf-8")
     result = subprocess.run(
-        [sys.executable, "-c", COUNTED + "".join(programs)], cwd=tree, env=environment,
+        [sys.executable, "programs.py"], cwd=tree, env=environment,
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     return [tuple(map(float, line.split())) for line in result.stdout.splitlines()]
@@ -112,19 +119,19 @@ def edit(tree, name, old, new):
 
 def test_cache_follows_the_files_that_a_function_calls(tree):
     """One change after the other: only what calls the changed file is compiled again."""
-    programs = (FORCE, VELOCITY, WALK)
-    (force, *first), (velocity, *second), (x, *third) = run(tree, *programs)
+    programs = (SCATTERING, VELOCITY, NOISE)
+    (Q, *first), (velocity, *second), (x, *third) = run(tree, *programs)
     assert first == second == third == [0, 1]
 
     edit(tree, *VELOCITY_TRIPLED)
-    same_force, tripled_velocity, same_x = run(tree, *programs)
-    assert (same_force, same_x) == ((force, 1, 0), (x, 1, 0))
+    same_Q, tripled_velocity, same_x = run(tree, *programs)
+    assert (same_Q, same_x) == ((Q, 1, 0), (x, 1, 0))
     assert tripled_velocity == (pytest.approx(3 * velocity, rel=1e-12), 0, 1)
 
-    edit(tree, *FORCE_DOUBLED)
+    edit(tree, *SCATTERING_DOUBLED)
     edit(tree, *NOISE_TURNED)
-    doubled_force, same_velocity, turned_x = run(tree, *programs)
-    assert doubled_force == (pytest.approx(2 * force, rel=1e-12), 0, 1)
+    doubled_Q, same_velocity, turned_x = run(tree, *programs)
+    assert doubled_Q == (2 * Q, 0, 1)
     assert same_velocity == (tripled_velocity[0], 1, 0)
     assert turned_x == (-x, 0, 1)
 
