@@ -10,9 +10,11 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 import xarray as xr
+from xdist.scheduler import LoadScopeScheduling
 
 # what the tests compile knows their types: it is not kept beside the sources, where users look
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba_cache"))
@@ -28,15 +30,38 @@ gc.set_threshold(100_000, 50, 100)
 CAVEAT = re.compile(r"warning: the bead is \S+ wavelengths across")
 
 
-#: Files that come first, in this order: one process compiles what most files need while another
-#: builds the site, which needs nothing compiled; and none is left alone at the end with a long one
-FIRST = ["test_site.py", "test_binding.py", "test_notebooks.py", "test_thesis.py"]
+#: What comes first, in this order: one process compiles what most files need while another does
+#: what needs nothing compiled; and none is left alone at the end with a long one
+FIRST = [
+    "tests/dynamics/test_binding.py",
+    "tests/test_site.py",
+    "derivation",
+    "tests/thesis/test_thesis.py",
+    "tests/analysis/test_calibrate.py",
+    "tests/test_notebooks.py",
+    "tests/test_docs.py",
+    "tests/test_stress.py",
+]
+
+
+def scope(nodeid: str) -> str:
+    """What runs in one process: a file, or all files that derive the equations: once is enough."""
+    file = nodeid.partition("::")[0]
+    derives = file.startswith(("tests/derivation/", "tests/generated/"))
+    return "derivation" if derives else file
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Sort by `FIRST`; all other files stay in their order."""
     names = {name: at for at, name in enumerate(FIRST)}
-    items.sort(key=lambda item: names.get(item.path.name, len(FIRST)))
+    items.sort(key=lambda item: names.get(scope(item.nodeid), len(FIRST)))
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
+    """Share the tests out by `scope`."""
+    scheduling = LoadScopeScheduling(config, log)
+    scheduling._split_scope = scope
+    return scheduling
 
 
 @dataclass(frozen=True)

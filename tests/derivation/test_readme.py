@@ -7,7 +7,9 @@ import pytest
 
 from derivation.models import catalogue
 
-README = Path(__file__).parents[2] / "derivation" / "README.md"
+ROOT = Path(__file__).parents[2]
+README = ROOT / "derivation" / "README.md"
+MODULES = sorted(path.stem for path in (ROOT / "generated").glob("[!_]*.py"))
 
 
 def described():
@@ -16,8 +18,9 @@ def described():
     return {re.sub(r"\d+$", "", name) or name for name in names} | set(names)
 
 
-@pytest.mark.parametrize("module", catalogue(), ids=lambda module: module.name)
-def test_every_symbol_is_in_the_table(module):
+@pytest.mark.parametrize("name", MODULES)
+def test_every_symbol_is_in_the_table(name):
+    (module,) = (module for module in catalogue() if module.name == name)
     names = {
         quantity.name
         for function in module.functions

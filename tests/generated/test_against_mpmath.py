@@ -1,6 +1,8 @@
 """Emitted code against the expressions before common subexpressions, at 50 digits."""
 
 import importlib
+import re
+from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -9,9 +11,13 @@ import sympy as sp
 
 from derivation.models import catalogue
 
-MODULES = {module.name: module for module in catalogue()}
+GENERATED = Path(__file__).parents[2] / "generated"
+#: `rates` calls `rhs`, and does nothing else
 FUNCTIONS = [
-    (module.name, function.name) for module in MODULES.values() for function in module.functions
+    (path.stem, name)
+    for path in sorted(GENERATED.glob("[!_]*.py"))
+    for name in re.findall(r"^def (\w+)", path.read_text(), re.MULTILINE)
+    if name != "rates"
 ]
 DIGITS = 50
 MOST_INDEX_RATIO = 1.6
@@ -61,7 +67,8 @@ def exact(function):
 
 @pytest.mark.parametrize(("module_name", "name"), FUNCTIONS)
 def test_against_50_digits(module_name, name):
-    function = next(f for f in MODULES[module_name].functions if f.name == name)
+    (module,) = (module for module in catalogue() if module.name == module_name)
+    (function,) = (function for function in module.functions if function.name == name)
     emitted = getattr(importlib.import_module(f"tweezer.generated.{module_name}"), name)
     reference, rng = exact(function), np.random.default_rng(30)
     worst = 0.0

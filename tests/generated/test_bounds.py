@@ -12,6 +12,7 @@ import pytest
 from derivation.models import catalogue
 
 ROOT = Path(__file__).parents[2]
+MODULES = sorted(path.stem for path in (ROOT / "generated").glob("[!_]*.py"))
 PROGRAM = """
 from tests.generated.test_bounds import call_every_function
 call_every_function()
@@ -45,8 +46,9 @@ def test_compiled_functions_fill_all_of_their_output():
     call_every_function()
 
 
-@pytest.mark.parametrize("module", catalogue(), ids=lambda module: module.name)
-def test_emitted_data_match_the_catalogue(module):
+@pytest.mark.parametrize("name", MODULES)
+def test_emitted_data_match_the_catalogue(name):
+    (module,) = (module for module in catalogue() if module.name == name)
     emitted = importlib.import_module(f"tweezer.generated.{module.name}")
     if module.state:
         assert tuple(quantity.name for quantity in module.state) == emitted.STATE
