@@ -368,7 +368,7 @@ BAD_SCENES = {
                                  "beam.jones.0 = [1, 2, 3]: must be a number, text such as"),
     # how the force is computed
     "unknown evaluator": ({"optics.evaluator": '"exact"'},
-                          "optics.evaluator = 'exact': allowed: 'auto', 'grid', 'quadrature' or"),
+                          "optics.evaluator = 'exact': allowed: 'auto', 'grid', 'quadrature'"),
     "too tight a quadrature": ({"optics.tolerance": "1e-14"},
                                "optics.tolerance = 1e-14: must be from 1e-13 to 0.1"),
     "too loose a quadrature": ({"optics.tolerance": "0.2"},
