@@ -1,6 +1,6 @@
-"""All that knows Numba's insides: where functions are kept, and how one calls another.
+"""Everything that depends on Numba's internals: the cache of compiled functions, calls by address.
 
-Importing it finds a place for what is compiled, which Numba wants before the first function.
+Importing it chooses the folder of the cache: Numba needs one before the first function is defined.
 """
 
 from tweezer.compiled.address import address, call

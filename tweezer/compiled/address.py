@@ -1,4 +1,4 @@
-"""Machine code by its address, so that a compiled loop calls what it was not compiled with."""
+"""Calls by address: a compiled loop may call functions that did not exist when it was compiled."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from numba.extending import intrinsic
 
 @functools.cache
 def address(function: Any, signature: Any) -> int:
-    """Where the machine code of a compiled function is, for that signature.
+    """Address of the machine code of a compiled function for that signature.
 
-    Compiled if it is not. The code stays where it is as long as the process lives.
+    The function is compiled if needed. The address is valid as long as the process lives.
     """
     compiled = function.get_compile_result(signature)
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
@@ -24,7 +24,7 @@ def address(function: Any, signature: Any) -> int:
 def call(typing: Any, at: Any, arguments: Any) -> Any:  # noqa: ARG001
     """Call the function at an address with a tuple of arguments. It returns nothing.
 
-    Its signature must be that of the arguments; nothing checks it.
+    The function must take arguments of these types; nothing checks that.
     """
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001

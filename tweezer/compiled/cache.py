@@ -1,11 +1,11 @@
 """The cache of compiled functions, and the notice while compiling.
 
-Compiled functions are kept beside their sources, or in the user's cache folder where these cannot
-be written, or in NUMBA_CACHE_DIR. Importing this module sees to it that there is such a place,
-which Numba wants to know before the first function is defined. The digest in a file shows damage,
-not malice: whoever can write to the folder can run code in the processes that read it.
+Compiled functions are cached beside their sources, in the user's cache folder if the sources'
+folder cannot be written, or in NUMBA_CACHE_DIR. Importing this module chooses that folder, because
+Numba needs it before the first function is defined. The digest in a file detects damage, not
+malice: whoever can write to the folder can run code in the processes that read it.
 
-Functions of other libraries are left to Numba's own cache.
+Functions of other libraries use Numba's own cache.
 """
 
 from __future__ import annotations
@@ -35,32 +35,32 @@ from tweezer.errors import warn
 
 _log = logging.getLogger("tweezer")
 
-#: Time of compiling after which the user is told, s
+#: Compile time before the notice is shown, s
 _PATIENCE = 1.0
 #: Length of a SHA-256, bytes
 _DIGEST = 32
 
 
 class Compilation(event.Listener):
-    """What is compiled of tweezer, and the time that takes."""
+    """Count and time of tweezer's functions as they are compiled."""
 
     def __init__(self, say: Callable[[Compilation], None]) -> None:
-        """say: called with this as each function is begun."""
+        """say: called with this object when the compilation of a function begins."""
         self._say = say
-        self._within = 0  # functions compiled because another calls them
+        self._within = 0  # depth of functions compiled because another calls them
         self._spent = self._began = 0.0
         self.functions = 0
-        """begun so far that are kept"""
+        """number of functions begun that the cache stores"""
         self.latest = ""
-        """name of the one begun last"""
+        """name of the function begun last"""
 
     @property
     def seconds(self) -> float:
-        """s, spent so far."""
+        """Time spent so far, s."""
         return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
 
     def on_start(self, begun: event.Event) -> None:
-        """Numba begins to compile."""
+        """Event of Numba: a compilation begins."""
         if not _ours(begun.data["dispatcher"]):
             return
         if not self._within:
@@ -72,7 +72,7 @@ class Compilation(event.Listener):
         self._say(self)
 
     def on_end(self, ended: event.Event) -> None:
-        """It has compiled, or failed to."""
+        """Event of Numba: it has ended, or failed."""
         if not _ours(ended.data["dispatcher"]):
             return
         self._spent, self._began = self.seconds, time.perf_counter()
@@ -80,7 +80,7 @@ class Compilation(event.Listener):
 
 
 def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
-    """Watch what is compiled within the context; `say` is called as each function is begun."""
+    """Watch compilation within the context; `say` is called when that of a function begins."""
     installed: AbstractContextManager[Compilation] = event.install_listener(
         "numba:compile", Compilation(say)
     )
@@ -88,7 +88,7 @@ def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Co
 
 
 def found() -> int:
-    """Functions of tweezer that this process found kept."""
+    """Number of tweezer's functions that this process loaded from the cache."""
     return sum(
         sum(each.stats.cache_hits.values())
         for each in gc.get_objects()
@@ -101,7 +101,7 @@ def _ours(dispatcher: Dispatcher) -> bool:
 
 
 def _find_place() -> None:
-    """Numba refuses to define a function that it is to keep and has no place for."""
+    """Give Numba a folder: it refuses to define a cached function without one."""
     try:
         numba.njit(cache=True)(_find_place)
     except RuntimeError:
@@ -120,7 +120,7 @@ def _not_kept(why: str) -> None:
 
 
 def _tell(compiling: Compilation) -> None:
-    if compiling.seconds > _PATIENCE:  # nothing is said of a moment's work
+    if compiling.seconds > _PATIENCE:  # no notice for a moment's work
         _tell_once()
 
 
@@ -130,9 +130,9 @@ def _tell_once() -> None:
 
 
 def _fields(kind: Any) -> Any:
-    """Names in the order of their values, of a type and of those within it.
+    """Field names, in order, of a type and of the types within it.
 
-    Code that reads a value by its name holds the number of its place.
+    Compiled code reads a field by its number, so it is stale if the order changes.
     """
     parts = kind if isinstance(kind, tuple) else getattr(kind, "types", ())
     within = [_fields(each) for each in parts]
@@ -142,9 +142,9 @@ def _fields(kind: Any) -> Any:
 class _File:
     """Compiled code of one function, in a file for each set of argument types and processor.
 
-    A file begins with a digest of what it was compiled from and of its content. One that is cut
-    short, changed or compiled from anything else is not read: the function is compiled again. A
-    file appears whole or not at all, so that processes need no lock.
+    A file begins with a digest of its sources and its content. A file that is truncated, changed or
+    of other sources is ignored, and the function is compiled again. A file is written as a whole or
+    not at all, so processes need no lock.
     """
 
     def __init__(self, base: str, dispatcher: Dispatcher) -> None:
@@ -153,11 +153,11 @@ class _File:
 
     @functools.cached_property
     def _compiled_from(self) -> bytes:
-        """Taken of the function in memory: its file may change under a running program."""
+        """Of the function in memory, as its file may change while the program runs."""
         return f"{numba.__version__}{fingerprint(self._dispatcher)}".encode()
 
     def load(self, key: Any) -> Any:
-        """The code kept under `key`, Numba's key of a variant; None if there is none."""
+        """The code stored under `key`, Numba's key of a variant; None if there is none."""
         try:
             whole = self._path(key).read_bytes()
         except OSError:
@@ -167,13 +167,13 @@ class _File:
             return None
         try:
             kept_under, code = pickle.loads(content)
-        except Exception as error:  # types of a program's own module, which cannot be imported now
+        except Exception as error:  # types of a module that this process cannot import
             _log.debug("%s cannot be read: %s", self._path(key), error)
             return None
         return code if kept_under == key else None
 
     def save(self, key: Any, code: Any) -> None:
-        """Keep code under `key`; raises `OSError`."""
+        """Store code under `key`; raises `OSError`."""
         content, path = caching.dumps((key, code)), self._path(key)
         part = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
         try:
@@ -193,7 +193,7 @@ class _File:
 
 
 class _Cache(caching.FunctionCache):
-    """Numba's cache of one function, with files that are checked as they are read."""
+    """Numba's cache of one function, with files that are verified when read."""
 
     def __init__(self, dispatcher: Dispatcher) -> None:
         super().__init__(dispatcher.py_func)
@@ -201,11 +201,11 @@ class _Cache(caching.FunctionCache):
         self._cache_file = _File(str(base), dispatcher)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Argument types and processor: the fingerprint tells the rest."""
+        """Argument types and processor; the fingerprint covers the rest."""
         return sig, codegen.magic_tuple()
 
     def save_overload(self, signature: Any, code: Any) -> None:
-        """Keep what was compiled, where there is room for it."""
+        """Store what was compiled, unless the folder cannot take it."""
         try:
             super().save_overload(signature, code)
         except OSError as error:
@@ -213,16 +213,16 @@ class _Cache(caching.FunctionCache):
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:
-    """`numba.njit`, of a function that is kept in the cache.
+    """`numba.njit` with this cache.
 
     signature: argument types to compile for at once, as in `numba.njit`. The function is compiled
-    again when anything changes that it is compiled from, in whatever file: see `fingerprint`.
+    again if anything it is compiled from changes, in whatever file: see `fingerprint`.
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
         dispatcher = named_njit(**options)(function)
         dispatcher._cache = _Cache(dispatcher)
-        if signature is not None:  # a call then looks at no types
+        if signature is not None:  # calls then skip the look-up of types
             dispatcher.compile(signature)
             dispatcher.disable_compile()
         return dispatcher
@@ -231,11 +231,11 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(**options: Any) -> Any:
-    """`numba.njit`, of a closure that functions call which are kept in the cache.
+    """`numba.njit` of a closure that cached functions call.
 
-    A closure is named after its values. Numba tells the machine code of two closures apart by
-    a number that counts within one process only. Of two closures that two processes have kept, one
-    would be called in place of the other (Numba issue 10486).
+    The closure is named after its values. By default Numba distinguishes the machine code of
+    closures by a counter of the process, so a function cached by one process could call the closure
+    of another (Numba issue 10486).
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
@@ -248,7 +248,7 @@ def named_njit(**options: Any) -> Any:
 
 
 def cache_functions(module: ModuleType) -> ModuleType:
-    """Keep the functions of an emitted module in this cache; returns the module."""
+    """Let the functions of an emitted module use this cache; returns the module."""
     for each in vars(module).values():
         function: Any = each
         if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):

@@ -18,16 +18,16 @@ from numba.core.types import Type
 
 #: Folders of libraries
 _LIBRARIES = {sysconfig.get_path(name) for name in ("stdlib", "purelib", "platlib")}
-#: Values that are the same wherever they are
+#: Types of values that are their own description
 _PLAIN = (int, float, complex, str, bytes, bool, type(None), type(Ellipsis), range)
 
 
 def fingerprint(*values: Any) -> str:
-    """Digest of functions and of all they use: their code, constants, and the functions they call.
+    """Digest of functions and of everything they use: code, constants, functions they call.
 
-    A function that is called is found by its name, as Numba finds it: in a closure, among the
-    globals of the module, or as an attribute of a module. What belongs to other libraries is told
-    by its name alone. Raises `TypeError` for a global of a kind that cannot be told.
+    A called function is looked up by name, as Numba does: in a closure, in the globals of the
+    module, or as an attribute of a module. Functions of other libraries enter by name alone. Raises
+    `TypeError` for a global of a kind that cannot be described.
     """
     digest = hashlib.sha256()
     for part in _parts(values, set()):
@@ -36,9 +36,9 @@ def fingerprint(*values: Any) -> str:
 
 
 def _parts(value: Any, seen: set[int]) -> Iterator[str]:
-    """What there is to say of a value, in the same order in every process.
+    """Description of a value, the same in every process.
 
-    seen: functions that were told already.
+    seen: functions already described.
     """
     if isinstance(value, _PLAIN):
         yield repr(value)
@@ -101,7 +101,7 @@ def _of_code(code: types.CodeType) -> Iterator[str]:
 
 
 def _names(code: types.CodeType) -> set[str]:
-    """Names that a function looks up in its globals or in a module."""
+    """Names that the code of a function reads from its globals or from a module."""
     names = set(code.co_names)
     for constant in code.co_consts:
         if isinstance(constant, types.CodeType):
@@ -114,7 +114,7 @@ def _ours(value: Any) -> bool:
 
 
 def _may_change(module: str) -> bool:
-    """Whether a module is tweezer's or a user's: other libraries change with their version."""
+    """Whether a module is tweezer's or a user's. Other libraries change only with their version."""
     if module.partition(".")[0] in ("tweezer", "__main__"):
         return True
     path = getattr(sys.modules.get(module), "__file__", None)

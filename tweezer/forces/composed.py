@@ -1,6 +1,6 @@
-"""Forces made of forces: sums, forces that are moved and whose power changes, differences.
+"""Forces made of other forces: sums, forces that move or change in strength, numerical gradients.
 
-Nothing is compiled for a new combination: the parts are called by their addresses.
+A new combination compiles nothing: its kernel calls the kernels of the parts by address.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sum(Force):
-    """Several forces at once."""
+    """The sum of several forces."""
 
     forces: tuple[Force, ...]
 
@@ -37,7 +37,7 @@ class Sum(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`; each force in its own way."""
+        """See `Force.field`; the sum of the fields of the parts."""
         wrench = no_wrench(len(positions), gradient=gradient)
         for each in self.forces:
             there = each.field(positions, gradient=gradient, time=time, orientations=orientations)
@@ -81,10 +81,10 @@ def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A number, or a vector, as a function of time: straight between points, and a sine.
+    """A number or a vector as a function of time: linear between points, plus a sine.
 
-    Before the first point and after the last it stays as it is there. Two points at one time are
-    a jump, and the second holds at that time. A course that repeats begins again after `period`.
+    It is constant before the first point and after the last. Two points at one time are a jump;
+    at that time the second holds. A periodic course repeats the points after `period`.
     """
 
     times: Array
@@ -117,7 +117,7 @@ class Course:
 
     @classmethod
     def constant(cls, *values: float) -> Course:
-        """One that does not change."""
+        """A course that never changes."""
         return cls(np.zeros(1), np.array([values]), np.zeros(len(values)))
 
     @property
@@ -127,7 +127,7 @@ class Course:
         return still and bool((self.values == self.values[0]).all())
 
     def kinks(self, end: float) -> Array:
-        """Times in (0, end), s, at which it jumps or bends."""
+        """Times in (0, end) at which it jumps or bends, s."""
         if (self.values == self.values[0]).all():
             return np.zeros(0)
         times = self.times
@@ -140,31 +140,31 @@ class Course:
         return np.unique(times[(times > 0) & (times < end)])
 
     def shortest_time(self, end: float) -> float:
-        """Shortest time in which it changes in (0, end), s; 0 if it does not."""
+        """Shortest time scale of its changes in (0, end), s; 0 if it never changes."""
         kinks = self.kinks(end)
         between = float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
         swing = 1 / self.frequency if self.frequency and self.amplitude.any() else 0.0
         return _shortest((between, swing))
 
     def at(self, time: float) -> Array:
-        """(m,) at a time, s."""
+        """Value at a time (s), (m,)."""
         out = np.empty(self.values.shape[1])
         _course_at(packed(*self._entries()), 0, time, out)
         return out
 
     def _entries(self) -> tuple[float | Array, ...]:
-        """As `_course_at` reads it."""
+        """The entries of a force's data that `_course_at` reads."""
         return (
             self.times, self.values, self.amplitude,
             np.array([self.frequency, self.phase, self.period]),
         )  # fmt: skip
 
 
-#: Part of a time by which a repeated kink may come too early, so that rounding makes none late
+#: Relative shift of time that keeps rounding from delaying a kink of a periodic course
 _LATER = 2e-15
-#: Most periods of a course that repeats in a run
+#: Largest number of periods in a run
 _MOST_PERIODS = 1e6
-#: Entries of a `Course` in the data of a force
+#: Number of entries of a `Course` in the data of a force
 _ENTRIES = 4
 
 
@@ -175,7 +175,7 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
     amplitude, wave = vector(data, first + 2), vector(data, first + 3)
     frequency, phase, period = wave[0], wave[1], wave[2]
     swing = math.sin(2.0 * math.pi * frequency * time + phase) if frequency > 0.0 else 0.0
-    if period < math.inf:  # a kink that rounding puts before its time has come
+    if period < math.inf:  # rounding must not put this time before a kink
         time += _LATER * abs(time)
         time -= period * math.floor(time / period)
     after = np.searchsorted(times, time, side="right")
@@ -193,18 +193,18 @@ def _course_at(data, first, time, out):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Moved(Force):
-    """A force about another place, of another strength, upside down: any of these in time."""
+    """A force about another place and of another strength, both in time; also upside down."""
 
     force: Force
     place: Course
-    """(3,) m, where its origin is"""
+    """origin of the force, (3,) m"""
     strength: Course
-    """(1,) factor of all it does"""
+    """factor of force, moment and gradients, (1,)"""
     down: bool = False
-    """turned by 180 degrees about x: its z axis points down"""
+    """whether it is turned by 180 degrees about x, so that its z axis points down"""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` for courses of other than 3 numbers, and 1."""
+        """Raises `ValueError` unless the courses have 3 numbers and 1."""
         if self.place.amplitude.size != 3 or self.strength.amplitude.size != 1:
             raise ValueError("place and strength: must be courses of 3 numbers, and of 1")
 
@@ -248,7 +248,7 @@ def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
     sign = np.ones(3)
     if down:
         sign[1] = sign[2] = -1.0
-        for i in range(len(here.orientation)):  # turned by the same angle: (0, 1, 0, 0) e
+        for i in range(len(here.orientation)):  # the product (0, 1, 0, 0) e
             e = pose.orientation[i]
             here.orientation[i, 0], here.orientation[i, 1] = -e[1], e[0]
             here.orientation[i, 2], here.orientation[i, 3] = -e[3], e[2]
@@ -274,11 +274,11 @@ def _add_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @dataclass(frozen=True)
 class Differenced(Force):
-    """A force without gradients of its own: they are central differences."""
+    """A force whose gradients are central differences."""
 
     force: Force
     step: float
-    """m"""
+    """of the differences, m"""
 
     @property
     def oriented(self) -> bool:
@@ -332,14 +332,14 @@ class UserForce(Force):
     function: Kernel
     entries: tuple[float | Sequence[float] | Array, ...] = ()
     gradient: bool = False
-    """whether it adds gradients where `wrench.force_gradient` is not empty; else they are central
-    differences"""
+    """whether the function adds gradients where `wrench.force_gradient` is not empty; if not, they
+    are central differences"""
     turns: bool = False
-    """whether it turns the bead or looks at `pose.orientation`: a rotation is then followed"""
+    """whether it turns the bead or reads `pose.orientation`; the rotation is then computed"""
     by_time: bool = False
-    """whether it looks at `pose.time`"""
+    """whether it reads `pose.time`"""
     step: float = 1e-10
-    """m, of the central differences"""
+    """of the central differences, m"""
 
     @property
     def oriented(self) -> bool:
@@ -368,9 +368,10 @@ class UserForce(Force):
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile a function as the kernel of a `UserForce`; a decorator.
+    """Decorator that compiles a function as the kernel of a `UserForce`.
 
-    It is not kept: a function of a terminal or a notebook has no file whose changes could be seen.
+    The machine code is not cached: a function of a terminal or a notebook has no file in which a
+    change would show.
     """
     compiled: Kernel = njit(KERNEL, error_model="numpy", nogil=True)(function)
     return compiled

@@ -1,4 +1,4 @@
-"""The data of any force as two arrays of one type, so that a loop is compiled once for all."""
+"""The data of a force as two arrays of one type, so that one compiled loop serves every force."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Columns of `Data.shapes`: where an entry begins, four lengths, and the address of a part
+#: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part
 _COLUMNS = 6
 
 
 class Data(NamedTuple):
-    """Entries on end: numbers, arrays of up to four axes, and the data of other forces."""
+    """Entries one after the other: numbers, arrays of up to four axes, data of other forces."""
 
     numbers: Array
-    """(n,) every array, flat, on end"""
+    """all arrays, flattened and concatenated, (n,)"""
     shapes: Integers
-    """(entries, 6) of an array: where it begins in `numbers`, and its lengths. Of a part: where its
-    numbers begin, how many they are, which row of `shapes` is its first, how many they are, and in
-    the last column the address of its kernel"""
+    """one row for each entry, (entries, 6). For an array: its begin in `numbers` and its lengths.
+    For a part: begin and count of its numbers, begin and count of its rows of `shapes`, 0, and the
+    address of its kernel"""
 
 
 class Part(NamedTuple):
-    """A force within another one."""
+    """A force as part of another one, or as a compiled loop takes it."""
 
     kernel: int
-    """its address"""
+    """address"""
     data: Data
 
 
 def packed(*entries: Any) -> Data:
-    """The data of a force: numbers, arrays of real or 32-bit whole numbers, and `Part`s."""
+    """The data of a force from its entries: numbers, arrays (real or int32), and `Part`s."""
     flat: list[Array] = []
     own = np.zeros((len(entries), _COLUMNS), np.int64)
     rows, begin = [own], 0
@@ -49,7 +49,7 @@ def packed(*entries: Any) -> Data:
             array = np.ascontiguousarray(entry)
             row[0] = begin
             row[1 : 1 + array.ndim] = array.shape
-            if array.dtype == np.int32:  # as they are, two in the place of a number
+            if array.dtype == np.int32:  # two of them in the memory of one number
                 whole = array.ravel()
                 numbers = np.append(whole, np.zeros(whole.size % 2, np.int32)).view(np.float64)
             else:
@@ -61,27 +61,27 @@ def packed(*entries: Any) -> Data:
 
 @njit(error_model="numpy")
 def number(data, entry):  # type: ignore[no-untyped-def]
-    """An entry that is one number."""
+    """Read an entry that is one number."""
     return data.numbers[data.shapes[entry, 0]]
 
 
 @njit(error_model="numpy")
 def vector(data, entry):  # type: ignore[no-untyped-def]
-    """An entry of one axis."""
+    """Read an array of one axis."""
     begin = data.shapes[entry, 0]
     return data.numbers[begin : begin + data.shapes[entry, 1]]
 
 
 @njit(error_model="numpy")
 def matrix(data, entry):  # type: ignore[no-untyped-def]
-    """An entry of two axes."""
+    """Read an array of two axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     return data.numbers[begin : begin + n * m].reshape((n, m))
 
 
 @njit(error_model="numpy")
 def tensor(data, entry):  # type: ignore[no-untyped-def]
-    """An entry of three axes."""
+    """Read an array of three axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     many = data.shapes[entry, 3]
     return data.numbers[begin : begin + n * m * many].reshape((n, m, many))
@@ -89,7 +89,7 @@ def tensor(data, entry):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
-    """An entry of four axes."""
+    """Read an array of four axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     k, l = data.shapes[entry, 3], data.shapes[entry, 4]
     return data.numbers[begin : begin + n * m * k * l].reshape((n, m, k, l))
@@ -97,14 +97,14 @@ def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def integers(data, entry):  # type: ignore[no-untyped-def]
-    """An entry of one axis, of 32-bit whole numbers."""
+    """Read an array of one axis of 32-bit integers."""
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
     return data.numbers[begin : begin + (n + 1) // 2].view(np.int32)[:n]
 
 
 @njit(error_model="numpy")
 def part(data, entry):  # type: ignore[no-untyped-def]
-    """An entry that is another force, a `Part`."""
+    """Read an entry that is another force."""
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
     first, rows = data.shapes[entry, 2], data.shapes[entry, 3]
     within = Data(data.numbers[begin : begin + n], data.shapes[first : first + rows])

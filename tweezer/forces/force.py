@@ -1,8 +1,8 @@
-"""What a force is: a compiled kernel and its data, which adds to what acts on a bead.
+"""The contract of every force: a compiled kernel and its data.
 
-A kernel has the signature `kernel(pose, data, wrench)` with the types below, the same for every
-force, so that the loops that follow a bead are compiled once, and forces are put together from
-others without compiling anything.
+A kernel has the signature `kernel(pose, data, wrench)` with the types below and adds to `wrench`.
+The signature is the same for every force. So the loops that integrate the motion are compiled
+once, and a force made of others compiles nothing.
 """
 
 from __future__ import annotations
@@ -24,29 +24,29 @@ Kernel = Callable[[Any, Data, Any], None]
 
 
 class Pose(NamedTuple):
-    """When and where n beads are, and how they are turned."""
+    """Time, position and orientation of n beads."""
 
     time: Array
     """(n,) s"""
     position: Array
     """(n, 3) m from the focus"""
     orientation: Array
-    """(n, 4) Euler parameters of length 1; (0, 4) where no rotation is followed"""
+    """(n, 4) Euler parameters of length 1; (0, 4) where no rotation is computed"""
 
 
 class Wrench(NamedTuple):
-    """What acts on n beads, in the inertial frame. A kernel adds to it."""
+    """Force and moment on n beads, in the inertial frame. A kernel adds to it."""
 
     force: Array
     """(n, 3) N"""
     moment: Array
     """(n, 3) N m"""
     force_gradient: Array
-    """(n, 3, 3) N/m, [i, j] = dF_i/dx_j; (0, 3, 3) where it is not asked for"""
+    """(n, 3, 3) N/m, [i, j] = dF_i/dx_j; (0, 3, 3) where it is not computed"""
     moment_gradient: Array
-    """(n, 3, 3) N, [i, j] = dM_i/dx_j; (0, 3, 3) where it is not asked for"""
+    """(n, 3, 3) N, [i, j] = dM_i/dx_j; (0, 3, 3) where it is not computed"""
     error: Array
-    """(n,) N, of the force: an estimate or a bound; NaN where none is known"""
+    """(n,) N, estimate or bound of the error of the force; NaN where none is known"""
 
 
 class Force(ABC):
@@ -54,26 +54,26 @@ class Force(ABC):
 
     @property
     def oriented(self) -> bool:
-        """Whether a rotation must be followed for it: it depends on how the bead is turned."""
+        """Whether it needs the rotation: it turns the bead or depends on its orientation."""
         return False
 
     @property
     def steady(self) -> bool:
-        """Whether it does not change in time."""
+        """Whether it is constant in time."""
         return True
 
     def kinks(self, end: float) -> Array:  # noqa: ARG002
-        """Times in (0, end), s, at which it jumps or bends."""
+        """Times in (0, end) at which it jumps or bends, s."""
         return np.zeros(0)
 
     def shortest_time(self, end: float) -> float:
-        """Shortest time in which it changes in (0, end), s; 0 if it does not, or none is known."""
+        """Shortest time scale of its changes in (0, end), s; 0 if it has none, or none is known."""
         kinks = self.kinks(end)
         return float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
 
     @abstractmethod
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """Its kernel, which adds the gradients only if they are asked for, and its data."""
+        """Its kernel and data. The kernel adds gradients only with `gradient`."""
 
     def field(
         self,
@@ -83,10 +83,10 @@ class Force(ABC):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """What it does at `positions` (n, 3) m from the focus, and its gradients if asked.
+        """Force and moment at `positions` (n, 3) m from the focus; with `gradient` their gradients.
 
-        time: s, or (n,). orientations: (n, 4) Euler parameters, for a force that depends on them;
-        not turned if not given. What is not asked for, or not exerted, is zero.
+        time: s, one or (n,). orientations: (n, 4) Euler parameters, for a force that depends on
+        them; (1, 0, 0, 0) if not given. What the force does not exert is zero.
         """
         if self.oriented and orientations is None:
             orientations = np.tile([1.0, 0.0, 0.0, 0.0], (len(positions), 1))
@@ -98,16 +98,16 @@ class Force(ABC):
         field: Wrench,
         time: float | Array = 0.0,  # noqa: ARG002
     ) -> Array:
-        """Error of the force of `field`, which is this one's at `positions` and `time`, (n,) N."""
+        """Error of `field.force`, (n,) N, where `field` is this force at `positions` and `time`."""
         return field.error
 
 
 def no_wrench(n: int, *, gradient: bool) -> Wrench:
-    """Zeros for n beads, to be added to."""
+    """Zeros for n beads, for a kernel to add to."""
     gradients = n if gradient else 0
     shapes = (n, 3), (n, 3), (gradients, 3, 3), (gradients, 3, 3), (n,)
     wrench = Wrench(*(np.empty(shape) for shape in shapes))
-    for each in wrench:  # written now: memory that is added to would be fetched twice
+    for each in wrench:  # faster than `np.zeros`: the memory is in cache when the kernel adds
         each.fill(0.0)
     return wrench
 
@@ -119,8 +119,8 @@ def evaluated(
     time: float | Array = 0.0,
     orientations: Array | None = None,
 ) -> Wrench:
-    """What a bound force does to beads at `positions` (n, 3) m, at one time (s) or (n,)."""
-    # of other layouts the arrays would be taken for what they are not
+    """Force and moment of a bound force at `positions` (n, 3) m; time: s, one or (n,)."""
+    # the compiled code reads the memory as C-contiguous float64
     places = np.require(positions, np.float64, ["C", "W"])
     turned = _NOT_TURNED
     if orientations is not None:
@@ -136,7 +136,7 @@ _NOT_TURNED = np.zeros((0, 4))
 
 @functools.cache
 def _entry() -> Any:
-    """A kernel called from Python, one array after the other: tuples of arrays take it longer."""
+    """Compiled entry from Python. It takes single arrays, as tuples of arrays cost more to pass."""
 
     @cached_njit(types.void(types.int64, *DATA, *POSE, *WRENCH), nogil=True)
     def enter(  # type: ignore[no-untyped-def]
@@ -151,20 +151,20 @@ def _entry() -> Any:
 
 
 def bound(force: Force, *, gradient: bool) -> Part:
-    """A force as compiled loops take it."""
+    """A force as compiled loops take it: address of its kernel, and data."""
     kernel, data = force.compiled(gradient=gradient)
     return Part(address(kernel, KERNEL), data)
 
 
 @njit(error_model="numpy")
 def add(part, pose, wrench):  # type: ignore[no-untyped-def]
-    """Add what a force does to `wrench`."""
+    """Add a force to `wrench`."""
     call(part.kernel, (pose, part.data, wrench))
 
 
 @njit(error_model="numpy")
 def clear(wrench):  # type: ignore[no-untyped-def]
-    """Put everything to zero."""
+    """Set everything to zero."""
     wrench.force[:] = 0.0
     wrench.moment[:] = 0.0
     wrench.force_gradient[:] = 0.0
@@ -180,4 +180,4 @@ KERNEL = types.void(POSE, DATA, WRENCH)
 
 @cached_njit()
 def no_force(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """The kernel of what does nothing."""
+    """The kernel of a force that is zero."""
