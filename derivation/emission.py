@@ -132,7 +132,7 @@ def _input_names(module: Module) -> Iterator[tuple[str, str]]:
     """RHS_INPUTS and JACOBIAN_INPUTS: what stands between `state` and `params`."""
     if module.state:
         for function in module.functions[:2]:
-            names = tuple(argument.name for argument in function.arguments[1:-1])
+            names = tuple(argument.name for argument in function.arguments[2:-1])
             yield f"{function.name.upper()}_INPUTS", repr(names)
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from . import drag as dg
 from . import euler_parameters as ep
 from . import langevin as lv
 from . import multiscale as ms
@@ -32,6 +33,8 @@ class Module:
     sources: tuple[str, ...]
     #: numba options of its functions, written out literally in the module
     jit_options: str = "cache=True"
+    #: of a model: whether its velocities relax by numbers of their own where the drag is uniform
+    linear_drag: bool = False
 
 
 FORCE = Argument("force", sy.FORCE, (3,))
@@ -41,23 +44,27 @@ MOMENT_GRADIENT = Argument("moment_gradient", sy.MOMENT_GRADIENT, (3, 3))
 FORCE_CURVATURE = Argument("force_curvature", sy.FORCE_CURVATURE, (3, 3))
 MOMENT_CURVATURE = Argument("moment_curvature", sy.MOMENT_CURVATURE, (3, 3))
 
+MOBILITY = Argument("mobility", sy.MOBILITY, (5,))
+MOBILITY_GRADIENT = Argument("mobility_gradient", sy.MOBILITY_GRADIENT, (5, 3))
+
 _DF = sp.Matrix(3, 3, vector(sy.FORCE_GRADIENT))
 _DM = sp.Matrix(3, 3, vector(sy.MOMENT_GRADIENT))
 _HF = sp.Matrix(3, 3, vector(sy.FORCE_CURVATURE))
 _HM = sp.Matrix(3, 3, vector(sy.MOMENT_CURVATURE))
 
-#: how each input changes with the position: dF/dq, dM/dq, and for the rates along
+#: how each input changes with the position: dF/dq, dM/dq, db/dq, and for the rates along
 #: u = (F + W)/beta_v: d(DF u)/dq = HF + DF DF/beta_v
 _OVER_POSITION = (
     (vector(sy.FORCE), _DF),
     (vector(sy.MOMENT), _DM),
     (ms.Fdot, _HF + _DF * _DF / rb.beta_v),
     (ms.Mdot, _HM + _DM * _DF / rb.beta_v),
+    (vector(sy.MOBILITY), sp.Matrix(5, 3, vector(sy.MOBILITY_GRADIENT))),
 )
 
 
 def jacobian(rates: sp.MatrixBase, state: tuple[Quantity, ...]) -> sp.MatrixBase:
-    """d(rates)/d(state), through the light's force and moment where they depend on position."""
+    """d(rates)/d(state), through force, moment and mobility where they depend on position."""
     result = rates.jacobian(vector(state))
     for inputs, gradient in _OVER_POSITION:
         result[:, :3] += rates.jacobian(inputs) * gradient
@@ -88,13 +95,14 @@ def _dynamics(
     intermediates: tuple[tuple[Quantity, sp.Expr], ...] = (),
     extra: tuple[Function, ...] = (),
     keep: tuple[Quantity, ...] = (),
+    linear_drag: bool = False,
 ) -> Module:
     """A model: its right-hand side and its Jacobian.
 
     Intermediates in `keep` stay named in the Jacobian too: they depend on the inputs alone, and
     `_OVER_POSITION` has their derivatives; the others are differentiated through.
     """
-    arguments = (Argument("state", state, (len(state),)), *inputs)
+    arguments = (Argument("t", (sy.TIME,)), Argument("state", state, (len(state),)), *inputs)
     parameters = Argument("params", params, (len(params),))
     rhs = Function(
         "rhs", "Rate of change of the state.", (*arguments, parameters), rates, intermediates
@@ -109,7 +117,8 @@ def _dynamics(
         jacobian(differentiated, state),
         tuple(pair for pair in intermediates if pair[0] in keep),
     )
-    return Module(name, title, notes, state, params, (rhs, derivative, *extra), sources)
+    functions = (rhs, derivative, *extra)
+    return Module(name, title, notes, state, params, functions, sources, linear_drag=linear_drag)
 
 
 _SPHERE = (sy.SPHERE_INERTIA,)
@@ -130,11 +139,12 @@ def _inertial_models(scaling: bool) -> list[Module]:
     """`full` (A.25), or `scaled` (4.17): translation, and the rotation of sphere and rigid body."""
     prefix = "scaled" if scaling else "full"
     title = "Scaled model (4.17)" if scaling else "Full model (A.25)"
+    # (4.16): a2 multiplies all that is not inertia
     a2 = ms.a2 if scaling else sp.Integer(1)
     leading = (sy.SCALING,) if scaling else ()
-    sources = ("multiscale.py", "rigid_body.py") if scaling else ("rigid_body.py",)
-    acceleration = ms.scaled_acceleration if scaling else rb.acceleration
-    translation_params = (sy.MASS, sy.DRAG, *leading, *sy.WEIGHT)
+    sources = (*(("multiscale.py",) if scaling else ()), "rigid_body.py", "drag.py")
+    moment = a2 * (rb.M_others + dg.drag_moment)
+    translation_params = (sy.MASS, *leading, *sy.WEIGHT)
     modules = [
         _dynamics(
             f"{prefix}_translation",
@@ -142,15 +152,16 @@ def _inertial_models(scaling: bool) -> list[Module]:
             _TRANSLATION_NOTES,
             (*sy.POSITION, *sy.VELOCITY),
             translation_params,
-            rb.v.col_join(acceleration),
-            (FORCE,),
-            (FORCE_GRADIENT,),
+            rb.v.col_join(a2 * dg.acceleration_without_rotation),
+            (FORCE, MOBILITY),
+            (FORCE_GRADIENT, MOBILITY_GRADIENT),
             sources,
+            linear_drag=True,
         )
     ]
     for kind, notes in (("sphere", _SPHERE_NOTES), ("rigid_body", _BODY_NOTES)):
         quantities, inertia = _inertia(kind)
-        params = (sy.MASS, *quantities, sy.DRAG, sy.ROTATIONAL_DRAG, *leading, *sy.WEIGHT)
+        params = (sy.MASS, *quantities, *leading, *sy.WEIGHT)
         label = kind.replace("_", " ")
         modules.append(
             _dynamics(
@@ -162,14 +173,13 @@ def _inertial_models(scaling: bool) -> list[Module]:
                 sp.Matrix.vstack(
                     rb.v,
                     ep.euler_rates_from_omega,
-                    acceleration,
-                    ms.scaled_angular_acceleration(inertia)
-                    if scaling
-                    else rb.angular_acceleration(inertia, rb.M_others + rb.drag_moment),
+                    a2 * dg.acceleration,
+                    rb.angular_acceleration(inertia, moment),
                 ),
-                (FORCE, MOMENT),
-                (FORCE_GRADIENT, MOMENT_GRADIENT),
+                (FORCE, MOMENT, MOBILITY),
+                (FORCE_GRADIENT, MOMENT_GRADIENT, MOBILITY_GRADIENT),
                 sources,
+                linear_drag=kind == "sphere",
             )
         )
         omega_of_rates = _named(sy.ANGULAR_VELOCITY, ep.L * ep.edot)
@@ -185,11 +195,11 @@ def _inertial_models(scaling: bool) -> list[Module]:
                 sp.Matrix.vstack(
                     rb.v,
                     ep.edot,
-                    acceleration,
-                    rb.euler_acceleration(inertia, a2 * (rb.M_others + rb.drag_moment), gyroscopic),
+                    a2 * dg.acceleration,
+                    rb.euler_acceleration(inertia, moment, gyroscopic),
                 ),
-                (FORCE, MOMENT),
-                (FORCE_GRADIENT, MOMENT_GRADIENT),
+                (FORCE, MOMENT, MOBILITY),
+                (FORCE_GRADIENT, MOMENT_GRADIENT, MOBILITY_GRADIENT),
                 sources,
                 omega_of_rates,
             )
@@ -210,28 +220,31 @@ def _overdamped_models() -> list[Module]:
             "Overdamped model (5.2): translation.",
             _TRANSLATION_NOTES,
             sy.POSITION,
-            (sy.DRAG, *sy.WEIGHT),
-            ms.overdamped_velocity,
-            (FORCE,),
-            (FORCE_GRADIENT,),
-            ("multiscale.py",),
+            sy.WEIGHT,
+            dg.overdamped_velocity_without_rotation,
+            (FORCE, MOBILITY),
+            (FORCE_GRADIENT, MOBILITY_GRADIENT),
+            ("drag.py",),
         ),
         _dynamics(
             "overdamped_rotation",
             "Overdamped model (5.2): translation and rotation.",
             "Without inertia: the same for a sphere and for any other body of this drag.",
             (*sy.POSITION, *sy.EULER_PARAMETERS),
-            (sy.DRAG, sy.ROTATIONAL_DRAG, *sy.WEIGHT),
-            ms.overdamped_velocity.col_join(_turning(ms.overdamped_angular_velocity)),
-            (FORCE, MOMENT),
-            (FORCE_GRADIENT, MOMENT_GRADIENT),
-            ("multiscale.py",),
+            sy.WEIGHT,
+            dg.overdamped_velocity.col_join(_turning(dg.overdamped_angular_velocity)),
+            (FORCE, MOMENT, MOBILITY),
+            (FORCE_GRADIENT, MOMENT_GRADIENT, MOBILITY_GRADIENT),
+            ("drag.py",),
         ),
     ]
 
 
 def _first_order_models() -> list[Module]:
-    """The expansion (4.11) solved to order epsilon, with its matched start and initial layer."""
+    """The expansion (4.11) solved to order epsilon, with its matched start and initial layer.
+
+    Of a uniform drag: one beta_v and one beta_w, at every place.
+    """
     rates = (
         *_named(sy.FORCE_RATE, ms.force_rate),
         *_named(sy.MOMENT_RATE, ms.moment_rate),

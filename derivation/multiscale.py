@@ -21,12 +21,10 @@ from .rigid_body import (
     M_any,
     M_others,
     M_tilde,
-    angular_acceleration,
     angular_momentum_rate,
     beta_v,
     beta_w,
     drag_force,
-    drag_moment,
     m,
     v,
 )
@@ -98,11 +96,6 @@ SCALED_BALANCE = Equation("4.15", "the scaled balance", r"0", scaled_balance())
 
 #: Newton's equation of the scaled model, from A q'' = a2 Gamma (4.16)
 scaled_acceleration = a2 * (F_others + drag_force) / m
-
-
-def scaled_angular_acceleration(inertia: sp.MatrixBase) -> sp.Matrix:
-    """w' of the scaled model: a2 M - K as in (4.18); K is inertial and is not scaled."""
-    return angular_acceleration(inertia, a2 * (M_others + drag_moment))
 
 
 # --- the orders solved one after the other -----------------------------------------------------

@@ -86,6 +86,19 @@ MOMENT_CURVATURE = tuple(
     for ij in PAIRS
 )
 
+MOBILITY = (
+    _quantity("b_parallel", "s/kg", "velocity across N3 by a force that way", positive=True),
+    _quantity("b_perpendicular", "s/kg", "velocity along N3 by a force that way", positive=True),
+    _quantity("b_turn", "1/(N m s)", "angular velocity across N3 by a moment", positive=True),
+    _quantity("b_spin", "1/(N m s)", "angular velocity about N3 by a moment", positive=True),
+    _quantity("b_roll", "1/(N s)", "velocity along N1 by a moment about N2, rolling"),
+)
+MOBILITY_GRADIENT = tuple(
+    _quantity(f"Db{i}{j}", f"{mobility.unit}/m", f"d{mobility.name}/dq{j}")
+    for i, mobility in enumerate(MOBILITY, 1)
+    for j in "123"
+)
+
 # --- parameters ------------------------------------------------------------------------------
 MASS = _quantity("m", "kg", "mass of the bead", "2.3", positive=True)
 INERTIA = tuple(

@@ -44,12 +44,14 @@ JACOBIAN_INPUTS = (
     "force_curvature",
     "moment_curvature",
 )
+LINEAR_DRAG = False
 
 
 @njit(cache=True)
-def rhs(state, force, moment, force_gradient, moment_gradient, params, out):
+def rhs(t, state, force, moment, force_gradient, moment_gradient, params, out):
     """Rate of change of the state.
 
+    t: time since release [s]
     state: (7) q1, q2, q3, e0, e1, e2, e3
     force: (3) F1, F2, F3
     moment: (3) M1, M2, M3
@@ -162,6 +164,7 @@ def rhs(state, force, moment, force_gradient, moment_gradient, params, out):
 
 @njit(cache=True)
 def jacobian(
+    t,
     state,
     force,
     moment,
@@ -174,6 +177,7 @@ def jacobian(
 ):
     """Derivative of the right-hand side: out[i, j] = d(rate i)/d(state j).
 
+    t: time since release [s]
     state: (7) q1, q2, q3, e0, e1, e2, e3
     force: (3) F1, F2, F3
     moment: (3) M1, M2, M3
@@ -806,6 +810,6 @@ def initial_layer(t, released, force, moment, params, out):
 
 
 @njit(cache=True)
-def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+def rates(t, state, force, moment, force_gradient, moment_gradient, mobility, params, out):
     """`rhs`, called alike in every model: with all that any of them takes."""
-    rhs(state, force, moment, force_gradient, moment_gradient, params, out)
+    rhs(t, state, force, moment, force_gradient, moment_gradient, params, out)

@@ -29,12 +29,14 @@ STATE = ("q1", "q2", "q3")
 PARAMS = ("m", "beta_v", "W1", "W2", "W3")
 RHS_INPUTS = ("force", "force_gradient")
 JACOBIAN_INPUTS = ("force", "force_gradient", "force_curvature")
+LINEAR_DRAG = False
 
 
 @njit(cache=True)
-def rhs(state, force, force_gradient, params, out):
+def rhs(t, state, force, force_gradient, params, out):
     """Rate of change of the state.
 
+    t: time since release [s]
     state: (3) q1, q2, q3
     force: (3) F1, F2, F3
     force_gradient: (3, 3) DF11, DF12, DF13, DF21, DF22, DF23, DF31, DF32, DF33
@@ -70,9 +72,10 @@ def rhs(state, force, force_gradient, params, out):
 
 
 @njit(cache=True)
-def jacobian(state, force, force_gradient, force_curvature, params, out):
+def jacobian(t, state, force, force_gradient, force_curvature, params, out):
     """Derivative of the right-hand side: out[i, j] = d(rate i)/d(state j).
 
+    t: time since release [s]
     state: (3) q1, q2, q3
     force: (3) F1, F2, F3
     force_gradient: (3, 3) DF11, DF12, DF13, DF21, DF22, DF23, DF31, DF32, DF33
@@ -185,6 +188,6 @@ def initial_layer(t, released, force, params, out):
 
 
 @njit(cache=True)
-def rates(state, force, moment, force_gradient, moment_gradient, params, out):
+def rates(t, state, force, moment, force_gradient, moment_gradient, mobility, params, out):
     """`rhs`, called alike in every model: with all that any of them takes."""
-    rhs(state, force, force_gradient, params, out)
+    rhs(t, state, force, force_gradient, params, out)

@@ -16,7 +16,7 @@ sys.modules["mine"] = sys.modules["__main__"]
 choices.METHODS["mine"] = choices.Method("mine", "a scheme of mine", "mine:SCHEME", thermal=True,
                                          models=("overdamped",))
 choices.METHODS["also-mine"] = choices.Method("also-mine", "a method of mine", "mine:METHOD")
-choices.MODELS["slow"] = choices.Model("slow", "a model of mine", inertia=False)
+choices.MODELS["slow"] = choices.Model("slow", "a model of mine", "overdamped", rotating="rotation")
 choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine", "mine:mine")
 
 import numpy as np
@@ -60,6 +60,8 @@ dark = tweezer.load_scene("silica-1um").replace(
 )
 run = tweezer.simulate(dark, "1 us", method="also-mine")
 assert run.attrs["method"] == "also-mine"
+slow = tweezer.simulate(dark, "1 us", model="slow")
+assert (slow["position"].values == run["position"].values).all()
 thermal = dark.replace(forces={"brownian": True})
 theirs = tweezer.simulate(thermal, "1 us", method="euler-maruyama")
 mine = tweezer.simulate(thermal, "1 us", method="mine")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from tweezer.fluid import stokes
 from tweezer.scene import Scene, checked_scene
 
 
@@ -17,9 +18,9 @@ class BeadProperties:
     moments_of_inertia: tuple[float, float, float]
     """I11, I22, I33 (A.13), kg m^2"""
     drag: float
-    """beta_v = 6 pi mu r (2.15), kg/s"""
+    """beta_v (2.15), kg/s: Stokes's, far from everything"""
     rotational_drag: float
-    """beta_w = 8 pi mu r^3 (2.15), N m s"""
+    """beta_w (2.15), N m s: Stokes's"""
     weight: tuple[float, float, float]
     """gravity (2.11) and buoyancy (2.12) as far as they act, N"""
     knudsen: float
@@ -40,11 +41,12 @@ def bead_properties(scene: Scene) -> BeadProperties:
     sphere = 2 / 5 * mass * r**2
     lift = scene.medium.density * volume * g if forces.buoyancy else 0.0
     pull = mass * g if forces.gravity else 0.0
+    free = stokes(scene.medium.viscosity, r)
     return BeadProperties(
         mass=mass,
         moments_of_inertia=scene.bead.moments_of_inertia or (sphere, sphere, sphere),
-        drag=6 * math.pi * scene.medium.viscosity * r,
-        rotational_drag=8 * math.pi * scene.medium.viscosity * r**3,
+        drag=free.translation,
+        rotational_drag=free.rotation,
         weight=(0.0, 0.0, lift - pull),
         knudsen=scene.medium.mean_free_path / (2 * r),
     )

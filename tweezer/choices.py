@@ -18,8 +18,14 @@ class Model:
 
     name: str
     about: str
-    inertia: bool
+    modules: str
+    """what the names of its modules in `generated/` begin with"""
+    inertia: bool = False
     """whether its state holds velocities"""
+    rotating: str = ""
+    """how the module with a rotation is called; by the body where it matters"""
+    scheme: str = ""
+    """"module:name" of the scheme of its thermal motion; that of the method where it has none"""
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,8 @@ class Method:
     """whether the distance of two samples is that of the motion"""
     implicit: bool = False
     """whether it takes the Jacobian of the right-hand side"""
+    uniform_drag: bool = False
+    """whether the drag must be the same everywhere"""
     multistep: bool = False
     """whether it carries differences of past states: these cannot be put back on constraints"""
 
@@ -51,9 +59,9 @@ class Method:
         """Whether it is one of SciPy's."""
         return self.place.startswith("scipy.")
 
-    def load(self) -> Any:
-        """What it is."""
-        return _at(self.place)
+    def load(self, place: str = "") -> Any:
+        """What it is; or what is at another place, if one is given."""
+        return _at(place or self.place)
 
 
 @dataclass(frozen=True)
@@ -87,16 +95,22 @@ _SCHEMES = "tweezer.dynamics.brownian"
 _OPTICS = "tweezer.optics"
 
 MODELS: dict[str, Model] = _by_name(
-    Model("full", "(A.25)", inertia=True),
-    Model("scaled", "(4.17), inertia divided by the scaling factor", inertia=True),
-    Model("overdamped", "(5.2)", inertia=False),
-    Model("first-order", "the expansion (4.11) carried to order epsilon", inertia=False),
+    Model("full", "(A.25)", "full", inertia=True),
+    Model("scaled", "(4.17), inertia divided by the scaling factor", "scaled", inertia=True),
+    Model("overdamped", "(5.2)", "overdamped", rotating="rotation"),
+    Model(
+        "first-order",
+        "the expansion (4.11) carried to order epsilon",
+        "first_order",
+        scheme=f"{_SCHEMES}.first_order:FIRST_ORDER",
+    ),
 )
 
 METHODS: dict[str, Method] = _by_name(
     Method("dormand-prince", "the thesis's ode45", f"{_METHODS}.dormand_prince:DORMAND_PRINCE"),
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
-    Method("exponential", "takes the drag exactly", f"{_METHODS}.exponential:EXPONENTIAL"),
+    Method("exponential", "takes the drag exactly", f"{_METHODS}.exponential:EXPONENTIAL",
+           uniform_drag=True),
     *(
         Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
                fixed_steps=False, implicit=implicit, multistep=multistep)
@@ -106,14 +120,15 @@ METHODS: dict[str, Method] = _by_name(
         )
     ),
     Method("heun", "exponential Heun, what auto takes", f"{_SCHEMES}.heun:HEUN", thermal=True,
-           models=("full", "scaled", "overdamped", "first-order")),
+           models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True),
     Method("one-call", "one force a step, for distributions", f"{_SCHEMES}.one_call:ONE_CALL",
-           thermal=True, displacements=False),
+           thermal=True, displacements=False, uniform_drag=True),
     Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
-           thermal=True, spring_only=True),
-    Method("euler-maruyama", "for comparison", f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True),
+           thermal=True, spring_only=True, uniform_drag=True),
+    Method("euler-maruyama", "for comparison", f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True,
+           uniform_drag=True),
     Method("baoab", "for comparison", f"{_SCHEMES}.baoab:BAOAB", thermal=True,
-           models=("full", "scaled")),
+           models=("full", "scaled"), uniform_drag=True),
 )  # fmt: skip
 
 EVALUATORS: dict[str, Evaluator] = _by_name(

@@ -429,7 +429,9 @@ def calibrate(
         )
     drag = mass = None
     if "radius" in given:
-        drag = 6 * math.pi * given["viscosity"] * given["radius"]
+        from tweezer.fluid import stokes
+
+        drag = stokes(given["viscosity"], given["radius"]).translation
     if "density" in given:
         mass = 4 / 3 * math.pi * given["density"] * given["radius"] ** 3
     calibration = calibrated(

@@ -31,6 +31,7 @@ from tweezer.analysis import (
 )
 from tweezer.analysis.profile import LEVEL
 from tweezer.bead import bead_properties
+from tweezer.fluid import drag
 from tweezer.io import scene_of
 from tweezer.optics import cone, optical_force, optical_jacobian, ray_optics_caveat
 from tweezer.rounding import with_uncertainty
@@ -108,8 +109,9 @@ def _resolved(run: xr.Dataset) -> bool:
     gradient = np.array([
         optical_jacobian(scene, run["position"].values[i], time=time[i]) for i in (0, -1)
     ])  # fmt: skip
-    rate = float(np.linalg.norm(gradient, ord=2, axis=(1, 2)).max()) / bead_properties(scene).drag
-    return bool((time[1] - time[0]) * rate < 1)
+    mobility = drag(scene).mobilities(run["position"].values[[0, -1]]).value[:, :2].max(axis=1)
+    rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
+    return bool((time[1] - time[0]) * rates.max() < 1)
 
 
 def _style(run: xr.Dataset, width: float) -> dict[str, Any]:

@@ -6,8 +6,9 @@ import warnings
 
 import numpy as np
 
-from tweezer.dynamics import chosen, walk
+from tweezer.dynamics import bound_once, chosen, walk
 from tweezer.dynamics.filter import kalman_filter
+from tweezer.dynamics.models import bind_translation
 from tweezer.errors import PhysicsWarning
 from tweezer.optics import LightForce, light_of_one_beam
 from tweezer.optics.by_quadrature import by_quadrature
@@ -44,6 +45,6 @@ def warm_up(scene: Scene) -> None:
             for gradient in (False, True):
                 bound.field(np.zeros((1, 3)), gradient=gradient)
         if scene.lit:
-            kalman_filter(lights[0])
+            kalman_filter(bind_translation(bound_once(scene), "overdamped"))
         scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
         simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}))

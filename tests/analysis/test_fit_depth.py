@@ -1,5 +1,6 @@
 """The start in z from tracks in the plane: filter against closed forms, fit against truth."""
 
+import dataclasses
 import json
 import math
 from pathlib import Path
@@ -15,8 +16,11 @@ from tests.reference import memory
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Track
 from tweezer.analysis.profile import LEVEL, Profile, descend
+from tweezer.dynamics import bound_once
 from tweezer.dynamics.filter import Bead, Camera, kalman_filter
+from tweezer.dynamics.models import bind_translation
 from tweezer.errors import ResultError
+from tweezer.fluid import Stokes
 from tweezer.optics import light
 from tweezer.plots import depth_figure
 
@@ -73,10 +77,14 @@ def test_likelihood_of_a_free_bead(scene, tau):
     velocity = np.array([1e-4, -2e-4, 0.0])
     seen = 1e-7 * rng.normal(size=(6, 2))
     seen[2, 1] = np.nan
-    bead = Bead(
-        radius, power, 1.0, np.array([drift, 0, 0]), D, tau, np.zeros(3), spread, velocity, 0.0
-    )
-    filtered, camera = kalman_filter(light(scene)), Camera(times, seen, noise, 0.0)
+    problem = bound_once(scene)
+    problem = dataclasses.replace(
+        problem, drag=Stokes(1.0, 1.0),
+        bead=dataclasses.replace(problem.bead, mass=tau, weight=(drift, 0.0, 0.0)),
+    )  # fmt: skip
+    bead = Bead(radius, power, D, np.zeros(3), spread, velocity, 0.0)
+    filtered = kalman_filter(bind_translation(problem, "full" if tau else "overdamped"))
+    camera = Camera(times, seen, noise, 0.0)
     memory.leave(memory.ZEROS)
     found = filtered(bead, camera)
     memory.leave(memory.NAN)
@@ -103,20 +111,11 @@ def test_likelihood_in_the_trap(scene):
     seen = 3e-9 * np.random.default_rng(2).normal(size=(6, 2))
     spread = np.array([3e-9, 3e-9, 0.0])
     noise = 1e-9
-    load = np.array(tweezer.bead_properties(scene).weight)
     bead = Bead(
-        scene.bead.radius,
-        1.0,
-        1 / beta,
-        load,
-        D,
-        0.0,
-        np.array(trap.position),
-        spread,
-        np.zeros(3),
-        0.0,
+        scene.bead.radius, 1.0, BOLTZMANN * T, np.array(trap.position), spread, np.zeros(3), 0.0
     )
-    found = kalman_filter(light(scene))(bead, Camera(times, seen, noise, 0.0))
+    filtered = kalman_filter(bind_translation(bound_once(scene), "overdamped"))
+    found = filtered(bead, Camera(times, seen, noise, 0.0))
     C, carried = moments(times, D, k / beta, 0.0)
     total = C + spread[0] ** 2 * carried @ carried.T + noise**2 * np.eye(6)
     expected = sum(multivariate_normal(np.zeros(6), 1e18 * total).logpdf(1e9 * x) for x in seen.T)
@@ -130,23 +129,9 @@ def test_mean_is_the_motion(scene):
     """Without thermal motion to speak of, and nothing seen, the mean goes as the simulation."""
     run = tweezer.simulate(scene.replace(simulation={"samples": 31}), "6.5 ms", model="overdamped")
     positions = run["position"].values
-    bead = tweezer.bead_properties(scene)
-    start = positions[0]
-    D = BOLTZMANN * 0.02 / bead.drag
     seen = np.full((31, 2), np.nan)
-    found = kalman_filter(light(scene))(
-        Bead(
-            scene.bead.radius,
-            1.0,
-            1 / bead.drag,
-            np.array(bead.weight),
-            D,
-            0.0,
-            start,
-            np.zeros(3),
-            np.zeros(3),
-            0.0,
-        ),
+    found = kalman_filter(bind_translation(bound_once(scene), "overdamped"))(
+        Bead(scene.bead.radius, 1.0, BOLTZMANN * 0.02, positions[0], np.zeros(3), np.zeros(3), 0.0),
         Camera(run["time"].values.copy(), seen, 1e-9, 0.0),
     )
     assert found.log_likelihood == 0.0

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from derivation import drag as dg
 from derivation import euler_parameters as ep
 from derivation import multiscale as ms
 from derivation import ray
 from derivation import rigid_body as rb
 from derivation import symbols as sy
 from derivation.equations import Equation, is_zero
+from derivation.symbols import vector
 
 
 def test_is_zero_can_say_no():
@@ -118,11 +120,6 @@ def test_scaled_model_is_the_full_model_of_mass_over_a2():
     """(4.16) divided by a2: the same drag and forces, an inertia of m/a2."""
     full = rb.acceleration.subs(rb.m, rb.m / ms.a2)
     assert is_zero(ms.scaled_acceleration - full)
-    for inertia in (rb.I_sphere, rb.I_AA):
-        # K is quadratic in the inertia's own terms and is not scaled, (4.18)
-        scaled = ms.scaled_angular_acceleration(inertia)
-        moment = ms.a2 * (rb.M_others + rb.drag_moment)
-        assert is_zero(inertia * scaled - moment + ep.omega.cross(inertia * ep.omega))
 
 
 def test_scaled_angular_acceleration_solves_4_18():
@@ -132,6 +129,57 @@ def test_scaled_angular_acceleration_solves_4_18():
     omega = dict(zip(ep.omega, ep.L * ep.edot, strict=True))
     direct = rb.angular_acceleration(rb.I_AA, ms.a2 * rb.M_any).subs(omega)
     assert is_zero(ep.L * eddot - direct)
+
+
+STOKES = dict(
+    zip(
+        vector(sy.MOBILITY),
+        (1 / rb.beta_v, 1 / rb.beta_v, 1 / rb.beta_w, 1 / rb.beta_w, 0),
+        strict=True,
+    )
+)
+
+
+def test_drag_is_the_inverse_of_the_mobilities():
+    """What moves a body is balanced by its drag, and the mobilities are symmetric (Onsager)."""
+    force, moment = vector(sy.FORCE), vector(sy.MOMENT)
+    v, w = dg.velocity(force, moment, dg.n), dg.angular_velocity(force, moment, dg.n)
+    assert is_zero(dg.force(v, w, dg.n) + force)
+    assert is_zero(dg.moment(v, w, dg.n) + moment)
+    matrix = v.col_join(w).jacobian(force.col_join(moment))
+    assert is_zero(matrix - matrix.T)
+    assert not matrix.is_diagonal()
+
+
+def test_uniform_drag_is_stokes_drag():
+    """(2.13)-(2.14), and with it (A.12), (4.16) and (5.2)."""
+    for general, printed in (
+        (dg.acceleration, rb.acceleration),
+        (dg.acceleration_without_rotation, rb.acceleration),
+        (dg.drag_moment, rb.drag_moment),
+        (dg.overdamped_velocity, ms.overdamped_velocity),
+        (dg.overdamped_velocity_without_rotation, ms.overdamped_velocity),
+        (dg.overdamped_angular_velocity, ms.overdamped_angular_velocity),
+    ):
+        assert is_zero(general.subs(STOKES) - printed)
+        assert not is_zero(general - printed)
+
+
+def test_drag_is_the_same_in_the_frame_of_the_body():
+    moment = vector(sy.MOMENT)
+    w = ep.R * dg.overdamped_angular_velocity
+    assert is_zero(w - dg.angular_velocity(rb.F_others, moment, dg.n))
+    turned = ep.R * dg.drag_moment - dg.moment(rb.v, ep.R * ep.omega, dg.n)
+    numbers = dict(zip(ep.e, (sp.Rational(1, 2), 3, -2, sp.Rational(5, 7)), strict=True))
+    assert is_zero(turned.subs(numbers))
+
+
+def test_a_body_whose_rotation_is_not_followed_rolls_freely():
+    """The rotation on which no moment acts makes the drag that of `..._without_rotation`."""
+    rolling = dg.b_roll / dg.b_parallel * dg.n.cross(rb.v)
+    assert is_zero(dg.moment(rb.v, rolling, dg.n))
+    free = (rb.F_others + dg.force(rb.v, rolling, dg.n)) / rb.m
+    assert is_zero(free - dg.acceleration_without_rotation)
 
 
 def test_balance_and_split_are_the_printed_ones():

@@ -9,6 +9,7 @@ from tests.reference.rigid_body import (
     Body,
     L_matrix,
     QuadraticField,
+    accelerations,
     complex_step_jacobian,
     first_order,
     full,
@@ -59,7 +60,12 @@ def random_body(rng, name):
     if "rigid_body" not in name:
         inertia[:] = inertia[0]
     drag, rotational_drag, a2 = rng.uniform(0.1, 2.0, 3)
-    return Body(rng.uniform(0.5, 2), inertia, drag, rotational_drag, rng.normal(size=3), a2 / 2)
+    mobility = rng.uniform(0.5, 2.0, 5)
+    mobility[4] *= rng.choice([-0.2, 0.2])
+    return Body(
+        rng.uniform(0.5, 2), inertia, drag, rotational_drag, rng.normal(size=3), a2 / 2,
+        mobility, rng.uniform(-0.3, 0.3, (5, 3)),
+    )  # fmt: skip
 
 
 def random_state(rng, module, i):
@@ -86,6 +92,8 @@ def inputs_at(names, field, body, q):
         "moment_gradient": lambda: field.moment_gradient(q),
         "force_curvature": lambda: field.force_curvature(q, u),
         "moment_curvature": lambda: field.moment_curvature(q, u),
+        "mobility": lambda: body.mobilities(q),
+        "mobility_gradient": lambda: body.mobility_gradient(q),
     }
     return [values[name]() for name in names]
 
@@ -110,7 +118,7 @@ def test_right_hand_side(name):
         expected = by_hand(name, body, field, state)
         out = np.empty_like(state)
         given = inputs_at(module.RHS_INPUTS, field, body, state[:3])
-        module.rhs(state, *given, parameters(module, body), out)
+        module.rhs(0.0, state, *given, parameters(module, body), out)
         worst = max(worst, np.abs(out - expected).max() / np.abs(expected).max())
     print(f"{name}: {worst:.1e}")
     assert worst < 1e-13
@@ -133,7 +141,7 @@ def test_jacobian(name):
             )
         out = np.empty((len(state), len(state)))
         given = inputs_at(module.RHS_INPUTS + _further(module), field, body, state[:3])
-        module.jacobian(state, *given, parameters(module, body), out)
+        module.jacobian(0.0, state, *given, parameters(module, body), out)
         assert np.abs(out - expected).max() < 1e-12 * np.abs(expected).max()
 
 
@@ -153,10 +161,9 @@ def by_closed_form(name, body, field, state):
     a2 = body.a2 if "scaled" in name else 1.0
     q, e, v, edot = state[:3], state[3:7], state[7:10], state[10:]
     w = L_matrix(e) @ edot
-    moment = a2 * (rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w)
+    vdot, moment = accelerations(body, field, q, e, v, w, a2)
     wdot = (moment - np.cross(w, body.inertia * w)) / body.inertia
     eddot = (L_matrix(e).T @ wdot / 4 - e * (edot @ edot)) / (e @ e)
-    vdot = a2 * (field.force(q) + body.weight - body.drag * v) / body.mass
     return np.concatenate([v, edot, vdot, eddot])
 
 
@@ -168,9 +175,10 @@ def test_angular_velocity_form_is_the_thesis_form():
         state = random_state(rng, module, 0)
         q, e, w = state[:3], state[3:7], state[10:]
         edot = L_matrix(e).T @ w / 4
-        moment = rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w
+        _, moment = accelerations(body, field, q, e, state[7:10], w, 1.0)
         out = np.empty(13)
-        module.rhs(state, field.force(q), field.moment(q), parameters(module, body), out)
+        given = inputs_at(module.RHS_INPUTS, field, body, q)
+        module.rhs(0.0, state, *given, parameters(module, body), out)
         expected = L_matrix(e) @ solve_A24(body, e, edot, moment)
         np.testing.assert_allclose(out[10:], expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
@@ -184,15 +192,16 @@ def test_reduced_models_are_the_full_one_restricted(prefix):
     )
     for i in range(200):
         body, field = random_body(rng, "sphere"), random_field(rng)
+        body.mobility[4] = 0.0  # a bead that rolls is dragged otherwise
         state = random_state(rng, general, i)
-        force, moment = field.force(state[:3]), field.moment(state[:3])
-        of_general, of_sphere, of_translation = np.empty(13), np.empty(13), np.empty(6)
-        general.rhs(state, force, moment, parameters(general, body), of_general)
-        sphere.rhs(state, force, moment, parameters(sphere, body), of_sphere)
-        np.testing.assert_allclose(of_sphere, of_general, rtol=1e-12, atol=1e-12)
         moving = np.concatenate([state[:3], state[7:10]])
-        translation.rhs(moving, force, parameters(translation, body), of_translation)
-        np.testing.assert_allclose(of_translation[3:], of_sphere[7:10], rtol=1e-14)
+        out = []
+        for module, y in ((general, state), (sphere, state), (translation, moving)):
+            given = inputs_at(module.RHS_INPUTS, field, body, state[:3])
+            out.append(np.empty_like(y))
+            module.rhs(0.0, y, *given, parameters(module, body), out[-1])
+        np.testing.assert_allclose(out[1], out[0], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(out[2][3:], out[1][7:10], rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize("prefix", ["overdamped", "first_order"])
@@ -201,11 +210,12 @@ def test_slow_models_take_no_moment_for_translation(prefix):
     rotating = emitted("overdamped_rotation" if prefix == "overdamped" else "first_order_sphere")
     translation = emitted(f"{prefix}_translation")
     body, field = random_body(rng, "sphere"), random_field(rng)
+    body.mobility[4] = 0.0
     state = random_state(rng, rotating, 0)
     whole, part = np.empty(7), np.empty(3)
     for module, out, y in ((rotating, whole, state), (translation, part, state[:3].copy())):
         given = inputs_at(module.RHS_INPUTS, field, body, state[:3])
-        module.rhs(y, *given, parameters(module, body), out)
+        module.rhs(0.0, y, *given, parameters(module, body), out)
     np.testing.assert_allclose(whole[:3], part, rtol=1e-14)
 
 

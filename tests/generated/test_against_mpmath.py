@@ -42,6 +42,9 @@ def random_arguments(function, rng, i):
             positive = argument.name == "params"
             size = argument.shape
             values.append(rng.uniform(0.3, 2.0, size) if positive else rng.normal(size=size))
+            if argument.name == "mobility":
+                # a positive matrix: b_roll^2 < b_parallel b_turn
+                values[-1] = rng.uniform(0.3, 2.0, size) * [1, 1, 1, 1, 0.1]
         else:
             values.append(float(rng.uniform(0.2, 0.9)))
     return values

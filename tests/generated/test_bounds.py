@@ -1,6 +1,7 @@
 """Every emitted function as plain Python: out-of-range reads raise there, compiled they do not."""
 
 import importlib
+import math
 import os
 import subprocess
 import sys
@@ -25,7 +26,9 @@ def call_every_function():
         emitted = importlib.import_module(f"tweezer.generated.{module.name}")
         for function in module.functions:
             arguments = [
-                np.full(argument.shape, 0.4) if argument.shape else 0.4
+                np.linspace(0.5, 0.4, math.prod(argument.shape)).reshape(argument.shape)
+                if argument.shape
+                else 0.4
                 for argument in function.arguments
             ]
             if not function.output_names:

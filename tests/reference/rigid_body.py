@@ -7,6 +7,7 @@ gradients, which complex-step differentiation then sees.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,11 @@ def L_matrix(e):
 
 @dataclass(frozen=True)
 class Body:
-    """Parameters of one body, in any consistent units."""
+    """Parameters of one body, in any consistent units.
+
+    Its mobilities grow exponentially: b(q) = mobility * exp(growth q), in the order parallel,
+    perpendicular, turn, spin, roll. The first-order model takes the uniform drag instead.
+    """
 
     mass: float
     inertia: np.ndarray
@@ -50,6 +55,24 @@ class Body:
     rotational_drag: float
     weight: np.ndarray
     a2: float = 1.0
+    mobility: np.ndarray = dataclasses.field(default_factory=lambda: np.ones(5))
+    growth: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((5, 3)))
+
+    def mobilities(self, q):
+        """(5,)"""
+        return self.mobility * np.exp(self.growth @ q)
+
+    def mobility_gradient(self, q):
+        """(5, 3)"""
+        return self.mobilities(q)[:, None] * self.growth
+
+    def mobility_matrix(self, q):
+        """(6, 6) velocity and angular velocity by force and moment, inertial frame."""
+        parallel, perpendicular, turn, spin, roll = self.mobilities(q)
+        matrix = np.diag([parallel, parallel, perpendicular, turn, turn, spin])
+        matrix[0, 4] = matrix[4, 0] = roll
+        matrix[1, 3] = matrix[3, 1] = -roll
+        return matrix
 
     def parameters(self) -> dict[str, float]:
         """By the names that emitted modules use."""
@@ -71,37 +94,44 @@ def solve_A24(body: Body, e, edot, moment_in_body_frame):
     return np.linalg.solve(left, right)
 
 
+def accelerations(body: Body, field, q, e, v, w, a2):
+    """v', and the whole moment in the body frame, by the inverse of the matrix of mobilities."""
+    R = rotation_matrix(e)
+    resisted = np.linalg.inv(body.mobility_matrix(q)) @ np.concatenate([v, R @ w])
+    vdot = a2 * (field.force(q) + body.weight - resisted[:3]) / body.mass
+    return vdot, a2 * R.T @ (field.moment(q) - resisted[3:])
+
+
 def full(body: Body, field, state, *, a2: float = 1.0, rotates: bool = True):
     """(q', e', v', omega'), the state of the emitted `full` and `scaled` models."""
     if not rotates:
         q, v = state[:3], state[3:]
-        return np.concatenate([v, a2 * (field.force(q) + body.weight - body.drag * v) / body.mass])
+        resisted = v / np.diag(body.mobility_matrix(q))[:3]
+        return np.concatenate([v, a2 * (field.force(q) + body.weight - resisted) / body.mass])
     q, e, v, w = state[:3], state[3:7], state[7:10], state[10:]
-    moment = rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w
-    wdot = (a2 * moment - np.cross(w, body.inertia * w)) / body.inertia
+    vdot, moment = accelerations(body, field, q, e, v, w, a2)
+    wdot = (moment - np.cross(w, body.inertia * w)) / body.inertia
     edot = quaternion_product(e, np.concatenate([[0], w])) / 2
-    vdot = a2 * (field.force(q) + body.weight - body.drag * v) / body.mass
     return np.concatenate([v, edot, vdot, wdot])
 
 
 def full_by_A24(body: Body, field, state, *, a2: float = 1.0):
     """(q', e', v', e'') with e'' from the 4x4 solve; the thesis's state."""
     q, e, v, edot = state[:3], state[3:7], state[7:10], state[10:]
-    w = L_matrix(e) @ edot
-    moment = rotation_matrix(e).T @ field.moment(q) - body.rotational_drag * w
-    vdot = a2 * (field.force(q) + body.weight - body.drag * v) / body.mass
-    return np.concatenate([v, edot, vdot, solve_A24(body, e, edot, a2 * moment)])
+    vdot, moment = accelerations(body, field, q, e, v, L_matrix(e) @ edot, a2)
+    return np.concatenate([v, edot, vdot, solve_A24(body, e, edot, moment)])
 
 
 def overdamped(body: Body, field, state):
     """(q') or (q', e'), (5.2)."""
     q = state[:3]
-    velocity = (field.force(q) + body.weight) / body.drag
+    matrix, force = body.mobility_matrix(q), field.force(q) + body.weight
     if len(state) == 3:
-        return velocity
+        return matrix[:3, :3] @ force
+    moved = matrix @ np.concatenate([force, field.moment(q)])
     e = state[3:]
-    w = rotation_matrix(e).T @ field.moment(q) / body.rotational_drag
-    return np.concatenate([velocity, quaternion_product(e, np.concatenate([[0], w])) / 2])
+    w = rotation_matrix(e).T @ moved[3:]
+    return np.concatenate([moved[:3], quaternion_product(e, np.concatenate([[0], w])) / 2])
 
 
 def first_order(body: Body, field, state):

@@ -6,6 +6,7 @@ The motion in the plane depends on where along the light the bead is, for the fo
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from collections.abc import Callable, Sequence
@@ -24,7 +25,10 @@ from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.bead import bead_properties
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
+from tweezer.dynamics.models import EquationsOfMotion, bind_translation
+from tweezer.dynamics.problem import bound_once
 from tweezer.errors import IntegrationError, ResultError, SceneError
+from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene
 
@@ -267,17 +271,14 @@ class _Likelihood:
         if not scene.plain:
             raise SceneError("beam: the depth is fitted for one beam at rest, from below")
         self._light = light_of_one_beam(scene)
+        self._problem = bound_once(scene)
         self._kT = Boltzmann * scene.medium.temperature
-        self._bead = bead_properties(scene)
         self._velocity = np.array(scene.start.velocity)
-        self._tau = 0.0
-        if scene.simulation.model == "scaled":
-            self._tau = self._bead.relaxation_time / (scene.simulation.scaling_factor or 1.0)
         self._given = {
             "power": self._light.light.cone.power, "radius": scene.bead.radius,
             "scaling_factor": scene.simulation.scaling_factor,
         }  # fmt: skip
-        self._filter = kalman_filter(self._light)
+        self._filters: dict[tuple[float, float], Callable[..., Filtered]] = {}
         self._noise, self._fit = noise, tuple(fit)
         self._times = track.times - track.times[0]
         self._positions = np.ascontiguousarray(track.positions)
@@ -309,7 +310,7 @@ class _Likelihood:
         """(n, 2) of p: logarithms, but for the release, which is in frames."""
         every = {name: (-free.reach, free.reach) for name, free in FREE.items()}
         every["release"] = (0.0, self._times[-1] / 2 / self._step)  # half of the track
-        heat = math.sqrt(2 * self._kT / self._bead.drag * self._step)
+        heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * self._step)
         least = _LEAST_NOISE * min(heat, self._guess)
         every["noise"] = (math.log(least), math.log(_MOST_NOISE * self._guess))
         return np.array([every[name] for name in self.names]).reshape(-1, 2)
@@ -350,15 +351,29 @@ class _Likelihood:
         power, size, a2 = (
             math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
         )
-        drag = size * self._bead.drag
+        if (size, a2) not in self._filters:
+            self._filters = {(size, a2): kalman_filter(self._equations(size, a2))}
         moving = Bead(
-            size * self._light.light.radius, power, 1 / drag, size**3 * np.array(self._bead.weight),
-            self._kT / drag, self._tau * size**2 / a2, np.append(self._start, z), self._spread,
+            size * self.unit, power, self._kT, np.append(self._start, z), self._spread,
             self._velocity, change.get("release", 0.0) * self._step,
         )  # fmt: skip
-        return self._filter(
+        return self._filters[size, a2](
             moving, Camera(self._times, self._positions, self.noise(p), self._outliers), least
         )
+
+    def _equations(self, size: float, a2: float) -> EquationsOfMotion:
+        """Those of a bead and a scaling factor of that many times the scene's."""
+        scene, inertial = self._problem.scene, self._problem.scene.simulation.model == "scaled"
+        radius = size * scene.bead.radius
+        factor = a2 * (scene.simulation.scaling_factor or 1.0) if inertial else None
+        simulation = scene.simulation.model_copy(update={"scaling_factor": factor})
+        bead = scene.bead.model_copy(update={"radius": radius})
+        scene = scene.model_copy(update={"bead": bead, "simulation": simulation})
+        problem = dataclasses.replace(
+            self._problem, scene=scene, bead=bead_properties(scene), drag=drag(scene),
+            light=self._light.of_radius(radius),
+        )  # fmt: skip
+        return bind_translation(problem, "scaled" if inertial else "overdamped")
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
         """-2 log(likelihood), or a number between `most` and it; infinite: cannot be followed."""

@@ -15,7 +15,7 @@ def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
     * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
       distance to the quadrature, N
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
-    * speed; terminal_speed: |net_force|/beta_v (5.2), m/s
+    * speed; terminal_speed: |net_force|/beta_v (5.2), with the drag at the place, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
     * distance: from the focus, m
     * kinetic_energy: of translation and, with a rotation, of rotation, J
@@ -38,12 +38,13 @@ def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
     for each in problem.others:
         pushed = each.field(places, time=times, orientations=orientations)
         net_force = net_force + position.copy(data=pushed.force)
+    terminal = net_force * problem.mobilities(places)[:, :3]
     potential = -(weight * position).sum("axis")
     quantities = {
         "optical_force": (optical_force, "N", "force of the light"),
         "force_error": (force_error, "N", "error of the force of the light"),
         "net_force": (net_force, "N", "net motion force, all forces but drag"),
-        "terminal_speed": (_length(net_force) / bead.drag, "m/s", "terminal speed"),
+        "terminal_speed": (_length(terminal), "m/s", "terminal speed"),
         "distance": (_length(position), "m", "distance to the focus"),
         "potential_energy": (potential, "J", "energy of gravity and buoyancy, zero at the focus"),
     }

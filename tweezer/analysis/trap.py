@@ -96,7 +96,7 @@ class Trap:
     equilibrium: Equilibrium | None
     """the stable one nearest the focus"""
     corner_frequencies: Point | None
-    """k_ii/(2 pi beta_v) at `equilibrium`, Hz"""
+    """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, Hz"""
     escapes: tuple[Escape, ...]
     """from `equilibrium`, one for each of `DIRECTIONS`; empty without one"""
     evaluator: str
@@ -158,7 +158,8 @@ def characterise(scene: Scene) -> Trap:
     corner_frequencies = None
     escapes: tuple[Escape, ...] = ()
     if equilibrium:
-        corner_frequencies = point(np.diag(equilibrium.stiffness) / (2 * math.pi * bead.drag))
+        mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
+        corner_frequencies = point(np.diag(equilibrium.stiffness) * mobility / (2 * math.pi))
         escapes = tuple(
             _escape(scene, net_force, equilibrium.position, name) for name in DIRECTIONS
         )

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tweezer.bead import bead_properties
-from tweezer.dynamics import Integration, bind, integrate
+from tweezer.dynamics import Integration, bind, bound_once, integrate
 from tweezer.dynamics.budget import TIGHTER
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
@@ -119,7 +118,7 @@ def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) ->
 
 def _epsilon(scene: Scene) -> float:
     """m/beta_v (4.6) in the thesis's unit of time."""
-    return bead_properties(scene).relaxation_time / RATE_TIME
+    return bound_once(scene).relaxation_time / RATE_TIME
 
 
 @dataclass(frozen=True)

@@ -51,13 +51,13 @@ def decided(problem: Problem) -> tuple[Problem, str]:
 
 
 def _model(problem: Problem) -> tuple[str, str]:
-    scene, bead = problem.scene, problem.bead
+    scene, tau = problem.scene, problem.relaxation_time
     simulation = scene.simulation
-    small = bead.relaxation_time * float(rates_of_force(problem).max())
+    small = tau * float(rates_of_force(problem).max())
     start = np.array([scene.start_position])
-    slow = problem.net_force(start)[0] / bead.drag
+    slow = problem.net_force(start)[0] * problem.mobility[:3]
     off = scene.bead.radius * small
-    off += bead.relaxation_time * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
+    off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     allowed = simulation.position_tolerance
     exactly = simulation.method == "exponential"
     if off <= allowed and not problem.rotates and not exactly:
@@ -87,7 +87,7 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
 
 
 def rates_of_force(problem: Problem) -> Array:
-    """|dF/dx|/beta_v at places about the foci and at the start, (n,) 1/s.
+    """|dF/dx| times the largest mobility at places about the foci and at the start, (n,) 1/s.
 
     Of forces that change in time: at the time of those looked at when they are the largest.
     """
@@ -106,8 +106,8 @@ def rates_of_force(problem: Problem) -> Array:
         about = [focus + directions * distances for focus in problem.foci(time)]
         places = np.vstack([*about, scene.start_position])
         gradient = force.field(places, gradient=True, time=time).force_gradient
-        found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2))
+        mobility = problem.mobilities(places)[:, :3].max(axis=1)
+        found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
         return found
 
-    largest = max(map(sizes, times.tolist()), key=lambda each: float(np.median(each)))
-    return largest / problem.bead.drag
+    return max(map(sizes, times.tolist()), key=lambda each: float(np.median(each)))

@@ -1,11 +1,12 @@
 """Kalman filter of a bead in the light, of which a camera sees two coordinates.
 
-Between two frames the bead goes by the Langevin equation, without inertia (5.2) or with that of the
-scaled model (4.17):
+Between two frames the bead goes by an emitted model of its translation and thermal noise, without
+inertia (5.2) or with it (A.25, 4.17):
 
     dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
 
-u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The distribution of its state is taken as Gaussian:
+u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The filter's state is that of the model with
+tau v in place of v: all of it in metres. The distribution of its state is taken as Gaussian:
 the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
 A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
 Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
@@ -30,12 +31,10 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import cached_njit
-from tweezer.dynamics.integrators.system import push, scratch
-from tweezer.errors import IntegrationError
-from tweezer.forces.data import Part, packed
-from tweezer.forces.force import bound
-from tweezer.optics import LightForce
+from tweezer.compiled import cached_njit, call
+from tweezer.dynamics.integrators.system import SYSTEM, act, scratch
+from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.errors import IntegrationError, SceneError
 
 Array = NDArray[np.float64]
 
@@ -58,20 +57,14 @@ class Bead(NamedTuple):
     """m"""
     power: float
     """of the light, in that of its scene"""
-    mobility: float
-    """1/beta_v, s/kg"""
-    load: Array
-    """(3,) N: gravity and buoyancy"""
-    diffusion: float
-    """D, m^2/s"""
-    tau: float
-    """s, m/(a2 beta_v) of the scaled model; 0 without inertia"""
+    kT: float
+    """J"""
     start: Array
     """(3,) m; the mean of the start, where it is not known"""
     spread: Array
     """(3,) m, standard deviations of the start"""
     velocity: Array
-    """(3,) m/s, at the start"""
+    """(3,) m/s, at the start, for a model with inertia"""
     release: float
     """s, from the first frame: the bead is held until then"""
 
@@ -106,19 +99,24 @@ class Filtered(NamedTuple):
     """(n, 2) the probability that it is the bead's; NaN for what is missing"""
 
 
-def kalman_filter(light: LightForce) -> Callable[..., Filtered]:
-    """What filters the tracks of a bead in that light.
+def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
+    """What filters the tracks of a bead that moves by those equations, of translation alone.
 
     least: a log-likelihood. The filter stops at the frame after which it cannot be reached any
     more, and returns the most that could be; what follows is NaN. It raises `IntegrationError`
-    where the motion cannot be followed.
+    where the motion cannot be followed. Raises `SceneError` for a drag that depends on the place.
     """
+    if not equations.drag.uniform:
+        raise SceneError("the Kalman filter takes a drag that is the same everywhere")
+    system = equations.system(gradient=True, derivatives=True)
+    scale = np.ones(len(equations.initial_state))
+    if equations.stiff:
+        scale[3:] = equations.relaxation.times
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
         out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, 2, 2)]
-        force = bound(light.of_radius(bead.radius), gradient=True)
-        log_likelihood = loop(force, bead, camera, least, *out)
+        log_likelihood = loop(system, scale, bead, camera, least, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
         return Filtered(log_likelihood, *out)
@@ -131,8 +129,9 @@ def _loop() -> Any:
     """The compiled loop over frames: returns the log-likelihood."""
     empty, table = np.zeros(0), np.zeros((0, 2))
     signature = types.float64(
-        typeof(Part(0, packed())),
-        typeof(Bead(0.0, 0.0, 0.0, empty, 0.0, 0.0, empty, empty, empty, 0.0)),
+        SYSTEM,
+        _vector,
+        typeof(Bead(0.0, 0.0, 0.0, empty, empty, empty, 0.0)),
         typeof(Camera(empty, table, 0.0, 0.0)),
         types.float64,
         _matrix, _matrix, _matrix, _matrix,
@@ -140,16 +139,18 @@ def _loop() -> Any:
 
     @cached_njit(signature, error_model="numpy", nogil=True)
     def loop(  # type: ignore[no-untyped-def]
-        force, bead, camera, least, predicted, deviations, residuals, weights
+        system, scale, bead, camera, least, predicted, deviations, residuals, weights
     ):
-        n = 6 if bead.tau > 0 else 3
-        work = _room(n)
+        n = scale.shape[0]
+        work = _room(system, scale)
         mean, P = work.mean, work.P
         for k in range(3):
             mean[k] = bead.start[k]
             P[k, k] = bead.spread[k] ** 2
             if n == 6:
-                mean[3 + k] = bead.tau * bead.velocity[k]
+                mean[3 + k] = scale[3 + k] * bead.velocity[k]
+            work.diffusion[k] = bead.kT * work.at.mobility[1 if k == 2 else 0]
+            work.noise[n - 3 + k, n - 3 + k] = 2 * work.diffusion[k]
         time, log_likelihood, step = bead.release, 0.0, np.inf
         frames = camera.times.shape[0]
         # of a coordinate, at most
@@ -158,7 +159,7 @@ def _loop() -> Any:
             if not log_likelihood + 2 * (frames - frame) * most >= least:
                 return log_likelihood + 2 * (frames - frame) * most
             if time < camera.times[frame]:
-                step = _predict(force, bead, work, camera.times[frame] - time, step)
+                step = _predict(system, bead, work, camera.times[frame] - time, step)
                 if not step > 0:
                     return np.nan
                 time = camera.times[frame]
@@ -175,6 +176,10 @@ def _loop() -> Any:
 class Room(NamedTuple):
     """The state (x, and w with inertia), and scratch for a step; n is 3 or 6."""
 
+    scale: Array
+    """(n,) what a state of the model is multiplied by: 1, and s for a velocity"""
+    diffusion: Array
+    """(3,) m^2/s"""
     mean: Array
     """(n,) m"""
     P: Array
@@ -208,44 +213,62 @@ class Room(NamedTuple):
     """(n, n)"""
     factors: Array
     """(3,)"""
+    state: Array
+    """(n,) of the model"""
     at: Any
 
 
 @njit(error_model="numpy")
-def _room(n):  # type: ignore[no-untyped-def]
+def _room(system, scale):  # type: ignore[no-untyped-def]
+    n = scale.shape[0]
     return Room(
+        scale, np.zeros(3),
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
-        np.zeros(3), scratch(False),
+        np.zeros(3), np.zeros(n), scratch(system),
     )  # fmt: skip
 
 
 @njit(error_model="numpy")
-def _rates(force, bead, work, state, rate, A):  # type: ignore[no-untyped-def]
-    """Rate of change of the state, and its derivative."""
-    at, n = work.at, state.shape[0]
-    push(force, at, 0.0, state)
-    last = n - 3  # the rows that the force acts on
+def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
+    """Rate of change of the filter's state, and its derivative, by the emitted model."""
+    at, state, scale = work.at, work.state, work.scale
+    n = scale.shape[0]
+    for i in range(n):
+        state[i] = place[i] / scale[i]
+    act(system, at, 0.0, state)
     for k in range(3):
-        rate[last + k] = bead.mobility * (bead.power * at.force[k] + bead.load[k])
+        at.force[k] *= bead.power
         for l in range(3):
-            A[last + k, l] = bead.mobility * bead.power * at.force_gradient[k, l]
-    if n == 6:
-        for k in range(3):
-            rate[k] = state[3 + k] / bead.tau
-            rate[3 + k] -= rate[k]
-            A[k, 3 + k] = 1 / bead.tau
-            A[3 + k, 3 + k] = -1 / bead.tau
+            at.force_gradient[k, l] *= bead.power
+    call(
+        system.rates,
+        (
+            0.0, state, at.force, at.moment, at.force_gradient, at.moment_gradient, at.mobility,
+            system.params, rate,
+        ),
+    )  # fmt: skip
+    call(
+        system.derivatives,
+        (
+            0.0, state, at.force, at.moment, at.force_gradient, at.moment_gradient, at.mobility,
+            at.mobility_gradient, system.params, A,
+        ),
+    )  # fmt: skip
+    for i in range(n):
+        rate[i] *= scale[i]
+        for j in range(n):
+            A[i, j] *= scale[i] / scale[j]
 
 
 @njit(error_model="numpy")
-def _go(force, bead, work, span, step):  # type: ignore[no-untyped-def]
+def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on by a time. Returns the next step, 0 if the motion cannot be followed."""
     left = span
     for _ in range(_MOST_STEPS):
-        taken, step = _advance(force, bead, work, min(step, left))
+        taken, step = _advance(system, bead, work, min(step, left))
         if not taken > 0:
             return 0.0
         left -= taken
@@ -255,7 +278,7 @@ def _go(force, bead, work, span, step):  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy")
-def _predict(force, bead, work, span, step):  # type: ignore[no-untyped-def]
+def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on to the next frame; returns as `_go`.
 
     Where the bead goes far, its motion bends over the spread of z, which no frame tells, and its
@@ -265,12 +288,12 @@ def _predict(force, bead, work, span, step):  # type: ignore[no-untyped-def]
     """
     mean, P = work.mean, work.P
     n = mean.shape[0]
-    variance = P[2, 2] + 2 * bead.diffusion * span
+    variance = P[2, 2] + 2 * work.diffusion[2] * span
     begin, aside = work.begin, work.aside
     for i in range(n):
         begin[i] = mean[i]
         aside[i] = 3 / math.sqrt(variance) * (P[i, 2] + (variance - P[2, 2] if i == 2 else 0.0))
-    next_step = _go(force, bead, work, span, step)
+    next_step = _go(system, bead, work, span, step)
     gone = 0.0
     for k in range(3):
         gone += (mean[k] - begin[k]) ** 2
@@ -286,7 +309,7 @@ def _predict(force, bead, work, span, step):  # type: ignore[no-untyped-def]
             mean[i] = begin[i] + sign * aside[i]
             for j in range(n):
                 P[i, j] = 0.0
-        if not _go(force, bead, work, span, step) > 0:
+        if not _go(system, bead, work, span, step) > 0:
             return 0.0
         for i in range(n):
             side[i] = sign * (mean[i] - middle[i])
@@ -305,7 +328,7 @@ def _predict(force, bead, work, span, step):  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy")
-def _advance(force, bead, work, step):  # type: ignore[no-untyped-def]
+def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     """Take the state a step on, of that length or as much shorter as its error wants it.
 
     Returns the length, 0 if there is none, and that of the next step.
@@ -313,14 +336,12 @@ def _advance(force, bead, work, step):  # type: ignore[no-untyped-def]
     mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
     A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
     n = mean.shape[0]
-    for k in range(n - 3, n):
-        work.noise[k, k] = 2 * bead.diffusion
-    _rates(force, bead, work, mean, rate, A)
+    _rates(system, bead, work, mean, rate, A)
     for _ in range(60):
         _exponentials(work, A, rate, step, False)
         for i in range(n):
             work.place[i] = mean[i] + work.forced[0, i]
-        _rates(force, bead, work, work.place, ahead, A_ahead)
+        _rates(system, bead, work, work.place, ahead, A_ahead)
         bent = 0.0
         for i in range(n):
             rise[i] = ahead[i] - rate[i]
@@ -334,7 +355,7 @@ def _advance(force, bead, work, step):  # type: ignore[no-untyped-def]
             off = 0.0
             for k in range(3):
                 off += abs(work.forced[2, k])
-        error = off / (_PLACE * math.sqrt(2 * bead.diffusion * step))
+        error = off / (_PLACE * math.sqrt(2 * work.diffusion[0] * step))
         if not math.isfinite(error):
             step *= 0.25
             continue

@@ -15,12 +15,16 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.bead import BeadProperties
-from tweezer.compiled import cache_functions
+from tweezer.choices import MODELS, Model
+from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
+from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.errors import IntegrationError
+from tweezer.errors import IntegrationError, SceneError
+from tweezer.fluid import DRAG_KERNEL
+from tweezer.forces.data import Part
+from tweezer.forces.force import bound
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
 
@@ -65,9 +69,14 @@ class EquationsOfMotion:
 
     def __post_init__(self) -> None:
         self.scene, self.bead = self.problem.scene, self.problem.bead
-        self.force = self.problem.force
+        self.force, self.drag = self.problem.force, self.problem.drag
+        if "beta_v" in self.module.PARAMS and not self.drag.uniform:
+            raise SceneError(
+                f"simulation.model = {self.scene.simulation.model!r}: takes a drag that is the "
+                "same everywhere"
+            )
         simulation = self.scene.simulation
-        values = _parameter_values(self.bead, simulation.scaling_factor)
+        values = _parameter_values(self.problem, simulation.scaling_factor)
         self.params = np.array([values[name] for name in self.module.PARAMS])
         self._size = len(self.module.STATE)
         self._rotates = "e0" in self.module.STATE
@@ -97,24 +106,30 @@ class EquationsOfMotion:
             rest[state.index("e0")] = 1.0
             where += [state.index(f"omega{i}") for i in (1, 2, 3)]
         nothing, none = np.zeros(3), np.zeros((3, 3))
+        mobility = self.drag.mobilities(np.zeros((1, 3))).value[0]
+        inputs = (nothing, nothing, none, none, mobility, self.params)
         rates, moving = np.empty(self._size), np.empty(self._size)
-        self.module.rates(rest, nothing, nothing, none, none, self.params, rates)
+        self.module.rates(0.0, rest, *inputs, rates)
         times = []
         for i in where:
             y = rest.copy()
             y[i] = 1.0
-            self.module.rates(y, nothing, nothing, none, none, self.params, moving)
+            self.module.rates(0.0, y, *inputs, moving)
             times.append(1.0 / (rates[i] - moving[i]))
         return Relaxation(np.array(times), rest, at)
 
     @property
     def fastest_relaxation(self) -> float:
-        """s, in which the fastest velocity decays: of the model's own inertia, scaled or not."""
-        bead, factor = self.bead, self.scene.simulation.scaling_factor
-        inertias = [bead.mass / bead.drag]
+        """s, in which the fastest velocity decays at the start.
+
+        Of the model's own inertia, scaled or not.
+        """
+        bead, mobility = self.bead, self.problem.mobility
+        inertias = bead.mass * mobility[:3]
         if self._rotates:
-            inertias += [moment / bead.rotational_drag for moment in bead.moments_of_inertia]
-        return min(inertias) / (factor if factor and self.name.startswith("scaled") else 1.0)
+            inertias = np.append(inertias, np.array(bead.moments_of_inertia) * mobility[3:])
+        factor = self.scene.simulation.scaling_factor if "a2" in self.module.PARAMS else None
+        return float(inertias.min()) / (factor or 1.0)
 
     @property
     def rotates(self) -> bool:
@@ -129,13 +144,29 @@ class EquationsOfMotion:
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate them."""
-        body = self._rotates and "rigid_body" in self.name
-        return self._inertial and not (body or self._constrained or self.force.oriented)
+        return self.module.LINEAR_DRAG and self.drag.uniform and not self.force.oriented
 
     @property
     def name(self) -> str:
         """Name of the emitted module."""
         return self.module.__name__.rpartition(".")[2]
+
+    def system(self, *, gradient: bool, derivatives: bool = False) -> System:
+        """What compiled loops take.
+
+        gradient: whether the force gives its gradients. derivatives: whether the loop calls the
+        emitted derivatives of the rates.
+        """
+        kernel, data = self.drag.compiled()
+        return System(
+            bound(self.force, gradient=gradient),
+            Part(address(kernel, DRAG_KERNEL), data),
+            self.drag.uniform,
+            address(self.module.rates, RATES),
+            address(self.module.derivatives, DERIVATIVES) if derivatives else 0,
+            self.params,
+            self.module.STATE.index("e0") if self.force.oriented and self._rotates else -1,
+        )
 
     def rhs(self, t: float, y: Array) -> Array:
         """Rate of change of the state y, as solvers call it.
@@ -148,8 +179,8 @@ class EquationsOfMotion:
         """Rates of change of `states`, (n, state), at `times` (n,) s."""
         inputs = self._rhs_inputs(times, states)
         rates = np.empty((len(states), self._size))
-        for i, state in enumerate(states):
-            self.module.rhs(state, *(each[i] for each in inputs), self.params, rates[i])
+        for i, (time, state) in enumerate(zip(times, states, strict=True)):
+            self.module.rhs(time, state, *(each[i] for each in inputs), self.params, rates[i])
         if not np.isfinite(rates).all():
             raise IntegrationError("the rate of change of the state is not finite")
         return rates
@@ -158,7 +189,7 @@ class EquationsOfMotion:
         """d(rate i)/d(state j), as implicit solvers call it."""
         derivative = np.empty((self._size, self._size))
         inputs = (each[0] for each in self._jacobian_inputs(np.array([t]), y[None]))
-        self.module.jacobian(y, *inputs, self.params, derivative)
+        self.module.jacobian(t, y, *inputs, self.params, derivative)
         return derivative
 
     def on_constraints(self, y: Array) -> Array:
@@ -210,7 +241,7 @@ class EquationsOfMotion:
         """
         if not hasattr(self.module, "initial_layer"):
             return piece
-        passed = piece.begin > _LAYER * self.bead.relaxation_time
+        passed = piece.begin > _LAYER * self.problem.relaxation_time
         return piece if passed else _Released(piece, self)
 
     def _part(self, states: Array, first: str, length: int) -> Array:
@@ -219,7 +250,7 @@ class EquationsOfMotion:
 
     def _inputs(self, names: tuple[str, ...]) -> Callable[[Array, Array], list[Array]]:
         """What the emitted function takes between state and parameters, by times and states."""
-        gradient = any(name.endswith("gradient") for name in names)
+        gradient = "force_gradient" in names
         curvature = any(name.endswith("curvature") for name in names)
 
         def evaluate(times: Array, states: Array) -> list[Array]:
@@ -230,6 +261,9 @@ class EquationsOfMotion:
                 turned /= np.linalg.norm(turned, axis=1, keepdims=True)
             at = self.force.field(states[:, :3], gradient=gradient, time=times, orientations=turned)
             values = {"force": at.force, "moment": at.moment}
+            if "mobility" in names:
+                mobility = self.drag.mobilities(states[:, :3], gradient=gradient, time=times)
+                values["mobility"], values["mobility_gradient"] = mobility
             if gradient:
                 values["force_gradient"] = at.force_gradient
                 values["moment_gradient"] = at.moment_gradient
@@ -247,7 +281,7 @@ class EquationsOfMotion:
         Only the Jacobian of the first-order model takes them, and an implicit solver needs that
         no better than this.
         """
-        velocity = (force + self.bead.weight) / self.bead.drag
+        velocity = (force + self.bead.weight) * self.problem.mobility[:3]
         speed = float(np.linalg.norm(velocity))
         if speed == 0.0:
             return dict.fromkeys(("force_curvature", "moment_curvature"), np.zeros((3, 3)))
@@ -355,32 +389,40 @@ def bind(scene: Scene | Problem) -> EquationsOfMotion:
     Of a scene that names no model, the unscaled ones.
     """
     problem = bound_once(scene)
-    emitted = importlib.import_module(f"tweezer.generated.{_module_name(problem)}")
-    return EquationsOfMotion(problem, cache_functions(emitted))
+    model = MODELS[problem.scene.simulation.model or "full"]
+    return EquationsOfMotion(problem, _module(_name(problem, model)))
 
 
-def _module_name(problem: Problem) -> str:
+def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
+    """The equations of motion of a model without the rotation, whether there is one or not."""
+    return EquationsOfMotion(problem, _module(f"{MODELS[model].modules}_translation"))
+
+
+def _module(name: str) -> ModuleType:
+    return cache_functions(importlib.import_module(f"tweezer.generated.{name}"))
+
+
+def _name(problem: Problem, model: Model) -> str:
     scene = problem.scene
-    prefix = (scene.simulation.model or "full").replace("-", "_")
     if not problem.rotates:
-        return f"{prefix}_translation"
-    if prefix == "overdamped":
-        return "overdamped_rotation"
+        return f"{model.modules}_translation"
     body = "rigid_body" if scene.bead.moments_of_inertia else "sphere"
-    rates = scene.simulation.rotation_state == "euler-rates" and prefix != "first_order"
-    return f"{prefix}_{body}{'_euler_rates' if rates else ''}"
+    rates = scene.simulation.rotation_state == "euler-rates" and model.inertia
+    return f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}"
 
 
-def _parameter_values(bead: BeadProperties, scaling_factor: float | None) -> dict[str, float]:
+def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[str, float]:
     """Values by the names of the emitted parameters."""
+    bead, mobility = problem.bead, problem.mobility
     return {
         "m": bead.mass,
         "I": bead.moments_of_inertia[0],
         **{f"I{i + 1}": moment for i, moment in enumerate(bead.moments_of_inertia)},
-        "beta_v": bead.drag,
-        "beta_w": bead.rotational_drag,
         "a2": scaling_factor if scaling_factor is not None else 1.0,
         **{f"W{i + 1}": component for i, component in enumerate(bead.weight)},
+        # of a uniform drag
+        "beta_v": 1 / mobility[0],
+        "beta_w": 1 / mobility[3],
     }
 
 

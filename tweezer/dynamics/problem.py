@@ -20,6 +20,7 @@ from tweezer.equilibria import (
     nearest_stable,
 )
 from tweezer.errors import SceneError
+from tweezer.fluid import Drag, by_axis, drag
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
 from tweezer.optics import Beams, LightForce, light
@@ -30,10 +31,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A scene with its bead and forces; the same for every model and method."""
+    """A scene with its bead, forces and drag; the same for every model and method."""
 
     scene: Scene
     bead: BeadProperties
+    drag: Drag
     light: LightForce | Beams
     others: tuple[Force, ...] = ()
     """forces beside those of the scene"""
@@ -51,6 +53,20 @@ class Problem:
     def net_force(self, positions: Array) -> Array:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
         return self.force.field(positions).force + np.array(self.bead.weight)
+
+    @functools.cached_property
+    def mobility(self) -> Array:
+        """Of translation along and rotation about N1, N2, N3 at the start, (6,) s/kg, 1/(N m s)."""
+        return self.mobilities(np.array([self.scene.start_position]))[0]
+
+    def mobilities(self, positions: Array) -> Array:
+        """The same at `positions` (n, 3) m at the time 0, (n, 6)."""
+        return by_axis(self.drag.mobilities(positions).value)
+
+    @property
+    def relaxation_time(self) -> float:
+        """m/beta_v at the start, s: the epsilon of (4.6). The longest, if it has a direction."""
+        return self.bead.mass * float(self.mobility[:3].max())
 
     def foci(self, time: float = 0.0) -> Array:
         """Where the beams' foci are at a time, s, (beams, 3) m."""
@@ -91,4 +107,5 @@ def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
         return scene
     if isinstance(others, Force) or not all(isinstance(each, Force) for each in others):
         raise SceneError("forces: must be a list of `tweezer.forces.Force`")
-    return Problem(scene, bead_properties(checked_scene(scene)), light(scene), tuple(others))
+    bead = bead_properties(checked_scene(scene))
+    return Problem(scene, bead, drag(scene), light(scene), tuple(others))

@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.choices import METHODS
-from tweezer.compiled import address
 from tweezer.dynamics import integrators
-from tweezer.dynamics.integrators import Bound, Control, Records, System
-from tweezer.forces.force import bound
+from tweezer.dynamics.integrators import Bound, Control, Records
 
 if TYPE_CHECKING:
     from tweezer.dynamics.models import EquationsOfMotion
@@ -73,13 +71,7 @@ class Solver:
         self._equations = equations
         state = equations.module.STATE
         gradient = "force_gradient" in equations.module.RHS_INPUTS
-        oriented = equations.force.oriented
-        system = System(
-            bound(equations.force, gradient=gradient),
-            address(equations.module.rates, integrators.RATES),
-            equations.params,
-            state.index("e0") if oriented and "e0" in state else -1,
-        )
+        system = equations.system(gradient=gradient)
         self.control = Control(
             max(simulation.relative_tolerance * tightened, 1e-13),
             equations.absolute_tolerance * tightened,

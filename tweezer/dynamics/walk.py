@@ -15,7 +15,6 @@ from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS
 from tweezer.dynamics.brownian import march, noise
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
-from tweezer.dynamics.brownian.first_order import FIRST_ORDER
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.choose import rates_of_force
@@ -141,7 +140,7 @@ class Walk:
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
         """The loop, and what it takes that stays."""
         scheme = _scheme(self.scene.simulation)
-        steps = march.steps(scheme, inertial="vx" in self.columns, rotates="e0" in self.columns)
+        steps = march.steps(scheme, self.columns)
         force = bound(self.problem.force, gradient=scheme.gradient)
         return (force, steps, self.plan, self.weights), march.loop()
 
@@ -169,13 +168,13 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         reasons.append("heun: exact drag and noise, weak order 2")
     scene, bead = problem.scene, problem.bead
     simulation = scene.simulation
-    inertial = MODELS[str(simulation.model)].inertia
+    model = MODELS[str(simulation.model)]
+    inertial = model.inertia
     dims = 6 if problem.rotates else 3
-    tau = np.zeros(dims)
-    drags = np.repeat([bead.drag, bead.rotational_drag], 3)[:dims]
+    tau, mobility = np.zeros(dims), problem.mobility[:dims]
     if inertial:
         inertias = np.repeat([bead.mass, bead.moments_of_inertia[0]], 3)[:dims]
-        tau = inertias / drags
+        tau = inertias * mobility
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
     how = METHODS[simulation.method]
@@ -184,10 +183,14 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
             "beam.motion, beam.modulation or another force that changes in time"
         )
-    if problem.force.oriented and (how.spring_only or simulation.model == "first-order"):
+    if how.uniform_drag and not problem.drag.uniform:
         raise SceneError(
-            "forces: one that turns the bead; not with simulation.method = 'harmonic' or "
-            "simulation.model = 'first-order'"
+            f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere"
+        )
+    if problem.force.oriented and (how.spring_only or model.scheme):
+        raise SceneError(
+            "forces: one that turns the bead; not with "
+            f"simulation.method = {simulation.method!r} and simulation.model = {model.name!r}"
         )
     if problem.rotates and scene.bead.moments_of_inertia and inertial:
         raise SceneError(
@@ -204,9 +207,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
                 raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
     kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
-        kappa[:3] = np.diag(equilibrium.stiffness) / bead.drag
+        kappa[:3] = np.diag(equilibrium.stiffness) * mobility[:3]
         centre[:3] = equilibrium.position
-    diffusion = Boltzmann * scene.medium.temperature / drags
+    diffusion = Boltzmann * scene.medium.temperature * mobility
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     interval = simulation.duration / (simulation.samples - 1)
     longest, reason = _longest_step(problem, tau, kappa, diffusion)
@@ -221,17 +224,17 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     reasons.append(f"steps of {step:.3g} s: {reason}")
     # rotational diffusion without inertia is drawn by itself
     shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
-    linear = Linear(tau, kappa, shaken, bead.relaxation_time)
+    linear = Linear(tau, kappa, shaken, problem.relaxation_time)
     weights = _scheme(simulation).weights(step, linear)
-    if simulation.model == "first-order":
-        tau = np.full(dims, bead.relaxation_time)
+    if not inertial:
+        tau = np.full(dims, problem.relaxation_time)
     load = np.zeros(dims)
     load[:3] = bead.weight
     lens = -math.inf
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
     plan = Plan(
-        seed, step, per_sample, simulation.loss_distance, lens, tau, 1 / drags, load, diffusion,
+        seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
         centre,
     )  # fmt: skip
     columns = ["x", "y", "z"]
@@ -247,9 +250,8 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
 
 
 def _scheme(simulation: Simulation) -> Scheme:
-    if simulation.model == "first-order":
-        return FIRST_ORDER
-    scheme: Scheme = METHODS[simulation.method].load()
+    method = METHODS[simulation.method]
+    scheme: Scheme = method.load(MODELS[str(simulation.model)].scheme)
     return scheme
 
 

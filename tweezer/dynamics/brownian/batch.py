@@ -28,7 +28,7 @@ class Plan(NamedTuple):
     lens: float
     """m, z at which a bead touches the lens, and is lost"""
     tau: Array
-    """(dims,) s; 0 where inertia is left out"""
+    """(dims,) s; m/beta_v where inertia is left out"""
     mobility: Array
     """(dims,) 1/beta_v, and 1/beta_w"""
     load: Array

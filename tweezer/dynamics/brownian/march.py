@@ -26,27 +26,32 @@ _BATCH = 64
 
 
 class Steps(NamedTuple):
-    """How the loop steps beads: numbers of 0 or 1, but for the first two."""
+    """How the loop steps beads. The last three are 0 or 1."""
 
     scheme: int
     """address of its step"""
     draws: int
     """normal numbers of a step"""
-    inertial: int
-    rotates: int
+    velocity: int
+    """where the velocity begins in a state; -1 without inertia"""
+    orientation: int
+    """where the orientation begins; -1 without rotation"""
+    angular_velocity: int
+    """where the angular velocity begins, about the inertial axes; -1 without one of the two"""
     gradient: int
     samples_ahead: int
     force_first: int
     """see `Scheme`"""
 
 
-def steps(scheme: Scheme, *, inertial: bool, rotates: bool) -> Steps:
-    """The steps of a scheme."""
-    dims = 6 if rotates else 3
+def steps(scheme: Scheme, columns: tuple[str, ...]) -> Steps:
+    """The steps of a scheme, for states of these columns (`tweezer.dynamics.walk.Walk`)."""
+    places = [columns.index(name) if name in columns else -1 for name in ("vx", "e0", "wx")]
+    dims = 6 if "e0" in columns else 3
     # without inertia a rotation's noise is drawn by itself
-    draws = dims * (2 if scheme.noise_of_position else 1) if inertial else 3
-    flags = inertial, rotates, scheme.gradient, scheme.samples_ahead, scheme.force_first
-    return Steps(address(scheme.step, STEP), draws, *map(int, flags))
+    draws = dims * (2 if scheme.noise_of_position else 1) if "vx" in columns else 3
+    flags = scheme.gradient, scheme.samples_ahead, scheme.force_first
+    return Steps(address(scheme.step, STEP), draws, *places, *map(int, flags))
 
 
 @functools.cache
@@ -62,14 +67,15 @@ def loop() -> Any:
         force, steps, plan, weights, trajectories, states, sample, out
     ):
         last = states.shape[1] - 1
-        dims = 6 if steps.rotates else 3
+        inertial, rotates = steps.velocity >= 0, steps.orientation >= 0
+        dims = 6 if rotates else 3
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
             who = trajectories[begin : begin + n]
-            beads = batch.beads(n, dims, steps.inertial, steps.gradient)
+            beads = batch.beads(n, dims, inertial, steps.gradient)
             x, normal = beads.x, beads.normal[: steps.draws]
             for i in range(n):
-                _load(states[begin + i], beads, i)
+                _load(steps, states[begin + i], beads, i)
             if steps.force_first:
                 now = sample * plan.per_sample * plan.step
                 batch.slow_velocities(force, plan, beads, now, x, beads.u)
@@ -79,9 +85,9 @@ def loop() -> Any:
                     beads.now[0] = at * plan.step
                     normals(plan.seed, who, at, NOISE, normal)
                     call(steps.scheme, (force, plan, weights, beads))
-                    if steps.rotates:
+                    if rotates:
                         rotation.turn_by_steps(beads)
-                        if not steps.inertial:
+                        if not inertial:
                             rotation.diffuse(plan, who, at, beads)
                     for i in range(n):
                         squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
@@ -95,11 +101,11 @@ def loop() -> Any:
                     if states[begin + i, last] < np.inf:
                         out[begin + i, number] = np.nan
                     elif steps.samples_ahead:
-                        _save(beads, beads.ahead, i, out[begin + i, number])
+                        _save(steps, beads, beads.ahead, i, out[begin + i, number])
                     else:
-                        _save(beads, x, i, out[begin + i, number])
+                        _save(steps, beads, x, i, out[begin + i, number])
             for i in range(n):
-                _save(beads, x, i, states[begin + i])
+                _save(steps, beads, x, i, states[begin + i])
         return -1
 
     signature = types.int64(
@@ -110,43 +116,35 @@ def loop() -> Any:
 
 
 @njit(error_model="numpy")
-def _load(state, beads, i):  # type: ignore[no-untyped-def]
-    """Bead i from a state: place, velocity, orientation, angular velocity (inertial axes)."""
-    x, v, e = beads.x, beads.v, beads.e
-    inertial, rotates = v.shape[0] > 0, e.shape[0] > 0
-    at = 3
+def _load(steps, state, beads, i):  # type: ignore[no-untyped-def]
+    """Bead i from a state."""
     for k in range(3):
-        x[k, i] = state[k]
-        if inertial:
-            v[k, i] = state[3 + k]
-    if inertial:
-        at += 3
-    if rotates:
-        for k in range(4):
-            e[i, k] = state[at + k]
-    if rotates and inertial:
+        beads.x[k, i] = state[k]
+    if steps.velocity >= 0:
         for k in range(3):
-            v[3 + k, i] = state[10 + k]
+            beads.v[k, i] = state[steps.velocity + k]
+    if steps.orientation >= 0:
+        for k in range(4):
+            beads.e[i, k] = state[steps.orientation + k]
+    if steps.angular_velocity >= 0:
+        for k in range(3):
+            beads.v[3 + k, i] = state[steps.angular_velocity + k]
 
 
 @njit(error_model="numpy")
-def _save(beads, place, i, out):  # type: ignore[no-untyped-def]
+def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
     """The inverse of `_load`, with a place of one's own."""
-    v, e = beads.v, beads.e
-    inertial, rotates = v.shape[0] > 0, e.shape[0] > 0
-    at = 3
     for k in range(3):
         out[k] = place[k, i]
-        if inertial:
-            out[3 + k] = v[k, i]
-    if inertial:
-        at += 3
-    if rotates:
-        for k in range(4):
-            out[at + k] = e[i, k]
-    if rotates and inertial:
+    if steps.velocity >= 0:
         for k in range(3):
-            out[10 + k] = v[3 + k, i]
+            out[steps.velocity + k] = beads.v[k, i]
+    if steps.orientation >= 0:
+        for k in range(4):
+            out[steps.orientation + k] = beads.e[i, k]
+    if steps.angular_velocity >= 0:
+        for k in range(3):
+            out[steps.angular_velocity + k] = beads.v[3 + k, i]
 
 
 @njit(error_model="numpy")

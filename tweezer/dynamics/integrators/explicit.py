@@ -78,7 +78,7 @@ def loop() -> Any:
         n, stages = y.size, tableau.b.size
         k = np.zeros((stages + 1 + len(tableau.extra), n))
         inner, new = np.empty(n), np.empty(n)
-        at = scratch(system.orientation >= 0)
+        at = scratch(system)
         written = 0
         rate_of_change(system, at, clock[0], y, k[0])
         counts[2] += 1

@@ -118,7 +118,7 @@ def loop() -> Any:
         many = relaxation.times.size
         turns = many == 6
         tau = relaxation.times
-        at, phi = scratch(system.orientation >= 0), np.empty(5)
+        at, phi = scratch(system), np.empty(5)
         place, rate = relaxation.state.copy(), np.empty(relaxation.state.size)
         u, weights = np.empty((5, many)), np.empty((many, 2, 4))
         stage, new = np.empty(y.size), np.empty(y.size)
@@ -364,8 +364,9 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs velocities in the state, a sphere, and "
-                f"forces that do not look at the orientation, which {equations.name} has not"
+                "simulation.method = 'exponential': needs velocities in the state, a sphere, a "
+                "drag that is the same everywhere, and forces that do not look at the orientation, "
+                f"which {equations.name} has not"
             )
         relaxation = equations.relaxation
         columns = {name: i for i, name in enumerate(equations.module.STATE)}

@@ -16,6 +16,7 @@ from numba import njit, typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import call
+from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
 
@@ -31,16 +32,23 @@ _ROUNDING = 1e-14
 
 _f8 = types.float64
 _vector, _matrix = _f8[::1], _f8[:, ::1]
-#: `rates` of the emitted modules
-RATES = types.void(_vector, _vector, _vector, _matrix, _matrix, _vector, _vector)
+_inputs = (_f8, _vector, _vector, _vector, _matrix, _matrix, _vector)
+#: `rates` and `derivatives` of the emitted modules
+RATES = types.void(*_inputs, _vector, _vector)
+DERIVATIVES = types.void(*_inputs, _matrix, _vector, _matrix)
 
 
 class System(NamedTuple):
     """What moves the bead, for a loop."""
 
     force: Part
+    drag: Part
+    uniform: bool
+    """whether the drag is the same everywhere: it is then evaluated once"""
     rates: int
     """address of the emitted `rates`"""
+    derivatives: int
+    """address of the emitted `derivatives`; 0 for a loop that does not call them"""
     params: Array
     """of the emitted module"""
     orientation: int
@@ -85,46 +93,58 @@ class At(NamedTuple):
 
     pose: Pose
     wrench: Wrench
+    resisted: Mobility
     force: Array
     moment: Array
     force_gradient: Array
     moment_gradient: Array
+    mobility: Array
+    mobility_gradient: Array
 
 
-@njit
-def scratch(turned):  # type: ignore[no-untyped-def]
-    """Workspace; turned: whether an orientation is followed."""
-    pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((1 if turned else 0, 4)))
+@njit(error_model="numpy")
+def scratch(system):  # type: ignore[no-untyped-def]
+    """Workspace, with the mobility of a uniform drag."""
+    turned = 1 if system.orientation >= 0 else 0
+    pose = Pose(np.zeros(1), np.zeros((1, 3)), np.zeros((turned, 4)))
     wrench = Wrench(
         np.zeros((1, 3)), np.zeros((1, 3)), np.zeros((1, 3, 3)), np.zeros((1, 3, 3)), np.zeros(1)
     )
+    mobility = Mobility(np.zeros((1, 5)), np.zeros((1, 5, 3)))
+    if system.uniform:
+        call(system.drag.kernel, (pose, system.drag.data, mobility))
     return At(
-        pose, wrench, wrench.force[0], wrench.moment[0], wrench.force_gradient[0],
-        wrench.moment_gradient[0],
+        pose, wrench, mobility, wrench.force[0], wrench.moment[0], wrench.force_gradient[0],
+        wrench.moment_gradient[0], mobility.value[0], mobility.gradient[0],
     )  # fmt: skip
 
 
 @njit(error_model="numpy")
-def push(force, at, time, y):  # type: ignore[no-untyped-def]
-    """Fill `at` with a force at a time and at the place in the first three entries of a state."""
+def act(system, at, time, y):  # type: ignore[no-untyped-def]
+    """Fill `at` with force and mobility, at a time and at the pose in a state."""
+    if system.orientation >= 0:
+        e = y[system.orientation : system.orientation + 4]
+        at.pose.orientation[0] = e / math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
     at.pose.time[0] = time
     for i in range(3):
         at.pose.position[0, i] = y[i]
     clear(at.wrench)
-    add(force, at.pose, at.wrench)
+    add(system.force, at.pose, at.wrench)
+    if not system.uniform:
+        call(system.drag.kernel, (at.pose, system.drag.data, at.resisted))
 
 
 @njit(error_model="numpy")
 def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
     """Fill `out` with the rate of change of the state y."""
-    if system.orientation >= 0:
-        e = y[system.orientation : system.orientation + 4]
-        at.pose.orientation[0] = e / math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
-    push(system.force, at, time, y)
+    act(system, at, time, y)
     call(
         system.rates,
-        (y, at.force, at.moment, at.force_gradient, at.moment_gradient, system.params, out),
-    )
+        (
+            time, y, at.force, at.moment, at.force_gradient, at.moment_gradient, at.mobility,
+            system.params, out,
+        ),
+    )  # fmt: skip
 
 
 @njit(error_model="numpy")
@@ -250,5 +270,6 @@ def signature(method: types.Type) -> Any:
     )
 
 
-SYSTEM = typeof(System(Part(0, packed()), 0, np.zeros(0), 0))
+_PART = Part(0, packed())
+SYSTEM = typeof(System(_PART, _PART, True, 0, 0, np.zeros(0), 0))
 """Numba's type of `System`"""

@@ -1,0 +1,209 @@
+"""Drag by place: mobilities of a made-up wall, motion against closed forms, and who refuses it."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference.fields import LinearTrap, in_place
+from tests.reference.rigid_body import Body
+from tweezer.compiled import cached_njit
+from tweezer.dynamics import bind, bound_once, choose, integrate, walk
+from tweezer.dynamics.filter import kalman_filter
+from tweezer.dynamics.models import bind_translation
+from tweezer.dynamics.walk import rotation_matrices
+from tweezer.errors import SceneError
+from tweezer.fluid import Drag, stokes
+from tweezer.forces.data import number, packed, vector
+
+RADIUS, VISCOSITY = 0.5e-6, 1e-3
+FREE = stokes(VISCOSITY, RADIUS)
+
+
+@cached_njit()
+def _growing(pose, data, mobility):
+    """b(z) = b (1 + z/length), all five."""
+    values, length = vector(data, 0), number(data, 1)
+    for at in range(len(pose.position)):
+        factor = 1.0 + pose.position[at, 2] / length
+        for i in range(5):
+            mobility.value[at, i] = values[i] * factor
+            if len(mobility.gradient) > at:
+                mobility.gradient[at, i, :2] = 0.0
+                mobility.gradient[at, i, 2] = values[i] / length
+
+
+@dataclass(frozen=True)
+class Growing(Drag):
+    """Mobilities that grow with the height."""
+
+    values: tuple[float, ...]
+    length: float
+
+    def compiled(self):
+        return _growing, packed(self.values, self.length)
+
+
+def growing(roll=0.0, length=2e-6):
+    across, along = 0.7 / FREE.translation, 0.4 / FREE.translation
+    turn, spin = 0.9 / FREE.rotation, 0.95 / FREE.rotation
+    return Growing((across, along, turn, spin, roll * math.sqrt(across * turn)), length)
+
+
+def problem_of(scene, drag, field=None):
+    """`scene` with a drag of its own, in the dark or in a field."""
+    problem = dataclasses.replace(bound_once(scene), drag=drag)
+    return problem if field is None else in_place(problem, field)
+
+
+@pytest.fixture(scope="module")
+def dark():
+    return tweezer.load_scene("silica-1um").replace(
+        bead={"radius": RADIUS},
+        medium={"viscosity": VISCOSITY},
+        forces={"optical": False, "gravity": True, "buoyancy": True},
+        start={"position": [0.0, 0.0, 0.5e-6]},
+        simulation={"relative_tolerance": 1e-10, "position_tolerance": 1e-14},
+    )
+
+
+def test_stokes_drag_is_that_of_the_thesis():
+    """(2.15), with the thesis's own numbers: 500 nm across, 1.002 mPa s."""
+    drag = stokes(1.002e-3, 0.25e-6)
+    assert drag.translation == pytest.approx(4.722e-9, rel=1e-3, abs=0)
+    assert drag.rotation == pytest.approx(3.935e-22, rel=1e-3, abs=0)
+    found = drag.mobilities(np.zeros((2, 3)), gradient=True)
+    b_v, b_w = 1 / drag.translation, 1 / drag.rotation
+    np.testing.assert_allclose(found.value, [[b_v, b_v, b_w, b_w, 0.0]] * 2, rtol=1e-15)
+    assert not found.gradient.any()
+    with pytest.raises(ZeroDivisionError):
+        stokes(0.0, 1e-6).mobilities(np.zeros((1, 3)))
+
+
+@pytest.mark.parametrize("model", ["overdamped", "full"])
+def test_bead_sinks_exponentially(dark, model):
+    """dz/dt = b W (1 + z/l): z + l decays or grows as e^(b W t/l); inertia is 1e-7 of that."""
+    drag = growing()
+    scene = dark.replace(simulation={"model": model, "method": "auto", "duration": "1 s"})
+    if model == "full":
+        scene = scene.replace(simulation={"duration": "5 us", "method": "dop853"})
+    problem, _ = choose.decided(problem_of(scene, drag))
+    times = np.linspace(0, scene.simulation.duration, 11)
+    run = integrate(bind(problem), times)
+    assert run.status == "complete"
+    rate = drag.values[1] * problem.bead.weight[2] / drag.length
+    z0, l = 0.5e-6, drag.length
+    if model == "overdamped":
+        exact = (z0 + l) * np.exp(rate * times) - l
+        np.testing.assert_allclose(run.states[:, 2], exact, atol=1e-13)
+        assert exact[-1] < z0 - 0.1e-6
+    else:
+        # over 5 us the drag hardly changes: relaxation with the tau of that height
+        tau = problem.bead.mass * drag.values[1] * (1 + z0 / l)
+        terminal = rate * (z0 + l)
+        exact = terminal * (times + tau * np.expm1(-times / tau))
+        np.testing.assert_allclose(run.states[:, 2] - z0, exact, atol=1e-4 * abs(exact[-1]))
+
+
+@pytest.mark.parametrize("state", ["angular-velocity", "euler-rates"])
+@pytest.mark.parametrize("model", ["overdamped", "full"])
+def test_rates_are_those_of_the_matrix_of_mobilities(dark, model, state):
+    """The runtime hands over the mobilities of the place: against the inverse of the 6x6 matrix."""
+    scene = dark.replace(simulation={"model": model, "rotation_state": state, "method": "dop853"})
+    drag = growing(roll=0.3)
+    field = LinearTrap(1e-6, (1e-20, 2e-20, -1e-20))
+    problem = problem_of(scene.replace(beam={"polarisation": "linear"}), drag, field)
+    equations = bind(dataclasses.replace(problem, others=(Turning(),)))
+    assert equations.rotates
+    rng = np.random.default_rng(3)
+    y = equations.initial_state + 1e-7 * rng.normal(size=len(equations.initial_state))
+    names = equations.module.STATE
+    velocity = [1e-4, -2e-4, 3e-4]
+    if "v1" in names:
+        y[names.index("v1") : names.index("v1") + 3] = velocity
+    value = drag.mobilities(y[None, :3]).value[0]
+    matrix = Body(
+        1.0, np.ones(3), 1.0, 1.0, np.zeros(3), mobility=value, growth=np.zeros((5, 3))
+    ).mobility_matrix(y[:3])
+    force = -1e-6 * y[:3] + np.array(problem.bead.weight)
+    pushed = np.append(force, field.constant_moment)
+    rates = equations.rhs(0.0, y)
+    if "v1" in names:
+        at = names.index("v1")
+        edot = names.index("edot0") if "edot0" in names else None
+        motion = equations.motion(np.zeros(1), y[None])
+        omega = rotation_matrices(motion.orientation)[0] @ motion.angular_velocity[0]
+        resisted = np.linalg.solve(matrix, np.append(velocity, omega))
+        expected = (pushed - resisted)[:3] / problem.bead.mass
+        np.testing.assert_allclose(rates[at : at + 3], expected, rtol=1e-10)
+        assert edot is None or rates[edot : edot + 4].any()
+    else:
+        np.testing.assert_allclose(rates[:3], (matrix @ pushed)[:3], rtol=1e-12)
+    scale = np.where([name[0] in "qv" for name in names], 1e-9, 1e-5)
+    differences = np.empty((len(y), len(y)))
+    for i, step in enumerate(np.diag(scale)):
+        differences[:, i] = (equations.rhs(0.0, y + step) - equations.rhs(0.0, y - step)) / (
+            2 * scale[i]
+        )
+    jacobian = equations.jacobian(0.0, y)
+    size = np.abs(differences * scale).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(jacobian * scale / size, differences * scale / size, atol=1e-4)
+
+
+class Turning(LinearTrap):
+    """Nothing but the wish to see the orientation."""
+
+    def __init__(self):
+        super().__init__(0.0)
+
+    oriented = True
+
+
+def test_compiled_loops_and_scipy_follow_the_same_drag(dark):
+    scene = dark.replace(simulation={"model": "overdamped", "duration": "100 ms"})
+    ends = []
+    for method in ("dop853", "dormand-prince", "scipy:Radau"):
+        problem = problem_of(
+            scene.replace(simulation={"method": method}), growing(), LinearTrap(1e-8)
+        )
+        run = integrate(bind(problem), np.array([0.0, 0.1]))
+        ends.append(run.states[-1, :3])
+    np.testing.assert_allclose(ends[1:], ends[:1] * 2, atol=1e-12)
+
+
+def test_what_follows_from_the_drag_is_of_the_place(dark):
+    problem = problem_of(dark, growing(), LinearTrap(1e-6))
+    assert problem.mobility[2] == growing().values[1] * 1.25
+    assert problem.relaxation_time == pytest.approx(
+        problem.bead.mass * problem.mobility[0], rel=1e-14
+    )
+    weight = abs(problem.bead.weight[2])
+    (equilibrium,) = [each for each in [problem.equilibrium] if each]
+    assert equilibrium.position[2] == pytest.approx(-weight / 1e-6, rel=1e-6)
+    assert choose.rates_of_force(problem).max() > 1e-6 * growing().values[0]
+
+
+def test_what_needs_a_uniform_drag_says_so(dark):
+    """One line for each: never another drag in its place."""
+    scene = dark.replace(forces={"brownian": True})
+    with pytest.raises(
+        SceneError, match=r"simulation.method = 'heun': takes a drag that is the same"
+    ):
+        walk(problem_of(scene, growing()))
+    for changes, words in (
+        ({"model": "first-order"}, r"simulation.model = 'first-order': takes a drag"),
+        (
+            {"model": "full", "method": "exponential"},
+            r"needs .* a drag that is the same everywhere",
+        ),
+    ):
+        problem = problem_of(dark.replace(simulation=changes), growing())
+        with pytest.raises(SceneError, match=words):
+            integrate(bind(problem), np.array([0.0, 1e-6]))
+    with pytest.raises(SceneError, match="the Kalman filter takes a drag"):
+        kalman_filter(bind_translation(problem_of(dark, growing()), "overdamped"))
+    problem, _ = choose.decided(problem_of(dark.replace(simulation={"model": "full"}), growing()))
+    assert problem.scene.simulation.method != "exponential"

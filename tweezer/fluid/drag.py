@@ -1,0 +1,116 @@
+"""Drag: a compiled kernel and its data, which say how mobile a bead is at a place.
+
+A bead in a fluid that is the same all around N3, as beside a wall across it, has five mobilities
+(`derivation.drag`): those of translation across and along N3, those of rotation across and about
+it, and that of rolling. Far from everything they are Stokes's (2.13-2.15).
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import typeof, types
+from numpy.typing import NDArray
+
+from tweezer.compiled import cached_njit
+from tweezer.forces.data import DATA, Data, number, packed
+from tweezer.forces.force import POSE, Pose
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+Kernel = Callable[[Any, Data, Any], None]
+
+
+class Mobility(NamedTuple):
+    """How mobile n beads are. A kernel fills it."""
+
+    value: Array
+    """(n, 5): parallel and perpendicular to a wall across N3, s/kg; turn, across N3, and spin,
+    about it, 1/(N m s); roll, the velocity along N1 by a moment about N2, 1/(N s)"""
+    gradient: Array
+    """(n, 5, 3) over the position, each over m; (0, 5, 3) where it is not asked for"""
+
+
+class Drag(ABC):
+    """Something that resists the motion of a bead."""
+
+    @property
+    def uniform(self) -> bool:
+        """Whether it is the same at every place and in every direction, and nothing rolls."""
+        return False
+
+    @abstractmethod
+    def compiled(self) -> tuple[Kernel, Data]:
+        """Its kernel `kernel(pose, data, mobility)`, and its data."""
+
+    def mobilities(
+        self, positions: Array, *, gradient: bool = False, time: float | Array = 0.0
+    ) -> Mobility:
+        """Mobilities at `positions` (n, 3) m from the focus, and their gradients if asked.
+
+        time: s, or (n,).
+        """
+        places = np.require(positions, np.float64, ["C", "W"])
+        n = len(places)
+        pose = Pose(np.full(n, time, np.float64), places, np.zeros((0, 4)))
+        found = Mobility(np.empty((n, 5)), np.empty((n if gradient else 0, 5, 3)))
+        kernel, data = self.compiled()
+        kernel(pose, data, found)
+        return found
+
+
+@cached_njit()
+def _uniform(pose, data, mobility):  # type: ignore[no-untyped-def]
+    """Entries of the data: beta_v and beta_w."""
+    for at in range(len(pose.position)):
+        mobility.value[at, :2] = 1.0 / number(data, 0)
+        mobility.value[at, 2:4] = 1.0 / number(data, 1)
+        mobility.value[at, 4] = 0.0
+    mobility.gradient[:] = 0.0
+
+
+@dataclass(frozen=True)
+class Stokes(Drag):
+    """Drag of a sphere far from everything, without inertia of the fluid (2.13-2.15)."""
+
+    translation: float
+    """beta_v = 6 pi mu r, kg/s"""
+    rotation: float
+    """beta_w = 8 pi mu r^3, N m s"""
+
+    @property
+    def uniform(self) -> bool:
+        """See `Drag.uniform`."""
+        return True
+
+    def compiled(self) -> tuple[Kernel, Data]:
+        """See `Drag.compiled`."""
+        return _uniform, packed(self.translation, self.rotation)
+
+
+def stokes(viscosity: float, radius: float) -> Stokes:
+    """Drag of a sphere of that radius, m, in a fluid of that viscosity, Pa s (2.15)."""
+    return Stokes(6 * math.pi * viscosity * radius, 8 * math.pi * viscosity * radius**3)
+
+
+def drag(scene: Scene) -> Drag:
+    """Drag of the bead of `scene`."""
+    return stokes(scene.medium.viscosity, scene.bead.radius)
+
+
+def by_axis(value: Array) -> Array:
+    """Mobilities (n, 5) of a bead that no moment acts on: along N1, N2, N3, and about them, (n, 6).
+
+    Without rolling.
+    """
+    return value[:, [0, 0, 1, 2, 2, 3]]
+
+
+_MOBILITY = typeof(Mobility(np.zeros((0, 5)), np.zeros((0, 5, 3))))
+DRAG_KERNEL = types.void(POSE, DATA, _MOBILITY)
+"""signature of a kernel"""
