@@ -195,6 +195,30 @@ def test_only_what_is_of_tweezer_is_told():
     assert compiling.functions == 3
 
 
+@pytest.mark.parametrize("before", [True, False])
+def test_no_garbage_is_looked_for_while_compiling_and_then_as_before(before):
+    seen = []
+
+    class Looking(event.Listener):
+        def on_start(self, _):
+            seen.append(gc.isenabled())
+
+        def on_end(self, _):
+            seen.append(gc.isenabled())
+
+    inner = numba.njit(lambda x: x + 1)
+    failing = numba.njit(lambda x: inner(x) + "text")
+    enabled = gc.isenabled()
+    try:
+        (gc.enable if before else gc.disable)()
+        with event.install_listener("numba:compile", Looking()), pytest.raises(numba.TypingError):
+            failing(1)
+        assert gc.isenabled() == before
+    finally:
+        (gc.enable if enabled else gc.disable)()
+    assert seen[:3] == [False] * 3
+
+
 def test_time_is_counted_once(monkeypatch):
     """Of a function and of what it calls; and not between two functions."""
     now = 0.0

@@ -79,6 +79,31 @@ class Compilation(event.Listener):
         self._within -= 1
 
 
+class _Uncollected(event.Listener):
+    """No garbage is looked for while Numba compiles.
+
+    Numba's objects are many, in cycles, and in use: to look through them again and again takes a
+    quarter of the time. Numba compiles in one thread at a time.
+    """
+
+    def __init__(self) -> None:
+        self._within = 0
+        self._enabled = False
+
+    def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
+        """Numba begins to compile."""
+        if not self._within:
+            self._enabled = gc.isenabled()
+            gc.disable()
+        self._within += 1
+
+    def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
+        """It has compiled, or failed to."""
+        self._within -= 1
+        if not self._within and self._enabled:
+            gc.enable()
+
+
 def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
     """Watch compilation within the context; `say` is called when that of a function begins."""
     installed: AbstractContextManager[Compilation] = event.install_listener(
@@ -258,3 +283,4 @@ def cache_functions(module: ModuleType) -> ModuleType:
 
 _find_place()
 event.register("numba:compile", Compilation(_tell))
+event.register("numba:compile", _Uncollected())

@@ -126,7 +126,7 @@ def loop() -> Any:
         _slow(system, relaxation, at, clock[0], place, rate, y, u[0])
         counts[2] += 1
         if clock[1] == 0.0:
-            clock[1] = 0.5 * tau.min()
+            clock[1] = 0.5 * min(tau[0], tau[many - 1])
             if control.fixed > 0.0:
                 clock[1] = min(clock[1], control.fixed)
         rejected = False
@@ -148,7 +148,7 @@ def loop() -> Any:
             _to(step, 1.0, tau, y, u[0], u[1], u[2], phi, new)
             _slow(system, relaxation, at, time + step, place, rate, new, u[4])
             counts[2] += 5
-            in_layer = time - clock[3] < _LAYER * tau.max()
+            in_layer = time - clock[3] < _LAYER * max(tau[0], tau[many - 1])
             growth = _GROWTH_IN_LAYER if in_layer else _GROWTH
             error = 0.0
             if adaptive:

@@ -124,7 +124,9 @@ def act(system, at, time, y):  # type: ignore[no-untyped-def]
     """Fill `at` with force and mobility, at a time and at the pose in a state."""
     if system.orientation >= 0:
         e = y[system.orientation : system.orientation + 4]
-        at.pose.orientation[0] = e / math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
+        size = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
+        for i in range(4):  # arithmetic of whole arrays takes two seconds to compile
+            at.pose.orientation[0, i] = e[i] / size
     at.pose.time[0] = time
     for i in range(3):
         at.pose.position[0, i] = y[i]
