@@ -1,4 +1,4 @@
-"""The beam in the pupil, and the cone of light that the lens makes of it."""
+"""The beam in the pupil, and the cone of light behind the lens."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from tweezer.scene import Beam, Lens, Medium, Scene
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
-#: rho^2/(2 sigma^2) beyond which a beam is cut: Gaussian and donut are below 1e-18 of their peak
+#: rho^2/(2 sigma^2) at which beams are cut; Gaussian and donut are below 1e-18 of their peak there
 _DARK = 47.0
-#: smallest part of a beam that may pass the pupil
+#: Smallest part of a beam's power that may pass the pupil
 _LEAST_FRACTION = 1e-100
-#: largest degree of a series; light then reaches at least 85 degrees off the axis
+#: Largest degree of a series, enough for light up to 85 degrees off the axis
 LARGEST_DEGREE = 120
 
 
@@ -37,11 +37,11 @@ class Cone:
     power: float
     """W, through the pupil"""
     deviation: float
-    """largest difference between the series and the beam's profile, of the largest radiance; the
-    series of a table may dip below zero by as much"""
+    """largest difference between the series and the beam's profile, as a part of the largest
+    radiance; the series of a table may be negative by as much"""
 
     def radiance(self, cosine: Array) -> Array:
-        """Power per solid angle, W/sr, at polar angles of that cosine, within the cone."""
+        """Power per solid angle, W/sr, at polar angles of these cosines within the cone."""
         return np.asarray(Chebyshev(self.series)(1 - 2 * (1 - cosine) / _versine(self.half_angle)))
 
 
@@ -53,8 +53,9 @@ def cone(scene: Scene) -> Cone:
     for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for rho = (R n_m/NA) sin(theta).
 
     The cone ends where the beam does: at the rim of the pupil, where a table ends, or where the
-    intensity has fallen below 1e-18 of its peak. Raises `SceneError` for light so near to a right
-    angle with the axis, or a table so uneven, that no series of degree 120 describes it.
+    intensity has fallen below 1e-18 of its peak. Raises `SceneError` if a series of degree 120 does
+    not describe the light: it comes almost at a right angle to the axis, or its table is too
+    uneven.
     """
     lens, beam, medium = scene.lens, scene.beam, scene.medium
     if not scene.lit:
@@ -65,7 +66,7 @@ def cone(scene: Scene) -> Cone:
 
 
 def total_power(lens: Lens, beam: Beam) -> float:
-    """P_t of (3.4), W: as given, or what it takes for the given power through the pupil.
+    """P_t of (3.4), W: as given, or from the given power through the pupil.
 
     Raises `SceneError` as `fraction_through_pupil`.
     """
@@ -104,7 +105,7 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
 def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
     """Intensity I in the pupil, W/m^2, as a function of rho (m) up to the rim.
 
-    A table is what its series makes of it. Raises `SceneError` as `cone`.
+    For a table it is that of the series. Raises `SceneError` as `cone`.
     """
     total = total_power(lens, beam)
     if beam.profile == "table":
@@ -143,7 +144,7 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
 
 @dataclass(frozen=True)
 class _Shape:
-    """A cone of light of 1 W."""
+    """Shape of a cone of light of 1 W."""
 
     half_angle: float
     series: Array
@@ -162,7 +163,7 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     profile = _profile(beam)
 
     def radiance(y: Array) -> Array:
-        """Relative; from the rim at y = -1 to the axis at 1."""
+        """Relative radiance from the rim at y = -1 to the axis at 1."""
         # from 1 - cos(theta): cos(theta) itself would lose a narrow cone to rounding
         below = versine * (1 - y) / 2
         cosine = 1 - below
@@ -189,9 +190,9 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
 
 
 def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[Array, float]:
-    """Chebyshev coefficients of a function on [-1, 1], and how far they miss it, of its peak.
+    """Chebyshev coefficients of a function on [-1, 1], and their error as a part of its peak.
 
-    Up to the last coefficient above `left_out` of the peak.
+    The series ends with the last coefficient above `left_out` times the peak.
     """
     exact = function(checked_at)
     peak = exact.max()
@@ -207,14 +208,14 @@ def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[A
 
 
 def _points(lens: Lens, beam: Beam, medium: Medium, versine: float) -> Array:
-    """Where the points of a table lie on the axis of the series."""
+    """Coordinates of the points of a table in the variable of the series."""
     radii = np.array(beam.profile_radius or ())
     sine, cosine = polar_sine_and_cosine(radii[radii <= lens.radius], lens, medium)
     return 1 - 2 * sine**2 / (1 + cosine) / versine
 
 
 def _profile(beam: Beam) -> Profile:
-    """Relative intensity over rho."""
+    """Relative intensity as a function of rho."""
     if beam.profile == "uniform":
         return np.ones_like
     if beam.profile == "table":
@@ -227,9 +228,9 @@ def _profile(beam: Beam) -> Profile:
 
 
 def _interpolated(beam: Beam) -> tuple[Profile, Callable[[float], float]]:
-    """Monotone cubics in rho^2 through the points of a table; and their power within rho.
+    """Monotone cubic interpolant of a table in rho^2, and its power within rho.
 
-    Of relative intensity and power: the largest point is 1.
+    Both are relative to the largest point.
     """
     from scipy.interpolate import PchipInterpolator
 

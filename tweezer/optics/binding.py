@@ -20,9 +20,9 @@ from tweezer.scene import Beam, Scene, checked_scene
 
 Array = NDArray[np.float64]
 
-#: s, longer than any run
+#: Time longer than any run, s
 _FOREVER = 1e9
-#: a deviation of the light from its table that is told, of the largest radiance
+#: Largest deviation of the light from its table without a warning, as a part of the peak
 _UNEVEN = 1e-3
 
 
@@ -30,7 +30,7 @@ _UNEVEN = 1e-3
 class Beams(Sum):
     """The light of several beams, or of one that moves or changes: the sum of their forces.
 
-    The beams do not interfere: their light is of different lasers, or of different polarisation.
+    The beams do not interfere: they come from different lasers, or differ in polarisation.
     """
 
     forces: tuple[Moved, ...]
@@ -38,7 +38,7 @@ class Beams(Sum):
     """of each beam, about its own focus"""
 
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
-        """As `LightForce.error_of`."""
+        """See `LightForce.error_of`."""
         return error_by(self._certain, positions, field, time)
 
     @functools.cached_property
@@ -51,9 +51,9 @@ class Beams(Sum):
 
 @functools.lru_cache(maxsize=16)
 def light(scene: Scene) -> LightForce | Beams:
-    """The light of `scene`, with the evaluator that its `optics` section names.
+    """The force of the light of `scene`, by the evaluator that its `optics` section names.
 
-    That of several beams is added up as if they did not interfere.
+    The forces of several beams add up, as if the beams did not interfere.
     """
     if scene.plain:
         return light_of_one_beam(scene)
@@ -66,7 +66,7 @@ def light(scene: Scene) -> LightForce | Beams:
 
 
 def _place(beam: Beam) -> Course:
-    """Where the focus of a beam is, m."""
+    """Position of the focus of a beam in time, m."""
     at, motion, none = np.array([beam.position]), beam.motion, np.zeros(3)
     if motion is None:
         return Course(np.zeros(1), at, none)
@@ -85,7 +85,7 @@ def _place(beam: Beam) -> Course:
 
 
 def _factor(beam: Beam) -> Course:
-    """The factor of a beam's power."""
+    """Factor of a beam's power in time."""
     modulation, none = beam.modulation, np.zeros(1)
     if modulation is None:
         return Course.constant(1.0)
@@ -109,18 +109,18 @@ def _factor(beam: Beam) -> Course:
 
 
 def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
-    """Points of a course that goes at once to each of `values` (n, m) at its time."""
+    """Points of a course that jumps to each of `values` (n, m) at its time."""
     stairs = np.repeat(np.vstack([before, values]), 2, axis=0)[1:-1]
     return np.repeat(times, 2), stairs
 
 
 @functools.lru_cache(maxsize=16)
 def light_of_one_beam(scene: Scene) -> LightForce:
-    """The light of the one beam of a scene.
+    """The force of the light of a scene's only beam.
 
-    The map is made if the user's cache folder does not hold it: see `force_map`. Warns once
-    (`PhysicsWarning`) of what ray optics is worth: see `ray_optics_caveat`. Warns of a beam's
-    table that its series does not follow to 0.1 % of the peak.
+    The map is computed if the user's cache folder does not hold it: see `force_map`. Warns once
+    (`PhysicsWarning`) how far ray optics holds: see `ray_optics_caveat`. Warns if the series of a
+    beam's table deviates from it by more than 0.1 % of the peak.
     """
     if (caveat := ray_optics_caveat(scene)) is not None:
         _warn_once(caveat)
@@ -145,7 +145,7 @@ class Dark(LightForce):
 
 
 def evaluators_of(scene: Scene) -> str:
-    """Names of the evaluators that the beams of `scene` need; "dark" for a beam without light."""
+    """Names of the evaluators of the beams of `scene`; "dark" for a beam without light."""
     name = evaluator(scene.optics.evaluator).name
     lit = {scene.with_one_beam(beam).lit for beam in scene.beams}
     return ", ".join(sorted(name if each else "dark" for each in lit))
@@ -153,7 +153,7 @@ def evaluators_of(scene: Scene) -> str:
 
 @functools.cache
 def _warn_once(text: str) -> None:
-    """Once in a program, whatever becomes of its filters."""
+    """Warn once in a process, whatever its warning filters are."""
     warn(text)
 
 
@@ -163,7 +163,7 @@ def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> A
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
     Returns (..., 3).
     Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
-    where the quadrature misses its tolerance; `light(scene).field` tells by how much.
+    if the quadrature misses its tolerance; `light(scene).field` has the estimated errors.
     """
     field, shape = _field(scene, positions, time)
     return field.force.reshape(shape)
@@ -173,8 +173,8 @@ def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -
     """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises `ValueError` as
-    `optical_force`. Of the sum over the grid's rays: rays that begin or cease to hit the bead
-    make that sum jump, and the jumps are not in its derivative.
+    `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
+    bead; the derivative leaves the jumps out.
     """
     field, shape = _field(scene, positions, time, gradient=True)
     return field.force_gradient.reshape((*shape, 3))
@@ -195,7 +195,7 @@ def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> 
 def _field(
     scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
 ) -> tuple[Wrench, tuple[int, ...]]:
-    """What the light does at `positions` (..., 3), as at (n, 3), and their shape."""
+    """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
     array = np.ascontiguousarray(positions, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")

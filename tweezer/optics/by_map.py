@@ -1,4 +1,4 @@
-"""The force of light read from a table, and from the quadrature where the table does not reach."""
+"""The force of light by interpolation in a table; by quadrature outside the table's range."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ _FINER = 0.03
 
 @dataclass(frozen=True, eq=False)
 class ByMap(LightForce):
-    """The table's polynomials, with the error that the table certifies."""
+    """The polynomials of a table, with its certified error."""
 
     made: Made
     tolerance: float
-    """relative, of the quadrature beyond the table's range"""
+    """relative, of the quadrature outside the table's range"""
 
     def field(
         self,
@@ -85,16 +85,17 @@ def by_map(scene: Scene) -> ByMap:
 
 
 def force_map(scene: Scene, progress: Progress | None = None) -> Table:
-    """The table of the force of a scene's light: from the user's cache folder, or made and kept.
+    """The table of the force of a scene's light, from the user's cache folder or computed and
+    stored.
 
-    It reaches `optics.table_range` radii from the focus, and is made to `optics.table_tolerance`
-    of the largest force there. progress: called with the part done, 0 to 1, while it is made; a
-    second process that wants the same table waits for the first. One table serves every power of
-    the light, and all scenes that differ in scale alone.
+    It reaches `optics.table_range` radii from the focus. Its tolerance is `optics.table_tolerance`
+    times the largest force there. progress: called with the finished part, 0 to 1, while it is
+    computed; a second process that needs the same table waits for the first. One table serves every
+    power of the light, and all scenes that differ only in scale.
 
-    Raises `SceneError` for a scene without light, or with linear polarisation. Warns if the
-    tolerance is not reached (`PhysicsWarning`): `Table.certified_error` is what is. Warns if the
-    file is damaged, and it is made again, or if it cannot be written.
+    Raises `SceneError` for a scene without light, or with linear polarisation. Warns
+    (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the bound that
+    holds. Warns if the file is damaged, and is then computed again, or if it cannot be written.
     """
     if scene.more_beams:
         raise SceneError("beam: a map is of one beam; a run makes that of each that it needs")

@@ -1,4 +1,4 @@
-"""Coordinates in which the force is smooth up to their edges, and what reads a table made in them.
+"""Coordinates of a force table, in which the force is smooth up to the edges; and its reader.
 
 Lengths are in radii of the bead, forces in n_m P/c: the force of axisymmetric light is then a
 function of the bead's polar coordinates (d, gamma) in the meridional plane alone. It is analytic
@@ -6,9 +6,10 @@ but for
 
 * the circle d = 1 between gamma = a and b, pi/2 -+ theta_m: the plane through the focus across the
   line to the bead then holds rays of the cone, and F goes like w^2 log(w), w^2 = |1 - d^2|;
-* the lines where the bead touches a ray of the rim. Seen from the focus, a bead beside it hides a
+* the lines where the bead touches a ray of the rim. Seen from the focus, a bead outside it covers a
   cone; the rays in the band between p + pi/2 and q + pi/2 miss it, p, q = gamma -+ arccos(1/d). It
-  touches the rim where p or q is one of a, b or their mirror images -a and pi + a: as a power 5/2.
+  touches the rim where p or q is one of a, b or their mirror images -a and pi + a. There F is
+  singular as a power 5/2.
 
 So there are four charts (x, y), cut along these lines into rectangular blocks:
 
@@ -17,18 +18,18 @@ So there are four charts (x, y), cut along these lines into rectangular blocks:
     outer     d > 1                    x = P, y = Q
     triangle  d > 1, |P|, |Q| < tau    x = (Q - P)/(2 tau - |y|), y = P + Q
 
-P = tan((p - pi/2)/2), Q = tan((q - pi/2)/2) and tau = tan(theta_m/2) cost no trigonometry: with
+P = tan((p - pi/2)/2) and Q = tan((q - pi/2)/2) need no trigonometry; tau = tan(theta_m/2). With
 rho and z, and w = tan(arccos(1/d)),
 
     P = -(z + rho w)/(d^2 + rho - z w),    Q = -(z - rho w)/(d^2 + rho + z w).
 
-The triangle lies between the circle (x = 0) and the lines p = a and q = b (x = 1); its y shrinks
-everything towards the end points of the arc, where the lines touch the circle. On the ring and the
-triangle F is even in x; on the outer chart it is symmetric in P and Q. Functions of rho^2 continue
-across the axis, (P, Q) -> (1/Q, 1/P).
+The triangle lies between the circle (x = 0) and the lines p = a and q = b (x = 1). Its width
+vanishes in y towards the end points of the arc, where the lines touch the circle. On the ring and
+the triangle F is even in x; on the outer chart it is symmetric in P and Q. Functions of rho^2
+continue across the axis, (P, Q) -> (1/Q, 1/P).
 
-A block is halved into pieces along x or y, as often as it takes. On each piece F_rho/rho, F_z (and
-the moment M_phi/rho) are polynomials of degree 7 in x and in y.
+A block is bisected into pieces along x or y until the tolerance is met. On each piece F_rho/rho,
+F_z (and the moment M_phi/rho) are polynomials of degree 7 in x and in y.
 """
 
 from __future__ import annotations
@@ -47,26 +48,25 @@ from tweezer.forces.force import KERNEL, Kernel, Pose, Wrench, add
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: coefficients of a polynomial along x, and along y; the kernel's loops are written out for it
+#: Coefficients of a polynomial along x and along y; the kernel's loops are unrolled for this number
 ORDER = 8
-#: radius of the core
+#: Radius of the core, in bead radii
 CORE = 0.6
-#: numbers at the head of a piece: centre and 1/half-width along x, the same along y
+#: Numbers at the head of a piece: centre and 1/half-width along x, then along y
 HEAD = 4
 
 (CORE_CHART, RING, OUTER, TRIANGLE) = range(4)
 
-#: blocks of the triangle with y < 0 and with y > 0
+#: Blocks of the triangle, y < 0 and y > 0
 _TRIANGLES = (4, 17)
 
-#: positions that the kernel finds at once
+#: Positions whose pieces the kernel finds in one batch
 _BATCH = 64
-#: nearest to the circle d = 1 that w is taken: the force is the same to 1e-14, the derivative of
-#: w stays finite
+#: Lower bound on w. Keeps dw/dd finite at d = 1; changes the force by less than 1e-14
 _LEAST_W = 1e-8
-#: 1/d at nodes far past the table's range is kept from vanishing
+#: Lower bound on 1/d at nodes outside the table's range
 _LEAST_COSINE = 1e-3
-#: entry of an index: no piece
+#: Index entry without a piece
 NO_PIECE = -1
 
 
@@ -103,7 +103,7 @@ def blocks(half_angle: float, reach: float) -> Blocks:
 
 
 def places(chart: Integers, x: Array, y: Array, half_angle: float) -> tuple[Array, Array]:
-    """(rho, z) of places x, y (n, ...) on the charts (n,), and past the axis and past w = 0."""
+    """(rho, z) at coordinates x, y (n, ...) of charts (n,), also beyond the axis and w = 0."""
     rho, z = np.empty(x.shape), np.empty(x.shape)
     for each in range(4):
         on = chart == each
@@ -127,7 +127,7 @@ def _places(chart: int, x: Array, y: Array, half_angle: float) -> tuple[Array, A
 
 
 def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
-    """Whether no place within reach lies in `bounds` (n, 4), by more than rounding."""
+    """Whether `bounds` (n, 4) lie out of reach, by more than rounding, (n,)."""
     slack = 1e-9
     x0, x1, y0, y1 = bounds.T
     nearest = np.where(y0 * y1 <= 0, 0.0, np.minimum(y0**2, y1**2))
@@ -152,7 +152,7 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
     fastmath={"reassoc", "contract", "nsz"},
 )
 def _chart_of(rho, z, dd, sine, tau):  # type: ignore[no-untyped-def]
-    """Block of a place, its coordinates, and dx/drho, dx/dz, dy/drho, dy/dz."""
+    """Block of a position, its coordinates there, and dx/drho, dx/dz, dy/drho, dy/dz."""
     if dd < CORE * CORE:
         return 0, rho * rho, z, 2.0 * rho, 0.0, 0.0, 1.0
     if dd < 1.0:
@@ -198,8 +198,8 @@ def _chart_of(rho, z, dd, sine, tau):  # type: ignore[no-untyped-def]
 def _piece_of(block, x, y, frames, roots, index):  # type: ignore[no-untyped-def]
     """Number of the piece at (x, y), or `NO_PIECE`.
 
-    An entry of the index is a piece, or -2 - (64 start + 8 bits_x + bits_y) for a page of
-    2^bits_x by 2^bits_y entries that share the entry's place evenly.
+    An index entry is the number of a piece, or -2 - (64 start + 8 bits_x + bits_y) for a page: a
+    grid of 2^bits_x by 2^bits_y entries over the same rectangle.
     """
     along_x = (x - frames[block, 0]) * frames[block, 1]
     along_y = (y - frames[block, 2]) * frames[block, 3]
@@ -219,9 +219,9 @@ def _piece_of(block, x, y, frames, roots, index):  # type: ignore[no-untyped-def
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def find(positions, half_angle, reach, frames, roots, index, piece_out, place_out):  # type: ignore[no-untyped-def]
-    """Where positions (n, 3), in radii, are in a table.
+    """Pieces and coordinates of positions (n, 3), in radii, in a table.
 
-    piece_out: (n,) numbers of the pieces, or `NO_PIECE`. place_out: (n, 7) rho, x, y, and dx/drho,
+    piece_out: (n,) number of the piece, or `NO_PIECE`. place_out: (n, 7) rho, x, y, and dx/drho,
     dx/dz, dy/drho, dy/dz.
     """
     sine, tau = math.sin(half_angle), math.tan(half_angle / 2.0)
@@ -267,12 +267,11 @@ def _slope(c, i, y):  # type: ignore[no-untyped-def]
 
 @functools.cache
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
-    """What reads a table; what a scene does not need is not compiled in.
+    """The kernel that reads a table, compiled without the parts that a scene does not need.
 
-    Its data are the radius (m); the cone's half angle (rad); how far the table reaches (radii);
-    n_m P/c (N), the unit of its forces; the bound on the error of the force (N); `frames`, `roots`,
-    `index` and `pieces` as `tweezer.optics.tabulate.Made` has them; and the force in place of the
-    table where it does not reach.
+    Its data are the radius (m); the cone's half angle (rad); the range (radii); n_m P/c (N), the
+    unit of force; the bound on the error of the force (N); `frames`, `roots`, `index` and `pieces`
+    of `tweezer.optics.tabulate.Made`; and the force outside the range.
     """
     components = 3 if moment else 2
     width = ORDER * components
@@ -287,12 +286,12 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
         force_out, moment_out = wrench.force, wrench.moment
         force_gradient_out, moment_gradient_out = wrench.force_gradient, wrench.moment_gradient
         per_radius, stiffness = 1.0 / radius, strength / radius
-        # known only when it runs: a loop of known length would be unrolled, not vectorised
+        # a length known at run time only: a loop of known length would be unrolled, not vectorised
         columns = (pieces.shape[1] - HEAD) // ORDER
-        # one piece of memory for each shape: to allot it takes as long as a polynomial
+        # one array for each shape, as an allocation costs as much as a polynomial
         rows = np.empty((5, max(columns, 3)))
         row, row_x, value, by_x, by_y = rows[0], rows[1], rows[2], rows[3], rows[4]
-        # all places of a batch are found first: branches that are hard to foretell stay apart from
+        # all pieces of a batch are found first: branches that are hard to predict stay apart from
         # the polynomials
         size = min(_BATCH, positions.shape[0])
         batch, place = np.empty((size, 3)), np.empty((size, 7))
@@ -377,7 +376,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
 
 
 def unreached() -> Part:
-    """In place of a force beyond the table: an infinite error tells the places."""
+    """Stand-in for the force outside the table: an infinite error marks the positions."""
     return Part(address(_infinite_error, KERNEL), packed())
 
 
@@ -388,7 +387,7 @@ def _infinite_error(pose, data, wrench):  # type: ignore[no-untyped-def]  # noqa
 
 @cached_njit(error_model="numpy", nogil=True)
 def _add_one(force, pose, at, wrench):  # type: ignore[no-untyped-def]
-    """Add what a force does to the bead `at` alone."""
+    """Add a force to the bead `at` only."""
     one = slice(at, at + 1)
     add(
         force,

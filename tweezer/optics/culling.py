@@ -1,9 +1,9 @@
-"""Rays in tiles, so that those far from the bead cost nothing.
+"""Rays in tiles, so that rays far from the bead cost nothing.
 
 A ray through the focus along u hits the bead at p when it passes the centre within r:
 |u x p| < r, so |u . p| > d cos(asin(r/d)). A tile of neighbouring rays lies within a small angle w
 of its mean direction c; if it holds a ray that hits, the line to the bead is within asin(r/d) + w
-of c. Only tiles that meet this are looked at, and no ray that hits is left out.
+of c. The sum runs over the tiles that satisfy this, and misses no ray that hits.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from tweezer.compiled import cached_njit
 
 Array = NDArray[np.float64]
 
-#: rays of a tile; a multiple of what a processor takes at once
+#: Rays in a tile; a multiple of the vector length of processors
 TILE = 32
-#: tiles looked at in one go
+#: Tiles tested in one batch
 TILES_AT_ONCE = 64
 
 
 class Tiles(NamedTuple):
-    """Rays through the focus, in tiles of neighbours; the last ones are filled up with no light."""
+    """Rays through the focus in tiles of neighbours; incomplete tiles are padded with dark rays."""
 
     directions: Array
     """(3, tile, ray) unit vectors u_i"""
@@ -35,7 +35,7 @@ class Tiles(NamedTuple):
     """(3, tile) mean directions, unit vectors"""
     spread_cos: Array
     spread_sin: Array
-    """(tile,) of the largest angle w between a ray and its tile's mean direction"""
+    """(tile,) cosine and sine of the largest angle w between a ray and its tile's mean direction"""
 
 
 def tiles(directions: Array, strengths: Array) -> Tiles:
@@ -53,7 +53,7 @@ def tiles(directions: Array, strengths: Array) -> Tiles:
     in_tiles = np.ascontiguousarray(directions[:, index])
     centres = in_tiles.mean(axis=2)
     centres /= np.linalg.norm(centres, axis=0)
-    # the angle from the chord: no digits are lost at small angles
+    # from the chord, as the cosine loses digits at small angles
     chord = np.linalg.norm(in_tiles - centres[:, :, None], axis=0).max(axis=1)
     spread = 2 * np.arcsin(np.minimum(chord / 2, 1.0)) * (1 + 1e-9) + 1e-12
     return Tiles(
@@ -65,7 +65,7 @@ def tiles(directions: Array, strengths: Array) -> Tiles:
 def rays_near(tiles, first, p1, p2, p3, radius, rays):  # type: ignore[no-untyped-def]
     """Copy to `rays` the tiles from `first` that may hold a ray that hits; returns its count."""
     squared = p1 * p1 + p2 * p2 + p3 * p3
-    # the line's tangent to the bead: d times cosine and sine of asin(r/d); inside all rays hit
+    # d times cosine and sine of asin(r/d), the angle of a tangent; inside the bead all rays hit
     tangent = math.sqrt(max(squared - radius * radius, 0.0))
     inside = squared <= radius * radius
     count = 0
@@ -76,7 +76,7 @@ def rays_near(tiles, first, p1, p2, p3, radius, rays):  # type: ignore[no-untype
                 + tiles.centres[1, tile] * p2
                 + tiles.centres[2, tile] * p3
             )
-            # d cos(asin(r/d) + w); beyond a right angle nothing can be ruled out
+            # d cos(asin(r/d) + w); no test beyond a right angle
             least = tangent * tiles.spread_cos[tile] - radius * tiles.spread_sin[tile]
             if along < least * (1.0 - 1e-12):
                 continue

@@ -1,8 +1,8 @@
 """The sum over rays (3.26), compiled from the emitted ray.
 
-Two kernels, for two ways to choose the rays: the thesis's grid, and the rules of a quadrature,
-which sums the rays of its rules and asks for more until its tolerance is reached. What a scene does
-not need is not compiled in.
+Two kernels for two sets of rays: the thesis's grid, and the rules of a quadrature, which are
+refined until the tolerance is reached. Kernels are compiled without the parts that a scene does not
+need.
 """
 
 from __future__ import annotations
@@ -63,32 +63,32 @@ from tweezer.optics.quadrature import (
 
 cache_functions(ray)
 
-#: cos^2 of refraction below which a ray counts as totally reflected: rounding cannot then put a
-#: negative number under the root, and Q is continuous there
+#: cos^2 of refraction below which a ray counts as totally reflected. Keeps rounding from making the
+#: square root imaginary; Q is continuous there
 TOTAL_REFLECTION = 1e-15
-#: rays up to this close to grazing are summed; nearer they exert nothing, their rates are infinite
+#: Upper bound on sin^2 of incidence: at grazing incidence the derivative of the force is infinite
 _GRAZING = 1.0 - 1e-16
-#: A force below this part of the largest counts as vanishing. The largest is taken as the strength
-#: of the light times the contrast 5 |1 - n_m/n_P|, where that is below 1
+#: Force that counts as zero, as a part of the largest. The largest is estimated as the strength of
+#: the light times min(1, 5 |1 - n_m/n_P|)
 VANISHING = 3e-7
-#: no estimate of an error is believed below this part of the tolerance
+#: Lower bound on error estimates, as a part of the tolerance
 TRUSTED = 0.01
 
 
 class Rays(NamedTuple):
-    """What the sum over rays of a scene has to hold."""
+    """What the sum over the rays of a scene has to compute; a kernel is compiled for each."""
 
     polarisation: str
-    """as `tweezer.scene.Beam.polarisation`"""
+    """see `tweezer.scene.Beam.polarisation`"""
     denser_medium: bool
-    """n_P < n_m, so that rays may be totally reflected"""
+    """whether n_P < n_m, so that rays may be totally reflected"""
     gradient: bool
-    """also derivatives over the position"""
+    """whether derivatives over the position are computed"""
     moment: bool
-    """also the moment (3.25)"""
+    """whether the moment (3.25) is computed"""
 
 
-#: what a sum may do: NaN and infinity keep their meaning
+#: Compiler options of sums. They may be reordered; NaN and infinity keep their meaning
 _SUMS: dict[str, Any] = {
     "error_model": "numpy", "nogil": True, "fastmath": {"reassoc", "contract", "arcp", "nsz"},
 }  # fmt: skip
@@ -96,7 +96,7 @@ _SUMS: dict[str, Any] = {
 
 @functools.cache
 def _efficiencies(rays: Rays) -> Any:
-    """Compiled: efficiencies of n rings, and of all their rays, once for each ring."""
+    """Compiled function: efficiencies of n rings of rays, the same for all rays of a ring."""
     averaged = rays.polarisation == "averaged-reflectance"
     denser_medium, gradient = rays.denser_medium, rays.gradient
 
@@ -133,10 +133,10 @@ def _efficiencies(rays: Rays) -> Any:
 
 @functools.cache
 def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
-    """Compiled: force, size, moment and gradients of the first `count` rays of `room`.
+    """Compiled function: force, size, moment and gradients of the first `count` rays of `room`.
 
-    It is a function of its own because inside a large one the compiler does not vectorise its loop.
-    in_rings: the efficiencies are in `room` already.
+    It is separate because the compiler does not vectorise its loop inside a large function.
+    in_rings: whether `room` already holds the efficiencies.
     """
     averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
@@ -203,7 +203,7 @@ def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
             if by_grid or linear:
                 f2 += F2
             if not by_grid:
-                # one number that no symmetry makes vanish
+                # scalar whose expansion estimates the error: a combination that no symmetry cancels
                 F = F1 + 0.6180339887498949 * F3
                 if linear:
                     F += 0.3819660112501051 * F2
@@ -292,12 +292,12 @@ def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy", nogil=True)
 def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
-    """Give more nodes to the rules whose error is above `target`, N; whether any is due again."""
+    """Refine the rules whose error is above `target`, N; returns whether any was refined."""
     again = False
     for k in range(many):
         if errors[k, 0] + errors[k, 1] <= 2.0 * target:
             continue
-        # by what factor more digits are wanted than the nodes gave
+        # ratio of the digits needed to those reached
         wanted = math.log(max(sizes[k], target) / target)
         along = around = 0.0
         if errors[k, 0] > target:
@@ -310,7 +310,7 @@ def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore
 
 
 class Sphere(NamedTuple):
-    """The bead as rays see it."""
+    """The bead in ray optics."""
 
     radius: float
     """m"""
@@ -356,7 +356,7 @@ def grid_kernel(rays: Rays) -> Kernel:
 
 @njit(error_model="numpy")
 def _gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
-    """Add the sums over some rays to (24,) force, moment, and their gradients."""
+    """Add the sums over some rays to `found` (24,): force, moment, and their gradients."""
     (
         f1, f2, f3, _, m1, m2, m3,
         j11, j12, j13, j21, j22, j23, j31, j32, j33,
@@ -379,7 +379,7 @@ def _gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def _put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
-    """Add what `_gather` found to place `at` of a wrench, turned about z."""
+    """Add `found` of `_gather`, turned about z, to bead `at` of a wrench."""
     wrench.force[at, 0] += cosine * found[0] - sine * found[1]
     wrench.force[at, 1] += sine * found[0] + cosine * found[1]
     wrench.force[at, 2] += found[2]
@@ -424,15 +424,15 @@ def quadrature_kernel(rays: Rays) -> Kernel:
         source = _rule(data, 3)
         room = scratch()
         rules = np.empty((MOST_PANELS, COLUMNS))
-        found = np.empty((MOST_PANELS, 24))  # sums of each rule
-        errors = np.empty((MOST_PANELS, 2))  # along x, and in the azimuth
+        found = np.empty((MOST_PANELS, 24))  # sums over the rays of each rule
+        errors = np.empty((MOST_PANELS, 2))  # error along x and in the azimuth
         sizes = np.empty(MOST_PANELS)
         due = np.empty(MOST_PANELS, np.bool_)
         a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
         least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
         for at in range(pose.position.shape[0]):
             p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
-            # the frame with the bead at (lateral, 0, axial)
+            # to the frame with the bead at (lateral, 0, axial)
             cosine, sine = 1.0, 0.0
             lateral = math.hypot(p1, p2)
             if lateral > 0.0:
@@ -448,7 +448,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                 b_re = cosine * jones[2] - sine * jones[0]
                 b_im = cosine * jones[3] - sine * jones[1]
             error = whole = 0.0
-            full = many > 0 and rules[0, KIND] == DISC  # whose weights are full
+            full = many > 0 and rules[0, KIND] == DISC  # with the full series
             while True:
                 for k in range(many):
                     if not due[k]:
@@ -466,13 +466,13 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     found[k] = 0.0
                     _gather(sums, gradient, moment, found[k])
                     if not linear:
-                        found[k, 3] = found[k, 5] = 0.0  # the other half of the rays
+                        found[k, 3] = found[k, 5] = 0.0  # cancelled by the other half of the rays
                     size = sums[3]
                     sizes[k] = size
                     errors[k, 0] = errors[k, 1] = 0.0
                     if size > 0.0:
                         along, around = tails(source, rules, k, room, size, linear, gradient)
-                        if kind == DISC:  # the coefficients fall as its ellipses tell
+                        if kind == DISC:  # its ellipses bound the decay of the coefficients
                             n, m = LEVELS[level], rules[k, AZIMUTHS]
                             errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
                             errors[k, 0] += source.aliased[level]
@@ -491,7 +491,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                 whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
                 if error <= source.tolerance * whole:
                     break
-                # what of the light is missing, and which rules miss their part
+                # the error from the truncated series of the light, and the rules to refine
                 again = not full and unknown > 0.1 * source.tolerance * whole
                 if again:
                     full = True
@@ -512,10 +512,10 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                 error = max(error, TRUSTED * source.tolerance * whole)
             wrench.error[at] += error
             if p1 == 0.0 and not linear:
-                total[0] = 0.0  # on the axis, exactly
+                total[0] = 0.0  # exactly zero on the axis
                 total[4] = 0.0
                 total[8] = total[12] = 0.0
-            # turned back into the frame of the scene
+            # back to the frame of the scene
             _put(total, cosine, sine, gradient, moment, at, wrench)
 
     return integrate_over_lens

@@ -50,7 +50,7 @@ class Light:
         return Sphere(self.radius, self.index_ratio)
 
     def rays(self, *, gradient: bool) -> Rays:
-        """What the kernels are compiled for."""
+        """The kind of rays that a kernel is compiled for."""
         return Rays(self.polarisation, self.index_ratio > 1, gradient, self.torque)
 
 
@@ -83,14 +83,14 @@ class LightForce(Force):
         time: float | Array = 0.0,
         orientations: Array | None = None,
     ) -> Wrench:
-        """See `Force.field`. Bound once: finding the kernel's address takes as long as a force."""
+        """See `Force.field`. Bound once, as the look-up of the kernel costs as much as a force."""
         if gradient not in self._parts:
             self._parts[gradient] = bound(self, gradient=gradient)
         return evaluated(self._parts[gradient], positions, gradient, time, orientations)
 
     @functools.cached_property
     def _parts(self) -> dict[bool, Part]:
-        """The force with gradients and without, once used."""
+        """The bound force with gradients (True) and without, filled when used."""
         return {}
 
     def certain(self) -> LightForce:
@@ -102,7 +102,7 @@ class LightForce(Force):
         return error_by(self.certain(), positions, field, time)
 
     def allowed_error(self, force: Array) -> Array:
-        """Error up to which a force (n, 3) N is as exact as the scene wants it, (n,) N."""
+        """Largest error of a force (n, 3) N within the tolerance of the scene, (n,) N."""
         return np.full(len(force), np.inf)
 
     def of_radius(self, radius: float) -> Self:

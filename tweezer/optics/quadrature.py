@@ -1,28 +1,31 @@
 """Rays of a product rule that integrates over the cone of light with spectral convergence.
 
-The sum over rays (3.26) becomes an integral over directions u; a rule is a set of directions with
-weights, and its sum is done by the same kernel as the sum over the thesis's grid
-(`tweezer.optics.kernels`). Two kinds of rules, each n nodes in the cosine x of the angle to a pole
-by m in the azimuth about it:
+The sum over rays (3.26) becomes an integral over directions u. A rule is a set of directions with
+weights, summed by the same code as the thesis's grid (`tweezer.optics.kernels`). There are two
+kinds of rules, each with n nodes in the cosine x of the angle to a pole and m in the azimuth about
+it:
 
-* the disc, about the beam's axis: Gauss-Legendre in x = cos(theta), trapezoid in the azimuth. For a
-  bead that every ray hits well inside its edge. The integrand is singular where cos(alpha) = 0, off
-  the real directions; how far off gives the rate of convergence, and so n and m, in advance.
-* rings, about the line from the focus to the bead: all rays at one angle g to that line meet the
-  bead at the same angle alpha, and
+* the disc, about the beam's axis: Gauss-Legendre in x = cos(theta), trapezoidal in the azimuth. It
+  serves beads that every ray hits well inside the edge. The integrand is then singular only at
+  complex directions, where cos(alpha) = 0; their distance from the real ones gives the rate of
+  convergence, and so n and m, in advance.
+* rings, about the line from the focus to the bead: all rays at an angle g to that line meet the
+bead
+  at the same angle of incidence alpha, with
 
       cos(alpha) = (d/r) sqrt(x^2 +- delta^2),  delta^2 = |1 - (r/d)^2|,
 
-  + for a bead over the focus (d < r), - for a bead beside it. x = cos(g) is cut into panels
-  where the integrand is not smooth: where rays graze the bead, where the rim of the cone begins or
-  ceases to cut the ring (two values of g), and where total reflection sets in. cos(alpha) is smooth
-  in t, x = delta sinh(t) or delta cosh(t); for small delta nodes crowd towards cos(alpha) = 0
-  instead. The square roots at the rim are taken out by a substitution with a double zero there, and
-  a triple one where another such place lies close beyond. At grazing incidence the efficiencies
-  vanish, so the derivative over the position has no boundary term, and the same rays give it.
+  + if the focus is inside the bead (d < r), - if it is outside. The interval of x = cos(g) is cut
+  into panels where the integrand is not smooth: where rays graze the bead, where the rim of the
+  cone begins or ceases to cut the ring (two values of g), and where total reflection begins.
+  cos(alpha) is smooth in t with x = delta sinh(t) or delta cosh(t); for small delta nodes are
+  concentrated near cos(alpha) = 0 instead. A substitution with a double zero removes the square
+  roots at the rim; the zero is triple if another singularity lies close beyond. At grazing
+  incidence the efficiencies vanish, so the derivative over the position has no boundary term and
+  needs no other rays.
 
 The last coefficients of the expansions in x (Legendre) and the azimuth (Legendre or Fourier)
-estimate the error; a rule that misses its part of the tolerance is done again with more nodes.
+estimate the error. A rule that misses its part of the tolerance is repeated with more nodes.
 """
 
 from __future__ import annotations
@@ -40,56 +43,56 @@ from tweezer.compiled import cached_njit
 
 Array = NDArray[np.float64]
 
-#: numbers of nodes along x, in the order they are tried; multiples of a processor's vectors. A
-#: tuple, not an array: so the compiler sees that none is negative, and vectorises loops over nodes
+#: Numbers of nodes along x, in the order in which they are tried; multiples of a vector's length. A
+#: tuple shows the compiler that none is negative, which lets it vectorise loops over nodes
 LEVELS = (4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96)
-#: most nodes in the azimuth
+#: Largest number of nodes in the azimuth
 MOST_AZIMUTHS = 64
-#: most rays of one rule
+#: Largest number of rays in a rule
 MOST_RAYS = 4096
-#: most panels of one place
+#: Largest number of panels for a position
 MOST_PANELS = 192
-#: a disc of more rays than this costs more than the rings
+#: Largest number of rays in a disc; beyond it rings cost less
 LARGEST_DISC = 800
 
-#: coefficients at the end of an expansion that estimate what it leaves out
+#: Number of last coefficients of an expansion that estimate its error
 TAIL = 4
-#: The error of rings and of arcs is taken as factor * tail^power of their size, tail their largest
-#: last coefficient: Gauss and the trapezoid rule err by the coefficients near twice the last one
-#: they tell. Found by comparison with tighter rules; (along x or azimuth, factor and power)
+#: Estimated relative error of rings and of arcs: factor * tail^power, with tail the largest of the
+#: last coefficients. (Gauss's and the trapezoidal rule err by coefficients of about twice the last
+#: order that they resolve.) Fitted to tighter rules; (along x, azimuth) of (factor, power)
 ERROR_OF_RINGS = ((2.5, 1.75), (10.0, 2.0))
 ERROR_OF_ARCS = ((6.0, 1.6), (1.5, 1.75))
-#: parts of those coefficients in the tail: the earlier ones only stand in where the last two
-#: happen to be small
+#: Weights of the last coefficients in the tail: the earlier ones matter only if the last two are
+#: small by chance
 _NEAR = (1.0, 1.0, 0.05, 0.05)
 
-#: first row of the half circle in the table of azimuths
+#: First row of the half circle in the table of azimuths
 _CIRCLE = 2 + TAIL
-#: nodes along x for each digit of a panel; one more where it has a double zero
+#: Nodes per decimal digit; one more if the panel starts at a double zero
 _NODES_PER_DIGIT = 2.6
-#: orders of the zero of the substitution at the ends of a panel
+#: Possible orders of the zero of the substitution at an end of a panel
 _ORDERS = (1, 2, 3)
-#: below this delta nodes crowd towards cos(alpha) = 0
+#: delta below which nodes are concentrated near cos(alpha) = 0
 _SMALL_DELTA = 0.1
-#: below this delta the surface of the bead counts as passing through the focus
+#: delta below which the focus counts as on the surface of the bead
 _NO_DELTA = 1e-7
-#: a place of this part of a panel's length beyond its end is close
+#: A singularity nearer to a panel's end than this fraction of its length is "close"
 _CLOSE = 0.15
-#: angles farther apart than this, rad, do not disturb each other
+#: Smallest distance of singular angles that do not affect each other, rad
 _APART = 0.2
-#: angles nearer than this are as good as one: what they make of each other goes like its power 3/2
+#: Angles closer than this are merged, rad: the error is of order gap^(3/2)
 _NO_GAP = 1e-8
 #: Lower bound on the width of a ring in cos(theta), in units of sin^2(theta_m/2)
 _NO_WIDTH = 1e-300
-#: 1/n_mP^2 - 1 below which the bead's index is nearly the medium's
+#: 1/n_mP^2 - 1 below which the index of the bead counts as close to that of the medium
 _NEARLY_EQUAL = 0.05
-#: Taylor's coefficients of sin(x)/x over x^2, the last first
+#: Taylor coefficients of sin(x)/x in x^2, highest first
 _SINE = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in reversed(range(11)))
-#: most coefficients of the light's series for which its sum stays in registers
+#: Largest number of coefficients of the light's series whose sum stays in registers
 SHORT = 20
-#: Taylor's coefficients of exp(x), the last first
+#: Taylor coefficients of exp(x), highest first
 _EXP = tuple(1.0 / math.factorial(k) for k in reversed(range(13)))
-#: arcsin(sqrt(q))/sqrt(q) from 0 to 1/2 as a polynomial of q, the last coefficient first
+#: arcsin(sqrt(q))/sqrt(q) on [0, 1/2] as a polynomial in q, highest coefficient first
 ARCSINE = tuple(
     Chebyshev.interpolate(
         lambda q: np.divide(np.arcsin(np.sqrt(q)), np.sqrt(q), out=np.ones_like(q), where=q > 0),
@@ -100,12 +103,12 @@ ARCSINE = tuple(
     .coef[::-1]
 )
 _ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
-#: buckets of the width of a ring in cos(theta), for the number of its azimuths
+#: Number of classes of a ring's width in cos(theta), for the number of its azimuths
 _WIDTHS = 16
 
 
 class Rule(NamedTuple):
-    """All that the nodes of a scene are made from, but the bead's place.
+    """What the nodes of a scene are computed from, beside the position of the bead.
 
     Tables are padded with zeros; indices are (level, ...) along x and (m, ...) for m azimuths.
     """
@@ -113,31 +116,31 @@ class Rule(NamedTuple):
     half_angle: float
     """theta_m of the cone, rad"""
     series: Array
-    """n_m/c times the power per solid angle, N/sr, over y = -1 (rim) to 1 (axis), linear in
-    cos(theta): SHORT powers, the highest first, or more than SHORT Chebyshev coefficients"""
+    """n_m/c times the power per solid angle, N/sr, on y = -1 (rim) to 1 (axis), linear in
+    cos(theta): SHORT powers, highest first, or more than SHORT Chebyshev coefficients"""
     left_out: float
-    """N/sr, by how much the series may be off"""
+    """bound on the error of the series, N/sr"""
     full: Array
-    """the series to rounding, for places where there is so little light that this matters"""
+    """the series to rounding, for positions with so little light that this matters"""
     rounding: float
-    """N/sr, by how much that may be off"""
+    """bound on the error of `full`, N/sr"""
     strength: float
     """n_m P/c of all rays, N"""
     tolerance: float
     nodes: Array
-    """(level, pair of orders, 3, node): place from a panel's first end, 0 to 1; from its other end,
-    without rounding; and weight"""
+    """(level, pair of orders, 3, node): position from a panel's first end, 0 to 1; from its other
+    end, without cancellation; and weight"""
     tail: Array
-    """(level, TAIL, node) the last Legendre coefficients, per weighted value"""
+    """(level, TAIL, node) the last Legendre coefficients of a weighted value of 1 at a node"""
     azimuth: Array
-    """(m, 5 + 2 TAIL, node) of half an arc: place from 0 to 1, weight, and the last coefficients;
-    of half a circle: cosine, sine, weight, and the last coefficients"""
+    """(m, 5 + 2 TAIL, node). Half an arc: position from 0 to 1, weight, and the last coefficients.
+    Half a circle: cosine, sine, weight, and the last coefficients"""
     harmonics: NDArray[np.int64]
-    """(width,) in the azimuth, of the light of a ring of such width"""
+    """(width,) degree of the light in the azimuth, by the width of the ring"""
     aliased: Array
-    """(level,) N, what the disc may make of harmonics of the light too high for its nodes"""
+    """(level,) N, bound on the aliasing of the light's harmonics on the nodes of the disc"""
     radiance: Array
-    """(level, node) weight of the disc's nodes, n_m/c times power per solid angle included, N"""
+    """(level, node) weight of the disc's nodes times n_m/c times power per solid angle, N"""
 
 
 def rule(half_angle: float, series: Array, strength: float, tolerance: float) -> Rule:
@@ -148,7 +151,7 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
     """
     nodes, tail = _panel_tables()
     full = _summed_fast(series)
-    # all of a short series costs no more than a part of it
+    # a short series costs the same in whole and in part
     needed = series if full.size == SHORT else _needed(series, 1e-3 * tolerance)
     rounding = 1e-15 * float(np.abs(series).sum())
     left_out = float(np.abs(series[needed.size :]).sum()) + rounding
@@ -167,13 +170,13 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
 
 
 def _needed(series: Array, tolerance: float) -> Array:
-    """The series without the last coefficients that sum to less than `tolerance` of the whole."""
+    """The series without last coefficients that sum to less than `tolerance` of the whole."""
     left = np.cumsum(np.abs(series[::-1]))[::-1]
     return np.ascontiguousarray(series[: max(1, int((left > tolerance * left[0]).sum()))])
 
 
 def _summed_fast(series: Array) -> Array:
-    """The series as SHORT powers of its argument, the highest first, where that loses nothing."""
+    """The series as SHORT powers, highest first, unless that loses digits."""
     if series.size > SHORT:
         return series
     powers = np.pad(chebyshev.cheb2poly(series), (0, SHORT - series.size))[::-1]
@@ -186,7 +189,7 @@ def _summed_fast(series: Array) -> Array:
 
 
 def _harmonics(series: Array, tolerance: float) -> NDArray[np.int64]:
-    """For rings of growing width in cos(theta): degree of their light in the azimuth's cosine."""
+    """Degree of the light in the azimuth's cosine, for rings of growing width in cos(theta)."""
     half = (np.arange(_WIDTHS) + 1) / _WIDTHS  # of a ring's width, in units of half the cone's
     centre = (1 - half[:, None]) * np.linspace(-1, 1, 5)
     n = len(series)
@@ -200,7 +203,7 @@ def _harmonics(series: Array, tolerance: float) -> NDArray[np.int64]:
 
 @functools.cache
 def _panel_tables() -> tuple[Array, Array]:
-    """Gauss's nodes under substitutions with zeros of the given orders at the ends."""
+    """Gauss nodes after substitutions with zeros of the given orders at the ends."""
     nodes = np.zeros((len(LEVELS), len(_ORDERS) ** 2, 3, LEVELS[-1]))
     tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
     for level, count in enumerate(LEVELS):
@@ -217,7 +220,7 @@ def _panel_tables() -> tuple[Array, Array]:
 
 
 def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
-    """The polynomial from 0 to 1 with zeros of its slope of order low - 1 and high - 1."""
+    """The polynomial from 0 to 1 whose slope has zeros of order low - 1 and high - 1."""
     z = Polynomial([0, 1])
     slope = z ** (low - 1) * (1 - z) ** (high - 1)
     total = slope.integ()
@@ -225,7 +228,7 @@ def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
 
 
 def _legendre_tails(x: Array) -> Array:
-    """The last coefficients that Gauss's nodes x tell, per weighted value, (TAIL, n)."""
+    """Last coefficients resolved by the Gauss nodes x, for a weighted value of 1, (TAIL, n)."""
     degrees = np.maximum(len(x) - 1 - np.arange(TAIL), 0)
     return np.array([(2 * degree + 1) * Legendre.basis(degree)(x) for degree in degrees])
 
@@ -248,9 +251,9 @@ def _azimuth_tables() -> Array:
     return table
 
 
-# --- a place of the bead: which rules ------------------------------------------------------------
+# --- the rules of a position ----------------------------------------------------------------------
 
-# columns of the table of a place's rules
+# columns of the table of the rules of a position
 KIND, LEVEL, AZIMUTHS, _POLE, _BEGIN, _SPAN, _PAIR = range(7)
 COLUMNS = 7
 RATE_X, RATE_AZIMUTH = _BEGIN, _SPAN
@@ -259,7 +262,7 @@ DISC, RINGS, ARCS = 0, 1, 2
 
 
 class Place(NamedTuple):
-    """Where the bead is, seen from the focus."""
+    """Position of the bead, seen from the focus."""
 
     ratio: float
     """d/r"""
@@ -268,14 +271,14 @@ class Place(NamedTuple):
     """of the angle gamma between the beam's axis and the line to the bead"""
     delta: float
     beside: bool
-    """d > r"""
+    """whether d > r"""
     crowded: bool
-    """delta is small"""
+    """whether delta is small"""
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
-    """The place of a bead at `lateral` from the axis and `axial` along it."""
+    """The `Place` of a bead at `lateral` from the axis and `axial` along it."""
     distance = math.hypot(lateral, axial)
     ratio = distance / radius
     cos_tilt, sin_tilt = 1.0, 0.0
@@ -292,7 +295,7 @@ def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
-    """Fill the table of rules for a place; returns how many."""
+    """Fill the table of rules of a position; returns their number."""
     digits = 1.0 - math.log10(rule.tolerance)
     if _disc(place, rule, n_mP, digits, rules):
         return 1
@@ -307,7 +310,7 @@ def _ellipse(re, im):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _level_of(nodes):  # type: ignore[no-untyped-def]
-    """The smallest level of at least that many nodes; the last one if none has."""
+    """The smallest level with at least `nodes` nodes; the last one if none has."""
     for level in range(len(LEVELS)):
         if LEVELS[level] >= nodes:
             return level
@@ -316,17 +319,17 @@ def _level_of(nodes):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
-    """The disc, if every ray hits the bead and it converges soon enough.
+    """The disc, if every ray hits the bead and few nodes suffice; returns whether it is used.
 
     cos(alpha) = 0 at cos(g) = +-sqrt(1 - (r/d)^2), imaginary for d < r; cos(beta) = 0 likewise
     with r n_P/n_m.
     """
     rim_cos, rim_sin = math.cos(rule.half_angle), math.sin(rule.half_angle)
     along_rim, across_rim = rim_cos * place.cos_tilt, rim_sin * place.sin_tilt
-    # the largest angle of any ray to the line, folded: none may miss, or be totally reflected
+    # largest angle of a ray to the line, folded: no ray may miss, or be totally reflected
     effective = place.ratio * max(n_mP, 1.0)
     if effective >= 1.0:
-        nearest = along_rim - across_rim  # cos(g) of the rim's far side
+        nearest = along_rim - across_rim  # cos(g) at the far side of the rim
         if nearest * place.cos_tilt <= 0.0 or along_rim * place.cos_tilt <= 0.0:
             return False
         sine_far = math.sqrt(max(1.0 - nearest * nearest, 0.0))
@@ -335,7 +338,7 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     squared = 1.0 - 1.0 / max(effective, 1e-6) ** 2
     re, im = (math.sqrt(squared), 0.0) if squared > 0.0 else (0.0, math.sqrt(-squared))
     centre, half = 0.5 * (1.0 + rim_cos), 0.5 * (1.0 - rim_cos)
-    # errors fall as those of a function analytic in the ellipse (Bernstein) through the singularity
+    # the error decays as for a function analytic in the Bernstein ellipse through the singularity
     axis_x, axis_azimuth = 1e6, 1e6
     cross = math.sqrt(max(1.0 - squared, 0.0)) * place.sin_tilt
     for sign in (-1.0, 1.0):
@@ -351,7 +354,7 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
         return False
     decay = 0.5 * digits * math.log(10.0)
     nodes = math.ceil(0.9 * decay / rate_x) + rule.harmonics[-1] // 4
-    # a product with the light's highest harmonic is exact: the light may not be smooth
+    # exact for a product with the light's highest harmonic, as the light may not be smooth
     nodes = max(nodes, rule.harmonics[-1] // 2 + 4)
     azimuths = 1
     if place.sin_tilt > 0.0:
@@ -362,7 +365,7 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     rules[0, KIND] = DISC
     rules[0, LEVEL] = level
     rules[0, AZIMUTHS] = azimuths
-    # how fast the coefficients fall, for the estimate of the error; the light's own at least so
+    # decay of the coefficients for the error estimate; at least that of the light
     of_light = (digits - 1.0) * math.log(10.0) / max(rule.harmonics[-1], 1)
     rules[0, RATE_X] = min(rate_x, of_light)
     rules[0, RATE_AZIMUTH] = min(rate_azimuth, of_light)
@@ -371,13 +374,13 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _pole_of(place):  # type: ignore[no-untyped-def]
-    """t at the pole, where x = 1; beside the bead t = 0 is where rays graze."""
+    """t at the pole, where x = 1; outside the bead rays graze it at t = 0."""
     return math.atanh(1.0 / place.ratio) if place.beside else math.asinh(1.0 / place.delta)
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
-    """t at the pole less t at `angle` from it, without cancellation near the pole."""
+    """t at the pole minus t at `angle` from it, without cancellation near the pole."""
     x = 1.0 - 2.0 * math.sin(0.5 * angle) ** 2
     pole, here = 1.0 / delta, x / delta
     if beside:
@@ -387,13 +390,13 @@ def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
         a, b = math.sqrt(pole * pole + 1.0), math.sqrt(here * here + 1.0)
         if here < 0.0:
             return math.asinh(pole) + math.asinh(-here)
-    # a difference of areas by the addition theorem of sinh
+    # difference of areas by the addition theorem of sinh
     return math.asinh((pole - here) * (pole + here) / (a * here + pole * b))
 
 
 @cached_njit(error_model="numpy", nogil=True)
 def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
-    """The panels of rings and arcs; returns how many."""
+    """The panels of rings and arcs; returns their number."""
     cuts = np.empty(MOST_PANELS // 2)
     tilt = math.atan2(place.sin_tilt, place.cos_tilt)
     top = math.pi
@@ -401,7 +404,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
         top = math.asin(1.0 / place.ratio)
     elif place.crowded or n_mP > 1.0:
         top = 0.5 * math.pi
-    # the onset of total reflection, x = +-onset: at, or off, the real directions
+    # total reflection begins at x = +-onset, which may be complex
     critical, onset = -1.0, 1.0
     if n_mP > 1.0:
         inner = n_mP * place.ratio
@@ -409,7 +412,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
         if inner > 1.0:
             critical = math.asin(1.0 / inner)
     # Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of light that goes round inside without end.
-    # It tells the nodes for each digit on a panel from cos(alpha) = 0 to 1; for a bead of nearly
+    # It sets the nodes per digit on a panel from cos(alpha) = 0 to 1; for a bead of nearly
     # the medium's index panels grow from grazing instead
     pole = 1.0 / n_mP**2 - 1.0
     per_digit = _NODES_PER_DIGIT
@@ -420,8 +423,8 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     both = place.beside or top < 2.0
     for side in range(2):
         if not both and (side == 1) == (place.cos_tilt >= 0.0):
-            continue  # all rings in one piece, about the pole that is nearer to the light
-        # the two rims, as angles from this pole, and whether rings inside the first and outside
+            continue  # all rings in one interval, about the pole nearer to the light
+        # angles of the two rims from this pole, and whether rings inside the first and outside
         # the second are whole
         tilt_here = tilt if side == 0 else math.pi - tilt
         first = abs(rule.half_angle - tilt_here)
@@ -432,7 +435,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
             second = 2.0 * math.pi - second
         cuts[0], cuts[1], cuts[2], cuts[3] = 0.0, min(first, top), min(second, top), top
         places = 4
-        # arcs that begin near the pole: sqrt(1 - x) is not smooth there, so panels grow from it
+        # arcs that begin near the pole, where sqrt(1 - x) is not smooth: panels grow from it
         last = min(second, top)
         growing = 3.0 * max(first, 1e-3 * last)
         while 0.0 < first < growing < 0.7 * last and places < cuts.size:
@@ -452,13 +455,13 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
                 places += 1
             cosine = 3.0 * cosine
         if onset < 0.5:
-            # panels that grow with their distance from the onset
+            # panels that grow with the distance from the onset
             x = onset
             while x < 0.5 and places < cuts.size:
                 x = max(3.0 * x, 1e-5)
                 cuts[places] = min(math.acos(min(x, 1.0)), top)
                 places += 1
-        for k in range(1, places):  # in order, by insertion
+        for k in range(1, places):  # insertion sort
             cut_at, i = cuts[k], k
             while i > 0 and cuts[i - 1] > cut_at:
                 cuts[i] = cuts[i - 1]
@@ -508,7 +511,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
                     b = _pole_of(place)
             rules[count, _BEGIN] = a
             rules[count, _SPAN] = b - a
-            # a panel of a small solid angle needs fewer digits
+            # a panel with a small solid angle needs fewer digits
             share_of_angle = (math.cos(lo) - math.cos(hi)) / (1.0 - math.cos(top))
             wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
             slope = per_digit + (1.0 if low == 2 else 0.0)
@@ -537,10 +540,10 @@ def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _without_close(cuts, places, first, second, critical):  # type: ignore[no-untyped-def]
-    """Drop cuts close to a rim or to the onset of total reflection; how many are left.
+    """Drop cuts close to a rim or to the onset of total reflection; returns the number left.
 
-    The panel on the far side of such a cut would end so near to a root that it converges slowly,
-    and the last coefficients do not show it.
+    The panel beyond such a cut would end close to a square root and converge slowly, and its last
+    coefficients would not show it.
     """
     left = 1
     for k in range(1, places - 1):
@@ -558,7 +561,7 @@ def _without_close(cuts, places, first, second, critical):  # type: ignore[no-un
 
 @cached_njit(error_model="numpy", nogil=True)
 def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
-    """Azimuths for the rings from `lo` to `hi`, by how much of the cone the widest one spans."""
+    """Azimuths of the rings from `lo` to `hi`, by the part of the cone that they span."""
     widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
     half = 0.5 * (1.0 - math.cos(rule.half_angle))
     width = widest * place.sin_tilt / half
@@ -570,9 +573,10 @@ def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def]
-    """Raise the nodes of rule k along what misses its tolerance; whether there was room to.
+    """Raise the nodes of rule k where it misses its tolerance; returns whether that was possible.
 
-    ratio_x, ratio_azimuth: by what factors more digits are needed; 1 or less is enough.
+    ratio_x, ratio_azimuth: ratio of the digits needed to those reached; at most 1 where it
+    suffices.
     """
     level_now, azimuths_now = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     level, azimuths = level_now, azimuths_now
@@ -596,17 +600,17 @@ def _most_azimuths(level):  # type: ignore[no-untyped-def]
 
 # --- the rays of a rule ---------------------------------------------------------------------------
 
-# rows of the scratch for the rays of one rule, and of the nodes they are made from
+# rows of the workspace for the rays of one rule, and for its nodes
 U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
 _X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
 _ROWS = 21
-#: rows a power of two apart would all want the same few lines of the processor's cache
+#: Padding of rows. Rows a power of two apart would compete for the same lines of the cache
 _APART_IN_CACHE = 72
 
 
 @cached_njit()
 def scratch():  # type: ignore[no-untyped-def]
-    """Room for the largest rule: direction, weight and force of each ray, and more."""
+    """Workspace for the largest rule: direction, weight, force of each ray, and more."""
     return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 
@@ -614,9 +618,9 @@ def scratch():  # type: ignore[no-untyped-def]
 def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
 
-    Those with u2 >= 0 with twice the weight, or, for `linear` polarisation, both sides; of rings
-    then all azimuths, else as few as do (`_gathered`). full: by the full series of the light.
-    Returns how many.
+    By symmetry those with u2 >= 0 have twice the weight; for `linear` polarisation both sides are
+    filled. Rings have all azimuths if `linear`, else as few as suffice (`_gathered`). full: use the
+    full series of the light. Returns the number of rays.
     """
     if rules[k, KIND] == DISC:
         count = _disc_rays(rule, rules, k, rays)
@@ -664,7 +668,7 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
 def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
     """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
 
-    The azimuth is that from the side of the beam's axis. Returns how many.
+    The azimuth is counted from the side of the beam's axis. Returns the number of nodes.
     """
     level, m, pair = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS]), int(rules[k, _PAIR])
     pole, begin, span = rules[k, _POLE], rules[k, _BEGIN], rules[k, _SPAN]
@@ -709,7 +713,7 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
                 w[i] = span * weight[i] * delta * cosh
     nearest, per_q = rays[_NEAREST], rays[_PER_Q]
     # 1 - cos(theta) = nearest + per_q q, in units of sin^2(theta_m/2); nearest from the sine of
-    # the angle to the axis: the cosine itself would lose a narrow cone to rounding
+    # the angle to the axis, as the cosine loses the digits of a narrow cone
     scale = 1.0 / math.sin(0.5 * rule.half_angle) ** 2
     for i in range(n):
         sine = s[i] * pole * cos_tilt - x[i] * sin_tilt
@@ -718,7 +722,7 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
     cut = rules[k, KIND] == ARCS
     if cut:
         for i in range(n):
-            # a ring as narrow as a point, far away: its arc is nothing or all, never 0/0
+            # a ring as narrow as a point, far away: its arc is empty or full, never 0/0
             part = (2.0 - nearest[i]) / max(per_q[i], _NO_WIDTH)
             share[i] = _arcsine_of_root(min(max(part, 0.0), 1.0))
             w[i] *= 4.0 * share[i]
@@ -732,14 +736,14 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
-    """q, weight, and the argument of the light's series, of all nodes of arcs."""
+    """q, weight, and argument of the light's series at all nodes of arcs."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
     for j in range(m):
         at, place = j * n, azimuth[0, j]
         for i in range(n):
             q[at + i] = place * share[i]
-    for i in range(m * n):  # in one long loop: what vectors leave over is slow
+    for i in range(m * n):  # one long loop, as the remainder beside vectors is slow
         sine = _sine(q[i])
         q[i] = sine * sine
     for j in range(m):
@@ -751,7 +755,7 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
-    """The same of whole rings."""
+    """The same for whole rings."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
     nearest, per_q = rays[_NEAREST], rays[_PER_Q]
     for j in range(m + 1):
@@ -765,11 +769,11 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
-    """Two or three rays for each ring, that exert what all of it does; returns how many.
+    """Two or three rays for each ring with the same force as all of it; returns their number.
 
-    All rays of a ring have the same efficiencies, so their force is linear, its gradient
-    quadratic, in u, and that in q. So the ray with q = 0 and that with q = 1, for the gradient
-    also q = 1/2, do for the ring, if their weights have the same sums of 1, q (and q^2).
+    All rays of a ring have the same efficiencies, so their force is linear in u and its gradient
+    quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the gradient also
+    q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
     azimuths = m if rules[k, KIND] == ARCS else m + 1
@@ -808,7 +812,7 @@ def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
-    """Directions of n rays from `at` on, of one azimuth about the pole."""
+    """Directions of the n rays from number `at` on, at one azimuth about the pole."""
     u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
     cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
     for i in range(n):
@@ -835,7 +839,7 @@ def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _exponential(t):  # type: ignore[no-untyped-def]
-    """exp for |t| up to 3.1 to rounding, by Taylor's series of exp(t/8): it vectorises."""
+    """exp for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8), which vectorises."""
     y = 0.125 * t
     value = 0.0
     for coefficient in _EXP:
@@ -847,9 +851,9 @@ def _exponential(t):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
-    """arcsin(sqrt(q)) from 0 to 1, to rounding: it vectorises."""
+    """arcsin(sqrt(q)) on [0, 1] to rounding; it vectorises."""
     small = min(q, 1.0 - q)
-    # in two halves: a longer loop is not unrolled, and what holds it then not vectorised
+    # two halves: a longer loop is not unrolled, and the loop around it then not vectorised
     high = low = 0.0
     for coefficient in _ARCSINE_HIGH:
         high = high * small + coefficient
@@ -861,7 +865,7 @@ def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def _sine(angle):  # type: ignore[no-untyped-def]
-    """sin from 0 to pi/2, to rounding, by its Taylor series: it vectorises."""
+    """sin on [0, pi/2] to rounding, by its Taylor series, which vectorises."""
     y = angle * angle
     value = 0.0
     for coefficient in _SINE:
@@ -873,7 +877,7 @@ def _sine(angle):  # type: ignore[no-untyped-def]
 def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
     """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
     if series.size == SHORT:
-        # of a length known to the compiler: all in registers
+        # its length is known to the compiler: all in registers
         for i in range(count):
             at_y = y[i]
             value = 0.0
@@ -897,10 +901,10 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
 
 @cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
 def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
-    """Largest of the last coefficients of the forces of rule k along x, and of the azimuth, N.
+    """Largest of the last coefficients of the forces of rule k along x and in the azimuth, N.
 
-    size: of the forces, N. Of rings gathered into a few rays the azimuth's are those of the light,
-    in parts of all of it, times the size of the forces.
+    size: of the forces, N. For rings gathered into a few rays, those in the azimuth are the
+    relative coefficients of the light times the size of the forces.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -946,7 +950,7 @@ def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-unty
 
 @cached_njit(error_model="numpy", nogil=True)
 def unknown_light(place, rule, full):  # type: ignore[no-untyped-def]
-    """Most force of the light that a series leaves out, N: |Q| <= 2 for every ray that hits."""
+    """Bound on the force of the light that a series omits, N: |Q| <= 2 for every ray that hits."""
     hit = 4.0 * math.pi * math.sin(0.5 * rule.half_angle) ** 2
     if place.ratio > 1.0:  # on both sides of the focus
         hit = min(hit, 8.0 * math.pi * math.sin(0.5 * math.asin(1.0 / place.ratio)) ** 2)

@@ -27,14 +27,14 @@ def grid(lens: Lens, beam: Beam, medium: Medium) -> Rays:
     """The thesis's rays: one from the centre of every square that lies wholly inside the pupil.
 
     n_div = 100 gives 7644 squares (the thesis says 7645; no rule tried gives that number).
-    The power of a ray is intensity times area (3.5)-(3.7). Neither the staircase rim nor the
-    power that it cuts off is corrected: use it to reproduce the thesis. Raises `SceneError` for a
+    The power of a ray is intensity times area (3.5)-(3.7). The staircase rim and the power that it
+    cuts off are not corrected: the grid serves to reproduce the thesis. Raises `SceneError` for a
     table that `tweezer.optics.beam.cone` refuses.
     """
     half_side = lens.radius / beam.divisions
     centres = (2 * np.arange(beam.divisions) + 1 - beam.divisions) * half_side
     x, y = (axis.ravel() for axis in np.meshgrid(centres, centres, indexing="ij"))
-    # in units of half a side the corners are whole numbers: no rounding decides who is inside
+    # in units of half a side the corners are integers, so rounding does not decide what is inside
     corners = (np.rint(np.abs(x) / half_side) + 1) ** 2 + (np.rint(np.abs(y) / half_side) + 1) ** 2
     inside = corners <= beam.divisions**2
     x, y = x[inside], y[inside]

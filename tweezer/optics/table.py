@@ -1,4 +1,4 @@
-"""The force from a table with a certified error, kept in the user's cache folder."""
+"""Tables of the force with a certified error, stored in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger("tweezer")
 
-#: Time after which a user reads that a table of another process is waited for, s
+#: Wait for the table of another process before a message is shown, s
 _PATIENCE = 1.0
-#: Longest time that a table of another process is waited for, s
+#: Longest wait for the table of another process, s
 _LONGEST_WAIT = 600.0
-#: how many tables stay in memory
+#: Largest number of tables in memory
 _MOST_IN_MEMORY = 16
 
-#: what a stored table depends on besides the light: the sources that it was computed by, read at
-#: once, for a file may change under a running program
+#: Sources of the code that computes a table: part of its key. Read on import, as a file may change
+#: while the program runs
 _SOURCES = "".join(
     Path(__file__).with_name(name).read_text(encoding="utf-8")
     for name in ("table.py", "light.py", "by_quadrature.py")
@@ -58,38 +58,38 @@ class Table:
     strength: float
     """n_m P/c of all rays, N"""
     path: Path | None
-    """its file; None if it could not be written"""
+    """file of the table; None if it could not be written"""
 
     @property
     def certified_error(self) -> float:
-        """N, of the force, anywhere in range: see `tabulate.build`."""
+        """Bound on the error of the force within the range, N: see `tabulate.build`."""
         return self.made.certified * self.strength
 
     @property
     def largest_force(self) -> float:
-        """N, within the range."""
+        """Largest force within the range, N."""
         return self.made.largest * self.strength
 
     @property
     def range(self) -> float:
-        """m, distance from the focus up to which it holds."""
+        """Largest distance from the focus, m."""
         return self.made.reach * self.radius
 
     @property
     def pieces(self) -> int:
-        """How many pieces it has."""
+        """Number of pieces."""
         return len(self.made.pieces)
 
     @property
     def build_time(self) -> float:
-        """s, that it took to make."""
+        """Time of the computation, s."""
         return self.made.seconds
 
 
 def stored(light: Light, optics: Optics, make: Callable[[], Made]) -> tuple[Made, Path | None]:
     """The table of `light`, given in radii and n_m P/c, and its file.
 
-    It is the one in memory, or in the user's cache folder, or what `make` gives. Warns as
+    From memory, from the user's cache folder, or else by `make`. Warns as
     `tweezer.optics.force_map`.
     """
     key = _key(light, optics)
@@ -109,7 +109,7 @@ def stored(light: Light, optics: Optics, make: Callable[[], Made]) -> tuple[Made
 
 
 def _key(light: Light, optics: Optics) -> str:
-    """Of all that a table depends on. Rounding of the beam's power does not change it."""
+    """Digest of everything that a table depends on. Rounding in the power does not change it."""
     said = (
         light.cone.half_angle, light.index_ratio, light.polarisation, light.torque,
         optics.table_tolerance, optics.table_range,
@@ -119,7 +119,7 @@ def _key(light: Light, optics: Optics) -> str:
 
 
 def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
-    """The table in the cache folder, and its file: made if there is none, or a damaged one."""
+    """The table in the cache folder, and its file; computed if it is missing or damaged."""
     from platformdirs import user_cache_path
 
     path = user_cache_path("tweezer") / "tables" / f"{key}.table"
@@ -135,7 +135,7 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
         warn(f"{path}: the table is not kept: {error}", UserWarning)
         return make(), None
     try:
-        if (made := _load(path, key)) is not None:  # by a process that held the lock
+        if (made := _load(path, key)) is not None:  # written by the process that held the lock
             return made, path
         if path.exists():
             warn(f"{path}: damaged; the table is made again", UserWarning)
@@ -152,9 +152,9 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
 
 
 def _wait_for(lock: FileLock) -> None:
-    """Acquire the lock of a table, which keeps processes from making the same one at once.
+    """Acquire the lock of a table, so that two processes do not compute the same one.
 
-    A process that goes without it does no harm: a table's file is replaced as a whole.
+    The lock only saves work: a table's file is always replaced as a whole.
     """
     try:
         lock.acquire(timeout=_PATIENCE)
@@ -178,7 +178,7 @@ def _save(path: Path, key: str, made: Made) -> None:
 
 
 def _load(path: Path, key: str) -> Made | None:
-    """A table as it was saved; None if there is none, or not all of it."""
+    """A saved table; None if the file is missing or damaged."""
     try:
         content = path.read_bytes()
     except OSError:

@@ -1,12 +1,12 @@
-"""Making a table of the force, and certifying its error.
+"""Computing a table of the force, and certifying its error.
 
-The table is made of polynomials on pieces of the meridional plane (`tweezer.optics.charts`). Each
-interpolates the quadrature at Chebyshev nodes; a piece whose coefficients do not fall fast enough
-is halved. Then the table is compared with the quadrature at random places, pieces that miss their
-tolerance are halved again, and the largest difference, doubled, is the error that it certifies.
+The table consists of polynomials on pieces of the meridional plane (`tweezer.optics.charts`). Each
+interpolates the quadrature at Chebyshev nodes. A piece whose coefficients decay too slowly is
+bisected. Then the table is compared with the quadrature at random positions, and pieces that miss
+the tolerance are bisected again. Twice the largest difference is the certified error.
 
 Lengths are in radii of the bead and forces in n_m P/c: one table serves every power, and all scenes
-that differ in scale alone.
+that differ only in scale.
 """
 
 from __future__ import annotations
@@ -40,34 +40,40 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Progress = Callable[[float], None]
 
-#: a piece is done when the error that its coefficients foretell is this part of the tolerance
+#: Accept a piece when its estimated error is below this fraction of the tolerance
 _DONE = 0.3
-#: safety factor of the certificate
+#: Safety factor of the certified error
 _SAFETY = 2.0
-#: random places at which a table is compared with the quadrature, at least, and on each piece
-_COMPARED, _COMPARED_PER_PIECE = 20_000, 24
-#: how many of the pieces that are then worst are looked at more closely, and at how many places
-_CLOSER, _COMPARED_CLOSER = 24, 300
-#: times that pieces are halved again after a comparison
+#: Smallest number of random positions at which a table is compared with the quadrature
+_COMPARED = 20_000
+#: Smallest number of them on each piece
+_COMPARED_PER_PIECE = 24
+#: Number of the worst pieces that are compared again
+_CLOSER = 24
+#: Number of random positions on each of these
+_COMPARED_CLOSER = 300
+#: Largest number of rounds of comparison and bisection
 _REPAIRS = 8
-#: where to stop if the force is not smooth inside a block (total reflection)
-_MOST_PIECES, _MOST_HALVINGS = 6_000, 20
-#: nearest to the axis that F_rho/rho is formed, radii
+#: Largest number of pieces; reached if the force is not smooth in a block (total reflection)
+_MOST_PIECES = 6_000
+#: Largest number of bisections along x, and along y
+_MOST_HALVINGS = 20
+#: Smallest rho, in bead radii, at which F_rho/rho is evaluated
 _NEAREST = 1e-6
-#: positions of one call of the quadrature
+#: Positions in one call of the quadrature
 _CHUNK = 512
 
 _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
-#: values at the nodes -> Chebyshev coefficients
+#: Matrix from values at the nodes to Chebyshev coefficients
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_NODES, ORDER - 1))
-#: Chebyshev coefficients -> coefficients of powers
+#: Matrix from Chebyshev coefficients to coefficients of powers
 _TO_POWERS = np.array(
     [np.pad(chebyshev.cheb2poly(row), (0, ORDER))[:ORDER] for row in np.eye(ORDER)]
 ).T
 
 
 class Evaluate(Protocol):
-    """What a table is made from: `ByQuadrature.field`, of a bead of radius 1."""
+    """The function that a table interpolates: `ByQuadrature.field` of a bead of radius 1."""
 
     def __call__(self, positions: Array) -> Wrench:
         """Force, moment and estimated error at positions (n, 3)."""
@@ -75,12 +81,12 @@ class Evaluate(Protocol):
 
 @dataclass(frozen=True)
 class Made:
-    """A table as it is stored, in radii and n_m P/c."""
+    """A table as stored, in radii and n_m P/c."""
 
     half_angle: float
     """rad, of the cone of light"""
     reach: float
-    """distance from the focus up to which it holds"""
+    """range, distance from the focus"""
     frames: Array
     """(blocks, 4): x from, 1/width, y from, 1/width"""
     roots: NDArray[np.int32]
@@ -90,11 +96,11 @@ class Made:
     pieces: Array
     """(n, HEAD + ORDER^2 components): head, then the coefficients of F_rho/rho, F_z, M_phi/rho"""
     certified: float
-    """error of the force"""
+    """bound on the error of the force"""
     largest: float
-    """largest force met"""
+    """largest force found within the range"""
     seconds: float
-    """time it took to make"""
+    """time of the computation"""
 
     @property
     def moment(self) -> bool:
@@ -102,9 +108,9 @@ class Made:
         return self.pieces.shape[1] > HEAD + 2 * ORDER**2
 
     def data(self, radius: float, strength: float, beyond: Part) -> Data:
-        """For `charts.kernel`, of a bead of that radius, m, in light of that strength n_m P/c, N.
+        """Data of `charts.kernel` for a bead of `radius`, m, in light of `strength` n_m P/c, N.
 
-        beyond: the force where the table does not reach.
+        beyond: the force outside the range.
         """
         return packed(
             radius, self.half_angle, self.reach, strength, self.certified * strength, self.frames,
@@ -114,7 +120,7 @@ class Made:
 
 @dataclass(frozen=True)
 class _Task:
-    """What is to be tabled."""
+    """The function, components and domain of a table."""
 
     evaluate: Evaluate
     moment: bool
@@ -123,7 +129,7 @@ class _Task:
     reach: float
 
     def exact(self, rho: Array, z: Array) -> tuple[Array, float]:
-        """F_rho, F_z (and M_phi) at (rho, z), and the largest error estimated."""
+        """F_rho, F_z (and M_phi) at (rho, z), and the largest estimated error."""
         positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
         chunks = [positions[i : i + _CHUNK] for i in range(0, max(len(positions), 1), _CHUNK)]
         with ThreadPoolExecutor(_processors()) as pool:
@@ -139,16 +145,16 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Draft:
-    """Pieces with what there is to know about them."""
+    """Pieces of a table under construction."""
 
     cells: Integers
-    """(n, 5): block, how often halved along x and y, number along x and y from 0"""
+    """(n, 5): block, number of bisections along x and y, index along x and y from 0"""
     head: Array
     """(n, 4) centre, 1/half-width along x, along y"""
     series: Array
     """(n, components, ORDER, ORDER) Chebyshev coefficients"""
     tails: Array
-    """(n, 2) size of the last coefficients along x and y, as errors of the force"""
+    """(n, 2) estimated error of the force along x and y, from the last coefficients"""
 
     def __len__(self) -> int:
         return len(self.cells)
@@ -170,14 +176,14 @@ def _joined(drafts: list[_Draft]) -> _Draft:
 
 @dataclass(frozen=True)
 class _Sample:
-    """The force at places of the meridional plane."""
+    """The force at positions in the meridional plane."""
 
     rho: Array
     z: Array
     force: Array
     """(n, 2) F_rho and F_z"""
     error: float
-    """largest error that the quadrature estimates"""
+    """largest estimated error of the quadrature"""
 
 
 def build(
@@ -189,11 +195,11 @@ def build(
     moment: bool,
     progress: Progress | None = None,
 ) -> Made:
-    """A table of `evaluate`, for a cone of that half angle (rad), out to `reach` radii.
+    """A table of `evaluate` for a cone of `half_angle` (rad), out to `reach` radii.
 
-    tolerance: of the force, of the largest within reach. moment: whether the moment (3.25) is
-    tabled. progress: called with the part done, 0 to 1. What is certified is twice the largest
-    error of the force met at random places, `_COMPARED` or more, and the quadrature's own.
+    tolerance: error of the force, as a part of the largest within reach. moment: whether the moment
+    (3.25) is tabulated. progress: called with the finished part, 0 to 1. The certified error is
+    twice the largest error at `_COMPARED` or more random positions, plus that of the quadrature.
     Raises `TweezerError` if `evaluate` gives a force that is not finite.
     """
     started = time.perf_counter()
@@ -241,7 +247,7 @@ def build(
 
 
 def _processors() -> int:
-    """How many this process may use."""
+    """Number of processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -256,7 +262,7 @@ def _bounds(cells: Integers, parts: Blocks) -> Array:
 
 
 def _halved(cells: Integers, along: NDArray[np.bool_]) -> Integers:
-    """The halves of cells along the axes (n, 2) chosen."""
+    """Cells bisected along the axes marked in `along` (n, 2)."""
     for axis in range(2):
         split = along[:, axis]
         cells = cells.copy()
@@ -271,9 +277,9 @@ def _halved(cells: Integers, along: NDArray[np.bool_]) -> Integers:
 def _refined(
     cells: Integers, task: _Task, tolerance: float, largest: float, others: int, report: Progress
 ) -> tuple[_Draft, float]:
-    """Pieces on `cells`, halved until they foretell the tolerance, and the largest force met.
+    """Pieces on `cells`, bisected until their estimated error is small, and the largest force.
 
-    others: how many pieces there are besides. report: called with the part of the area done.
+    others: number of other pieces of the table. report: called with the finished part of the area.
     """
     done: list[_Draft] = []
     while len(cells):
@@ -283,7 +289,7 @@ def _refined(
         poor &= fresh.cells[:, 1:3] < _MOST_HALVINGS
         again = poor[:, 0] | poor[:, 1]
         room = _MOST_PIECES - others - sum(map(len, done)) - len(fresh)
-        if 3 * again.sum() > room:  # only the worst; one piece becomes up to four
+        if 3 * again.sum() > room:  # only the worst, as one piece becomes up to four
             size = np.where(again, fresh.tails.max(axis=1), 0.0)
             again[np.argsort(size)[: len(size) - max(room // 3, 0)]] = False
         done.append(fresh[~again])
@@ -293,12 +299,12 @@ def _refined(
 
 
 def _interpolated(cells: Integers, task: _Task) -> tuple[_Draft, float]:
-    """The pieces on those of `cells` that the table needs, and the largest force at a node."""
+    """Pieces on the `cells` within reach, and the largest force at a node."""
     bounds, chart = _bounds(cells, task.parts), task.parts.chart[cells[:, 0]]
     needed = ~charts.beyond(chart, bounds, task.reach)
     cells, bounds, chart = cells[needed], bounds[needed], chart[needed]
     even = ((chart == charts.RING) | (chart == charts.TRIANGLE)) & (bounds[:, 0] == 0)
-    bounds[even, 0] = -bounds[even, 1]  # F is even in x: one polynomial on both sides of 0
+    bounds[even, 0] = -bounds[even, 1]  # F is even in x, so one polynomial spans both signs
     centre = (bounds[:, 0::2] + bounds[:, 1::2]) / 2
     half = (bounds[:, 1::2] - bounds[:, 0::2]) / 2
     nodes = centre[:, :, None] + half[:, :, None] * _NODES
@@ -306,7 +312,7 @@ def _interpolated(cells: Integers, task: _Task) -> tuple[_Draft, float]:
     x, y = np.broadcast_to(nodes[:, 0, :, None], shape), np.broadcast_to(nodes[:, 1, None], shape)
     rho, z = charts.places(chart, x, y, task.half_angle)
     rho = np.maximum(rho, _NEAREST)
-    # across the diagonal of the outer chart F is symmetric
+    # F is symmetric about the diagonal of the outer chart
     square = (chart == charts.OUTER) & (bounds[:, :2] == bounds[:, 2:]).all(axis=1)
     twice = np.zeros(shape, np.bool_)
     twice[even, ORDER // 2 :] = True
@@ -331,13 +337,13 @@ def _interpolated(cells: Integers, task: _Task) -> tuple[_Draft, float]:
         last, before = sizes[..., -2:].max(axis=2), sizes[..., -4:-2].max(axis=2)
         ratio = np.minimum(np.sqrt(last / np.maximum(before, 1e-300)), 0.9)
         tails[:, axis] = (last * ratio**2 / (1 - ratio) * lever).max(axis=1)
-    tails[square] = tails[square].max(axis=1, keepdims=True)  # so that they stay squares
+    tails[square] = tails[square].max(axis=1, keepdims=True)  # keeps squares square
     head = np.stack([centre, 1 / half], axis=2).reshape(-1, HEAD)
     return _Draft(cells, head, series, tails), float(met)
 
 
 def _packed(draft: _Draft, task: _Task) -> Made:
-    """The table of these pieces, without its certificate."""
+    """The table of these pieces, not yet certified."""
     powers = _TO_POWERS @ draft.series @ _TO_POWERS.T
     low, high = task.parts.bounds[:, 0::2], task.parts.bounds[:, 1::2]
     roots, index = _indexed(draft.cells, len(low))
@@ -355,12 +361,12 @@ def _packed(draft: _Draft, task: _Task) -> Made:
 
 
 def _indexed(cells: Integers, blocks: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Roots and pages in which `charts` finds a piece."""
+    """Roots and index with which `charts` finds a piece."""
     pieces = cells.tolist()
     index: list[int] = []
 
     def entry(chosen: list[int], halvings: tuple[int, int], number: tuple[int, int]) -> int:
-        """What stands for a place, itself a cell, that holds or lies in the pieces `chosen`."""
+        """Index entry for a cell that contains the pieces `chosen`, or lies in one of them."""
         if not chosen:
             return NO_PIECE
         _, x_halvings, y_halvings, _, _ = pieces[chosen[0]]
@@ -400,7 +406,7 @@ def _indexed(cells: Integers, blocks: int) -> tuple[NDArray[np.int32], NDArray[n
 
 
 def _sample(draft: _Draft, task: _Task, each: int, rng: np.random.Generator) -> _Sample:
-    """The force at `each` random places of each piece, denser towards its edges."""
+    """The force at `each` random positions of each piece, denser towards its edges."""
     local = np.sin(np.pi * (rng.random((2, len(draft.cells), each)) - 0.5))
     x = draft.head[:, 0, None] + local[0] / draft.head[:, 1, None]
     y = draft.head[:, 2, None] + local[1] / draft.head[:, 3, None]
@@ -412,7 +418,7 @@ def _sample(draft: _Draft, task: _Task, each: int, rng: np.random.Generator) -> 
 
 
 def _worst(made: Made, samples: list[_Sample]) -> Array:
-    """How far each piece is off at the worst place of all samples."""
+    """Largest error of each piece at the positions of all samples."""
     rho = np.concatenate([sample.rho for sample in samples])
     z = np.concatenate([sample.z for sample in samples])
     exact = np.concatenate([sample.force for sample in samples])

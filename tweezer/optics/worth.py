@@ -1,6 +1,6 @@
-"""What ray optics is worth for a bead: how far it is off the exact force of waves.
+"""Validity of ray optics for a bead: comparison with the exact force of wave optics.
 
-The numbers are in `ray_optics_worth.csv`, which `tests/benchmarks/worth.py` makes.
+The numbers are in `ray_optics_worth.csv`, which `tests/benchmarks/worth.py` computes.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from tweezer.scene import Scene
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-#: Upper bound on n_P/n_m up to which ray optics was compared with waves
+#: Largest n_P/n_m at which ray optics was compared with wave optics
 LARGEST_INDEX_RATIO = 1.35
-#: Factor in size, up and down, within which beads count as alike: the force of waves ripples with
-#: size at half a wavelength
+#: Largest ratio of sizes of beads that count as alike. The exact force oscillates with size, with a
+#: period of half a wavelength
 ALIKE = math.sqrt(2.0)
-#: Factor by which ranges of ratios are widened, for what lies between the rows of the table: they
-#: then held 94 to 99 % of the exact ratios in 184 cases at random, of beads and spots to be trusted
+#: Factor by which ranges are widened, because the table has gaps. In 184 random trusted cases the
+#: widened ranges contained 94 to 99 % of the exact ratios
 MARGIN = 1.1
-#: Column of the table: the equilibrium of waves less that of rays, in radii
+#: Column of the table: equilibrium by waves minus that by rays, in radii
 SHIFT = "equilibrium_shift"
-#: Columns of the table: what waves give over what rays give
+#: Columns of the table: ratios of wave optics to ray optics
 RATIOS = (
     "stiffness_across",
     "stiffness_along",
@@ -45,12 +45,12 @@ RATIOS = (
 
 @dataclass(frozen=True)
 class RayOpticsWorth:
-    """Wave optics against ray optics for beads and light like those of a scene.
+    """Ratios of wave optics to ray optics for beads and light like those of a scene.
 
-    A range is the least and the largest ratio, waves over rays, among beads of 0.7 to 1.4 times
-    the size, at the apertures and indices of the table on both sides of the scene's, and a tenth
-    more. None: ray optics was not compared there (n_P below n_m, or above 1.35 n_m), or one of the
-    two has no trap.
+    A range is the smallest and the largest ratio among beads of 0.7 to 1.4 times the size, at the
+    nearest apertures and indices of the table on both sides of the scene's, widened by a tenth.
+    None: the two were not compared there (n_P below n_m, or above 1.35 n_m), or one of them has no
+    trap.
     """
 
     wavelengths: float
@@ -61,31 +61,31 @@ class RayOpticsWorth:
     focal_spots: float
     """the bead's diameter in focal spots"""
     equilibrium_shift: Range | None
-    """z of the equilibrium by waves less that by rays, m"""
+    """z of the equilibrium by waves minus that by rays, m"""
     stiffness_across: Range | None
-    """of k_xx and k_yy"""
+    """ratio of k_xx and k_yy"""
     stiffness_along: Range | None
-    """of k_zz"""
+    """ratio of k_zz"""
     escape_across: Range | None
-    """of the force of `Escape` along x and y"""
+    """ratio of the force of `Escape` along x and y"""
     escape_forward: Range | None
-    """along +z"""
+    """the same along +z"""
     escape_backward: Range | None
-    """along -z"""
+    """the same along -z"""
     trapped: float | None
-    """part of the traps of ray optics that are traps of wave optics"""
+    """fraction of the traps of ray optics that are traps of wave optics"""
     trusted: bool
-    """False: the bead is smaller than a wavelength in the medium or than the focal spot, or wave
-    optics may have no trap; the numbers of a trap then mean nothing"""
+    """whether ray optics is meaningful: the bead is larger than a wavelength in the medium and than
+    the focal spot, and wave optics has a trap too"""
 
     @property
     def size(self) -> str:
-        """Of the bead, in wavelengths and focal spots."""
+        """Size of the bead, in wavelengths and focal spots."""
         return f"{self.wavelengths:.2g} wavelengths, {self.focal_spots:.2g} focal spots across"
 
     @property
     def in_short(self) -> str:
-        """For a line of a table."""
+        """In short, for a line of a table."""
         if not self.trusted:
             return f"not to be trusted: bead {self.size}"
         if not self.trapped:
@@ -95,15 +95,15 @@ class RayOpticsWorth:
 
 
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
-    """What ray optics is worth for the bead and the light of `scene`; None in the dark.
+    """Validity of ray optics for the bead and the light of `scene`; None without light.
 
-    By comparison with the exact force: plane waves in phase at the focus (Debye's integral), in
-    circular light, scattered by a sphere (Mie). It ripples with the bead's size, and only its
-    average over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459,
-    3021, 2003). Beads of fewer or more wavelengths than the table's 0.25 to 16, and apertures
-    beyond its own, are given the ratios of its last ones. Of several beams this is about the
-    first, as if it were alone; beams that face each other were not compared. In linear light the
-    exact stiffness differs along x and y besides, by a third for beads of about a wavelength.
+    The exact force is that of plane waves in phase at the focus (Debye's integral), circularly
+    polarised, scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
+    over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021,
+    2003). Beads outside the table's 0.25 to 16 wavelengths, and apertures outside its range, take
+    the ratios at its border. For several beams it is that of the first, as if it were alone; beams
+    that face each other were not compared. In linear light the exact stiffness also differs along x
+    and y, by a third for beads of about a wavelength.
     """
     if not scene.lit:
         return None
@@ -112,7 +112,7 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     index_ratio = scene.bead.refractive_index / medium.refractive_index
     wavelengths = diameter * medium.refractive_index / scene.beam.wavelength
     focal_spot = 2 * scene.beam.wavelength / (math.pi * aperture * medium.refractive_index)
-    # beams that face each other make another trap than the table's
+    # beams that face each other form another trap than the table's
     alike = _alike(math.nan if _facing(scene) else index_ratio, aperture, wavelengths)
     trapped = ~np.isnan(alike["stiffness_across"])
     return RayOpticsWorth(
@@ -131,7 +131,7 @@ def _facing(scene: Scene) -> bool:
 
 
 def ray_optics_caveat(scene: Scene) -> str | None:
-    """`ray_optics_worth` in one sentence; None in the dark."""
+    """`ray_optics_worth` in one sentence; None without light."""
     worth = ray_optics_worth(scene)
     if worth is None:
         return None
@@ -158,8 +158,8 @@ def ray_optics_caveat(scene: Scene) -> str | None:
 
 
 def worth_attributes(scene: Scene) -> dict[str, str]:
-    """Attributes of what is computed with the light of `scene`: the caveat, and `RayOpticsWorth` as
-    JSON ("null" in the dark).
+    """Attributes of results computed with the light of `scene`: the caveat, and `RayOpticsWorth` as
+    JSON ("null" without light).
     """
     worth = ray_optics_worth(scene)
     return {
@@ -177,7 +177,7 @@ def _table() -> dict[str, Array]:
 
 
 def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str, Array]:
-    """Rows of like size at the apertures and indices next to those given; none if not compared."""
+    """Rows of similar size at the nearest apertures and indices; none if not compared."""
     table = _table()
     sizes = table["wavelengths"]
     size = min(max(wavelengths, sizes.min()), sizes.max())
@@ -192,7 +192,7 @@ def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str,
 
 
 def _effective_aperture(scene: Scene) -> float:
-    """sqrt(2 <sin^2 theta>) over the light's power: sin(theta_m) if the pupil is evenly lit."""
+    """sqrt(2 <sin^2 theta>), weighted by power: sin(theta_m) if the pupil is evenly lit."""
     light = cone(scene)
     versine = 2 * math.sin(light.half_angle / 2) ** 2
     x, weight = leggauss(100)
@@ -206,7 +206,7 @@ def _range(values: Array, margin: float = 1.0) -> Range | None:
 
 
 def between(ratios: Range | None) -> str:
-    """In words: "0.9 to 1.3"; "" without a range."""
+    """A range in words: "0.9 to 1.3"; "" without one."""
     if ratios is None:
         return ""
     low, high = (f"{ratio:.2g}" for ratio in ratios)
