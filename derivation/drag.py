@@ -90,5 +90,7 @@ MOBILITIES = Equation(
     "-",
     "velocity and angular velocity of a body beside a wall across N3",
     r"\begin{pmatrix}\mathbf{v}\\ \boldsymbol{\omega}\end{pmatrix}",
-    velocity(F_others, vector(MOMENT), n).col_join(angular_velocity(F_others, vector(MOMENT), n)),
+    overdamped_velocity.col_join(angular_velocity(F_others, vector(MOMENT), n)).applyfunc(
+        sp.expand
+    ),
 )
