@@ -67,7 +67,7 @@ FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf
 
 
 def _console(*, stderr: bool) -> Console:
-    """What prints text as it stands: names of files and scenes may hold brackets or colons."""
+    """Console that prints text literally: names of files and scenes may hold brackets or colons."""
     console = Console(stderr=stderr, markup=False, emoji=False)
     if console.width < 1:  # COLUMNS=0
         console.width = 80
@@ -77,15 +77,15 @@ def _console(*, stderr: bool) -> Console:
 _out, _err = _console(stderr=False), _console(stderr=True)
 
 _FIGURE_FORMATS = ("pdf", "png", "svg")
-#: of many files, in a folder
+#: Type of an option for a folder of many files
 _STORES = ("zarr",)
 _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
 
 
 def main() -> None:
-    """Run the command line; an error made on purpose is one line and exit code 2.
+    """Run the command line; an expected error is one line and exit code 2.
 
-    To be terminated, or left by its terminal, is to be interrupted: what was reached is written.
+    SIGTERM and SIGHUP are treated as an interruption: results so far are written.
     """
     warnings.showwarning = _show_warning  # type: ignore[assignment]
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
@@ -100,7 +100,7 @@ def main() -> None:
         if error.errno != errno.ENOSPC:
             raise
         _complain(f"what is printed cannot be written: {error.strerror}")
-        os._exit(_FAILED)  # the interpreter would try once more
+        os._exit(_FAILED)  # or the interpreter would flush once more
 
 
 def _version(asked: bool) -> None:
@@ -267,7 +267,7 @@ def tune(
     from tweezer.analysis.tune import scaled_scenes
     from tweezer.analysis.tune import tune as compared
 
-    scaled_scenes(described, factor, method)  # refused before the light is bound
+    scaled_scenes(described, factor, method)  # errors before the light is bound
     _bind_light(described)
     with _progress(described.name, 1.0) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
@@ -657,7 +657,7 @@ _add_benchmark(
 
 
 def _benchmark(name: str) -> ModuleType:
-    """A module of tests/benchmarks, which only a checkout has."""
+    """Import a module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[1]
     if not (root / "tests" / "benchmarks" / f"{name}.py").is_file():
         raise TweezerError("bench: runs from a checkout of tweezer's sources, which this is not")
@@ -684,7 +684,7 @@ def _settings(changes: list[str], **simulation: str | None) -> dict[str, str]:
 
 
 def _writable(path: Path, formats: tuple[str, ...]) -> Path:
-    """`path`, refused before any work is done if it cannot be written."""
+    """`path`; refused before any computation if it cannot be written."""
     if path.suffix.lstrip(".").lower() not in formats:
         raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
     if not path.parent.is_dir():
@@ -702,7 +702,7 @@ def _writable(path: Path, formats: tuple[str, ...]) -> Path:
 
 
 def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
-    """Why a run of `scene` does not take the place of `out`: "" if it does."""
+    """Why a run of `scene` must not replace `out`; "" if it may."""
     if not out.exists():
         return ""
     from tweezer.io import unlike
@@ -712,7 +712,7 @@ def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
 
 
 def _beside(out: Path, figure: Path) -> tuple[Path, Path]:
-    """The same names with the first number that makes them new."""
+    """The same names with the first number that makes them unused."""
     for number in itertools.count(2):
         new = [path.with_stem(f"{path.stem}-{number}") for path in (out, figure)]
         if not any(path.exists() for path in new):
@@ -724,9 +724,9 @@ def _beside(out: Path, figure: Path) -> tuple[Path, Path]:
 def _progress(
     description: str, total: float, afterwards: str = ""
 ) -> Iterator[Callable[[float], None]]:
-    """Show a bar, and what is compiled meanwhile; lend what tells it how far things are.
+    """Context with a progress bar and the notice of compilation; yields the callback for progress.
 
-    afterwards: what is still to be done when all of `total` is.
+    afterwards: what remains to be done when `total` is reached.
     """
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -769,7 +769,7 @@ def _simulate_with_progress(scene: Scene, seed: int | None) -> xr.Dataset:
 
 
 def _bind_light(scene: Scene) -> None:
-    """Say what ray optics is worth for the bead; make the map its force is read from, if any."""
+    """Show the caveat of ray optics, and compute the maps that the scene needs."""
     from tweezer.optics import light, ray_optics_caveat
 
     if caveat := ray_optics_caveat(scene):
@@ -852,7 +852,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
 
 
 def _add_worth(table: Table, scene: Scene) -> None:
-    """How far ray optics is off, beside what was computed by it."""
+    """Add the ratios of wave optics to ray optics."""
     from tweezer.optics import ray_optics_worth
 
     if worth := ray_optics_worth(scene):
@@ -879,7 +879,7 @@ def _duration(seconds: float) -> str:
 
 
 def _located(value: float, error: float | None, scale: float, unit: str) -> str:
-    """A number of a run to the digits that its error, if that is known, leaves it."""
+    """A number of a run, rounded to its error if that is known."""
     text = f"{scale * value:.3g}"
     if error == 0:
         text = f"{scale * value:.4g}"
@@ -923,11 +923,11 @@ def _determined(value: float, uncertainty: float, unit: str) -> str:
 
 
 def _quantity(option: str, text: str, annotation: object) -> float:
-    """`text` of `option` as the quantity of `annotation`: with a unit, or a bare SI number."""
+    """`text` of `option` as a quantity of type `annotation`: with a unit, or a number in SI."""
     from tweezer.units import quantity_of, to_si
 
     quantity = quantity_of(annotation)
-    assert quantity is not None  # an annotation of tweezer.units
+    assert quantity is not None  # all annotations of tweezer.units have one
     try:
         value: str | float = float(text)
     except ValueError:
@@ -964,7 +964,7 @@ def _print_free(axis: AxisCalibration) -> None:
 
 
 def _print_trapped(axis: AxisCalibration) -> None:
-    """A table of estimates, and below it what speaks against them, by its number there."""
+    """A table of estimates, and below it numbered notes on what speaks against them."""
     every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
     listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
 
@@ -1088,7 +1088,7 @@ def _print_escapes(characterised: Trap) -> None:
 
 
 def _micrometres(metres: float) -> str:
-    """Four digits; no -0, nor the rounding of a zero."""
+    """Four digits, without -0 and without rounding errors of zero."""
     return f"{round(1e6 * metres, 9) + 0.0:.4g}"
 
 
@@ -1118,7 +1118,7 @@ def _tell_written(*paths: Path | None) -> None:
 
 
 def _write_json(value: object, path: Path) -> None:
-    from tweezer.io import write_json  # here, for it loads xarray
+    from tweezer.io import write_json  # here, as it loads xarray
 
     write_json(value, path)
 
@@ -1138,9 +1138,9 @@ def _table(*headings: str) -> Table:
 
 
 def _print_benchmark(rows: list[list[str]]) -> None:
-    """Print a table with whole words; the first row is that of the headings.
+    """Print a table without breaking words; its first row has the headings.
 
-    Rows are lists where a terminal is too narrow for the columns; a pipe or a file has no width.
+    Rows become lists if the terminal is too narrow; a pipe or a file has no width.
     """
     console = _out if _out.is_terminal else Console(width=10_000)
     columns = list(zip(*rows, strict=True))
@@ -1148,7 +1148,7 @@ def _print_benchmark(rows: list[list[str]]) -> None:
     by_words = [
         max(len(word) for cell in cells for word in [*cell.split(), ""]) for cells in columns
     ]
-    by_words[0] = max(by_words[0], min(by_cells[0], 30))  # names of rows rather in one line
+    by_words[0] = max(by_words[0], min(by_cells[0], 30))  # names of rows preferably in one line
     headings, *rest = rows
     for widths in (by_cells, by_words):
         if sum(widths) + 3 * len(widths) + 1 <= console.width:

@@ -1,4 +1,4 @@
-"""Figures of runs and traps. Each function returns a Figure and touches no global state."""
+"""Figures of runs and traps. Each function returns a Figure and changes no global state."""
 
 from __future__ import annotations
 
@@ -43,17 +43,17 @@ if TYPE_CHECKING:
 _MICRO, _MILLI, _PICO, _NANO = 1e6, 1e3, 1e12, 1e9
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
 _LIGHT, _PATH, _MUTED = "#cc3311", "#332288", "#777777"
-#: Largest force of the part of a field in which no lines are drawn, of the largest of all
+#: Force below which no field lines are drawn, as a part of the largest
 _NO_LINES = 1e-3
 
 
 def _add_title(figure: Figure, text: str, **style: Any) -> None:
-    """Above all panels; `text` as it stands: a dollar sign in a name is no formula."""
+    """Title above all panels; `text` is literal, as a dollar sign in a name is no formula."""
     figure.suptitle(text, parse_math=False, **style)
 
 
 def _add_caveat(figure: Figure, scene: Scene) -> None:
-    """What ray optics is worth, below all panels."""
+    """The caveat of ray optics, below all panels."""
     if caveat := ray_optics_caveat(scene):
         lines = textwrap.fill(caveat[0].upper() + caveat[1:] + ".", 170)
         figure.text(0.5, 0.008, lines, ha="center", va="bottom", fontsize=7, color=_MUTED)
@@ -62,8 +62,8 @@ def _add_caveat(figure: Figure, scene: Scene) -> None:
 def run_figure(run: xr.Dataset) -> Figure:
     """The path in the plane of the beam's axis, coordinates and speeds over time.
 
-    With thermal motion, whose speeds between samples mean nothing, the distance to the focus in
-    place of the speeds. Samples too far apart to show the motion are drawn as points.
+    With thermal motion the distance to the focus takes the place of the speeds, which have no
+    meaning between samples. Samples too far apart to show the motion are drawn as points.
     """
     figure = Figure(figsize=(11.0, 6.0))
     axes = figure.subplot_mosaic(
@@ -86,7 +86,7 @@ def run_figure(run: xr.Dataset) -> Figure:
     model = run.attrs["model"]
     if model == "scaled":
         model += f", a₂ = {scene_of(run).simulation.scaling_factor:g}"
-    how = [model, run.attrs["method"], run.attrs["message"]]  # the last, of one that ended early
+    how = [model, run.attrs["method"], run.attrs["message"]]  # a message if it ended early
     title = textwrap.fill(run.attrs["title"], 100)
     _add_title(figure, f"{title}\n{' · '.join(filter(None, how))}", fontsize=11)
     _add_caveat(figure, scene_of(run))
@@ -102,7 +102,7 @@ def _thermal(run: xr.Dataset) -> bool:
 
 
 def _resolved(run: xr.Dataset) -> bool:
-    """Whether samples are closer than the time in which the trap moves the bead, at either end."""
+    """Whether samples are closer than the relaxation time of the trap, at both ends."""
     scene, time = scene_of(run), run["time"].values
     if len(time) < 2:
         return False
@@ -115,7 +115,7 @@ def _resolved(run: xr.Dataset) -> bool:
 
 
 def _style(run: xr.Dataset, width: float) -> dict[str, Any]:
-    """Of a curve of that width through samples, or of points where they do not make a curve."""
+    """Style of a curve of that width through samples, or of points if they do not form a curve."""
     if not _resolved(run):
         return {"ls": "", "marker": ".", "ms": 3}
     return {"lw": 0.6 * width if _thermal(run) else width}
@@ -140,7 +140,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
             Circle((lateral[i], z[i]), radius, facecolor=_PATH if filled else "none",
                    edgecolor=_PATH, alpha=0.35 if filled else 0.9, lw=1.0, zorder=2)
         )  # fmt: skip
-    below = z[len(z) // 2] > z[0]  # the side that the path does not leave by
+    below = z[len(z) // 2] > z[0]  # the side without the path
     axes.annotate(
         "start", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
         va="top" if below else "bottom", xytext=(0, -2 if below else 2),
@@ -158,10 +158,10 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
 def _draw_cones(
     axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **style: Any
 ) -> None:
-    """The light of each beam before and behind its focus, out of a figure that shows `reach`.
+    """Cone of light of each beam before and behind its focus, for a figure that shows `reach`.
 
-    direction: (2,) along the figure's horizontal axis. Lengths in um. Beams that move are drawn
-    where they are at rest.
+    direction: (2,) along the figure's horizontal axis. Lengths in um. Moving beams are drawn at
+    their position at rest.
     """
     length = 3 * reach
     for beam in scene.beams:
@@ -220,7 +220,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
     time = summarise(run).closest_approach_time
-    if time is None or _thermal(run):  # thermal motion comes close again and again
+    if time is None or _thermal(run):  # thermal motion comes close many times
         return
     axes.axvline(time * _MILLI, color=_MUTED, lw=0.8, ls=":")
     axes.annotate(
@@ -232,8 +232,8 @@ def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
 def trap_figure(scene: Scene, trap: Trap) -> Figure:
     """Force along the axis and across it, and the field of force around the trap.
 
-    All forces are those of light and weight together. Without a stable equilibrium the curves run
-    through the focus.
+    Forces are the sum of light and weight. Without a stable equilibrium the curves run through the
+    focus.
     """
     figure = Figure(figsize=(11.0, 6.0))
     axes = figure.subplot_mosaic(
@@ -263,7 +263,7 @@ def _centre(trap: Trap) -> np.ndarray:
 
 
 def _reach(scene: Scene, trap: Trap) -> float:
-    """How far the figure shows, m from the origin."""
+    """Half the width of the figure, m from the origin."""
     r = scene.bead.radius
     shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
     return max(3.5 * r, float(np.abs(shown).max()) + 2 * r)
@@ -312,7 +312,7 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
     side = 1 if escape.direction[0] == "+" else -1
     place = ((centre + side * escape.force_at) * _MICRO, -side * escape.force * _PICO)
     axes.plot(*place, "o", mfc="white", mec=colour, ms=5, zorder=5)
-    # away from the trap, unless the axes end there
+    # on the side away from the trap, unless the axes end there
     outward = side if abs(place[0]) < 0.6 * axes.get_xlim()[1] else -side
     axes.annotate(
         f"{escape.force * _PICO:.3g} pN", place, xytext=(6 * outward, -4 * side),
@@ -322,7 +322,7 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
 
 
 def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
-    """Direction and size of the force on a bead with its centre there; bead to scale."""
+    """Direction and size of the force on a bead by the position of its centre; bead to scale."""
     centre, r = _centre(trap), scene.bead.radius
     x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))
@@ -335,7 +335,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
             vmin=0, cmap="Blues", shading="gouraud", zorder=0, rasterized=True,
         )  # fmt: skip
         axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
-        # unit vectors: between two samples the larger force would outweigh the smaller
+        # unit vectors, or interpolation between samples would follow the larger force
         strong = size[..., None] > _NO_LINES * size.max()
         lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
         axes.streamplot(
@@ -371,7 +371,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
 
 
 def tuning_figure(tuning: Tuning, name: str) -> Figure:
-    """Deviation and force calls of the scaled bead, over its scaling factor."""
+    """Deviation and force calls of the scaled bead as functions of its scaling factor."""
     figure = Figure(figsize=(8.0, 6.0), layout="constrained")
     off, work = figure.subplots(2, sharex=True)
     factors = [entry.scaling_factor for entry in tuning.entries]
@@ -404,8 +404,8 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
 def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
     """Trajectory, density, power spectrum, mean squared displacement and potential, with fits.
 
-    Bars are standard errors. Spectra are averaged over bins of frequency for the eye; the fits are
-    of `calibration`.
+    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
+    fits are those of `calibration`.
     """
     figure = Figure(figsize=(13.0, 7.2), layout="constrained")
     axes = figure.subplot_mosaic(
@@ -429,7 +429,7 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
 
 
 def _draw_trajectory(axes: Axes, recording: Recording) -> None:
-    """Of a long record, as many samples as the eye can tell apart."""
+    """A long record thinned to as many samples as a figure can show."""
     shown = slice(None, None, -(-len(recording.times) // 6000))
     for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
         about = (positions - positions.mean()) * _NANO
@@ -514,7 +514,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
     axes.set(xscale="log", yscale="log", xlabel="lag (s)", ylabel="displacement² (nm²)")
     for along in (axes.xaxis, axes.yaxis):
         low, high = along.get_view_interval()
-        if high < 100 * low:  # few powers of ten
+        if high < 100 * low:  # less than two decades
             along.set_major_locator(LogLocator(subs=(1, 2, 5)))
             along.set_minor_formatter(NullFormatter())
     _legend_below(axes)
@@ -554,12 +554,12 @@ def _mark(findings: tuple[Finding, ...]) -> str:
 
 
 def _legend_below(axes: Axes) -> None:
-    """Below the axis, where no data are."""
+    """Legend below the axes, away from the data."""
     axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.2))
 
 
 def depth_figure(track: Track, found: DepthFit) -> Figure:
-    """Track and fit, whitened residuals, the depth on the way, and the misfit over the start."""
+    """Track and fit, whitened residuals, the depth over time, and the misfit over the start."""
     figure = Figure(figsize=(11.0, 7.0), layout="constrained")
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
     time = (track.times - found.start_time) * _MILLI
@@ -590,7 +590,7 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 
 
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
-    """The misfit over the start, with interval and minima."""
+    """Misfit as a function of the start, with interval and minima."""
     z, misfit = np.array(found.profile).T
     axes.plot(z * _MICRO, misfit, color=_PATH, lw=1.2)
     axes.axhline(LEVEL, color=_MUTED, lw=0.8, ls="--")

@@ -35,11 +35,13 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: blocks begun for each worker
+#: Blocks in flight for each worker
 _AHEAD = 4
-#: s between reports of progress, and between looks at how many workers there are
-_TICK, _LOOK = 0.2, 2.0
-#: bytes of trajectories that are held in memory, at most
+#: Time between reports of progress, s
+_TICK = 0.2
+#: Time between counts of the workers, s
+_LOOK = 2.0
+#: Largest size of trajectories in memory, bytes
 _MEMORY = 2**31
 
 
@@ -57,23 +59,23 @@ def ensemble(
     resume: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Release the bead of `scene` so many times, each with its own thermal motion.
+    """Release the bead of `scene` many times, each with its own thermal motion.
 
     duration: s, or text such as "20 ms", in place of the scene's. seed: of the random numbers;
-    trajectory i of a seed is the same however many there are. out: the file to write, a Zarr store
+    trajectory i of a seed does not depend on their number. out: the file to write, a Zarr store
     of trajectories or a NetCDF file of statistics; in memory if not given. statistics: gather these
-    and keep no trajectory. skip: s or text, time from the release that only the moments over time
-    see. scheduler: address of a Dask scheduler, or a `distributed.Client`; its workers must see the
-    file system of `out`, which is then needed. Without it, workers: threads on this machine, by
-    default as many as its cores. resume: go on with what is at `out`, if anything is; a chunk that
-    is gone or cut short is computed again, one with other bytes fails its checksum when it is read.
-    progress: called with the part done.
+    and store no trajectory. skip: s or text, time after the release that only the moments over time
+    include. scheduler: address of a Dask scheduler, or a `distributed.Client`; its workers must see
+    the file system of `out`, which is then needed. Without it, workers: threads on this machine, by
+    default one for each core. resume: continue the ensemble at `out`, if there is one; a missing or
+    truncated chunk is computed again, a chunk with wrong bytes fails its checksum when it is read.
+    progress: called with the finished part.
 
     Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
     velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
     inertia, angular_velocity (trajectory, time, body_axis) in rad/s if the scene has a rotation,
-    all NaN once a bead is lost, and lost_time (trajectory), s, infinite if never; NaN there tells
-    of a trajectory not yet computed. They are read from the store when they are used;
+    all NaN once a bead is lost, and lost_time (trajectory), s: infinite for a bead never lost, NaN
+    for a trajectory not yet computed. They are read from the store when used;
     `xarray.open_zarr` opens it. Every chunk has a checksum.
 
     Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to
@@ -84,18 +86,18 @@ def ensemble(
     so aliased). X_error is the standard error of X: over the trajectories; for stationary
     statistics, msd and psd over windows, taken as independent, which they are if windows are much
     longer than the trap's relaxation; for the density over blocks of trajectories. Samples after a
-    loss are in none of them, nor in spectra and displacements the windows with a loss; both are
-    counted. An error that one trajectory, window or block cannot tell is NaN, as its comment says,
-    and so are skewness and kurtosis where all are equal. There are no msd and psd for the method
+    loss are excluded, and from spectra and displacements the windows with a loss; both are
+    counted. An error that would need more trajectories, windows or blocks is NaN, as its comment
+    says, and so are skewness and kurtosis of equal values. There are no msd and psd for the method
     "one-call", whose displacements from step to step are not those of the motion.
 
     The numbers do not depend on workers, interruptions, or, for trajectories, on blocks and
     windows. The attributes hold the scene, the seed, the versions, the step and why it was chosen;
-    in what is returned also status, "complete" or "interrupted" (Ctrl-C), and trajectories_done.
+    those returned also status, "complete" or "interrupted" (Ctrl-C), and trajectories_done.
 
     Raises `SceneError` for arguments that are not valid, and for a scene without thermal motion;
-    `ResultError` if `out` exists and is not to be gone on with, was made from anything else, or
-    cannot be written: what was written is kept; `IntegrationError` if a force is not finite.
+    `ResultError` if `out` exists and is not to be resumed, belongs to another ensemble, or cannot
+    be written (what was written stays); `IntegrationError` if a force is not finite.
     """
     if duration is not None:
         scene = checked_scene(scene).replace(simulation={"duration": duration})

@@ -1,4 +1,4 @@
-"""An ensemble as its workers know it: blocks of trajectories, windows of time, files."""
+"""Description of an ensemble for its workers: blocks of trajectories, windows of time, files."""
 
 from __future__ import annotations
 
@@ -22,15 +22,20 @@ from tweezer.optics import worth_attributes
 Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
-#: of the files; those of another number cannot be resumed
+#: Version of the files; those of another version cannot be resumed
 FORMAT = 4
-#: trajectories a block is a multiple of, and the most; blocks aimed at, so that all cores work
-_BATCH, _MOST, _BLOCKS = 64, 1024, 16
-#: numbers held of all samples in one window of a block, 25 MB, at most; steps of such a window, at
-#: most, if a block is to be of more than one batch
-_WINDOW_NUMBERS, _WINDOW_STEPS = 3 * _BATCH * WINDOW, 2**27
+#: Trajectories of a block are a multiple of this
+_BATCH = 64
+#: Largest number of trajectories in a block
+_MOST = 1024
+#: Smallest number of blocks, if there are enough trajectories, so that all cores work
+_BLOCKS = 16
+#: Largest number of values in memory for one window of a block, 25 MB
+_WINDOW_NUMBERS = 3 * _BATCH * WINDOW
+#: Largest number of steps in a window of a block of more than one batch
+_WINDOW_STEPS = 2**27
 
-#: columns of a sample, dimension, unit and name of every quantity
+#: Columns of a sample, dimension, unit and name of each quantity
 QUANTITIES = {
     "position": (("x", "y", "z"), "axis", "m", "position of the bead's centre from the focus"),
     "velocity": (("vx", "vy", "vz"), "axis", "m/s", "velocity"),
@@ -46,21 +51,21 @@ COORDINATES = {
 
 @dataclass(frozen=True)
 class Job:
-    """All that a worker needs to know."""
+    """What a worker needs to know of an ensemble."""
 
     scene: str
     """JSON, with model and method decided"""
     seed: int
     trajectories: int
     block: int
-    """trajectories of a block"""
+    """number of trajectories in a block"""
     cuts: tuple[int, ...]
-    """samples at which windows begin, and the end"""
+    """number of the first sample of each window, and of the end"""
     skipped: int | None
-    """samples; None if trajectories are written"""
+    """first sample of stationary statistics; None if trajectories are written"""
     out: Path | None
     found: Attributes
-    """`found_of` the process that began it"""
+    """`found_of` in the process that began it"""
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
@@ -90,48 +95,48 @@ class Job:
 
     @property
     def blocks(self) -> int:
-        """How many."""
+        """Number of blocks."""
         return -(-self.trajectories // self.block)
 
     def members(self, index: int) -> slice:
-        """The trajectories of a block."""
+        """Numbers of the trajectories of a block."""
         first = index * self.block
         return slice(first, min(first + self.block, self.trajectories))
 
     def share(self, index: int) -> float:
-        """The part of the ensemble that a block is."""
+        """Size of a block as a part of the ensemble."""
         members = self.members(index)
         return (members.stop - members.start) / self.trajectories
 
     @property
     def part(self) -> Path:
-        """Where the files of an ensemble at work are."""
+        """Folder of the files of a running ensemble."""
         assert self.out is not None
         return self.out.with_name(self.out.name + ".part")
 
     def checkpoint(self, index: int) -> Path:
-        """What a block goes on from."""
+        """Checkpoint of a block."""
         return self.part / f"{index}.npz"
 
     @property
     def marker(self) -> Path:
-        """Says that `part` was made for an ensemble."""
+        """Marker: the folder `part` belongs to an ensemble."""
         return self.part / "of-an-ensemble"
 
     @property
     def total(self) -> Path:
-        """The statistics of the first blocks, joined."""
+        """File of the joined statistics of the first blocks."""
         return self.part / "total.npz"
 
     @property
     def lock(self) -> Path:
-        """Held by the process at work."""
+        """Lock held by the running process."""
         assert self.out is not None
         return self.out.with_name(self.out.name + ".lock")
 
 
 def plan_of(bound: Walk, skipped: int) -> Plan:
-    """The statistics of all quantities that can be averaged.
+    """The statistics to gather: all quantities that can be averaged.
 
     Without displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
     """
@@ -148,7 +153,7 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
 
 
 def columns_of(bound: Walk) -> dict[str, slice]:
-    """Where a sample has the quantities it has."""
+    """Columns of a sample by quantity."""
     found = {}
     for name, (columns, *_) in QUANTITIES.items():
         if columns[0] in bound.columns:
@@ -158,7 +163,7 @@ def columns_of(bound: Walk) -> dict[str, slice]:
 
 
 def found_of(bound: Walk) -> Attributes:
-    """What every process finds by itself, and all that work together must find alike."""
+    """What every process determines by itself, and must be the same in all that work together."""
     coefficients = b"".join(np.asarray(each).tobytes() for each in (*bound.plan, *bound.weights))
     return {
         "step": float(bound.step),
@@ -169,7 +174,7 @@ def found_of(bound: Walk) -> Attributes:
 
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
-    """What the numbers depend on: nothing of when and where they are computed."""
+    """What the numbers depend on; not when and where they are computed."""
     return {
         "title": bound.scene.title,
         "scene": job.scene,
@@ -190,9 +195,9 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
 
 
 def identity_of(job: Job, bound: Walk) -> str:
-    """Digest of `attributes_of`, less the reasons: a worker is told what was chosen, not why.
+    """Digest of `attributes_of` without the reasons for a choice, which workers do not know.
 
-    And less the words in which the scene was changed.
+    And without the wording of changes to the scene.
     """
     scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
     attributes = {**attributes_of(job, bound), "chosen": "", "title": "", "scene": scene}

@@ -1,8 +1,8 @@
-"""Running statistics of an ensemble, in memory that neither trajectories nor time enlarge.
+"""Running statistics of an ensemble, in memory independent of trajectories and time.
 
-What is averaged is held as [n, mean, M2, ...], M_p the sum of (x - mean)^p, and joined by the
-formulas of Pebay (Sandia report SAND2008-6212): nothing cancels, and sums joined in the same order
-give the same bits.
+Moments are held as [n, mean, M2, ...], M_p the sum of (x - mean)^p, and joined by the formulas of
+Pebay (Sandia report SAND2008-6212): without cancellation, and with the same bits for the same
+order.
 """
 
 from __future__ import annotations
@@ -19,27 +19,25 @@ from scipy.fft import prev_fast_len
 
 Array = NDArray[np.float64]
 
-#: samples of the longest window of a spectrum
+#: Largest number of samples in a window of a spectrum
 WINDOW = 2**14
-#: most times at which moments are kept
+#: Largest number of times with moments
 _TIMES = 10_000
-#: bins from -loss_distance to +loss_distance: no bead is further away and not lost
+#: Number of bins from -loss_distance to +loss_distance; beyond them a bead is lost
 _BINS = 2**15
-#: lags of the mean-square displacement for each decade
+#: Lags of the mean-square displacement per decade
 _LAGS = 10
-#: numbers worked on at a time, which a processor's cache holds
+#: Numbers processed at a time, so that they fit the cache
 _CACHED = 2**16
 
 
 def moments(values: Array, order: int) -> Array:
-    """[n, mean, M2, ... M_order] (order + 1, ...) of `values` (n, ...) along axis 0, NaN left
-    out.
-    """
+    """[n, mean, M2, ... M_order] (order + 1, ...) of `values` (n, ...) without NaN, on axis 0."""
     whole = np.empty((order + 1, *values.shape[1:]))
     valid = ~np.isnan(values)
     where: Any = True if valid.all() else valid
     whole[0] = valid.sum(axis=0)
-    near = np.nan_to_num(np.fmin.reduce(values))  # so that equal values have no variance
+    near = np.nan_to_num(np.fmin.reduce(values))  # shift, so that the variance of equal values is 0
     off = values - near
     mean = off.sum(axis=0, where=where) / np.maximum(whole[0], 1)
     whole[1] = near + mean
@@ -52,7 +50,7 @@ def moments(values: Array, order: int) -> Array:
 
 
 def joined(a: Array, b: Array) -> Array:
-    """The `moments` of the values of both, to order 2 or 4; zeros are those of no values."""
+    """The `moments` of both sets of values together, to order 2 or 4; all 0 for no values."""
     na, nb = a[0], b[0]
     n = np.maximum(na + nb, 1)
     fa, fb = na / n, nb / n
@@ -72,7 +70,7 @@ def joined(a: Array, b: Array) -> Array:
 
 @dataclass(frozen=True)
 class Plan:
-    """Which statistics are gathered of which samples."""
+    """The statistics to gather, and the samples that they use."""
 
     times: Array
     """(samples,) s, evenly spaced"""
@@ -80,25 +78,25 @@ class Plan:
     """columns of a sample by name: "position" and, where there are any, "velocity" and
     "angular_velocity" """
     skipped: int
-    """samples at the beginning that only the moments over time see"""
+    """number of first samples that only the moments over time include"""
     reach: float
-    """m, of the histogram"""
+    """half the width of the histogram, m"""
     origin: tuple[float, ...]
-    """m, near where the beads are: averages are taken from there, so that squares keep digits"""
+    """origin of averages near the beads, m, so that squares keep digits"""
     displacements: bool
-    """whether those from sample to sample are right, and so msd and psd"""
+    """whether displacements between samples are those of the motion; if not, no msd and psd"""
 
     @property
     def window(self) -> int:
-        """Samples of a window: what is left after `skipped` in equal parts of at most WINDOW, less
-        a few, for fast transforms.
+        """Samples of a window: equal parts of those after `skipped`, at most WINDOW, rounded down
+        to a length of fast transforms.
         """
         left = len(self.times) - self.skipped
         return int(prev_fast_len(left // math.ceil(left / WINDOW), real=True))
 
     @property
     def cuts(self) -> list[int]:
-        """The samples where windows begin, and the end."""
+        """Numbers of the first samples of windows, and of the end."""
         end = len(self.times)
         before = range(0, self.skipped, WINDOW)
         within = range(self.skipped, end - self.window + 1, self.window)
@@ -106,19 +104,19 @@ class Plan:
 
     @property
     def every(self) -> int:
-        """Moments are kept at every so many samples."""
+        """Distance of samples with moments."""
         return math.ceil(len(self.times) / _TIMES)
 
     @property
     def lags(self) -> NDArray[np.int64]:
-        """Samples, evenly spaced in the logarithm, to half a window."""
+        """Lags in samples, evenly spaced in the logarithm, up to half a window."""
         most = self.window // 2
         number = 1 + math.ceil(_LAGS * math.log10(most)) if most > 1 else 1
         return np.unique(np.geomspace(1, most, number).round().astype(np.int64))
 
 
 class Statistics:
-    """What is gathered of some trajectories."""
+    """The statistics of some trajectories."""
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -128,7 +126,7 @@ class Statistics:
             for name, columns in plan.quantities.items()
         }
         self.moments |= {
-            # over windows: the average u of x, v of x^2, and uv
+            # over windows: averages u of x and v of x^2, and uv
             "average": np.zeros((3, 3, 3)),
         }
         if plan.displacements:
@@ -136,7 +134,7 @@ class Statistics:
             self.moments["psd"] = np.zeros((3, 3, plan.window // 2))
         self.sums = {
             "counts": np.zeros((_BINS, 3)),
-            # over blocks: squares of their counts, counts times samples, samples squared
+            # over blocks: counts squared, counts times samples, samples squared
             "counts_squared": np.zeros((_BINS, 3)),
             "counts_samples": np.zeros((_BINS, 3)),
             "samples_squared": np.zeros(1),
@@ -149,12 +147,12 @@ class Statistics:
         }
 
     def arrays(self) -> dict[str, Array]:
-        """All of it, by name."""
+        """The arrays by name."""
         return self.moments | self.sums
 
     @classmethod
     def of(cls, plan: Plan, arrays: Mapping[str, Array]) -> Self:
-        """Made of `arrays`, as `Statistics.arrays` gave them."""
+        """Statistics from `arrays`, which `Statistics.arrays` gave."""
         made = cls(plan)
         for group in (made.moments, made.sums):
             group.update((name, arrays[name]) for name in group)
@@ -164,7 +162,7 @@ class Statistics:
         """Add `samples` (trajectories, samples, columns) from sample `first` on to the moments over
         the trajectories.
 
-        Only those of the same trajectories may be added to one `Statistics`, each once.
+        All samples added to one `Statistics` must be of the same trajectories, each added once.
         """
         every = self.plan.every
         kept, samples = -(-first // every), samples[:, -first % every :: every]
@@ -179,8 +177,8 @@ class Statistics:
                 self.moments[name][:, at] = found[..., columns]
 
     def add_window(self, first: int, position: Array) -> None:
-        """Add the `position` (trajectories, samples, 3) in a window that begins with sample `first`
-        to all the rest.
+        """Add the `position` (trajectories, samples, 3) of a window that begins with sample `first`
+        to all other statistics.
         """
         plan = self.plan
         lost = np.isnan(position[..., 0])
@@ -219,7 +217,7 @@ class Statistics:
                 self.moments[name] = joined(self.moments[name], moments(values, 2))
 
     def close(self, lost_time: Array) -> None:
-        """All windows of these trajectories were added: they are a block."""
+        """End a block: all windows of its trajectories have been added."""
         sums = self.sums
         sums["counts_squared"] = sums["counts"] ** 2
         sums["counts_samples"] = sums["counts"] * sums["samples"]
@@ -229,7 +227,7 @@ class Statistics:
         sums["trajectories_lost"] += np.isfinite(lost_time).sum()
 
     def join(self, other: Statistics) -> Statistics:
-        """Those of these trajectories and of others, closed."""
+        """The statistics of these trajectories and of others, whose blocks have ended."""
         moments = {name: joined(self.moments[name], other.moments[name]) for name in self.moments}
         sums = {name: self.sums[name] + other.sums[name] for name in self.sums}
         return Statistics.of(self.plan, moments | sums)
@@ -237,7 +235,7 @@ class Statistics:
     def dataset(self, about: dict[str, tuple[str, str]]) -> xr.Dataset:
         """The statistics as `tweezer.ensemble` describes them.
 
-        about: dimension and unit of every quantity, by name.
+        about: dimension and unit of each quantity, by name.
         """
         plan = self.plan
         times = plan.times[:: plan.every]
@@ -294,7 +292,7 @@ class Statistics:
         )  # fmt: skip
 
     def _put_averages(self, dataset: xr.Dataset) -> None:
-        """Of all samples of the windows; the errors from how the windows scatter."""
+        """Mean and variance over all samples of the windows; errors from the scatter of windows."""
         count, (u, v, uv), (u2, v2, _) = self.moments["average"].swapaxes(1, 2)
         n = count[0]
         mean_error2 = u2 / (n - 1) / n
@@ -325,7 +323,7 @@ class Statistics:
     def _put_histogram(self, dataset: xr.Dataset) -> None:
         """Density by bins, from the first to the last that is not empty.
 
-        The error is that of a ratio, from how the blocks scatter (Cochran, Sampling Techniques,
+        The error is that of a ratio, from the scatter of the blocks (Cochran, Sampling Techniques,
         2.11).
         """
         sums, width = self.sums, 2 * self.plan.reach / _BINS
@@ -349,7 +347,7 @@ class Statistics:
 def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
     """Mean-square displacement (..., lags) within windows (..., samples).
 
-    Over displacements that begin half a lag apart: those between tell little more.
+    Over displacements that begin half a lag apart; more would add little.
     """
     displaced = np.empty((*position.shape[:-1], len(lags)))
     for j, lag in enumerate(lags):
@@ -360,14 +358,14 @@ def _msd(position: Array, lags: NDArray[np.int64]) -> Array:
 
 
 def _psd(position: Array, step: float) -> Array:
-    """Periodogram (..., frequencies but 0) of windows (..., samples) of mean 0, one-sided."""
+    """One-sided periodogram (..., frequencies without 0) of windows (..., samples) of mean 0."""
     samples = position.shape[-1]
     amplitude = np.fft.rfft(position)[..., 1:]
     power = np.square(amplitude.real)
     power += np.square(amplitude.imag)
     power *= 2 * step / samples
     if samples % 2 == 0:
-        power[..., -1] /= 2  # the only one that is its own negative
+        power[..., -1] /= 2  # Nyquist's frequency is its own negative
     return power
 
 
@@ -375,7 +373,7 @@ def _put(
     dataset: xr.Dataset, name: str, dimensions: tuple[str, ...], value: Array, error: Array,
     unit: str, long_name: str, over: str,
 ) -> None:  # fmt: skip
-    """Put in `value` and its `error`, from how those `over` which it was taken scatter."""
+    """Enter `value` and its `error`, which is from the scatter of the parts named by `over`."""
     dataset[name] = (dimensions, value, _about(unit, long_name))
     dataset[f"{name}_error"] = (dimensions, error, _about(unit, f"standard error: {long_name}"))
     for key in (name, f"{name}_error"):

@@ -1,4 +1,4 @@
-"""What an ensemble leaves on disk, and what it goes on from."""
+"""Files of an ensemble: its output and its checkpoints."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ from tweezer.errors import ResultError
 from tweezer.io import load_run, save_run, write_whole
 from tweezer.scene import Scene
 
-#: arrays by name: in memory or in the store
+#: Arrays by name, in memory or in the store
 Samples = Mapping[str, Any]
-#: what a block gathered, by name: nothing where trajectories are written
+#: Statistics of a block by name; empty if trajectories are written
 Gathered = Mapping[str, NDArray[np.float64]]
 
-#: bytes of the checksum behind the numbers of a chunk
+#: Size of the checksum at the end of a chunk, bytes
 _CHECKSUM = 4
-#: blocks joined to the statistics before these are written
+#: Number of blocks joined between two writes of the statistics
 _JOINED = 16
-#: what reading a file that is not what it should be raises
+#: Errors of reading a file that is damaged or of another kind
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
-#: names of what an ensemble at work writes beside its output, and of what Zarr leaves in the store
-#: of a write that was cut short
+#: Names of the files of a running ensemble beside its output
 _AT_WORK = re.compile(r"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]+|new")
+#: Names of files that an interrupted write of Zarr leaves in the store
 _TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
 
@@ -63,7 +63,7 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
     if not resume:
         raise ResultError(f"{job.out}: exists, or is begun; resume it, or name another file")
     for key, value in attributes_of(job, bound).items():
-        if key == "title":  # says in the user's words what the scene says in numbers
+        if key == "title":  # the scene has the same in numbers
             continue
         if key == "scene":
             if not _same_scene(made.get(key), value):
@@ -88,7 +88,7 @@ def _same_scene(made: object, scene: str) -> bool:
 
 
 def _made(job: Job) -> Attributes | None:
-    """The attributes of the ensemble that is at `job.out`, or is begun."""
+    """The attributes of the ensemble at `job.out`, or of the new one."""
     assert job.out is not None
     try:
         if job.out.exists():
@@ -107,9 +107,9 @@ def _made(job: Job) -> Attributes | None:
 
 @contextlib.contextmanager
 def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
-    """Hold the folder beside the output, where no other process then works.
+    """Hold the folder beside the output, so that no other process uses it.
 
-    Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be gone on with.
+    Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be resumed.
     """
     assert job.out is not None
     if not job.out.parent.is_dir():
@@ -126,7 +126,7 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
         begun = _begun(job, bound, resume)
         with telling(job):
             _make_part(job)
-            for path in _at_work(job):  # of an ensemble no longer there, or its workers
+            for path in _at_work(job):  # of a deleted ensemble, or its workers
                 if not begun or path.suffix != ".npz":
                     _remove(path)
         try:
@@ -135,10 +135,10 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
             with contextlib.suppress(OSError):
                 if not any(_at_work(job)):
                     job.marker.unlink(missing_ok=True)
-                    job.part.rmdir()  # if nothing is in it
+                    job.part.rmdir()  # if it is empty
     finally:
         with contextlib.suppress(OSError):
-            job.lock.unlink()  # while it is held: who waits for it sees that it is gone
+            job.lock.unlink()  # while it is held, so that a waiting process notices
         lock.release()
 
 
@@ -158,7 +158,7 @@ def _make_part(job: Job) -> None:
 
 
 def _at_work(job: Job) -> Iterator[Path]:
-    """What an ensemble has left in its folder."""
+    """Files of an ensemble in its folder."""
     return (path for path in job.part.iterdir() if _AT_WORK.fullmatch(path.name))
 
 
@@ -170,7 +170,7 @@ def _remove(path: Path) -> None:
 
 
 def _clear(job: Job) -> None:
-    """Remove what a complete ensemble has left in its folder; what cannot be does no harm."""
+    """Remove the files of a complete ensemble from its folder; a failure does no harm."""
     with contextlib.suppress(OSError):
         for path in _at_work(job):
             _remove(path)
@@ -178,7 +178,7 @@ def _clear(job: Job) -> None:
 
 @contextlib.contextmanager
 def telling(job: Job) -> Iterator[None]:
-    """Turn what the file system refuses into a `ResultError`."""
+    """Turn errors of the file system into a `ResultError`."""
     try:
         yield
     except OSError as error:
@@ -189,7 +189,7 @@ def telling(job: Job) -> Iterator[None]:
 
 
 def keep(path: Path, arrays: Mapping[str, Any]) -> None:
-    """Write `arrays` to `path`, whole or not at all."""
+    """Write `arrays` to `path` as a whole or not at all."""
     content = BytesIO()
     np.savez(content, **arrays)
     write_whole(path, content)
@@ -201,7 +201,7 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def kept(path: Path, identity: str) -> dict[str, Any] | None:
-    """What `keep` wrote, if it is there, whole, and of the ensemble of this identity."""
+    """The arrays that `keep` wrote; None if missing, damaged, or of another ensemble."""
     try:
         arrays = _read(path)
         return arrays if str(arrays["identity"]) == identity else None
@@ -210,7 +210,7 @@ def kept(path: Path, identity: str) -> dict[str, Any] | None:
 
 
 def stored(job: Job) -> Samples:
-    """The arrays of the store. A chunk without a number is written too: none is missing then."""
+    """The arrays of the store. Empty chunks are written too, so a missing one is an error."""
     return {
         name: array.with_config({"write_empty_chunks": True})
         for name, array in zarr.open_group(job.out, mode="r+").arrays()
@@ -218,15 +218,15 @@ def stored(job: Job) -> Samples:
 
 
 def _described(arrays: Samples) -> dict[str, str]:
-    """What arrays say of themselves, by name: in a file each, and in the store's for all."""
+    """Metadata of arrays by name: each in its own file, and all in that of the store."""
     return {name: str(array.metadata.to_dict()) for name, array in arrays.items()}
 
 
 class Trajectories:
-    """Every sample, in memory or in the store."""
+    """Trajectories, in memory or in the store."""
 
     waiting = 0
-    """blocks taken that wait for those before them"""
+    """number of finished blocks that wait for earlier ones"""
 
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.bound = job, bound
@@ -247,12 +247,12 @@ class Trajectories:
         self.left = set(self.missing)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Block `index` was written by who computed it, unless it has gathered nothing."""
+        """Record a finished block, which its worker has written; `None` means it was stopped."""
         if gathered is not None:
             self.left.discard(index)
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """What there is; if that is all, the folder beside the store is not needed any more."""
+        """The result so far; if it is complete, the folder beside the store is removed."""
         job = self.job
         if job.out is None:
             dataset = xr.Dataset(
@@ -276,7 +276,7 @@ class Trajectories:
         return _ended(dataset, complete, done)
 
     def _open(self) -> None:
-        """Find the arrays of the store. Raises `ResultError` if they are not those of the job."""
+        """Open the arrays of the store. Raises `ResultError` if they are not those of the job."""
         damaged = f"{self.job.out}: damaged: its arrays are not those that were written"
         try:
             self.arrays = stored(self.job)
@@ -302,10 +302,9 @@ class Trajectories:
             raise ResultError(damaged)
 
     def _found(self, index: int) -> bool:
-        """Whether a block is in the store, by the sizes of its files, which are not read.
+        """Whether a block is in the store, by the sizes of its files, without reading them.
 
-        If it is not, its end is not in the store either, and it goes on from its checkpoint only
-        if all chunks before are there.
+        If it is not, it continues from its checkpoint, provided all chunks before that are there.
         """
         job, names = self.job, columns_of(self.bound)
         windows = range(len(job.cuts) - 1)
@@ -333,7 +332,7 @@ class Trajectories:
             return False
 
     def _variables(self) -> Iterator[tuple[str, tuple[str, ...], tuple[int, ...], Attributes]]:
-        """Name, dimensions, shape and attributes."""
+        """Name, dimensions, shape and attributes of each array."""
         n, samples = self.job.trajectories, self.job.cuts[-1]
         for name in columns_of(self.bound):
             columns, dimension, units, long_name = QUANTITIES[name]
@@ -347,17 +346,17 @@ class Trajectories:
         )  # fmt: skip
 
     def _coordinates(self) -> Iterator[tuple[str, NDArray[Any], Attributes]]:
-        """Name, values and attributes."""
+        """Name, values and attributes of each coordinate."""
         yield "time", self.bound.times, {"units": "s", "long_name": "time since release"}
         for dimension in dict.fromkeys(QUANTITIES[name][1] for name in columns_of(self.bound)):
             yield dimension, np.array(COORDINATES[dimension]), {}
 
     def _chunks(self, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """A window of a block."""
+        """Indices of a window of a block."""
         return tuple(map(min, shape, (self.job.block, self.job.cuts[1], shape[-1])))
 
     def _create(self, out: Path) -> None:
-        """The store before any sample."""
+        """Create the store, without samples."""
         taken = sum(8 * math.prod(shape) for _, _, shape, _ in self._variables())
         free = shutil.disk_usage(out.parent).free
         if taken > free:
@@ -371,7 +370,7 @@ class Trajectories:
             group.create_array(
                 name, shape=shape, dtype="float64", fill_value=np.nan, dimension_names=dimensions,
                 chunks=self._chunks(shape),
-                compressors=[Crc32cCodec()],  # noise is not made smaller
+                compressors=[Crc32cCodec()],  # noise does not compress
                 attributes=attributes,
             )  # fmt: skip
         for name, values, attributes in self._coordinates():
@@ -380,13 +379,13 @@ class Trajectories:
                 dimension_names=(name,), attributes=attributes,
             )  # fmt: skip
             array[:] = values
-        with warnings.catch_warnings(action="ignore"):  # Zarr's specification has it not yet
+        with warnings.catch_warnings(action="ignore"):  # not yet in Zarr's specification
             zarr.consolidate_metadata(whole)
         whole.replace(out)
 
 
 class Joined:
-    """Statistics of the blocks, joined in their order, whichever is done first."""
+    """Statistics of the blocks, joined in order of their numbers."""
 
     arrays = None
 
@@ -394,9 +393,9 @@ class Joined:
         self.job, self.attributes = job, attributes_of(job, bound)
         self.identity = identity_of(job, bound)
         self.plan = plan_of(bound, job.skipped or 0)
-        #: the blocks joined and their statistics, which an interruption finds together
+        #: number of joined blocks, and their statistics: one object, so that both change at once
         self.joined = 0, Statistics(self.plan)
-        #: those that are not; of nothing if what was gathered is in the file of the block
+        #: finished blocks not yet joined; empty entries are read from the file of the block
         self.later: dict[int, Gathered] = {}
         self.written = 0
         if job.out is not None:
@@ -413,11 +412,11 @@ class Joined:
 
     @property
     def waiting(self) -> int:
-        """Blocks taken that wait for those before them."""
+        """Number of finished blocks that wait for earlier ones."""
         return len(self.later)
 
     def take(self, index: int, gathered: Gathered | None) -> None:
-        """Block `index` is done, unless it has gathered nothing; it may be told twice."""
+        """Record a finished block. Idempotent; `None` means that the worker was stopped."""
         if gathered is None or index < self.joined[0]:
             return
         self.later[index] = gathered
@@ -431,7 +430,7 @@ class Joined:
                 self._write()
 
     def _of(self, index: int) -> Statistics:
-        """Those of a block that was taken."""
+        """Statistics of a finished block."""
         gathered = self.later[index] or kept(self.job.checkpoint(index), self.identity)
         if gathered is None or not gathered["blocks"]:
             raise ResultError(
@@ -440,7 +439,7 @@ class Joined:
         return Statistics.of(self.plan, gathered)
 
     def _write(self) -> None:
-        """What is joined; and then remove what it was joined from."""
+        """Write the joined statistics; then remove the files that they were joined from."""
         blocks, statistics = self.joined
         attributes = json.dumps(self.attributes)
         keep(self.job.total, statistics.arrays() | {"next": blocks, "attributes": attributes})
@@ -449,7 +448,7 @@ class Joined:
         self.written = blocks
 
     def finish(self, complete: bool) -> xr.Dataset:
-        """Statistics of what there is, also behind a gap; written if that is all."""
+        """Statistics of all finished blocks, also beyond a gap; written if they are complete."""
         job = self.job
         if job.out is not None and job.out.exists():
             dataset = load_run(job.out)

@@ -35,31 +35,33 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: samples computed, and steps, between two looks at whether to stop
-_PIECE_SAMPLES, _PIECE_STEPS = 2**17, 2**22
-#: steps of a block, minutes of work, after which it is kept where it is, within a window too
+#: Samples between two checks for a stop
+_PIECE_SAMPLES = 2**17
+#: Steps between two checks for a stop
+_PIECE_STEPS = 2**22
+#: Steps of a block between checkpoints within a window (minutes of work)
 _KEPT_STEPS = 2**31
-#: s to wait for a scheduler, and for its workers to stop
+#: Wait for a scheduler, and for its workers to stop, s
 _PATIENCE = 10
 
 
 @dataclass(frozen=True)
 class Pool:
-    """Where blocks are computed."""
+    """Workers that compute blocks."""
 
     submit: Callable[[int, Samples | None, dict[int, float]], Future[Gathered | None]]
-    """a block, where threads write it, and what they tell of it"""
+    """begin a block, with the output for threads and the callback for progress"""
     width: Callable[[], int]
-    """blocks computed at a time"""
+    """number of blocks computed at a time"""
     stop: Callable[[], None]
-    """blocks then end, unfinished, soon"""
+    """ask the blocks to end soon, unfinished"""
     patience: float | None = None
-    """s to wait for that; None for as long as it takes"""
+    """wait for that, s; None for no limit"""
 
 
 @contextlib.contextmanager
 def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
-    """So many threads."""
+    """Threads of this process."""
     stopped = threading.Event()
     with ThreadPoolExecutor(workers) as executor:
         yield Pool(
@@ -115,9 +117,9 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
 
 
 def _block_there(job: Job, run: Path, index: int) -> Gathered | None:
-    """`_block` in another process, as long as the file `run` is there.
+    """`_block` in another process, which stops when the file `run` is gone.
 
-    What it gathered stays in the file of the block, and does not pass through the scheduler.
+    The statistics stay in the file of the block and do not pass through the scheduler.
     """
     bound = _bound(job.scene, job.seed)
     for key, value in found_of(bound).items():
@@ -143,9 +145,9 @@ def _block(
     stopped: Callable[[], bool],
     parts: dict[int, float],
 ) -> Gathered | None:
-    """Compute a block from where it was left; what is gathered of it, or None if `stopped`.
+    """Compute a block from its checkpoint on; returns its statistics, or None if `stopped`.
 
-    parts: is told the part of the ensemble that is done of this block.
+    parts: called with each finished part of this block, as a part of the ensemble.
     """
     if stopped():
         return None
@@ -159,7 +161,7 @@ def _block(
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
-    before = np.empty((len(trajectories), 0, width))  # samples of the window that was begun
+    before = np.empty((len(trajectories), 0, width))  # samples of the current window
     if job.out is not None and (begun := kept(job.checkpoint(index), identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
         if statistics:
@@ -206,7 +208,7 @@ def _block(
 def _advance(
     bound: Walk, states: Array, trajectories: NDArray[np.int64], first: int, end: int
 ) -> Iterator[tuple[int, Array]]:
-    """Samples `first` to `end` in pieces: the number of the first, (trajectories, n, columns)."""
+    """Samples `first` to `end` in pieces: number of the first, (trajectories, n, columns)."""
     n, width = len(trajectories), len(bound.columns)
     if first == 0:
         yield 0, _in_the_body(bound, states[:, None, :-1].copy())
@@ -218,7 +220,7 @@ def _advance(
 
 
 def _in_the_body(bound: Walk, samples: Array) -> Array:
-    """`samples` (..., columns) of a walk, the angular velocity turned to the body's axes."""
+    """`samples` (..., columns) of a walk, with the angular velocity about the body's axes."""
     held = ~np.isnan(samples[..., 0])
     if "wx" in bound.columns and held.any():
         columns = columns_of(bound)["angular_velocity"]

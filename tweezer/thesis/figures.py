@@ -106,8 +106,8 @@ def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
 
 
 def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
-    """|net motion force| with the sign of its component along N3; with noise the random force,
-    averaged over a sample, belongs to it.
+    """|net motion force| with the sign of its component along N3; with noise it includes the random
+    force, averaged over a sample.
     """
     random = _with_random_force(thermal)
     inner = thermal["distance"].values[1:]
@@ -127,8 +127,8 @@ def _signed(force: np.ndarray) -> np.ndarray:
 
 
 def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
-    """Mean of all forces but drag over every sample, N, (n - 1, 3): by Newton's law from what the
-    bead did, (m dv + beta dr)/h, with the mass m/a2 of the scaled model.
+    """Mean of all forces but drag over each sample, N, (n - 1, 3), from the motion by Newton's law:
+    (m dv + beta dr)/h, with the mass m/a2 of the scaled model.
     """
     scene = scene_of(thermal)
     bead = bead_properties(scene)
@@ -178,7 +178,7 @@ def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -
         axes.plot(_time(thermal), thermal["orientation"][:, i], color=colour, lw=0.8, alpha=0.4)
         if "orientation" in run:
             values = run["orientation"].values[:, i]
-        else:  # nothing turns it
+        else:  # it does not rotate
             values = np.full(run.sizes["time"], 1.0 if i == 0 else 0.0)
         axes.plot(_time(run), values, color=colour, lw=1.5, label=f"e{i}")
     axes.set(xlabel="time (ms)", ylabel="Euler parameters", ylim=(-1.05, 1.05))
@@ -186,7 +186,7 @@ def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -
 
 
 _KINDS: tuple[tuple[str, int, str, Draw, bool], ...] = (
-    # chapter, first number, title, what is drawn, the same scale on both sides
+    # chapter, first number, title, function that draws, whether both sides have the same scale
     ("5", 1, "q2 against time", _coordinate("y", "q2"), True),
     ("5", 4, "Reynolds number against time", _reynolds_time, True),
     ("5", 7, "Reynolds number against speed", _reynolds_speed, False),
@@ -198,7 +198,7 @@ _KINDS: tuple[tuple[str, int, str, Draw, bool], ...] = (
     ("C", 10, "N3 against time, from the focus", _coordinate("z", "q3"), True),
 )
 
-#: number -> title, bead, what draws it, whether both sides have the same axes
+#: Figures by number: title, bead, function that draws, whether both sides have the same axes
 FIGURES: dict[str, tuple[str, str, Draw, bool]] = {
     f"{chapter}.{first + i}": (title, bead, draw, same_scale)
     for chapter, first, title, draw, same_scale in _KINDS
@@ -207,7 +207,7 @@ FIGURES: dict[str, tuple[str, str, Draw, bool]] = {
 
 
 def study_figure(study: Study) -> Figure:
-    """What becomes of the 500 nm bead: change by change, and by a2 and power."""
+    """Fate of the 500 nm bead: for single changes, and by a2 and power."""
     drawn = Figure(figsize=(11.0, 8.0), layout="constrained")
     axes = drawn.subplot_mosaic([["a2", "power"], ["other", "map"]])
     panels = {
@@ -239,7 +239,7 @@ def study_figure(study: Study) -> Figure:
 
 
 def _draw_capture(axes: Axes, study: Study) -> None:
-    """Overshoot by a2 and power; a cross where the bead does not end in the trap."""
+    """Overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
     columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
     image = axes.pcolormesh(
         columns, rows, np.where(study.captured, study.overshoot, np.nan) * _MICRO, cmap="viridis",

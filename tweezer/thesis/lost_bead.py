@@ -1,4 +1,4 @@
-"""Why the thesis's 500 nm bead is lost, and what would keep it: a parameter study."""
+"""Why the thesis's 500 nm bead is lost, and what would trap it: a parameter study."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _BEAD = "thesis-500nm"
 _FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)
 _POWERS = (30, 60, 80, 100, 120, 156, 200, 300)
 _THERMAL_TRAJECTORIES = 200
-#: about how long these take, in runs without noise
+#: Approximate duration of the parts, in runs without noise
 _THERMAL_WORK = 40
 
 
@@ -30,16 +30,16 @@ class Variant:
     """The 500 nm bead with something changed."""
 
     group: str
-    """what is changed: a2, force, lens, polarisation, power, start"""
+    """kind of the change: a2, force, lens, polarisation, power, start"""
     name: str
     outcome: str
-    """of `tweezer.summarise`"""
+    """outcome of `tweezer.summarise`"""
     outcome_time: float
     """s"""
     overshoot: float
-    """m, of q2 across the axis"""
+    """overshoot of q2 across the axis, m"""
     crossings: int
-    """times that q2 changes sides, by more than 1 nm, after the first closest approach"""
+    """number of crossings of the axis by q2, of more than 1 nm, after the first closest approach"""
     time: np.ndarray
     """s, (n,)"""
     q2: np.ndarray
@@ -47,41 +47,41 @@ class Variant:
 
     @property
     def as_claimed(self) -> bool:
-        """Trapped, and ringing (Figure 5.1)."""
+        """Whether it is trapped and oscillates (Figure 5.1)."""
         return self.outcome == "captured" and self.crossings >= 2
 
 
 @dataclass(frozen=True)
 class Study:
-    """What becomes of the 500 nm bead of the thesis."""
+    """Fate of the thesis's 500 nm bead."""
 
     variants: list[Variant]
-    """the first with everything as printed"""
+    """motions, first that with all parameters as printed"""
     factors: tuple[float, ...]
     """a2 of the columns of `captured`"""
     powers: tuple[float, ...]
-    """mW before the pupil, of its rows"""
+    """power of the rows, before the pupil, mW"""
     captured: np.ndarray
     """whether the bead is captured, (powers, factors)"""
     overshoot: np.ndarray
-    """m, the same shape"""
+    """overshoot, m, of the same shape"""
     kept: int
-    """trajectories with thermal motion, all else as printed, that end within a radius of the
-    focus"""
+    """number of trajectories with thermal motion, all else as printed, that end within a radius of
+    the focus"""
     released: int
-    """of so many"""
+    """number of these trajectories in all"""
 
     @property
     def kept_interval(self) -> tuple[float, float]:
-        """95 % interval (Wilson) of the probability to be kept."""
+        """95 % interval (Wilson) of the probability to stay trapped."""
         interval = binomtest(self.kept, self.released).proportion_ci(method="wilson")
         return float(interval.low), float(interval.high)
 
 
 def study(did: Callable[[float], None] = lambda _: None) -> Study:
-    """One change at a time, then a2 and power together, then thermal motion.
+    """Single changes, then a2 and power together, then thermal motion.
 
-    did: called with each part of the work when it is done; they sum to 1.
+    did: called with each finished part of the work; the parts sum to 1.
     """
     printed = load_scene(_BEAD)
     changes = _changes(printed)
@@ -166,9 +166,10 @@ def _variant(group: str, name: str, scene: Scene) -> Variant:
 
 
 def _thermally_kept(printed: Scene) -> np.ndarray:
-    """Whether each of many trajectories ends within a radius of the focus, where the trap is; out
-    of it a bead drifts for most of the run before it is far enough to count as lost.
-    (trajectories,)
+    """Whether each trajectory ends within a radius of the focus, where the trap is,
+    (trajectories,).
+
+    Outside, a bead drifts for most of the run before it is far enough to count as lost.
     """
     scene = printed.replace(
         forces={"brownian": True},
@@ -176,6 +177,6 @@ def _thermally_kept(printed: Scene) -> np.ndarray:
         optics=INTEGRAL,
     )
     result = ensemble(scene, _THERMAL_TRAJECTORIES, seed=1)
-    end = result["position"].isel(time=-1).values  # NaN where it was lost: not near
+    end = result["position"].isel(time=-1).values  # NaN, so not near, if it was lost
     kept: np.ndarray = np.linalg.norm(end, axis=1) < scene.bead.radius
     return kept

@@ -1,4 +1,4 @@
-"""The motions behind the thesis's figures: each bead by the thesis's model and by the unscaled."""
+"""The motions in the thesis's figures: each bead by the thesis's model, and unscaled."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from tweezer.io import scene_of
 from tweezer.scene import Scene, load_scene
 from tweezer.simulation import simulate
 
-#: as the thesis orders and names them
+#: Beads in the thesis's order and names
 BEADS = ("500nm", "990nm", "1950nm")
 
-#: the integral over the lens in place of 7644 rays, as a table that reaches to where a bead is lost
+#: The integral over the lens in place of 7644 rays, as a table up to the loss distance
 INTEGRAL = {"evaluator": "map", "table_range": 20.0}
 
-#: relative, of the unscaled motion: at the thesis's 1e-7 a bead at rest jitters by Re = 1e-7
+#: Relative tolerance of the unscaled motion; at 1e-7, the thesis's, a bead at rest jitters
 _TOLERANCE = 1e-10
 
-#: samples of a motion without noise to one of its scene
+#: Factor between the samples of a motion without noise and those of its scene
 _SAMPLES_BETWEEN = 20
 
 _NOISE = {"brownian": True, "brownian_torque": True}
@@ -31,14 +31,14 @@ _NOISE = {"brownian": True, "brownian_torque": True}
 
 @dataclass(frozen=True)
 class Motions:
-    """One bead of the thesis, released four times where Table 5.1 says; runs of `simulate`."""
+    """Four runs of one bead of the thesis, released as in Table 5.1."""
 
     bead: str
     """one of `BEADS`"""
     thesis: xr.Dataset
     """scaled model (4.17), printed a2, 7644 rays, moment (3.25), Dormand-Prince; no noise"""
     thesis_thermal: xr.Dataset
-    """the same with thermal force and torque, by steps over which drag and noise are exact"""
+    """the same with thermal force and torque, by steps with exact drag and noise"""
     unscaled: xr.Dataset
     """full model (A.25), the integral over the lens, no moment of the light; no noise"""
     unscaled_thermal: xr.Dataset
@@ -46,12 +46,12 @@ class Motions:
 
     @functools.cached_property
     def scene(self) -> Scene:
-        """Of the thesis's model."""
+        """Scene of the thesis's model."""
         return scene_of(self.thesis)
 
     @property
     def properties(self) -> BeadProperties:
-        """Mass, drag and so on."""
+        """Mass, drag and weight of the bead."""
         return bead_properties(self.scene)
 
     @property
@@ -60,18 +60,18 @@ class Motions:
         return self.scene.simulation.scaling_factor or 1.0
 
     def summary(self, which: str) -> Summary:
-        """Of the motion of that name."""
+        """Summary of the motion of that name."""
         return summarise(getattr(self, which))
 
 
 def thesis_scene(bead: str) -> Scene:
-    """The scene of a bead of `BEADS` with all that the thesis's model has: rays, a2 and moment."""
+    """The scene of a bead of `BEADS` as in the thesis's model: rays, a2 and moment."""
     return load_scene(f"thesis-{bead}").replace(beam={"torque": "thesis"})
 
 
 def unscaled_scene(bead: str) -> Scene:
-    """The same light and bead without what is the thesis's approximation: its scaling, its grid of
-    rays, and the moment (3.25), which a lossless sphere does not take.
+    """The same light and bead without the thesis's approximations: the scaling, the grid of rays,
+    and the moment (3.25), which light does not exert on a lossless sphere.
     """
     return load_scene(f"thesis-{bead}").replace(
         optics=INTEGRAL,
@@ -93,7 +93,7 @@ def motions(bead: str, seed: int = 1) -> Motions:
 
 
 def _densely_sampled(scene: Scene) -> Scene:
-    """So that the peak of the force, which a bead passes within microseconds, is resolved."""
+    """The scene with samples that resolve the peak of the force, passed within microseconds."""
     samples = _SAMPLES_BETWEEN * (scene.simulation.samples - 1) + 1
     return scene.replace(simulation={"samples": samples})
 
@@ -107,7 +107,7 @@ def closest_approach(run: xr.Dataset) -> int | None:
 
 
 def crossings(run: xr.Dataset, least: float = 1e-9) -> int:
-    """How often q2 changes sides after the first closest approach by more than `least`, m."""
+    """Number of crossings by q2, of more than `least` m, after the first closest approach."""
     approach = closest_approach(run)
     if approach is None:
         return 0

@@ -1,4 +1,4 @@
-"""What the thesis claims, and what comes out: each verdict is computed from the motions."""
+"""The thesis's claims, each with a verdict computed from the motions."""
 
 from __future__ import annotations
 
@@ -34,10 +34,16 @@ from tweezer.thesis.runs import (
 
 _MICRO, _NANO, _MILLI, _PICO = 1e6, 1e9, 1e3, 1e12
 _WHICH = ("thesis", "unscaled")
-#: s, over which `_jagged_tail` averages the random force
+#: Time over which `_jagged_tail` averages the random force, s
 _LOOK = 1e-3
-#: m, noise of the camera that `_hidden_start` looks through, its seed, frames, and tracks of a bead
-_CAMERA, _CAMERA_SEED, _FRAMES, _TRACKS = 10e-9, 1, 60, 5
+#: Noise of the camera in `_hidden_start`, m
+_CAMERA = 10e-9
+#: Seed of that noise
+_CAMERA_SEED = 1
+#: Frames of a track
+_FRAMES = 60
+#: Tracks of each bead
+_TRACKS = 5
 
 
 @dataclass(frozen=True)
@@ -47,21 +53,21 @@ class Claim:
     where: str
     """section, figure or equation"""
     text: str
-    """what is claimed, in our words"""
+    """the claim in our words"""
     reading: str
-    """what was taken to decide it"""
+    """criterion of the verdict"""
     computed: str
-    """what came out"""
+    """result in words"""
     thesis: bool | None
-    """whether it holds for the thesis's own model; None where that has no say"""
+    """whether it holds for the thesis's own model; None if that does not apply"""
     unscaled: bool | None
     """whether it holds for the unscaled equations"""
     numbers: dict[str, float] = field(default_factory=dict)
-    """what `computed` says, SI or the unit in the name; not what is not a number there"""
+    """the numbers in `computed`, in SI or the unit in the name"""
 
     @property
     def verdict(self) -> str:
-        """In words."""
+        """The verdict in words."""
         if self.thesis is None or self.unscaled is None:
             known = self.unscaled if self.thesis is None else self.thesis
             return "holds" if known else "does not hold"
@@ -73,23 +79,23 @@ class Claim:
 
 
 class Evidence:
-    """Motions of the three beads and what several claims ask of them."""
+    """Motions of the three beads, and quantities that several claims use."""
 
     def __init__(self, by_bead: Mapping[str, Motions]) -> None:
         self.motions = by_bead
         self._equilibria: dict[str, Equilibrium] = {}
 
     def run(self, which: str, bead: str) -> xr.Dataset:
-        """Run `which`, a field of `Motions`, of a bead."""
+        """The run `which`, a field of `Motions`, of a bead."""
         run: xr.Dataset = getattr(self.motions[bead], which)
         return run
 
     def each(self, which: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
-        """A quantity of the run `which` of every bead."""
+        """A quantity of the run `which` for each bead."""
         return {bead: quantity(self.run(which, bead)) for bead in BEADS}
 
     def overshoot(self, which: str) -> dict[str, float]:
-        """Of q2 across the axis, m."""
+        """Overshoot of q2 across the axis, m."""
         return {bead: self.motions[bead].summary(which).overshoot for bead in BEADS}
 
     def captured(self, which: str, bead: str) -> bool:
@@ -97,7 +103,7 @@ class Evidence:
         return self.motions[bead].summary(which).outcome == "captured"
 
     def equilibrium(self, bead: str) -> Equilibrium:
-        """Stable equilibrium of the unscaled light and weight."""
+        """Stable equilibrium of light and weight in the unscaled scene."""
         if bead not in self._equilibria:
             found = bound_once(unscaled_scene(bead)).equilibrium
             if found is None:
@@ -113,7 +119,7 @@ def claims(by_bead: Mapping[str, Motions]) -> list[Claim]:
 
 
 def _list(values: Mapping[str, float], scale: float = 1.0, digits: int = 2) -> str:
-    """'500 nm: 1.2, 990 nm: 3.4' in units of 1/scale; "none" for what is not a number."""
+    """'500 nm: 1.2, 990 nm: 3.4' in units of 1/scale; "none" for a value that is not finite."""
     shown = {
         bead.replace("nm", " nm"): f"{value * scale:.{digits}g}" if math.isfinite(value) else "none"
         for bead, value in values.items()
@@ -131,7 +137,7 @@ def _claim(
     /,
     **by_name: Mapping[str, float] | float,
 ) -> Claim:
-    """A claim; its numbers are named by quantity, and by bead or model where there are several."""
+    """A claim; its numbers are named by quantity, and by bead or model if there are several."""
     numbers: dict[str, float] = {}
     for name, values in by_name.items():
         if isinstance(values, Mapping):
@@ -246,7 +252,7 @@ def _smaller_rings_more(evidence: Evidence) -> Claim:
 
 
 def _size_decides(evidence: Evidence) -> Claim:
-    """All three beads with the a2 printed for the middle one."""
+    """The three beads with the a2 that is printed for the middle one."""
     factor = load_scene("thesis-990nm").simulation.scaling_factor
     runs = {
         bead: simulate(load_scene(f"thesis-{bead}").replace(
@@ -393,7 +399,7 @@ def _force_sign(evidence: Evidence) -> Claim:
         force = run["net_force"].sel(axis="z").values
         r = scene_of(run).bead.radius
         counted = (run["distance"].values < 2 * r) & (np.abs(z) > 0.05 * r)
-        counted &= np.abs(force) > 0.01 * np.abs(force).max()  # on its way, not at rest
+        counted &= np.abs(force) > 0.01 * np.abs(force).max()  # while it moves
         return float(np.mean(force[counted] * z[counted] < 0)) if counted.any() else math.nan
 
     part = {which: evidence.each(which, against) for which in _WHICH}
@@ -688,7 +694,7 @@ def _hidden_start(evidence: Evidence) -> Claim:
 
 
 def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
-    """What a camera sees of the unscaled bead from release to capture."""
+    """Track of the unscaled bead, seen by a camera from release to capture."""
     scene = unscaled_scene(motions.bead).replace(
         forces={"brownian": True},
         simulation={

@@ -17,20 +17,20 @@ from tweezer.thesis.lost_bead import Study, study
 from tweezer.thesis.runs import BEADS, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
 
-#: what can be asked for besides a figure
+#: Names of what `reproduce` can write besides figures
 TABLES = ("claims", "study")
-#: about how long things take, in figures
+#: Approximate durations, in units of a figure
 _WORK = {"motions": 15.0, "claims": 15.0, "study": 60.0}
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What `reproduce` has made."""
+    """Results of `reproduce`."""
 
     files: list[Path]
-    """written, in this order"""
+    """files written, in this order"""
     claims: list[Claim]
-    """empty if they were not asked for"""
+    """empty if they were not requested"""
 
 
 def reproduce(
@@ -40,16 +40,17 @@ def reproduce(
     seed: int = 1,
     progress: Callable[[float], None] | None = None,
 ) -> Reproduction:
-    """Write what is asked for into the folder `out`, which is made if its parent is there.
+    """Write figures, claims or the study into the folder `out`, which is created if its parent
+    exists.
 
     what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
     as claims.json and claims.md; "study", of the 500 nm bead, as study.png and study.json.
-    Everything if empty. seed: of the thermal motions. progress: called with the part done.
+    Everything if empty. seed: of the thermal motions. progress: called with the finished part.
 
-    Files of an earlier time are replaced one by one, so that an interrupted run leaves whole ones.
-    Raises `SceneError` for a seed that is none or a number that the thesis does not have, and
-    `ResultError` for a folder that cannot be made, before anything is computed; `ResultError` if a
-    file cannot be written.
+    Existing files are replaced one by one, each as a whole. Before any computation raises
+    `SceneError` for a seed that is not valid or a figure that the thesis does not have, and
+    `ResultError` for a folder that cannot be created; later `ResultError` if a file cannot be
+    written.
     """
     asked = list(dict.fromkeys(what)) or [*FIGURES, *TABLES]
     for name in asked:
