@@ -562,10 +562,9 @@ def force_map(
         ),
     ] = None,
 ) -> None:
-    """Make the map of the force of SCENE.
+    """Compute the map of the force of SCENE, and show its error.
 
-    Or find it made, and say how exact it is. It is kept: evaluator = "map" in [optics] then reads
-    it.
+    The map is stored; evaluator = "map" in [optics] then reads it.
     """
     described = _described(scene, {"optics.evaluator": "map", **_settings(set or [])})
     if (other := described.optics.evaluator) != "map":
@@ -582,8 +581,8 @@ def warmup(
 ) -> None:
     """Compile ahead what commands on SCENE need.
 
-    Its map is made too, if it has one. Without SCENE: what the shipped scenes need, and of those
-    without a grid also their thermal motion, and a bead of a lower index than the medium.
+    Its map is computed too, if it has one. Without SCENE: what the shipped scenes need; for those
+    without a grid also thermal motion, and a bead of a lower index than the medium.
     """
     from tweezer.scene import load_scene, shipped_scenes
 

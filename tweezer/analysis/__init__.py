@@ -1,4 +1,4 @@
-"""What a run, a recording and a trap tell: derived quantities, outcome, calibration, worth."""
+"""Analysis of runs, recordings and traps: derived quantities, outcome, calibration, depth."""
 
 from tweezer.analysis.calibrate import (
     AxisCalibration,

@@ -1,4 +1,4 @@
-"""What a recording of thermal motion tells of the trap: stiffness, potential, escape times."""
+"""Calibration of a trap from a recording of thermal motion: stiffness, potential, escape times."""
 
 from __future__ import annotations
 
@@ -43,29 +43,38 @@ from tweezer.units import TEMPERATURE, to_si
 
 Array = NDArray[np.float64]
 
-#: Lags of the fits in time, in relaxation times, and their number.
-_LAGS, _LAG_COUNT = (0.1, 2.0), 10
-#: Number of relaxation times after which nothing is remembered.
+#: Smallest and largest lag of the fits in time, in relaxation times.
+_LAGS = (0.1, 2.0)
+#: Number of these lags.
+_LAG_COUNT = 10
+#: Number of relaxation times after which correlations are negligible.
 _FORGOTTEN = 20.0
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
 _UNCERTAIN = 0.3
-#: Least record of displacements and of a potential, in relaxation times: of fewer, those that look
-#: determined are too often off.
+#: Shortest record for displacements and a potential, in relaxation times: in shorter ones too many
+#: estimates that look determined are wrong.
 _FEW = 100.0
-#: Largest distance from the stiffness by the power spectrum, in standard uncertainties.
+#: Largest deviation from the stiffness by the power spectrum, in standard uncertainties.
 _APART = 4.0
 
-#: Part by which an exposure may exceed the step, which is as uncertain.
+#: Relative excess of an exposure over the step that is allowed, as the step is as uncertain.
 _UNEVEN = 1e-3
 
-#: bins of a histogram: how far from the mean they reach and how wide they may be, in standard
-#: deviations; the independent samples that one needs, and that those at two deviations should have
-_REACH, _NARROWEST, _WIDEST = 4.0, 0.2, 0.5
-_COUNTS, _COUNTS_AT_TWO = 10.0, 20.0
+#: Half the width of a histogram, in standard deviations.
+_REACH = 4.0
+#: Smallest and largest width of its bins, in standard deviations.
+_NARROWEST, _WIDEST = 0.2, 0.5
+#: Smallest number of independent samples in a bin.
+_COUNTS = 10.0
+#: Number of independent samples that a bin at two standard deviations should have.
+_COUNTS_AT_TWO = 20.0
+#: Density of a Gaussian at two standard deviations.
 _DENSITY_AT_TWO = math.exp(-2) / math.sqrt(2 * math.pi)
-#: how far up a potential is taken for a parabola, in k_B T, and the bins that this needs
-_PARABOLA, _LEAST_BINS = 2.0, 5
+#: Height above the bottom up to which a potential is fitted by a parabola, k_B T.
+_PARABOLA = 2.0
+#: Smallest number of bins for that fit.
+_LEAST_BINS = 5
 
 
 @dataclass(frozen=True)
@@ -78,10 +87,10 @@ class Estimate:
     stiffness: float
     """k, N/m"""
     uncertainty: float
-    """standard uncertainty of k, N/m; statistical alone, temperature and drag taken as exact"""
+    """standard uncertainty of k, N/m; only statistical: temperature and drag count as exact"""
     findings: tuple[Finding, ...]
-    """why it is not to be trusted: what speaks against the record, then against this number; empty
-    if nothing does"""
+    """reasons not to trust it: findings against the record, then against this number; empty if
+    there are none"""
 
     @property
     def caveat(self) -> str:
@@ -94,21 +103,21 @@ class SpectrumFit:
     """A fit to a power spectrum by maximum likelihood."""
 
     bead: TrappedBead
-    """stiffness and drag as fitted, or the drag as given"""
+    """bead with the fitted stiffness, and the fitted or given drag"""
     stiffness_uncertainty: float
     """standard uncertainty, N/m"""
     drag_uncertainty: float | None
-    """standard uncertainty, kg/s; None for a given drag. That of D = k_B T/beta is as large in
-    proportion"""
+    """standard uncertainty of the drag, kg/s; None for a given drag. D = k_B T/beta has the same
+    relative uncertainty"""
     corner_frequency_uncertainty: float
     """standard uncertainty of k/(2 pi beta), Hz"""
     highest_frequency: float
-    """Hz, fitted up to"""
+    """highest frequency of the fit, Hz"""
     log_likelihood: float
-    """of the fit, to compare it with others of the same ordinates"""
+    """log-likelihood, to compare with other fits of the same ordinates"""
     p_value: float
-    """how probable a spectrum as ill-fitting or worse is; too large rather than too small, by the
-    parameters fitted"""
+    """probability of a spectrum that fits as badly or worse; rather too large, because of the
+    fitted parameters"""
 
 
 @dataclass(frozen=True)
@@ -119,16 +128,16 @@ class AxisCalibration:
     centre: float
     """mean position, m"""
     findings: tuple[Finding, ...]
-    """what speaks against the record, and so against every estimate; empty if nothing does"""
+    """findings against the record, and so against every estimate; empty if there are none"""
     estimates: tuple[Estimate, ...]
     fit: SpectrumFit
-    """with the drag given; the one below if none was"""
+    """fit with the given drag; `free_fit` if none was given"""
     free_fit: SpectrumFit
-    """corner frequency and diffusion both fitted: the drag is k_B T/D"""
+    """fit of both corner frequency and diffusion; the drag is k_B T/D"""
     relaxations: float
-    """the record, in relaxation times of `fit`"""
+    """length of the record, in relaxation times of `fit`"""
     free_diffusion: float | None
-    """m^2/s, from displacements, if the record looks like that of a free bead (finding "free")"""
+    """diffusion from displacements, m^2/s, if the bead looks free (finding "free")"""
     free_diffusion_uncertainty: float | None
     """its standard uncertainty, m^2/s"""
 
@@ -150,20 +159,20 @@ class Calibration:
     temperature: float
     """K"""
     drag: float | None
-    """kg/s; None: fitted"""
+    """kg/s; None if fitted"""
     mass: float | None
-    """kg; None: overdamped"""
+    """kg; None if overdamped"""
     exposure: float | None
-    """s; None: not known, taken as 0"""
+    """s; None if not known, and taken as 0"""
     samples: int
     step: float
     """s"""
     note: str
-    """what was left out of the recording"""
+    """what was omitted from the recording"""
     axes: tuple[AxisCalibration, ...]
 
     def __repr__(self) -> str:
-        """In short: of each axis the first stiffness that nothing speaks against."""
+        """In short: for each axis the first trusted stiffness."""
         told = []
         for axis in self.axes:
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
@@ -184,26 +193,26 @@ def calibrate(
 
     source: a recording, or what `load_recording` takes. temperature: of the medium, K; drag: beta,
     kg/s; mass: of the bead, kg; exposure: the time over which each position is averaged, s, from 0
-    to the step; each a number in that unit, or text with a unit. For a run of ours they are the
-    scene's if not given (the mass that its model has: none where inertia is left out, m/a2 in the
-    scaled model; the exposure is 0). An exposure that is not known is taken as 0, and a record that
-    could have another one says so.
+    to the step; each a number in that unit, or text with a unit. For a run of tweezer they default
+    to the scene's (the mass is that of the model: none without inertia, m/a2 in the scaled model;
+    the exposure is 0). An unknown exposure is taken as 0, and a finding reports a record that could
+    have another one.
 
-    The record is tested first (`tweezer.analysis.findings`): what speaks against it is said of
-    every number of its axis. Equipartition: k_B T over the variance, corrected for the mean being
-    that of the record, and for the exposure; its uncertainty is that of a sum of the ordinates of
-    the spectrum. Power spectrum: the periodogram expected of the sampled bead
-    (`TrappedBead.sampled_spectrum`: aliases and leakage are in it; with a mass the inertial form),
-    fitted by maximum likelihood for ordinates distributed exponentially (P. Whittle, Ark. Mat. 2,
-    423 (1953)), with the drag given and with the drag fitted; uncertainties by Fisher's
-    information; the p-value is that of Bartlett's test, by Kolmogorov and Smirnov, on the
+    The record is tested first (`tweezer.analysis.findings`); its findings apply to every number of
+    the axis. Equipartition: k_B T over the variance, corrected for the exposure and for the mean,
+    which is that of the record; its uncertainty is that of a sum of the ordinates of
+    the spectrum. Power spectrum: the expected periodogram of the sampled bead
+    (`TrappedBead.sampled_spectrum`, with aliases and leakage; with a mass in its inertial form),
+    fitted by maximum likelihood for exponentially distributed ordinates (P. Whittle, Ark. Mat. 2,
+    423 (1953)), with the drag given and with the drag fitted; uncertainties from Fisher's
+    information; the p-value is that of Bartlett's test (Kolmogorov and Smirnov) of the
     cumulative periodogram over the fit. Displacement and autocorrelation: least squares over ten
     lags, from 0.1 to 2 relaxation times, weighted with the covariance that those averages have for
     Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 27 (1946)); the autocorrelation
-    takes the rate of decay alone and needs a drag, but no temperature. Potential: `potential`, with
+    uses only the rate of decay and needs a drag, but no temperature. Potential: `potential`, with
     the corrections of equipartition.
 
-    How often the intervals hold the true stiffness is measured: `tweezer bench calibrate`. Raises
+    `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
     `ResultError` without a temperature, for an exposure longer than the step, for what
     `load_recording` refuses, and for a run without thermal motion.
     """
@@ -267,7 +276,7 @@ def calibrate(
 
 
 def _in_si(recording: Recording, name: str, value: float | str | None, unit: str) -> float | None:
-    """An argument in its SI unit; None if it was not given."""
+    """An argument in its SI unit; None if not given."""
     if value is None:
         return None
     try:
@@ -277,7 +286,7 @@ def _in_si(recording: Recording, name: str, value: float | str | None, unit: str
 
 
 def _inertia(scene: Scene, mass: float) -> float | None:
-    """The mass that the scene's model has."""
+    """Mass of the bead in the scene's model."""
     model = scene.simulation.model
     if model == "scaled":
         return mass / (scene.simulation.scaling_factor or 1.0)
@@ -292,7 +301,7 @@ def _calibrated(
     exposure_known: bool,
     made_by: list[Finding],
 ) -> AxisCalibration:
-    """The trap along one axis; made_by: what speaks against all that is of how the bead moves."""
+    """The trap along one axis; made_by: findings against every number that uses the dynamics."""
     known = not math.isnan(given.drag)
     whole = Periodogram.of(positions, step)
     start = best_start(whole, positions, given)
@@ -360,22 +369,23 @@ def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit
 
 
 def _equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
-    """By the variance of the positions; its own relative variance is that of the whole spectrum."""
+    """Stiffness by the variance of positions, whose relative variance is that of the spectrum."""
     k = Boltzmann * fits.fit.bead.temperature / np.var(positions)
     relative = math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
     return _corrected(k, k * relative, fits)
 
 
 def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
-    """k that was taken for k_B T over the variance of the record, and is less the more is missing.
+    """k from k_B T over the variance of the record, corrected for the missing variance.
 
-    Missing is the variance of the mean, and what the exposure takes. That depends on the relaxation
-    time: of the drag given, or as fitted, whose uncertainty then adds to that of k.
+    Missing are the variance of the mean and what the exposure averages out. Both depend on the
+    relaxation time, with the drag given or fitted; the uncertainty of a fitted drag adds to that of
+    k.
     """
     whole, bead = fits.whole, fits.fit.bead
     relative_square = (uncertainty / k) ** 2
     missing = bead.variance_of_mean(whole.step, whole.samples) / bead.variance
-    # a record that shows nothing of the relaxation leaves rounding
+    # if the record does not resolve the relaxation, only rounding is left
     k *= max(1 - missing, 1 / whole.samples)
     if not bead.exposure:
         return k, k * math.sqrt(relative_square)
@@ -386,14 +396,14 @@ def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         return Boltzmann * bead.temperature / other.variance
 
     def slope(stiffness: float) -> float:
-        """d ln shown/d ln k."""
+        """d ln(shown)/d ln k."""
         return math.log(shown(stiffness * 1.001) / shown(stiffness / 1.001)) / math.log(1.001**2)
 
     if fits.fit.free == 1:
         root = brentq(lambda x: math.log(shown(math.exp(x)) / k), math.log(k) - 50, math.log(k) + 1)
         found = math.exp(root)
         return found, found * math.sqrt(relative_square) / slope(found)
-    # with the drag fitted the relaxation time is, and the part that is shown with it
+    # a fitted drag gives the relaxation time, and with it the shown part
     found = k * bead.stiffness / shown(bead.stiffness)
     fit = fits.free
     counts, n = fit.periodogram.counts, fit.slopes.shape[1]
@@ -434,7 +444,7 @@ def _displacement(
 def _autocorrelation(
     positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64]
 ) -> tuple[float, float]:
-    """By the rate of decay; without lag 0, which alone contains white noise."""
+    """Stiffness by the rate of decay; without lag 0, the only one with white noise."""
     lost = bead.variance_of_mean(step, len(positions)) / bead.variance
 
     def predicted(logarithms: Array) -> Array:
@@ -451,7 +461,7 @@ def _autocorrelation(
 
 
 Covariance = Callable[[NDArray[np.int64]], Array]
-"""of two positions, by their lag"""
+"""of two positions, by lag"""
 
 
 def _of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
@@ -471,8 +481,8 @@ def _covariance_of_averages(
 ) -> Array:
     """Covariance (lags, lags) of averages over the record.
 
-    of_one: covariance of two of what is averaged, of lags i and j, that start s samples apart; by
-    Isserlis's theorem.
+    of_one: covariance of two averaged terms, of lags i and j, that start s samples apart
+    (Isserlis's theorem).
     """
     longest = int(lags[-1])
     reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
@@ -490,9 +500,9 @@ def _covariance_of_averages(
 def _least_squares(
     values: Array, covariance: Array, predicted: Callable[[Array], Array], start: Array
 ) -> tuple[Array, Array]:
-    """The parameters that fit `values` best, and their standard uncertainties.
+    """Best parameters for `values`, and their standard uncertainties.
 
-    These are by the slopes at the start, which is where the covariance is from too.
+    The uncertainties use the slopes at the start of the fit, as the covariance does.
     """
     size = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
@@ -510,17 +520,17 @@ def _least_squares(
 
 @dataclass(frozen=True)
 class Potential:
-    """Potential energy along a line from how often a bead is where."""
+    """Potential energy along a line from the histogram of positions."""
 
     coordinates: Array
-    """(bins,) m, centres of the bins that hold enough"""
+    """(bins,) m, centres of the bins with enough samples"""
     energy: Array
-    """(bins,) J, above the bottom of the parabola, or without one above the lowest bin"""
+    """(bins,) J, above the bottom of the parabola, or above the lowest bin if there is none"""
     errors: Array
     """(bins,) standard errors, J"""
     stiffness: float | None
-    """curvature of the parabola through what is within 2 k_B T of the bottom, N/m; None if fewer
-    than 5 bins are, or they curve downwards"""
+    """curvature of the parabola fitted within 2 k_B T of the bottom, N/m; None with fewer than 5
+    bins there, or a negative curvature"""
     uncertainty: float | None
     """its standard uncertainty, N/m"""
     minimum: float | None
@@ -530,13 +540,13 @@ class Potential:
 def potential(positions: ArrayLike, temperature: float) -> Potential:
     """U = -k_B T ln p (Boltzmann) from the histogram of `positions` (n,), m, in equilibrium.
 
-    Bins reach 4 standard deviations to both sides of the mean; they are as narrow as a fifth of
-    one if a Gaussian would still leave 20 independent samples in those two away, but not wider than
-    a half. Those with fewer than 10 independent samples are left out; how many are independent is
-    told for each by the statistical inefficiency of being in it. The curvature is corrected for the
-    width of the bins (Sheppard). Raises `ResultError` for positions that are no such row, or do not
-    change. The curvature's error is that of the mean over the record of its influence
-    function, so that it has the correlation between bins in it.
+    Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard
+    deviation, or larger, up to a half, if a Gaussian would leave less than 20 independent samples
+    in a bin at two. Bins with less than 10 independent samples are omitted; the number of
+    independent samples of a bin follows from the statistical inefficiency of its indicator. The
+    curvature is corrected for the width of the bins (Sheppard). Its error is that of the mean over
+    the record of its influence function, and so includes the correlation between bins. Raises
+    `ResultError` for positions of another shape, or positions that do not change.
     """
     x = np.asarray(positions, np.float64)
     if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
@@ -564,7 +574,7 @@ def potential(positions: ArrayLike, temperature: float) -> Potential:
         height = height - (c - b**2 / (4 * a))
         stiffness = float(2 * a * (1 + 2 * a * width**2 / 12) * kT / deviation**2)
         minimum = float(centre - deviation * b / (2 * a))
-        weights = np.zeros(count + 2)  # also left and right of all bins
+        weights = np.zeros(count + 2)  # also left and right of the bins
         weights[1 + np.flatnonzero(enough)[low]] = influence / visited[low]
         error = standard_error(weights[np.clip(bins, -1, count) + 1])
         uncertainty = float(error * kT / deviation**2)
@@ -574,9 +584,9 @@ def potential(positions: ArrayLike, temperature: float) -> Potential:
 
 
 def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array] | None:
-    """Coefficients of the parabola at the bottom, the bins it is of, d(curvature)/d(height).
+    """Coefficients of the parabola at the bottom, its bins, and d(curvature)/d(height).
 
-    Weights and bins are those of a first parabola, so that they know little of the noise.
+    Weights and bins follow from a first parabola, so that they depend little on the noise.
     """
     if not at.size:
         return None
@@ -601,27 +611,27 @@ def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array
 
 @dataclass(frozen=True)
 class EscapeTimes:
-    """When beads first are outside a radius."""
+    """First times at which beads are outside a radius."""
 
     times: Array
-    """(trajectories,) s, from the first sample: of the escape, or the end of a record without"""
+    """(trajectories,) s, from the first sample to the escape, or else to the end of the record"""
     escaped: NDArray[np.bool_]
     """(trajectories,)"""
     mean: float | None
-    """mean escape time if escapes have a constant rate, s; None without an escape"""
+    """mean escape time for a constant rate of escape, s; None without an escape"""
     interval: tuple[float, float | None]
     """95 % confidence interval of that mean, s; no upper end without an escape"""
     p_value: float | None
-    """how probable times as unlike those of a constant rate are; None below 5 escapes"""
+    """p-value of a constant rate; None below 5 escapes"""
     survival: tuple[Array, Array, Array, Array]
-    """times (s), the part still inside after each, and its 95 % confidence limits; NaN where
-    there is none"""
+    """times (s), the fraction still inside after each, and its 95 % confidence limits; NaN where
+    they do not exist"""
 
 
 def escape_times(
     times: ArrayLike, positions: ArrayLike, radius: float, centre: ArrayLike = 0.0
 ) -> EscapeTimes:
-    """First times at which each of many trajectories is further than `radius` (m) from `centre`.
+    """First times at which trajectories are further than `radius` (m) from `centre`.
 
     times: (n,) s; positions: (trajectories, n, axes) m, NaN from where a bead was lost; centre:
     (axes,) m. A trajectory that stays inside is censored at its end. An escape is seen at the first
@@ -629,8 +639,8 @@ def escape_times(
 
     The mean is that of maximum likelihood for a constant rate, sum of times over escapes; its
     interval is by chi-square, not below 95 % for records of a fixed length (J. F. Lawless,
-    Statistical Models and Methods for Lifetime Data, 4.1). Whether the rate is constant tells the
-    score test against Weibull's distribution. Survival: E. L. Kaplan and P. Meier,
+    Statistical Models and Methods for Lifetime Data, 4.1). A score test against Weibull's
+    distribution tests whether the rate is constant. Survival: E. L. Kaplan and P. Meier,
     J. Am. Stat. Assoc. 53, 457 (1958), with log-log limits (`scipy.stats.ecdf`).
 
     Raises `ResultError` if a bead starts outside, or for arrays of other shapes.
@@ -658,7 +668,7 @@ def escape_times(
     lower = 2 * total / chdtri(2 * escapes + 2, 0.025)
     data = CensoredData(uncensored=durations[escaped], right=durations[~escaped])
     survival = ecdf(data).sf
-    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of NaN, as told
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of NaN
         limits = survival.confidence_interval(0.95, method="log-log")
     return EscapeTimes(
         durations,

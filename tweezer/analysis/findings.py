@@ -1,4 +1,4 @@
-"""Whether a record is that of a bead at rest in a harmonic trap: tests of it, before any number."""
+"""Tests whether a record is that of a bead in a harmonic trap at rest, before any estimate."""
 
 from __future__ import annotations
 
@@ -19,42 +19,42 @@ from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted
 
 Array = NDArray[np.float64]
 
-#: Probability below which a trapped bead is not believed to make such a record.
+#: Probability of such a record from a trapped bead below which a finding is reported.
 IMPROBABLE = 1e-3
-#: The same for a disturbance that would shift a number by `_HARM` or more.
+#: The same for a disturbance that would shift an estimate by `_HARM` or more.
 _UNLIKELY = 1e-2
-#: Shift of a number, in its standard uncertainties, below which a disturbance does no harm.
+#: Shift of an estimate that is harmless, in its standard uncertainties.
 _HARM = 0.5
-#: Least record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
+#: Shortest record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
 #: (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
 _RELAXATIONS = 30.0
-#: Record, in relaxation times, that is long without doubt.
+#: Record that is certainly long enough, in relaxation times.
 _LONG = 300.0
 #: Largest distance of a position from the median, in standard deviations.
 _FAR = 6.0
-#: Fraction of the samples, all at one end, above which the range of the detector ends there; ...
+#: Fraction of the samples at one extreme value above which the range of the detector may end there.
 _CLIPPED = 0.01
-#: ... and the least ratio of their number to that at the next value: rounding alone has 1 or less.
+#: Smallest ratio of their number to that at the next value; rounding alone gives 1 or less.
 _HEAPED = 2
-#: Standard deviation of a Gaussian over the median of the distance to its middle.
+#: Standard deviation of a Gaussian over its median absolute deviation.
 _DEVIATION_PER_MEDIAN = 1.4826
-#: Number of cosines that are taken for slow motion: of half a period in the record, one, ...
+#: Number of cosines that describe slow motion: with half a period in the record, one, ...
 _SLOW = 4
-#: The same for an exposure that is not known, which may be none.
+#: The same as `_HARM` for an exposure that is not known, and may be 0.
 _HARM_IF_ANY = 1.0
-#: Exposures that are tried where none is given, in steps.
+#: Exposures that are tried if none is given, in steps.
 _EXPOSURES = (1.0, 0.5, 0.25)
-#: Twice the difference of log-likelihoods below which an exposure is not excluded: p = 0.014.
+#: Twice the difference of log-likelihoods that excludes an exposure: p = 0.014.
 _NOT_EXCLUDED = 6.0
-#: Tolerance of the fits that tests are made with.
+#: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2
-#: Least part of its information that white noise must keep beside stiffness and drag.
+#: Smallest fraction of its information that white noise keeps beside stiffness and drag.
 _DISTINCT = 1e-3
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that speaks against a record or a number."""
+    """A reason not to trust a record or an estimate."""
 
     name: str
     """of the record: "stuck", "clipped", "start", "outlier", "free", "drift", "halves", "line",
@@ -65,18 +65,18 @@ class Finding:
 
 @dataclass(frozen=True)
 class Fits:
-    """What the tests compare a record with."""
+    """A record, and the fits that tests compare it with."""
 
     whole: Periodogram
     """of the record, up to Nyquist's frequency"""
     fit: WhittleFit
-    """with the drag given; `free` if none was"""
+    """fit with the given drag; `free` if none was given"""
     free: WhittleFit
-    """stiffness and drag fitted"""
+    """fit of stiffness and drag"""
 
 
 def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
-    """What speaks against the record, and so against every number that rests on it."""
+    """Findings against the record, and so against every estimate from it."""
     few = _few_relaxations(len(positions) * step, fits.free.bead)
     found = [
         _unsettled(positions),
@@ -91,27 +91,27 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     named: dict[str, Finding] = {}
     for each in found:
         if each:
-            named.setdefault(each.name, each)  # two tests see blur
-    # noise adds motion from sample to sample, and exposure takes it away
+            named.setdefault(each.name, each)  # two tests detect blur
+    # noise adds motion from sample to sample, exposure removes it
     hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
         hidden |= {"exposure"}
-    if "drift" in named:  # which is most of the lowest frequencies
+    if "drift" in named:  # it is mostly at the lowest frequencies
         hidden |= {"line"}
     return [finding for name, finding in named.items() if name not in hidden]
 
 
 def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> float:
-    """Variance of the variance of a record of that bead, over its square.
+    """Relative variance of the variance of a record of that bead.
 
-    The variance is the sum of ordinates that are independent and distributed exponentially.
+    The variance is a sum of independent, exponentially distributed ordinates.
     """
     power = whole.counts * whole.expected(bead)
     return float((power**2 / whole.counts).sum() / power.sum() ** 2)
 
 
 def _unsettled(positions: Array) -> Finding | None:
-    """By the median, which what is far off does not move."""
+    """By the median, which outliers do not shift."""
     off = np.abs(positions - np.median(positions))
     spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
     farthest = int(off.argmax())
@@ -132,7 +132,7 @@ def _unsettled(positions: Array) -> Finding | None:
 
 
 def _two_largest(numbers: Array) -> tuple[float, float]:
-    """The largest number, and the largest of those below it."""
+    """The largest and the second largest distinct number."""
     largest = numbers.max()
     return float(largest), float(numbers[numbers < largest].max())
 
@@ -148,12 +148,12 @@ def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
 def _unsteady(
     positions: Array, step: float, fit: WhittleFit, looks_free: bool
 ) -> list[Finding | None]:
-    """A mean that drifts, and a variance that changes from one half to the other.
+    """A mean that drifts, and a variance that differs between the halves.
 
     Drift: the first cosines of the record (DCT-II, half a period and more) against the spectrum of
-    what is left without them. They are as good as independent, and Gaussian, each with a variance
-    of S/(2 step) at its frequency; the spectrum is itself fitted, hence Fisher's F. A free bead
-    strays as if it drifted: what looks free is said to drift only if the rest is long.
+    the remainder. They are nearly independent and Gaussian, each with a variance of S/(2 step) at
+    its frequency; the spectrum is itself fitted, hence Fisher's F. Free diffusion resembles a
+    drift: for a bead that looks free, drift is reported only if the remainder is long.
     """
     from scipy.fft import dct, idct
 
@@ -163,7 +163,7 @@ def _unsteady(
     cosines[1 : _SLOW + 1] = 0
     rest = idct(cosines, norm="ortho")
     whole = Periodogram.of(rest, step)
-    # the frequencies that are left with all their motion
+    # the frequencies that lose nothing with the cosines
     kept = (whole.frequencies > (_SLOW + 1) / (2 * samples * step)) & (
         whole.frequencies <= fit.periodogram.frequencies[-1]
     )
@@ -172,7 +172,7 @@ def _unsteady(
     steady = fitted(whole[kept], start, fit.free, _ROUGHLY)
     at = np.arange(1, _SLOW + 1) / (2 * samples * step)
     expected = steady.bead.sampled_spectrum(at, step) / (2 * step)
-    freedom = 2 / steady.uncertainty(-2, 1) ** 2  # of S(0), which is 4 k_B T beta/k^2
+    freedom = 2 / steady.uncertainty(-2, 1) ** 2  # of S(0) = 4 k_B T beta/k^2
     p_value = 2 * min(
         float(fdtrc(m, freedom, (slow[:m] ** 2 / expected[:m]).mean())) for m in (1, _SLOW)
     )
@@ -189,7 +189,7 @@ def _unsteady(
         found.append(Finding("drift", text))
     first, second = np.array_split(rest, 2)
     ratio = float(np.var(first) / np.var(second))
-    of_half = 1 / relative  # degrees of freedom: 2 over the relative variance, which is doubled
+    of_half = 1 / relative  # degrees of freedom: 2 over the relative variance, twice as large
     p_value = 2 * float(fdtrc(of_half, of_half, max(ratio, 1 / ratio)))
     if p_value < IMPROBABLE:
         text = f"its first half has {ratio:.2g} times the variance of its second"
@@ -208,12 +208,12 @@ def _short_times_differ(first: Array, second: Array) -> bool:
 
 
 def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
-    """White noise, or its opposite: less motion from sample to sample than the fit has.
+    """White noise, or the opposite: less motion from sample to sample than in the fit.
 
     The score of a constant added to the spectrum, at the fit (C. R. Rao, Proc. Camb. Philos. Soc.
-    44, 50 (1948)), over all frequencies; beyond those fitted of the increments, which do not leak.
-    For an overdamped bead that, of either sign, is all that noise and exposure do to the shape of
-    the spectrum.
+    44, 50 (1948)), over all frequencies; above those of the fit for the increments, which do not
+    leak. For an overdamped bead, noise and exposure change the shape of the spectrum only by such a
+    constant, positive or negative.
     """
     free, part = fits.free, fits.free.periodogram
     increments = Periodogram.of(np.diff(positions), step)
@@ -231,7 +231,7 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     )
     fitting = np.hstack([part.counts * free.slopes, np.zeros((2, beyond.counts.size))])
     covariance = free.covariance
-    # what is left of it where stiffness and drag follow
+    # its information beside stiffness and drag
     influence = n * per_noise - (slopes @ (n * per_noise)) @ covariance @ fitting
     information = float(influence @ per_noise)
     if information < _DISTINCT * float(n @ per_noise**2):
@@ -260,7 +260,7 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
 
 
 def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
-    """What an exposure would do that is not given and that the record does not exclude."""
+    """Effect of an unknown exposure that the record does not exclude."""
     exposures = [dataclasses.replace(fit.bead, exposure=part * step) for part in _EXPOSURES]
     exposed = [fitted(fit.periodogram, bead, fit.free, _ROUGHLY) for bead in exposures]
     best = max(exposed, key=lambda each: each.log_likelihood)
@@ -285,7 +285,7 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
 
 
 def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
-    """Bartlett's test, by Kolmogorov and Smirnov, of the cumulative periodogram over the fit."""
+    """Bartlett's test (Kolmogorov and Smirnov) of the cumulative periodogram over the fit."""
     from scipy.stats import kstest
 
     frequencies, density = power_spectrum(positions, step)
@@ -298,7 +298,7 @@ def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
 def _line(positions: Array, step: float, fits: Fits) -> Finding | None:
     """Motion at one frequency, such as a vibration.
 
-    The largest ordinate of the periodogram over the spectrum fitted: all are distributed
+    The largest ordinate of the periodogram over the fitted spectrum; such ratios are distributed
     exponentially (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)).
     """
     frequencies, density = power_spectrum(positions, step)
@@ -326,7 +326,7 @@ def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None
 
 
 def _drag(fits: Fits) -> Finding | None:
-    """The drag given against that fitted (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938))."""
+    """The given drag against the fitted one (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938))."""
     gain = 2 * (fits.free.log_likelihood - fits.fit.log_likelihood)
     if chdtrc(1, max(gain, 0)) >= IMPROBABLE:
         return None
@@ -338,13 +338,13 @@ def _drag(fits: Fits) -> Finding | None:
 def free_diffusion(positions: Array, step: float) -> tuple[float, float] | None:
     """Diffusion of a free bead and its standard uncertainty, m^2/s; None if not determined.
 
-    From displacements and the product of each with the next, so that neither noise nor exposure
-    matters (C. L. Vestergaard et al., Phys. Rev. E 89, 022726 (2014)), less a steady drift.
+    From displacements and products of successive ones, so that noise and exposure cancel
+    (C. L. Vestergaard et al., Phys. Rev. E 89, 022726 (2014)), without a steady drift.
     """
     steps = np.diff(positions)
     steps -= steps.mean()
     each = (steps[:-1] ** 2 / 2 + steps[:-1] * steps[1:]) / step
-    # the mean is that of the record: it takes 3/2 of a step's variance, over their number
+    # the mean is that of the record: it removes 3/2 of a step's variance over the number of steps
     diffusion = float(each.mean()) * (1 + 3 / len(steps))
     uncertainty = standard_error(each)
     return (diffusion, uncertainty) if 0 < uncertainty < 0.3 * diffusion else None

@@ -1,8 +1,9 @@
-"""Least misfit over a coordinate, with all that is fitted besides it: a profile likelihood.
+"""Profile likelihood: the smallest misfit over all other parameters, as a function of one
+coordinate.
 
-The misfit is smooth but for what the steps of an integration leave, may have many minima, and may
-be impossible, infinite, at places. So it is tried at many points first, then followed to the minima
-by Newton's method, from each place and from the places beside it.
+The misfit is smooth except for jumps from the steps of an integration. It may have many minima, and
+be infinite (impossible) in places. So a scan of many trials comes first; then Newton's method finds
+the minima, starting at each place of the scan and from the minima of its neighbours.
 """
 
 from __future__ import annotations
@@ -20,47 +21,51 @@ from tweezer.errors import IntegrationError
 Array = NDArray[np.float64]
 Misfit = Callable[[Array], float]
 
-#: 95 % of chi-square with one degree of freedom: what the misfit may be above its least
+#: Misfit above the smallest in a 95 % interval: chi-square with one degree of freedom
 LEVEL = 3.841458820694124
-#: places of the scan
+#: Number of places in the scan
 _PLACES = 81
-#: misfit above the least of the trials from which on they are not followed further
+#: Misfit above the smallest trial beyond which trials are not refined
 _DISTANT = 120.0
-#: misfit above the least from which on a place is not fitted better
+#: Misfit above the smallest beyond which a place is not refined
 _HOPELESS = 30.0
-#: misfit between neighbours near the least from which on there should be a place between them
+#: Largest jump of misfit between neighbours near the smallest; beyond it a place is inserted
 JUMP = 2 * LEVEL
-#: how often a step of the scan is halved for a jump, and how many places there may be more
-_HALVINGS, _MORE = 5, 80
-#: Newton's method: most steps; the gain of misfit at which it ends
-_STEPS, _GAIN = 12, 0.02
-#: misfit that is next to nothing, against `LEVEL`
+#: Largest number of bisections of a step of the scan at a jump
+_HALVINGS = 5
+#: Largest number of places added to the scan
+_MORE = 80
+#: Largest number of steps of Newton's method
+_STEPS = 12
+#: Gain of misfit below which Newton's method ends
+_GAIN = 0.02
+#: Misfit that is negligible compared with `LEVEL`
 _NOTHING = 0.1
-#: most scans to and fro
+#: Largest number of sweeps to and fro
 _SCANS = 4
 
 
 class Likelihood(Protocol):
-    """What a profile is of; p: what is fitted besides z, in units of its own."""
+    """The problem of a profile: coordinate z, and the other parameters p in suitable units."""
 
     @property
     def unit(self) -> float:
-        """Of z."""
+        """Bounds of z."""
 
     @property
     def bounds(self) -> Array:
-        """(n, 2) of p."""
+        """Bounds of p, (n, 2)."""
 
     @property
     def steps(self) -> Array:
-        """(n,) over which the misfit is about a parabola; the first of them in z, (n + 1,)."""
+        """Lengths over which the misfit is nearly a parabola, in z and p, (n + 1,)."""
 
     @property
     def trials(self) -> Array:
-        """(trials, n) p to begin with, the likeliest first."""
+        """Trial values of p, (trials, n), the most probable first."""
 
     def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
-        """-2 log(likelihood), or a number between `most` and it; infinite where impossible."""
+        """-2 log(likelihood), or any number between `most` and it; infinite where impossible."""
 
 
 class Fit(NamedTuple):
@@ -72,16 +77,16 @@ class Fit(NamedTuple):
     curvature: Array
     """(n, n) second derivatives"""
     converged: bool
-    """whether no more than `_NOTHING` was to be gained"""
+    """whether it converged to within `_NOTHING`"""
 
 
 def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
-    """The minimum below a point, by Newton's method.
+    """The minimum that a descent from a point reaches, by Newton's method.
 
-    Derivatives are by central differences, over which the misfit rises by about 1. The step goes
-    down in every direction of curvature, for its size is taken without its sign (J. Nocedal and S.
-    J. Wright, Numerical Optimization, 2006, 3.4); it goes no further than ten of `steps`, and is
-    halved until the misfit falls. What meets its bound stays there if the misfit falls beyond it.
+    Derivatives are central differences over lengths in which the misfit rises by about 1. Each
+    eigenvalue of the curvature enters by its absolute value, so that the step descends (J. Nocedal
+    and S. J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and
+    halved until the misfit falls. A parameter at its bound stays there if the misfit falls beyond.
     """
     at, value, longest = begin, misfit(begin), 10 * steps
     curvature = np.full((len(at), len(at)), np.nan)
@@ -110,7 +115,7 @@ def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
 
 
 def _derivatives(misfit: Misfit, at: Array, value: float, steps: Array) -> tuple[Array, Array]:
-    """Slope (n,) and curvature (n, n), by differences."""
+    """Gradient (n,) and second derivatives (n, n), by differences."""
     n = len(at)
     aside = np.diag(steps)
     above = np.array([misfit(at + each) for each in aside])
@@ -138,7 +143,7 @@ def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longe
 
 
 class Profile:
-    """The least misfit over z, at the places where it has been sought."""
+    """The smallest misfit as a function of z, at the places computed so far."""
 
     def __init__(
         self,
@@ -146,7 +151,7 @@ class Profile:
         search: tuple[float, float],
         progress: Callable[[float], None] | None,
     ) -> None:
-        """The scan; a place that cannot be followed is left out."""
+        """The scan; places where the motion cannot be followed are omitted."""
         self._likelihood = likelihood
         self.places = np.linspace(*search, _PLACES)
         self.values = np.full(_PLACES, np.inf)
@@ -163,7 +168,7 @@ class Profile:
         self.nuisances, self.converged = self.nuisances[followed], self.converged[followed]
 
     def _try(self, progress: Callable[[float], None]) -> None:
-        """The best of the trials at each place."""
+        """The best trial at each place."""
         trials = self._likelihood.trials
         for done, p in enumerate(trials, 1):
             for i, z in enumerate(self.places):
@@ -178,9 +183,9 @@ class Profile:
         return descend(lambda p: known.misfit(z, p), begin, known.bounds, known.steps[1:])
 
     def _follow(self, progress: Callable[[float], None]) -> None:
-        """The minima below the trials; then from place to place, until there is no less.
+        """Minima from the trials; then from neighbour to neighbour, until none improves.
 
-        What is found is no more than what can be followed to from the left, and from the right.
+        The result is never above the minimum reached from the left or the right neighbour.
         """
         new = np.zeros(_PLACES, dtype=bool)
         for i in np.argsort(self.values):
@@ -215,7 +220,7 @@ class Profile:
         return min(sides, key=lambda fit: fit.value)
 
     def above(self, z: float) -> float:
-        """The misfit above the least, at any z; the places stay as they are."""
+        """Misfit above the smallest at any z; adds no place."""
         return self._sought(z).value - float(self.values.min())
 
     def _add(self, z: float, found: Fit) -> None:
@@ -230,13 +235,13 @@ class Profile:
 
     @property
     def lowest(self) -> NDArray[np.intp]:
-        """The places of the minima that are near the least, the ends of the search among them."""
+        """Places of the minima near the smallest, including the ends of the search."""
         around = np.concatenate([[np.inf], self.values, [np.inf]])
         below = (self.values <= around[:-2]) & (self.values < around[2:])
         return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
 
     def joint(self, i: int) -> Fit:
-        """The minimum over z/unit and p below a place, between the places beside it."""
+        """The minimum over z/unit and p reached from a place, between its neighbours."""
         known = self._likelihood
         ends = self.places[[max(i - 1, 0), min(i + 1, len(self.places) - 1)]] / known.unit
         return descend(
@@ -251,10 +256,10 @@ class Profile:
             self._add(self._likelihood.unit * found.at[0], found._replace(at=found.at[1:]))
 
     def spread(self) -> Array:
-        """(n,) standard uncertainties of p: root mean square deviations from the best.
+        """Standard uncertainties of p, (n,): root mean square deviations from the best fit.
 
-        A start is as likely as its misfit says; about what fits best there p is spread as the
-        curvature at the best says, NaN where that is none of a minimum.
+        Each z has the probability of its misfit. The spread of p about the best fit at z is by the
+        curvature at the overall best fit; NaN if that is not positive definite.
         """
         i = int(self.values.argmin())
         curvature = self._fitted(self.places[i], self.nuisances[i]).curvature
@@ -276,20 +281,20 @@ class Profile:
             self._add(z, self._sought(z))
 
     def jumps(self, near: float) -> NDArray[np.bool_]:
-        """(places - 1,) where the misfit jumps from one place to the next, one within `near`."""
+        """Mask (places - 1,) of jumps between neighbours of which one is within `near`."""
         lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
         return (np.abs(np.diff(self.values)) > JUMP) & (lower <= near)
 
 
 def below(profile: Profile) -> list[tuple[float, float]]:
-    """Where the misfit is below the level: pieces between its crossings."""
+    """Intervals where the misfit is below the level."""
     at, values = profile.places, profile.values - profile.values.min()
     inside = values <= LEVEL
     tolerance = 2e-5 * (at[-1] - at[0])
     known = dict(zip(at.tolist(), values.tolist(), strict=True))
 
     def above(z: float) -> float:
-        # what was found there: found again it may differ by what a fit is exact to
+        # as found there: a repeated fit may differ within its tolerance
         return min(known[z] if z in known else profile.above(z), 1e6) - LEVEL
 
     crossings = {

@@ -1,4 +1,4 @@
-"""Recordings and tracks of a bead's position: runs of ours, and tables of one's own."""
+"""Recordings and tracks of a bead's position, from runs of tweezer and from files of tables."""
 
 from __future__ import annotations
 
@@ -22,23 +22,25 @@ from tweezer.units import to_si
 
 Array = NDArray[np.float64]
 
-#: fewer samples, and frames, tell nothing
-LEAST_SAMPLES, LEAST_FRAMES = 100, 10
-#: more do not fit into the memory of most machines
+#: Smallest number of samples in a recording
+LEAST_SAMPLES = 100
+#: Smallest number of frames in a track
+LEAST_FRAMES = 10
+#: Largest number of samples; more do not fit into the memory of most machines
 MOST_SAMPLES = 50_000_000
-#: how far a time may be from an even grid, in its steps: tables round their times
+#: Largest deviation of a time from an even grid, in steps, as tables round their times
 _UNEVEN = 0.1
-#: m, which a recording may extend over
+#: Extent that a recording may have, m
 _EXTENTS = (1e-15, 1e-3)
 
 _AXES = ("x", "y", "z")
 _TABLES, _BINARIES = (".csv", ".tsv", ".txt"), (".h5", ".hdf5", ".nc")
-#: column by the word that a heading begins with, and its SI unit
+#: Column and SI unit by the first word of a heading
 _COLUMNS = {"t": "t", "time": "t", **{axis: axis for axis in _AXES}}
 _SI = {"t": "s", **dict.fromkeys(_AXES, "m")}
-#: what may stand around a heading
+#: Characters that may surround a heading
 _AROUND = '# "\r\n\t'
-#: headings that an error lists
+#: Largest number of headings in an error message
 _NAMES_TOLD = 10
 _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
@@ -47,9 +49,8 @@ _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 class Recording:
     """Positions of a bead at even times.
 
-    Raises `ResultError`, naming the sample, unless both are numbers, of those shapes, there are 100
-    or more, all finite, at times that rise and are nowhere further than 0.1 steps from an even
-    grid, and every position changes.
+    Raises `ResultError`, naming the sample, unless there are at least 100 samples of those shapes,
+    all finite, at ascending times within 0.1 steps of an even grid, and each coordinate changes.
     """
 
     name: str
@@ -61,9 +62,9 @@ class Recording:
     axes: tuple[str, ...]
     """"x", "y" and "z", as many as there are"""
     scene: Scene | None = None
-    """what a run of ours was made from"""
+    """scene of a run of tweezer"""
     note: str = ""
-    """what was left out"""
+    """what was omitted"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, len(self.axes))
@@ -104,9 +105,9 @@ class Recording:
         return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
 
     def since(self, time: float) -> Recording:
-        """What is recorded from `time` (s) after the first sample on.
+        """The recording from `time` (s) after the first sample on.
 
-        Raises `ResultError` if fewer than 100 samples are.
+        Raises `ResultError` if it has fewer than 100 samples.
         """
         kept = self.times >= self.times[0] + time
         return replace(self, times=self.times[kept], positions=self.positions[kept])
@@ -114,11 +115,11 @@ class Recording:
 
 @dataclass(frozen=True)
 class Track:
-    """What a camera saw of a bead: two coordinates, at times that need not be even.
+    """A bead seen by a camera: two coordinates, at times that need not be even.
 
-    Raises `ResultError`, naming the frame, unless both are numbers, of those shapes, times are
-    finite and rise, no coordinate is infinite, both are seen in ten frames or more, the first among
-    them, and they extend over what a microscope shows.
+    Raises `ResultError`, naming the frame, unless the shapes are these, times are finite and
+    ascending, no coordinate is infinite, at least ten frames have both coordinates, the first frame
+    among them, and the extent is one of a microscope's image.
     """
 
     name: str
@@ -128,7 +129,7 @@ class Track:
     positions: Array
     """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
     scene: Scene | None = None
-    """what a run of ours was made from"""
+    """scene of a run of tweezer"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, 2)
@@ -157,7 +158,7 @@ class Track:
 
 
 def _of_shapes(record: Recording | Track, axes: int) -> None:
-    """Make times and positions arrays; refuse them unless they are (n,) and (n, axes)."""
+    """Convert times and positions to arrays; refuse other shapes than (n,) and (n, axes)."""
     for name in ("times", "positions"):
         try:
             array = np.asarray(getattr(record, name), dtype=np.float64)
@@ -173,17 +174,17 @@ def _of_shapes(record: Recording | Track, axes: int) -> None:
 
 
 def load_recording(source: str | Path | xr.Dataset) -> Recording:
-    """A run of ours, or the table in a file: columns t, x, y and z, of which t and x are needed.
+    """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
     A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost. CSV
     (.csv, .tsv, .txt; comma, semicolon or tab): a heading is t, time, x, y or z, in capitals or
     not, perhaps with the word position or pos, then the unit in brackets, or behind a slash, a
     space or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4
     (.h5, .hdf5, .nc): a dataset for each column, named so, or with its unit in the attribute
-    `units`. Without a unit numbers are SI. Other columns are left alone.
+    `units`. Numbers without a unit are SI. Other columns are ignored.
 
-    Raises `ResultError`, naming the file and the sample, for a file that is none of these, and for
-    what `Recording` refuses.
+    Raises `ResultError`, naming the file and the sample, for a file of another kind, and for what
+    `Recording` refuses.
     """
     found = _read(source, ("t", "x"), gaps=False)
     if isinstance(found, tuple):
@@ -194,10 +195,10 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
 
 
 def load_track(source: str | Path | xr.Dataset) -> Track:
-    """A run of ours, or the table in a file, as `load_recording` has it: columns t, x and y.
+    """A run of tweezer, or the table of a file as in `load_recording`: columns t, x and y.
 
-    An empty cell, or NaN, is a coordinate that is missing; frames before the first with both
-    coordinates are left out.
+    An empty cell, or NaN, is a missing coordinate; frames before the first with both coordinates
+    are omitted.
 
     Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
     refuses.
@@ -214,14 +215,14 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     return Track(str(source), found["t"][begin:], positions[begin:])
 
 
-#: what a `Recording` is made of
+#: Arguments of a `Recording`
 _Run = tuple[str, Array, Array, tuple[str, ...], Scene, str]
 
 
 def _read(
     source: str | Path | xr.Dataset, needed: Sequence[str], *, gaps: bool
 ) -> _Run | dict[str, Array]:
-    """A run of ours, or the columns of a table; gaps: whether cells of a text may be empty."""
+    """A run of tweezer, or the columns of a table; gaps: whether cells of a text may be empty."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"))
     path = Path(source)
@@ -242,7 +243,7 @@ def _read(
             return _binary_columns(path, dataset, needed)
     except ResultError:
         raise
-    except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged
+    except Exception as error:  # h5py and h5netcdf raise errors of any kind for a damaged file
         reason = " ".join(str(error).split())
         raise ResultError(f"{path}: not an HDF5 or NetCDF 4 file, or damaged: {reason}") from None
 
@@ -303,12 +304,12 @@ def _text_columns(path: Path, needed: Sequence[str], *, gaps: bool) -> dict[str,
 
 
 class _Row:
-    """The line of a CSV that is being read."""
+    """The current line of a CSV file."""
 
     number, text = 1, ""
 
     def each(self, file: Iterable[str], delimiter: str, most: int) -> Iterator[str]:
-        """The lines of `file`, each with at most so many cells and whole quotes."""
+        """The lines of `file`, checked for the number of cells and for open quotes."""
         for self.number, self.text in enumerate(file, start=2):
             if self.text.count('"') % 2:
                 raise ValueError("a quote is not closed")
@@ -354,9 +355,9 @@ def _binary_columns(path: Path, dataset: xr.Dataset, needed: Sequence[str]) -> d
 
 
 def _refuse_other_files(path: Path) -> None:
-    """Refuse an HDF5 file with numbers that lie in others, or with too many to be held.
+    """Refuse an HDF5 file with data in other files, or with more than memory holds.
 
-    A dataset may be long and hold nothing, and may name any file as the place of its numbers.
+    A dataset may claim any length without data, and may name any file as the place of its data.
     """
     with h5py.File(path) as file:
         for name in file:
@@ -376,9 +377,9 @@ def _refuse_other_files(path: Path) -> None:
 def _named_columns(
     path: Path, headings: Sequence[tuple[str, object]], needed: Sequence[str]
 ) -> dict[str, tuple[int, float]]:
-    """Of each column that a heading names: which it is, and what one of its numbers is in SI.
+    """Column number and factor to SI for each quantity that a heading names.
 
-    headings: each with the unit that is given beside it, if any.
+    headings: each with the unit given beside it, if any.
     """
     found: dict[str, tuple[int, float]] = {}
     for index, (heading, beside) in enumerate(headings):
@@ -407,7 +408,7 @@ def _named_columns(
 
 
 def _column_and_unit(heading: str) -> tuple[str | None, str | None]:
-    """The column and the unit that a heading names, None where it names none.
+    """The quantity and the unit that a heading names; None if it names none.
 
     A heading is t, time, x, y or z, perhaps with the word position or pos; then the unit, if any:
     in brackets, behind a slash, or behind a space or underscore.
@@ -439,7 +440,7 @@ def _is_unit(text: str, column: str) -> bool:
 
 
 def _scale(path: Path, heading: str, column: str, unit: object) -> float:
-    """What a number in `unit` is in SI."""
+    """Factor from `unit` to SI."""
     try:
         return to_si(f"1 {unit}", _SI[column])
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Autocovariance, mean squared displacement and power spectrum: of a record, and in theory."""
+"""Autocovariance, mean squared displacement and power spectrum, of a record and of a model."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from scipy.constants import Boltzmann
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-#: Sokal's window, in statistical inefficiencies
+#: Length of Sokal's window, in statistical inefficiencies
 _WINDOW = 3.0
-#: Distance from critical damping below which both rates coincide.
+#: Distance from critical damping below which the two rates count as equal
 _CRITICAL = 1e-5
 #: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
 _SHORT = 1e-2
@@ -27,8 +27,9 @@ def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Ar
 
     positions: (n,) m, one every `step` (s). Returns frequencies (Hz) and densities (m^2/Hz), for
     the Fourier frequencies between 0 and Nyquist's, both excluded: the periodogram averaged over
-    `segments` equal parts that do not overlap, each less its mean. For a series much longer than
-    its memory each value is, over what is expected, an independent Gamma(segments)/segments.
+    `segments` equal parts without overlap, each minus its mean. For a series much longer than its
+    correlation time, the ratio of each value to its expectation is an independent
+    Gamma(segments)/segments.
     """
     from scipy.signal import welch
 
@@ -43,8 +44,8 @@ def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Ar
 def autocovariance(positions: Array) -> Array:
     """Autocovariance (n,) at lags 0 to n-1 of `positions` (n,) about their mean, by FFT.
 
-    Each lag is averaged over the pairs it has. The mean is that of the record, which lowers every
-    value by its variance (`TrappedBead.variance_of_mean`).
+    Each lag is an average over all its pairs. The mean is that of the record, which lowers every
+    value by the variance of the mean (`TrappedBead.variance_of_mean`).
     """
     return _products(positions) / np.arange(len(positions), 0, -1)
 
@@ -72,11 +73,11 @@ def _products(positions: Array) -> Array:
 
 
 def statistical_inefficiency(series: Array) -> float:
-    """How many samples of `series` (n,) are worth one independent one: 1 + 2 sum rho_j, 1 or more.
+    """Number of samples of `series` (n,) per independent sample: 1 + 2 sum rho_j, at least 1.
 
-    The sum ends at three times itself (A. Sokal's window), and is corrected for the mean of the
-    record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that remembers itself to its
-    end has n.
+    The sum ends at a lag of three times its value (A. Sokal's window), and is corrected for the
+    mean of the record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays
+    correlated to its end has n.
     """
     covariance = autocovariance(series)
     if covariance[0] <= 0:
@@ -102,12 +103,12 @@ def _overlap(v: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class TrappedBead:
-    """A bead in a harmonic trap, m x'' + beta x' + k x = thermal noise, and how it is recorded.
+    """A bead in a harmonic trap, m x'' + beta x' + k x = thermal noise, and its recording.
 
-    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. The noise is white: what the
-    medium's inertia does to the drag (Basset) is not in it. A position that is recorded is the mean
-    over the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517 (2006)).
-    With it a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
+    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. The noise is white: the effect
+    of the medium's inertia on the drag (Basset) is left out. A recorded position is the mean over
+    the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517 (2006)). By the
+    exposure a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
     2 (rW - 1 + e^-rW)/(rW)^2 at t = 0.
     """
 
@@ -124,7 +125,7 @@ class TrappedBead:
 
     @property
     def variance(self) -> float:
-        """Of recorded positions, m^2: k_B T/k (equipartition), less what the exposure takes."""
+        """Variance of recorded positions, m^2: k_B T/k (equipartition), reduced by the exposure."""
         return float(self.autocovariance(0.0))
 
     @property
@@ -139,18 +140,18 @@ class TrappedBead:
 
     @property
     def relaxation_time(self) -> float:
-        """Of the slowest decay, s: beta/k, or 2m/beta where the bead rings."""
+        """Time of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped."""
         return 1 / min(rate.real for _, rate in self._decays())
 
     @property
     def roll_off(self) -> float:
-        """Frequency above which the spectrum falls, Hz: the corner's, or that of the ringing."""
+        """Frequency above which the spectrum falls, Hz: the corner, or the resonance."""
         if self.mass is None:
             return self.corner_frequency
         return min(self.corner_frequency, math.sqrt(self.stiffness / self.mass) / (2 * math.pi))
 
     def _decays(self) -> list[tuple[complex, complex]]:
-        """Amplitudes (m^2) and rates (1/s) of the exponentials that make the autocovariance."""
+        """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance."""
         equipartition = Boltzmann * self.temperature / self.stiffness
         if self.mass is None:
             return [(equipartition, self.stiffness / self.drag)]
@@ -200,11 +201,11 @@ class TrappedBead:
     ) -> Array:
         """One-sided power spectral density, m^2/Hz, of positions taken every `step` (s).
 
-        All aliases are in it: the sum over them is that over the autocovariance of the samples,
-        which are one or two geometric series from lag 1 on (S. F. Norrelykke and H. Flyvbjerg,
-        Phys. Rev. E 83, 041103 (2011)). With `samples`, the periodogram expected at the Fourier
-        frequencies of a record that long: leakage is then in it too (A. M. Sykulski et al.,
-        Biometrika 106, 251 (2019)). The exposure must not exceed the step.
+        It includes all aliases: it is the Fourier sum over the autocovariance of the samples, which
+        from lag 1 on is one or two geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
+        E 83, 041103 (2011)). With `samples`, the expected periodogram at the Fourier frequencies of
+        a record of that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106,
+        251 (2019)). The exposure must not exceed the step.
         """
         turn = 2j * np.pi * np.asarray(frequencies, np.float64) * step
         density = np.full(turn.shape, self.variance)

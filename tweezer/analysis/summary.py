@@ -1,4 +1,4 @@
-"""How a run ended: captured or lost, when, and what it passed through."""
+"""Outcome of a run: captured or lost, when, and the extremes on the way."""
 
 from __future__ import annotations
 
@@ -21,47 +21,47 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: a captured bead stays this close to the equilibrium, in radii
+#: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
 
-#: most places of a path at which the force and its error are looked at
+#: Largest number of positions on a path at which the force and its error are computed
 _PLACES = 1000
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What became of the bead.
+    """Outcome of a run.
 
-    Of a run without thermal motion the numbers are those of the motion between the samples too,
-    and do not depend on how many there are. Their errors are those of the integration and of
-    locating; what the model and the force are off comes besides.
+    Without thermal motion the numbers include the motion between the samples, so they do not depend
+    on the number of samples. Their errors are those of integration and of locating an event; errors
+    of the model and of the force are not included.
     """
 
     outcome: str
-    """"captured", "lost", "not captured", or the status of a run that ended early, or with forces
-    of your own, of which the summary knows no equilibrium"""
+    """"captured", "lost", "not captured"; or the status of a run that ended early, or had forces of
+    your own, for which no equilibrium is known"""
     outcome_time: float
-    """s: when it was captured, when it left the trap, or when the run ended"""
+    """time of capture, of loss, or of the end of the run, s"""
     overshoot: float
-    """m: how far it went past the beam's axis, on the side away from the start"""
+    """largest excursion beyond the beam's axis, on the side away from the start, m"""
     closest_approach: float | None
-    """m: distance to the focus at the first closest approach (FCA); None if there is none"""
+    """distance to the focus at the first closest approach (FCA), m; None if there is none"""
     closest_approach_time: float | None
     """s"""
     largest_reynolds_number: float | None
     """None for thermal motion without inertia"""
     largest_force: float
-    """N, of the light, at places along the path"""
+    """largest force of the light at positions along the path, N"""
     force_error: float
-    """N, the largest error of the light's force at these places"""
+    """largest error of the light's force at these positions, N"""
     end: tuple[float, float, float]
-    """m from the focus"""
+    """last position, m from the focus"""
     by_samples: bool
-    """whether all this is of the output's samples alone, and what happened between them is missed:
-    thermal motion, a run that failed or has too many steps to be held, a part of a run, a file of
-    an older version"""
+    """whether all numbers are from the samples alone, without the motion between them: for thermal
+    motion, a run that failed or had too many steps to store, a part of a run, a file of an older
+    version"""
     outcome_time_error: float | None = None
-    """s; None where it is not known, as are the others"""
+    """s; None if not known, as for the other errors"""
     overshoot_error: float | None = None
     """m"""
     closest_approach_error: float | None = None
@@ -74,21 +74,21 @@ class Summary:
 def summarise(run: xr.Dataset) -> Summary:
     """Summary of a run of `tweezer.simulate`.
 
-    Captured: the bead ends within a tenth of its radius of a stable equilibrium of the light and
-    its weight, by one Newton step; the time is from when on it stays that near to it. In thermal
-    motion, which leaves that neighbourhood again and again: the mean of the last tenth of the run
-    is within its radius of the equilibrium, and the time is when the bead first came within a tenth
-    of its radius of it. The first closest approach is the first local minimum of the distance to
-    the focus.
+    Captured: the bead ends within a tenth of its radius of a stable equilibrium of light and
+    weight, located by one Newton step; the time is that from which on it stays there. Thermal
+    motion leaves that neighbourhood many times; with it a bead is captured if the mean position
+    over the last tenth of the run is within its radius of the equilibrium, and the time is that of
+    the first approach to a tenth of its radius. The first closest approach is the first local
+    minimum of the distance to the focus.
 
-    The run holds what its motion between the samples shows; where it does not, the summary is by
-    the samples alone, and says so, as is that of a part of the run.
+    A run stores the summary of its motion between the samples. For a run without it, or a part of a
+    run, the summary is from the samples alone, and marked so.
     """
     times = run["time"].values
     position = run["position"].values
     if "summary" in run.attrs:
         summary = _read(run.attrs["summary"])
-        if times[0] == 0 and summary.end == _point(position[-1]):  # not of a part of the run
+        if times[0] == 0 and summary.end == _point(position[-1]):  # the whole run, not a part
             return summary
     outcome, outcome_time, _ = _outcome(run, times, position)
     approach, approach_time = _closest_approach(run)
@@ -161,7 +161,7 @@ def _read(text: str) -> Summary:
 def _errors(
     here: Passage, located: Passage, budget: ErrorBudget, rest: Array, nearby: float
 ) -> Passage:
-    """By the differences from the finer run; NaN where there is none."""
+    """Errors from the differences to the finer run; NaN if there is none."""
     finer = budget.finer
     if finer is None or finer.run.path is None:
         return Passage(*[math.nan] * len(here))
@@ -197,7 +197,7 @@ def _known(value: float) -> float | None:
 
 
 def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float, Array]:
-    """What became of the bead, when by the samples, s, and where it settled, (3,) m."""
+    """Outcome, its time by the samples, s, and where the bead settled, (3,) m."""
     status = run.attrs["status"]
     if status != "complete" or run.attrs.get("other_forces"):
         return status, float(times[-1]), position[-1]
@@ -223,9 +223,9 @@ def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float
 
 
 def _to_stable_equilibrium(scene: Scene, place: Array, time: float, force: Array) -> Array:
-    """The Newton step from a place, where the net force is that, to where no force is left.
+    """The Newton step from a position with net force `force` to the equilibrium.
 
-    time: s. Infinite if the forces there do not drive the bead back from every side.
+    time: s. Infinite if the force there is not restoring in every direction.
     """
     gradient = optical_jacobian(scene, place, time=time)
     if np.linalg.eigvalsh(gradient + gradient.T).max() >= 0:

@@ -1,4 +1,4 @@
-"""The thesis's search for its scaling factor a2 (4.12), and what each a2 costs and gets wrong."""
+"""The thesis's search for its scaling factor a2 (4.12): cost and error of each a2."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tweezer.dynamics.path import largest_distance
 from tweezer.errors import TweezerError
 from tweezer.scene import Scene
 
-#: a2 looked at if none are given: so many for each decade from epsilon to 1
+#: Number of a2 per decade, from epsilon to 1, if none are given
 _PER_DECADE = 3
 
 
@@ -28,11 +28,11 @@ class Tuned:
     scaling_factor: float
     """a2"""
     deviation: float | None
-    """m, largest distance to the unscaled response at any time, located on the dense output of
-    both; None if the run failed"""
+    """largest distance to the unscaled response at any time, m, from the dense output of both; None
+    if the run failed"""
     deviation_error: float | None
-    """m, by integrating both responses to tighter tolerances; None if the run failed, or one so
-    integrated"""
+    """its error, m, by integrating both responses to tighter tolerances; None if one of these runs
+    failed"""
     steps: int
     force_calls: int
     seconds: float
@@ -41,12 +41,12 @@ class Tuned:
 
 @dataclass(frozen=True)
 class Tuning:
-    """The scaled response against the unscaled one, by scaling factor."""
+    """Deviation of the scaled from the unscaled response, by scaling factor."""
 
     entries: list[Tuned]
     """by descending scaling factor"""
     duration: float
-    """s, compared over"""
+    """time of the comparison, s"""
     method: str
     epsilon: float
     """m/beta_v (4.6) in the thesis's unit of time, 1 ms: its first guess of a2"""
@@ -54,7 +54,7 @@ class Tuning:
     """the unscaled equations by the exponential method"""
 
     def most_scaling_within(self, deviation: float) -> Tuned | None:
-        """The entry of least a2, that is of most scaling, that deviates no more than that, m."""
+        """The entry of smallest a2, that is most scaling, that deviates by no more than this, m."""
         within = [
             entry
             for entry in self.entries
@@ -76,10 +76,10 @@ def tune(
     factors: from epsilon to 1 if not given. duration: s, the scene's if not given; the thesis
     compares over a short time. method: of the scaled runs; the thesis's Dormand-Prince if not
     given. The unscaled response is integrated by the exponential method. Each response is
-    integrated a second time, to a sixteenth of the tolerances: the distance between the two is its
-    error. progress: called with the part done.
+    integrated a second time, to a sixteenth of the tolerances; the distance between the two is its
+    error. progress: called with the finished part.
 
-    The step is by the tolerances, whatever the scene says. Raises `SceneError` for a factor outside
+    Steps follow the tolerances, whatever the scene says. Raises `SceneError` for a factor outside
     1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
     take.
     """
@@ -123,7 +123,7 @@ def _epsilon(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class _Response:
-    """A motion, and what it costs."""
+    """A motion and its cost."""
 
     run: Integration
     error: float | None
@@ -134,7 +134,7 @@ class _Response:
 def _response(scene: Scene) -> _Response:
     equations = bind(scene)
     times = np.array([0.0, scene.simulation.duration])
-    _uninterrupted(integrate(equations, times * 1e-3))  # compiles, which does not count
+    _uninterrupted(integrate(equations, times * 1e-3))  # compiles, untimed
     began = time.perf_counter()
     run = _uninterrupted(integrate(equations, times, most_held=sys.maxsize))
     seconds = time.perf_counter() - began
@@ -153,7 +153,7 @@ def _uninterrupted(run: Integration) -> Integration:
 
 
 def _tuned(factor: float, response: _Response, exact: _Response) -> Tuned:
-    """What a response costs, and how far it is from the exact one."""
+    """Cost of a response, and its distance from the exact one."""
     run, deviation, error = response.run, None, None
     assert exact.run.path is not None
     if run.path is not None:

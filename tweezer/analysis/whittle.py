@@ -1,4 +1,4 @@
-"""Fits of the spectrum of a trapped bead by maximum likelihood, and what they tell of it."""
+"""Maximum-likelihood fits of the spectrum of a trapped bead."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from tweezer.analysis.spectra import TrappedBead, power_spectrum, statistical_in
 
 Array = NDArray[np.float64]
 
-#: Highest frequency of a fit, in units of that where the spectrum rolls off.
+#: Highest frequency of a fit, in units of the roll-off of the spectrum.
 _RANGE = 20.0
-#: Largest product of the number of ordinates and the square of the part that leaked.
+#: Largest product of the number of ordinates and the square of the leaked fraction.
 _LEAKAGE = 0.1
-#: Least number of ordinates of a fit.
+#: Smallest number of ordinates of a fit.
 _LEAST_ORDINATES = 50
-#: Number of blocks that a periodogram is averaged over, even in the logarithm of the frequency.
+#: Number of blocks of a periodogram, evenly spaced in the logarithm of the frequency.
 _BLOCKS = 1000
 
 #: First step of a fit, in the logarithm of each parameter.
@@ -32,22 +32,22 @@ _FIRST_STEP = 0.2
 
 @dataclass(frozen=True)
 class Periodogram:
-    """Ordinates averaged over blocks so narrow that the spectrum hardly changes in one."""
+    """A periodogram averaged over blocks in which the spectrum is nearly constant."""
 
     frequencies: Array
     """(blocks,) Hz, the mean of each block"""
     density: Array
     """(blocks,) m^2/Hz"""
     counts: Array
-    """(blocks,) ordinates in each"""
+    """(blocks,) number of ordinates"""
     step: float
     """s"""
     samples: float
-    """of the record; infinite: its leakage is left out"""
+    """length of the record; infinite if leakage is left out"""
 
     @classmethod
     def of(cls, positions: Array, step: float) -> Periodogram:
-        """Of `positions` (n,), m, one every `step` (s)."""
+        """The periodogram of `positions` (n,), m, one every `step` (s)."""
         frequencies, density = power_spectrum(positions, step)
         n = frequencies.size
         edges = np.unique(np.geomspace(1, n + 1, min(_BLOCKS, n)).astype(int)) - 1
@@ -65,13 +65,13 @@ class Periodogram:
         )
 
     def expected(self, bead: TrappedBead) -> Array:
-        """(blocks,) m^2/Hz, of a record of that bead."""
+        """Expected density for a record of that bead, (blocks,) m^2/Hz."""
         return bead.sampled_spectrum(self.frequencies, self.step, self.samples)
 
     def log_likelihood(self, bead: TrappedBead) -> float:
-        """Of ordinates distributed exponentially (P. Whittle, Ark. Mat. 2, 423 (1953))."""
+        """Log-likelihood of exponential ordinates (P. Whittle, Ark. Mat. 2, 423 (1953))."""
         expected = self.expected(bead)
-        if not (expected > 0).all():  # rounding, far from any bead there is
+        if not (expected > 0).all():  # rounding, far from any real bead
             return -math.inf
         return -float(self.counts @ (np.log(expected) + self.density / expected))
 
@@ -91,17 +91,17 @@ class Periodogram:
 
 @dataclass(frozen=True)
 class WhittleFit:
-    """A bead whose spectrum fits a periodogram best."""
+    """The bead whose spectrum fits a periodogram best."""
 
     bead: TrappedBead
     periodogram: Periodogram
-    """what was fitted"""
+    """the fitted periodogram"""
     free: int
-    """2: stiffness and drag; 1: stiffness alone"""
+    """number of fitted parameters: 2 for stiffness and drag, 1 for stiffness alone"""
 
     @cached_property
     def log_likelihood(self) -> float:
-        """Of the fit, to compare it with others of the same ordinates."""
+        """Log-likelihood, to compare with other fits of the same ordinates."""
         return self.periodogram.log_likelihood(self.bead)
 
     @cached_property
@@ -111,7 +111,7 @@ class WhittleFit:
 
     @cached_property
     def covariance(self) -> Array:
-        """(free, free), of the logarithms, by Fisher's information."""
+        """Covariance of the logarithms, (free, free), by Fisher's information."""
         return inverse((self.slopes * self.periodogram.counts) @ self.slopes.T)
 
     def uncertainty(self, *of: float) -> float:
@@ -121,7 +121,7 @@ class WhittleFit:
 
 
 def inverse(information: Array) -> Array:
-    """Covariance of parameters, of which one that is not seen at all is uncertain by 10^6."""
+    """Covariance of parameters; one without any information has an uncertainty of 10^6."""
     values, vectors = eigh(information)
     return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T)
 
@@ -129,9 +129,9 @@ def inverse(information: Array) -> Array:
 def fitted(
     periodogram: Periodogram, start: TrappedBead, free: int, tolerance: float = 1e-4
 ) -> WhittleFit:
-    """The fit of stiffness and drag (free = 2), or of the stiffness alone, from `start` on.
+    """The fit of stiffness and drag (free = 2), or of the stiffness alone, starting at `start`.
 
-    tolerance: of the logarithms; the log-likelihood is found to a tenth of it.
+    tolerance: of the logarithms; a tenth of it for the log-likelihood.
     """
 
     def bead(logarithms: Array) -> TrappedBead:
@@ -152,8 +152,8 @@ def fitted(
 
 
 def usable(periodogram: Periodogram, start: TrappedBead) -> Periodogram:
-    """The part to fit: where the bead still moves, and leakage, which correlates the ordinates,
-    stays below the noise of their sum.
+    """The frequencies to fit: where the bead still moves, and leakage, which correlates the
+    ordinates, stays below the noise of their sum.
     """
     sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
     leakage = periodogram.expected(start) / sampled - 1
@@ -165,13 +165,14 @@ def usable(periodogram: Periodogram, start: TrappedBead) -> Periodogram:
 
 
 def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -> TrappedBead:
-    """The most likely of some beads to start a fit from: overdamped, and with a mass ringing.
+    """The most probable of some beads, as the start of a fit: overdamped, and with a mass
+    underdamped.
 
     given: the temperature, mass and exposure, and the drag or NaN.
     """
     kT = Boltzmann * given.temperature
     k = kT / np.var(positions)
-    # the squares forget twice as fast; where the bead rings, that is in m/beta
+    # squares decay twice as fast; for an underdamped bead in m/beta
     memory = periodogram.step * statistical_inefficiency((positions - positions.mean()) ** 2)
     starts = [dataclasses.replace(given, stiffness=k, drag=k * memory)]
     if given.mass is not None:

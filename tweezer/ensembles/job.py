@@ -69,9 +69,10 @@ class Job:
 
     @classmethod
     def of(cls, bound: Walk, trajectories: int, skipped: int | None, out: Path | None) -> Job:
-        """Divided so that what is held of a window of a block is 25 MB at most: of trajectories
-        all columns, for statistics the position. A block is of more than 64 trajectories only if a
-        window of it is still some seconds' work.
+        """The job divided so that a window of a block takes at most 25 MB.
+
+        A window holds all columns of trajectories, or the position for statistics. A block has more
+        than 64 trajectories only if a window of it is still some seconds' work.
         """
         samples = len(bound.times)
         width = len(bound.columns) if skipped is None else 3
