@@ -201,7 +201,8 @@ def _weights(step, tau, phi, out):  # type: ignore[no-untyped-def]
         for whole in range(2):
             part = 1.0 if whole else 0.5
             if i > 0 and tau[i] == tau[i - 1]:
-                out[i, whole] = out[i - 1, whole]
+                for k in range(4):
+                    out[i, whole, k] = out[i - 1, whole, k]
                 continue
             s = part * step
             _phi(-s / tau[i], phi)
