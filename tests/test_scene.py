@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
+import subprocess
+import sys
 import warnings
 
 import pytest
@@ -13,7 +15,7 @@ from pydantic import ValidationError
 
 from tweezer.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.scene import Scene, load_scene, shipped_scenes, with_settings
-from tweezer.units import to_si
+from tweezer.units import FREQUENT, registry, to_si
 
 ROUNDING = 1e-15
 PREFIXES = {"": 1, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9, "k": 1e3}
@@ -85,6 +87,14 @@ def test_a_unit_is_a_factor(number, prefix, space):
     assert to_si(f"{number!r}{space}{prefix}m", "m") == pytest.approx(
         number * PREFIXES[prefix], rel=1e-12, abs=0
     )
+
+
+@pytest.mark.parametrize("number", [-3.3, 0.0, 1.002, 990, 7e-5])
+def test_frequent_units_are_read_bit_for_bit_as_pint_reads_them(number):
+    cases = [(text, unit) for unit, factors in FREQUENT.items() for text in factors]
+    for text, unit in [*cases, ("degC", "K")]:
+        expected = registry().Quantity(number, text).to(unit).magnitude
+        assert to_si(f"{number} {text}", unit) == expected
 
 
 @pytest.mark.parametrize("prefix", ["", *"fpnumcdk"])
@@ -321,6 +331,19 @@ def test_shipped_scenes_are_the_tables_of_the_thesis(name):
     assert (beam.polarisation, beam.torque) == ("averaged-reflectance", "none")
     assert (beam.profile, scene.optics.evaluator) == ("gaussian", "grid")
     assert scene.name == name
+
+
+def test_shipped_scenes_load_without_pint():
+    """It takes half a second to import."""
+    program = (
+        "import sys, tweezer\n"
+        "for name in tweezer.shipped_scenes(): tweezer.load_scene(name)\n"
+        "print('pint' in sys.modules)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "False\n"
 
 
 def test_shipped_scenes_load_without_a_warning():

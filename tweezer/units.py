@@ -1,7 +1,7 @@
 """Quantities with units at the boundary: text such as "500 nm" to SI floats.
 
-Pint does the conversion; it is imported at the first text quantity, not before. Of its units only
-those of `_UNIT` are known here: others mean something else than a user of a microscope expects
+Pint does the conversion; it is imported at the first unit that is not of `FREQUENT`. Of its units
+only those of `_UNIT` are known here: others mean something else than a user of a microscope expects
 (px is 1/96 inch, point 1/72 inch, Hz as an angular speed 1 rad/s).
 """
 
@@ -37,6 +37,20 @@ _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
 #: of a frequency alone: as an angular speed pint takes 1 Hz as 1 rad/s
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
+#: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
+FREQUENT = {
+    "m": {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0},
+    "s": {"us": 1e-6, "ms": 1e-3, "s": 1.0},
+    "W": {"uW": 1e-6, "mW": 1e-3, "W": 1.0},
+    "K": {"K": 1.0},
+    "Pa s": {"mPa s": 1e-3, "Pa s": 1.0},
+    "kg/m^3": {"kg/m^3": 1.0},
+    "m/s": {"um/s": 1e-6, "mm/s": 1e-3, "m/s": 1.0},
+    "m/s^2": {"m/s^2": 1.0},
+    "1/s": {"Hz": 1.0, "kHz": 1e3},
+}
+#: K at 0 degC
+_ZERO_CELSIUS = 273.15
 #: how each SI unit is usually written, the likeliest first
 _USUAL = {
     "m": ("um", "nm", "mm", "m"),
@@ -90,21 +104,29 @@ def _example(unit: str) -> str:
 
 
 def _from_text(text: str, unit: str) -> float:
-    import pint
-
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if not match or not unit:
         raise ValueError(f"must be a number{_or_text(unit)}")
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
+    number = float(match["number"])
+    if (factor := FREQUENT.get(unit, {}).get(match["unit"])) is not None:
+        return number * factor
+    if unit == "K" and match["unit"] == "degC":
+        return number + _ZERO_CELSIUS
+    return _by_pint(number, match["unit"], unit)
+
+
+def _by_pint(number: float, text: str, unit: str) -> float:
+    import pint
+
     try:
         known = _HERTZ if unit == "1/s" else _UNIT
-        if not known.fullmatch(match["unit"]):
-            raise ValueError(f"has a unit that is not known; {_convertible(match['unit'], unit)}")
-        quantity = registry().Quantity(float(match["number"]), match["unit"].replace("·", "*"))
-        return float(quantity.to(unit).magnitude)
+        if not known.fullmatch(text):
+            raise ValueError(f"has a unit that is not known; {_convertible(text, unit)}")
+        return float(registry().Quantity(number, text.replace("·", "*")).to(unit).magnitude)
     except pint.errors.PintError:
-        raise ValueError(f"has the wrong unit; {_convertible(match['unit'], unit)}") from None
+        raise ValueError(f"has the wrong unit; {_convertible(text, unit)}") from None
 
 
 def _convertible(text: str, unit: str) -> str:

@@ -219,6 +219,7 @@ def _panel_tables() -> tuple[Array, Array]:
     return nodes, tail
 
 
+@functools.cache
 def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
     """The polynomial from 0 to 1 whose slope has zeros of order low - 1 and high - 1."""
     z = Polynomial([0, 1])
