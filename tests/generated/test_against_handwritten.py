@@ -19,6 +19,7 @@ from tests.reference.rigid_body import (
     rotation_matrix,
     solve_A24,
 )
+from tweezer.compiled import cache_functions
 
 MODELS = [
     "full_translation",
@@ -37,11 +38,11 @@ MODELS = [
     "first_order_sphere",
     "first_order_rigid_body",
 ]
-STATES = 3_000
+STATES = 500
 
 
 def emitted(name):
-    return importlib.import_module(f"tweezer.generated.{name}")
+    return cache_functions(importlib.import_module(f"tweezer.generated.{name}"))
 
 
 def by_hand(name, body, field, state):

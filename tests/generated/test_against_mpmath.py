@@ -10,6 +10,7 @@ import pytest
 import sympy as sp
 
 from derivation.models import catalogue
+from tweezer.compiled import cache_functions
 
 GENERATED = Path(__file__).parents[2] / "generated"
 #: `rates` calls `rhs`, and does nothing else
@@ -25,6 +26,11 @@ TOLERANCE = 1e-14
 #: dX and dY pass through zero at nearby angles, where their terms are some hundred times their sum;
 #: they enter the derivative of the force beside dQ_sc, which is larger
 TOLERANCES = {"split_rates": 1e-12}
+
+
+def emitted_module(name):
+    """As the runtime has it, which keeps what is compiled."""
+    return cache_functions(importlib.import_module(f"tweezer.generated.{name}"))
 
 
 def random_arguments(function, rng, i):
@@ -62,17 +68,34 @@ def condition(function, arguments):
 
 
 def exact(function):
-    """The expanded outputs as a function of all symbols, in mpmath."""
-    symbols = [q.symbol for argument in function.arguments for q in argument.quantities]
-    evaluate = sp.lambdify(symbols, list(function.expanded()), "mpmath", cse=False)
-    return lambda flat: [mpmath.mpf(value) for value in evaluate(*map(mpmath.mpf, flat))]
+    """The outputs as a function of all symbols, in mpmath: intermediates one after the other."""
+    known = [q.symbol for argument in function.arguments for q in argument.quantities]
+    needed = set().union(*(output.free_symbols for output in function.outputs))
+    intermediates = []
+    for quantity, expression in reversed(function.intermediates):
+        if quantity.symbol in needed:
+            intermediates.insert(0, (quantity.symbol, expression))
+            needed |= expression.free_symbols
+    steps = []
+    for symbol, expression in intermediates:
+        steps.append(sp.lambdify(known, expression, "mpmath", cse=False))
+        known = [*known, symbol]
+    outputs = sp.lambdify(known, list(function.outputs), "mpmath", cse=False)
+
+    def evaluated(flat):
+        values = [mpmath.mpf(value) for value in flat]
+        for step in steps:
+            values.append(step(*values))
+        return [mpmath.mpf(value) for value in outputs(*values)]
+
+    return evaluated
 
 
 @pytest.mark.parametrize(("module_name", "name"), FUNCTIONS)
 def test_against_50_digits(module_name, name):
     (module,) = (module for module in catalogue() if module.name == module_name)
     (function,) = (function for function in module.functions if function.name == name)
-    emitted = getattr(importlib.import_module(f"tweezer.generated.{module_name}"), name)
+    emitted = getattr(emitted_module(module_name), name)
     reference, rng = exact(function), np.random.default_rng(30)
     worst = 0.0
     with mpmath.workdps(DIGITS):
