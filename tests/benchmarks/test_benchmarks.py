@@ -1,9 +1,13 @@
 """The benchmarks run, compare like with like, and the documentation quotes what was committed."""
 
+import contextlib
+import io
 import json
 import math
+import os
 import re
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -25,7 +29,7 @@ from tests.benchmarks import (
     scaling,
     scaling_report,
 )
-from tests.benchmarks.timing import Call, per_item
+from tests.benchmarks.timing import Call, in_fresh_process, per_item
 from tweezer import cli
 from tweezer.dynamics.brownian import euler
 from tweezer.dynamics.brownian.batch import Linear
@@ -45,7 +49,36 @@ def numbers(value):
     return [n for entry in value.values() for n in numbers(entry)] if shape(value) else [value]
 
 
-def test_quick_run(command_line, tmp_path, monkeypatch, committed):
+@pytest.fixture
+def here(monkeypatch):
+    """Programs of fresh processes run in this one, where what they import is at hand."""
+
+    def timed(program, environment):
+        start = time.time()
+        with (
+            monkeypatch.context() as patch,
+            warnings.catch_warnings(action="ignore"),
+            contextlib.redirect_stdout(io.StringIO()) as printed,
+        ):
+            for name, value in environment.items():
+                patch.setenv(name, value)
+            exec(program, {})
+        times = json.loads(printed.getvalue())
+        return times | {"process_s": times.pop("at") - start}
+
+    monkeypatch.setattr(force, "in_fresh_process", timed)
+    monkeypatch.setattr(brownian, "in_fresh_process", timed)
+
+
+def test_a_fresh_process_is_timed_from_before_its_start():
+    program = "import json, os, time; print(json.dumps({'at': time.time(), 'is': os.getpid()}))"
+    started = time.time()
+    times = in_fresh_process(program, {})
+    assert times["is"] != os.getpid()
+    assert 0 < times["process_s"] < time.time() - started
+
+
+def test_quick_run(here, command_line, tmp_path, monkeypatch, committed):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     done = command_line(
         "bench", "force", "--quick", "--out", "force.json", "--plot", "force.png"
@@ -202,7 +235,7 @@ def inertial_euler_maruyama(trap, step):
     return v2 * (1 - step / 2 + slow * step / 2), v2
 
 
-def test_quick_run_of_brownian_motion(command_line, tmp_path):
+def test_quick_run_of_brownian_motion(here, command_line, tmp_path):
     done = command_line(
         "bench", "brownian", "--quick", "--out", "brownian.json", "--plot", "brownian.png"
     )  # fmt: skip
