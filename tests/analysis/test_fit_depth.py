@@ -230,9 +230,7 @@ def from_seed(scene, seed):
     return Track(f"seed {seed}", run["time"].values, run["position"].values[:, :2] + noise)
 
 
-@pytest.mark.parametrize(
-    ("seed", "name", "factor"), [(25, "power", 1), (11, "power", 1.25), (8, "radius", 1)]
-)
+@pytest.mark.parametrize(("seed", "name", "factor"), [(11, "power", 1.25), (8, "radius", 1)])
 def test_nothing_fits_better_than_the_best(scene, seed, name, factor):
     """The misfit at the truth, as a fit of what is known tells it, is not below the best of all.
 
