@@ -13,12 +13,13 @@ from derivation.models import catalogue
 from tweezer.compiled import cache_functions
 
 GENERATED = Path(__file__).parents[2] / "generated"
-#: `rates` calls `rhs`, and does nothing else
+#: they call `rhs` and `jacobian`, and do nothing else
+ALIKE = {"rates", "derivatives"}
 FUNCTIONS = [
     (path.stem, name)
     for path in sorted(GENERATED.glob("[!_]*.py"))
     for name in re.findall(r"^def (\w+)", path.read_text(), re.MULTILINE)
-    if name != "rates"
+    if name not in ALIKE
 ]
 DIGITS = 50
 MOST_INDEX_RATIO = 1.6
