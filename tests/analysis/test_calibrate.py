@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import itertools
 import math
 
 import numpy as np
@@ -106,8 +107,9 @@ def test_rates(name):
     assert bead.variance * bead.stiffness == pytest.approx(KT, rel=1e-9, abs=0)
 
 
-@pytest.mark.parametrize("exposure", [1e-4, 0.3, 0.8])
-@pytest.mark.parametrize("name", MASSES)
+@pytest.mark.parametrize(
+    ("name", "exposure"), [("overdamped", 1e-4), *itertools.product(MASSES, [0.3, 0.8])]
+)
 def test_exposed_positions_are_means_over_the_exposure(name, exposure):
     """Against the mean over two exposures of <x(s) x(t)>, by quadrature; and E|sum x e^-iwt|^2 as
     above.

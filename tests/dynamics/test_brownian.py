@@ -540,9 +540,9 @@ def test_first_passage_time_is_the_exact_double_integral():
     (Broadie, Glasserman, Kou, Math. Finance 7:325 (1997)); what is left is of order h.
     """
     n, sigma = 8000, math.sqrt(KT / STIFFNESS)
-    step = 1e-3 * TRAP
+    step = 4e-3 * TRAP
     one = walk_in(
-        bound("overdamped", "heun", step, samples=2, per_sample=20_000,
+        bound("overdamped", "heun", step, samples=2, per_sample=5_000,
               simulation={"loss_distance": 1.5 * sigma}),
         LinearTrap(STIFFNESS), 1 / TRAP,
     )  # fmt: skip
