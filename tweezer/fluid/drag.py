@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from tweezer.compiled import cached_njit
 from tweezer.forces.data import DATA, Data, number, packed
 from tweezer.forces.force import POSE, Pose
-from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 Kernel = Callable[[Any, Data, Any], None]
@@ -96,11 +95,6 @@ class Stokes(Drag):
 def stokes(viscosity: float, radius: float) -> Stokes:
     """Drag of a sphere of that radius, m, in a fluid of that viscosity, Pa s (2.15)."""
     return Stokes(6 * math.pi * viscosity * radius, 8 * math.pi * viscosity * radius**3)
-
-
-def drag(scene: Scene) -> Drag:
-    """Drag of the bead of `scene`."""
-    return stokes(scene.medium.viscosity, scene.bead.radius)
 
 
 def by_axis(value: Array) -> Array:
