@@ -767,7 +767,7 @@ def _within(before: Any, change: Any) -> Any:
 
 def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
     """The values of a scene as a mapping, by `section.key`; of several beams by `beam[1].key`."""
-    sections = dict(scene)
+    sections = dict(scene.items())
     if more := sections.pop("more_beams", ()):
         beams = sections.pop("beam"), *more
         sections |= {f"beam[{i}]": beam for i, beam in enumerate(beams, start=1)}
