@@ -562,9 +562,9 @@ def force_map(
         ),
     ] = None,
 ) -> None:
-    """Compute the map of the force of SCENE, and show its error.
+    """Compute the map of the force of SCENE.
 
-    The map is stored; evaluator = "map" in [optics] then reads it.
+    Its error is shown. The map is stored; evaluator = "map" in [optics] then reads it.
     """
     described = _described(scene, {"optics.evaluator": "map", **_settings(set or [])})
     if (other := described.optics.evaluator) != "map":
