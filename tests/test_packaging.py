@@ -17,9 +17,9 @@ import generated, derivation
 import tweezer
 from tweezer.derivation.emission import GENERATED
 from tweezer.dynamics import bind
-from tweezer.optics import kernels
+from tweezer.optics.rays import ray_sum
 module = bind(tweezer.load_scene("thesis-990nm")).module
-print(tweezer.__file__, module.__file__, kernels.ray.__file__, GENERATED / "ray.py", sep="\\n")
+print(tweezer.__file__, module.__file__, ray_sum.ray.__file__, GENERATED / "ray.py", sep="\\n")
 """
 
 

@@ -79,7 +79,7 @@ print(*called, *(of(each)(0.0) for each in addresses))
 FOREIGN = """
 import sys
 if "tweezer" in sys.argv:
-    import tweezer.optics.kernels
+    import tweezer.optics.rays.quadrature
 import itertools, numba
 from numba.core import bytecode, caching
 

@@ -21,11 +21,11 @@ def counted(value, compiled):
 SCATTERING = """
 import numpy as np
 from tweezer.compiled import cached_njit
-from tweezer.optics import kernels, quadrature
+from tweezer.optics.rays import nodes, ray_sum
 
-circular = kernels.Rays("circular", denser_medium=False, gradient=False, moment=False)
-efficiencies = kernels._efficiencies(circular)
-Q, S = quadrature.Q_OF, quadrature.S_OF
+circular = ray_sum.Rays("circular", denser_medium=False, gradient=False, moment=False)
+efficiencies = ray_sum.efficiencies_of(circular)
+Q, S = nodes.Q_OF, nodes.S_OF
 
 @cached_njit()
 def scattering(sine_squared):
@@ -71,7 +71,7 @@ counted(out[0, 1], kinematics.rotation_matrix)
 """
 #: of an error, which is a constant of another file
 ESTIMATE = """
-from tweezer.optics.kernels import ARCS, _estimate
+from tweezer.optics.rays.quadrature import ARCS, _estimate
 counted(_estimate(0.1, ARCS, 0), _estimate)
 """
 
@@ -83,7 +83,7 @@ NOISE_TURNED = (
     "        return float(fraction) * _WIDTH[layer]",
     "        return -float(fraction) * _WIDTH[layer]",
 )
-ERROR_DOUBLED = ("tweezer/optics/quadrature.py", "ERROR_OF_ARCS = ((6.0", "ERROR_OF_ARCS = ((12.0")
+ERROR_DOUBLED = ("tweezer/optics/rays/panels.py", "ERROR_OF_ARCS = ((6.0", "ERROR_OF_ARCS = ((12.0")
 ROTATION_DOUBLED = ("generated/kinematics.py", "out[0, 1] = ", "out[0, 1] = 2.0 * ")
 
 
@@ -139,7 +139,7 @@ def test_cache_follows_the_files_that_a_function_calls(tree):
 def test_a_module_that_changes_under_a_running_program_does_not_spoil_the_cache(tree):
     """Imported, then replaced on disk, then first called: the old code under the old digest."""
     replacing = f"""
-import tweezer.dynamics.models, tweezer.optics.kernels
+import tweezer.dynamics.models, tweezer.optics.rays.quadrature
 from pathlib import Path
 for name, old, new in ({ROTATION_DOUBLED}, {ERROR_DOUBLED}):
     text = Path(name).read_text()

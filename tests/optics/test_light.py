@@ -12,9 +12,9 @@ from tests.reference.raytracer import trace
 from tweezer.generated import ray
 from tweezer.optics import evaluators_of, fraction_through_pupil, grid, light, total_power
 from tweezer.optics.binding import _warn_once
-from tweezer.optics.culling import TILES_AT_ONCE, rays_near, tiles
-from tweezer.optics.kernels import TOTAL_REFLECTION
-from tweezer.optics.quadrature import scratch
+from tweezer.optics.rays.grid import TILES_AT_ONCE, rays_near, tiles
+from tweezer.optics.rays.nodes import scratch
+from tweezer.optics.rays.ray_sum import TOTAL_REFLECTION
 
 BEADS = ["thesis-500nm", "thesis-990nm", "thesis-1950nm"]
 

@@ -332,7 +332,8 @@ PROGRAM = """
 import sys
 import numpy as np
 import tweezer
-from tweezer.optics import kernels, light, tabulate
+from tweezer.optics import light, tabulate
+from tweezer.optics.rays import quadrature
 by_map = sys.modules["tweezer.optics.by_map"]
 built = []
 by_map.build = lambda *a, **k: built.append(1) or tabulate.build(*a, **k)
@@ -340,7 +341,7 @@ scene = tweezer.Scene.model_validate_json(sys.argv[1])
 print("ready", flush=True)
 sys.stdin.readline()
 force = light(scene).field(np.full((1, 3), 1e-7)).force
-kernels = kernels.quadrature_kernel.cache_info().currsize
+kernels = quadrature.quadrature_kernel.cache_info().currsize
 print(len(built), kernels, repr(float(force[0, 2])), flush=True)
 """
 

@@ -17,7 +17,7 @@ from tweezer.optics.binding import (
 )
 from tweezer.optics.by_map import force_map
 from tweezer.optics.light import LightForce
-from tweezer.optics.rays import grid
+from tweezer.optics.rays.pupil import grid
 from tweezer.optics.table import Table
 from tweezer.optics.worth import (
     RayOpticsWorth,

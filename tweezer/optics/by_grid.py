@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel
 from tweezer.optics.by_quadrature import ByQuadrature, to_tolerance
-from tweezer.optics.culling import Tiles, tiles
-from tweezer.optics.kernels import grid_data, grid_kernel
 from tweezer.optics.light import LightForce, light_on_bead
-from tweezer.optics.rays import grid
+from tweezer.optics.rays.grid import Tiles, grid_data, grid_kernel, tiles
+from tweezer.optics.rays.pupil import grid
 from tweezer.scene import Scene
 
 

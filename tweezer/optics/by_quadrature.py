@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel
-from tweezer.optics.kernels import VANISHING, quadrature_data, quadrature_kernel
 from tweezer.optics.light import Light, LightForce, light_on_bead
-from tweezer.optics.quadrature import Rule, rule
+from tweezer.optics.rays.quadrature import VANISHING, quadrature_data, quadrature_kernel
+from tweezer.optics.rays.rule import Rule, rule
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tweezer.forces.data import Part
 from tweezer.forces.force import Force, Wrench, bound, evaluated
 from tweezer.optics.beam import Cone, cone
-from tweezer.optics.kernels import Rays, Sphere
+from tweezer.optics.rays.ray_sum import Rays, Sphere
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]

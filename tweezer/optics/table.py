@@ -17,8 +17,9 @@ import numpy as np
 from tweezer.errors import ResultError, warn
 from tweezer.forces import data, force
 from tweezer.generated import ray
-from tweezer.optics import charts, kernels, quadrature, tabulate
+from tweezer.optics import charts, tabulate
 from tweezer.optics.light import Light
+from tweezer.optics.rays import nodes, panels, quadrature, ray_sum, rule
 from tweezer.optics.tabulate import Made
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ _SOURCES = "".join(
     for name in ("table.py", "light.py", "by_quadrature.py")
 ) + "".join(
     inspect.getsource(module)
-    for module in (ray, quadrature, kernels, charts, tabulate, data, force)
+    for module in (ray, rule, panels, nodes, ray_sum, quadrature, charts, tabulate, data, force)
 )
 
 _in_memory: dict[str, tuple[Made, Path | None]] = {}

@@ -31,7 +31,7 @@ from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import KERNEL, evaluated
 from tweezer.optics import charts
 from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
-from tweezer.optics.kernels import VANISHING
+from tweezer.optics.rays.quadrature import VANISHING
 
 if TYPE_CHECKING:
     from tweezer.forces.force import Wrench

@@ -19,7 +19,7 @@ from tweezer.equilibria import Equilibrium
 from tweezer.errors import TweezerError
 from tweezer.io import scene_of
 from tweezer.optics import optical_force
-from tweezer.optics.rays import grid
+from tweezer.optics.rays.pupil import grid
 from tweezer.scene import load_scene
 from tweezer.simulation import simulate
 from tweezer.thesis.runs import (

@@ -1,8 +1,6 @@
 """The sum over rays (3.26), compiled from the emitted ray.
 
-Two kernels for two sets of rays: the thesis's grid, and the rules of a quadrature, which are
-refined until the tolerance is reached. Kernels are compiled without the parts that a scene does not
-need.
+It is compiled without the parts that a scene does not need.
 """
 
 from __future__ import annotations
@@ -14,52 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from tweezer.compiled import cache_functions, cached_njit, named_njit
-from tweezer.forces.data import (
-    Data,
-    integers,
-    matrix,
-    number,
-    packed,
-    tensor,
-    tensor_of_four,
-    vector,
-)
-from tweezer.forces.force import KERNEL, Kernel
+from tweezer.compiled import cache_functions, named_njit
 from tweezer.generated import ray
-from tweezer.optics.culling import TILES_AT_ONCE, Tiles, rays_near
-from tweezer.optics.quadrature import (
-    ARCS,
-    AZIMUTHS,
-    COLUMNS,
-    DG_OF,
-    DISC,
-    DQ_OF,
-    ERROR_OF_ARCS,
-    ERROR_OF_RINGS,
-    FORCE,
-    G_OF,
-    KIND,
-    LEVEL,
-    LEVELS,
-    MOST_PANELS,
-    Q_OF,
-    RATE_AZIMUTH,
-    RATE_X,
-    S_OF,
-    U1,
-    U2,
-    U3,
-    WEIGHT,
-    Rule,
-    more_nodes,
-    place_of,
-    rays_of,
-    rules_of,
-    scratch,
-    tails,
-    unknown_light,
-)
+from tweezer.optics.rays.nodes import DG_OF, DQ_OF, FORCE, G_OF, Q_OF, S_OF, U1, U2, U3, WEIGHT
 
 cache_functions(ray)
 
@@ -68,11 +23,6 @@ cache_functions(ray)
 TOTAL_REFLECTION = 1e-15
 #: Upper bound on sin^2 of incidence: at grazing incidence the derivative of the force is infinite
 _GRAZING = 1.0 - 1e-16
-#: Force that counts as zero, as a part of the largest. The largest is estimated as the strength of
-#: the light times min(1, 5 |1 - n_m/n_P|)
-VANISHING = 3e-7
-#: Lower bound on error estimates, as a part of the tolerance
-TRUSTED = 0.01
 
 
 class Rays(NamedTuple):
@@ -88,19 +38,28 @@ class Rays(NamedTuple):
     """whether the moment (3.25) is computed"""
 
 
+class Sphere(NamedTuple):
+    """The bead in ray optics."""
+
+    radius: float
+    """m"""
+    n_mP: float
+    """n_m/n_P"""
+
+
 #: Compiler options of sums. They may be reordered; NaN and infinity keep their meaning
-_SUMS: dict[str, Any] = {
+SUMS: dict[str, Any] = {
     "error_model": "numpy", "nogil": True, "fastmath": {"reassoc", "contract", "arcp", "nsz"},
 }  # fmt: skip
 
 
 @functools.cache
-def _efficiencies(rays: Rays) -> Any:
+def efficiencies_of(rays: Rays) -> Any:
     """Compiled function: efficiencies of n rings of rays, the same for all rays of a ring."""
     averaged = rays.polarisation == "averaged-reflectance"
     denser_medium, gradient = rays.denser_medium, rays.gradient
 
-    @named_njit(**_SUMS)
+    @named_njit(**SUMS)
     def efficiencies(room, n, count, n_mP):  # type: ignore[no-untyped-def]
         S_of = room[S_OF]
         Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
@@ -132,7 +91,7 @@ def _efficiencies(rays: Rays) -> Any:
 
 
 @functools.cache
-def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
+def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     """Compiled function: force, size, moment and gradients of the first `count` rays of `room`.
 
     It is separate because the compiler does not vectorise its loop inside a large function.
@@ -141,7 +100,7 @@ def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
 
-    @named_njit(**_SUMS)
+    @named_njit(**SUMS)
     def add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im):  # type: ignore[no-untyped-def]
         Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
         u1_of, u2_of, u3_of, weight, force_of = (
@@ -284,78 +243,8 @@ def _sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     return add_up
 
 
-@cached_njit(error_model="numpy", nogil=True)
-def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
-    factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
-    return factor * min(tail, 1.0) ** power
-
-
-@njit(error_model="numpy", nogil=True)
-def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
-    """Refine the rules whose error is above `target`, N; returns whether any was refined."""
-    again = False
-    for k in range(many):
-        if errors[k, 0] + errors[k, 1] <= 2.0 * target:
-            continue
-        # ratio of the digits needed to those reached
-        wanted = math.log(max(sizes[k], target) / target)
-        along = around = 0.0
-        if errors[k, 0] > target:
-            along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
-        if errors[k, 1] > target:
-            around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
-        if more_nodes(rules, k, along, around):
-            due[k] = again = True
-    return again
-
-
-class Sphere(NamedTuple):
-    """The bead in ray optics."""
-
-    radius: float
-    """m"""
-    n_mP: float
-    """n_m/n_P"""
-
-
-def grid_data(tiles: Tiles, sphere: Sphere, jones: Any) -> Data:
-    """The data of `grid_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
-    return packed(*sphere, jones, *tiles)
-
-
-@functools.cache
-def grid_kernel(rays: Rays) -> Kernel:
-    """The sum over the rays of the thesis's grid (3.26). Its error is not known: NaN."""
-    add_up = _sum(rays, by_grid=True, in_rings=False)
-    gradient, moment = rays.gradient, rays.moment
-
-    @cached_njit(KERNEL, **_SUMS)
-    def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
-        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
-        tiles = Tiles(
-            tensor(data, 3), matrix(data, 4), matrix(data, 5), vector(data, 6), vector(data, 7)
-        )
-        room = scratch()
-        found = np.empty(24)
-        for at in range(pose.position.shape[0]):
-            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
-            found[:] = 0.0
-            for first in range(0, tiles.spread_cos.size, TILES_AT_ONCE):
-                count = rays_near(tiles, first, p1, p2, p3, radius, room)
-                if count == 0:
-                    continue
-                sums = add_up(
-                    room, count, p1, p2, p3, radius, n_mP, jones[0], jones[1], jones[2], jones[3]
-                )
-                _gather(sums, gradient, moment, found)
-            _put(found, 1.0, 0.0, gradient, moment, at, wrench)
-            wrench.error[at] = np.nan
-
-    return sum_over_grid
-
-
 @njit(error_model="numpy")
-def _gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
+def gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
     """Add the sums over some rays to `found` (24,): force, moment, and their gradients."""
     (
         f1, f2, f3, _, m1, m2, m3,
@@ -378,8 +267,8 @@ def _gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy")
-def _put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
-    """Add `found` of `_gather`, turned about z, to bead `at` of a wrench."""
+def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
+    """Add `found` of `gather`, turned about z, to bead `at` of a wrench."""
     wrench.force[at, 0] += cosine * found[0] - sine * found[1]
     wrench.force[at, 1] += sine * found[0] + cosine * found[1]
     wrench.force[at, 2] += found[2]
@@ -391,134 +280,6 @@ def _put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-
         _add_turned(found[6:15], cosine, sine, wrench.force_gradient[at])
         if moment:
             _add_turned(found[15:24], cosine, sine, wrench.moment_gradient[at])
-
-
-def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
-    """The data of `quadrature_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
-    return packed(*sphere, jones, *rule._replace(harmonics=rule.harmonics.astype(np.int32)))
-
-
-@njit(error_model="numpy")
-def _rule(data, first):  # type: ignore[no-untyped-def]
-    """The `Rule` whose fields are the entries from `first` on."""
-    return Rule(
-        number(data, first), vector(data, first + 1), number(data, first + 2),
-        vector(data, first + 3), number(data, first + 4), number(data, first + 5),
-        number(data, first + 6), tensor_of_four(data, first + 7), tensor(data, first + 8),
-        tensor(data, first + 9), integers(data, first + 10), vector(data, first + 11),
-        matrix(data, first + 12),
-    )  # fmt: skip
-
-
-@functools.cache
-def quadrature_kernel(rays: Rays) -> Kernel:
-    """The integral over the lens to the tolerance of a `Rule`, with an estimate of its error."""
-    efficiencies = _efficiencies(rays)
-    add_up = _sum(rays, by_grid=False, in_rings=False)
-    add_up_rings = _sum(rays, by_grid=False, in_rings=True)
-    linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
-
-    @cached_njit(KERNEL, **_SUMS)
-    def integrate_over_lens(pose, data, wrench):  # type: ignore[no-untyped-def]
-        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
-        source = _rule(data, 3)
-        room = scratch()
-        rules = np.empty((MOST_PANELS, COLUMNS))
-        found = np.empty((MOST_PANELS, 24))  # sums over the rays of each rule
-        errors = np.empty((MOST_PANELS, 2))  # error along x and in the azimuth
-        sizes = np.empty(MOST_PANELS)
-        due = np.empty(MOST_PANELS, np.bool_)
-        a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
-        least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
-        for at in range(pose.position.shape[0]):
-            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
-            # to the frame with the bead at (lateral, 0, axial)
-            cosine, sine = 1.0, 0.0
-            lateral = math.hypot(p1, p2)
-            if lateral > 0.0:
-                cosine, sine = p1 / lateral, p2 / lateral
-            p1, p2 = lateral, 0.0
-            place = place_of(lateral, p3, radius)
-            many = rules_of(place, source, n_mP, rules)
-            for k in range(many):
-                due[k] = True
-            if linear:
-                a_re = cosine * jones[0] + sine * jones[2]
-                a_im = cosine * jones[1] + sine * jones[3]
-                b_re = cosine * jones[2] - sine * jones[0]
-                b_im = cosine * jones[3] - sine * jones[1]
-            error = whole = 0.0
-            full = many > 0 and rules[0, KIND] == DISC  # with the full series
-            while True:
-                for k in range(many):
-                    if not due[k]:
-                        continue
-                    due[k] = False
-                    count = rays_of(place, source, rules, k, full, room, linear, gradient)
-                    kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
-                    if linear or kind == DISC:
-                        sums = add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im)
-                    else:
-                        efficiencies(room, LEVELS[level], count, n_mP)
-                        sums = add_up_rings(
-                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im
-                        )
-                    found[k] = 0.0
-                    _gather(sums, gradient, moment, found[k])
-                    if not linear:
-                        found[k, 3] = found[k, 5] = 0.0  # cancelled by the other half of the rays
-                    size = sums[3]
-                    sizes[k] = size
-                    errors[k, 0] = errors[k, 1] = 0.0
-                    if size > 0.0:
-                        along, around = tails(source, rules, k, room, size, linear, gradient)
-                        if kind == DISC:  # its ellipses bound the decay of the coefficients
-                            n, m = LEVELS[level], rules[k, AZIMUTHS]
-                            errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
-                            errors[k, 0] += source.aliased[level]
-                            errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
-                        else:
-                            errors[k, 0] = size * _estimate(along / size, kind, 0)
-                            errors[k, 1] = size * _estimate(around / size, kind, 1)
-                f1 = f2 = f3 = 0.0
-                unknown = unknown_light(place, source, full) if many > 0 else 0.0
-                error = unknown
-                for k in range(many):
-                    f1 += found[k, 0]
-                    f2 += found[k, 1]
-                    f3 += found[k, 2]
-                    error += errors[k, 0] + errors[k, 1]
-                whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
-                if error <= source.tolerance * whole:
-                    break
-                # the error from the truncated series of the light, and the rules to refine
-                again = not full and unknown > 0.1 * source.tolerance * whole
-                if again:
-                    full = True
-                    for k in range(many):
-                        due[k] = True
-                target = source.tolerance * whole / (2 * many)
-                again |= _more_where_missed(rules, many, sizes, errors, target, due)
-                if not again:
-                    break
-
-            total = found[0]
-            if many == 0:
-                total[:] = 0.0
-            for k in range(1, many):
-                for c in range(24):
-                    total[c] += found[k, c]
-            if many > 0:
-                error = max(error, TRUSTED * source.tolerance * whole)
-            wrench.error[at] += error
-            if p1 == 0.0 and not linear:
-                total[0] = 0.0  # exactly zero on the axis
-                total[4] = 0.0
-                total[8] = total[12] = 0.0
-            # back to the frame of the scene
-            _put(total, cosine, sine, gradient, moment, at, wrench)
-
-    return integrate_over_lens
 
 
 @njit(error_model="numpy", nogil=True)

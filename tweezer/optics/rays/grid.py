@@ -8,13 +8,18 @@ of c. The sum runs over the tiles that satisfy this, and misses no ray that hits
 
 from __future__ import annotations
 
+import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
+from tweezer.forces.data import Data, matrix, number, packed, tensor, vector
+from tweezer.forces.force import KERNEL, Kernel
+from tweezer.optics.rays.nodes import scratch
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, gather, put, ray_sum
 
 Array = NDArray[np.float64]
 
@@ -87,3 +92,39 @@ def rays_near(tiles, first, p1, p2, p3, radius, rays):  # type: ignore[no-untype
             rays[3, count + i] = tiles.strengths[tile, i]
         count += TILE
     return count
+
+
+def grid_data(tiles: Tiles, sphere: Sphere, jones: Any) -> Data:
+    """The data of `grid_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    return packed(*sphere, jones, *tiles)
+
+
+@functools.cache
+def grid_kernel(rays: Rays) -> Kernel:
+    """The sum over the rays of the thesis's grid (3.26). Its error is not known: NaN."""
+    add_up = ray_sum(rays, by_grid=True, in_rings=False)
+    gradient, moment = rays.gradient, rays.moment
+
+    @cached_njit(KERNEL, **SUMS)
+    def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
+        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
+        tiles = Tiles(
+            tensor(data, 3), matrix(data, 4), matrix(data, 5), vector(data, 6), vector(data, 7)
+        )
+        room = scratch()
+        found = np.empty(24)
+        for at in range(pose.position.shape[0]):
+            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
+            found[:] = 0.0
+            for first in range(0, tiles.spread_cos.size, TILES_AT_ONCE):
+                count = rays_near(tiles, first, p1, p2, p3, radius, room)
+                if count == 0:
+                    continue
+                sums = add_up(
+                    room, count, p1, p2, p3, radius, n_mP, jones[0], jones[1], jones[2], jones[3]
+                )
+                gather(sums, gradient, moment, found)
+            put(found, 1.0, 0.0, gradient, moment, at, wrench)
+            wrench.error[at] = np.nan
+
+    return sum_over_grid

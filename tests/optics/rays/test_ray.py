@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.reference.raytracer import trace
 from tweezer.generated import ray
 
-PUBLISHED = Path(__file__).parents[1] / "data" / "ashkin1992.csv"
+PUBLISHED = Path(__file__).parents[2] / "data" / "ashkin1992.csv"
 N_MEDIUM = 1.33
 
 

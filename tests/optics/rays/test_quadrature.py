@@ -17,7 +17,7 @@ from tests.reference import lens_integral
 from tests.reference.raytracer import trace
 from tweezer.optics import cone, light
 
-PUBLISHED = Path(__file__).parents[1] / "data" / "ashkin1992.csv"
+PUBLISHED = Path(__file__).parents[2] / "data" / "ashkin1992.csv"
 SPEED_OF_LIGHT = 299792458.0
 N_MEDIUM = 1.33
 PUPIL = 2.5e-3

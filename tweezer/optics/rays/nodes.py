@@ -1,0 +1,394 @@
+"""The rays of a rule, with their weights; and the last coefficients of what they sum.
+
+The method is described in `tweezer.optics.rays.panels`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
+
+from tweezer.compiled import cached_njit
+from tweezer.optics.rays.panels import (
+    ARCS,
+    AZIMUTHS,
+    BEGIN,
+    DISC,
+    KIND,
+    LEVEL,
+    PAIR,
+    POLE,
+    SPAN,
+    pole_of,
+)
+from tweezer.optics.rays.rule import CIRCLE, LEVELS, MOST_RAYS, SHORT, TAIL
+
+#: Weights of the last coefficients in the tail: the earlier ones matter only if the last two are
+#: small by chance
+_NEAR = (1.0, 1.0, 0.05, 0.05)
+#: Lower bound on the width of a ring in cos(theta), in units of sin^2(theta_m/2)
+_NO_WIDTH = 1e-300
+#: Taylor coefficients of sin(x)/x in x^2, highest first
+_SINE = tuple((-1.0) ** k / math.factorial(2 * k + 1) for k in reversed(range(11)))
+#: Taylor coefficients of exp(x), highest first
+_EXP = tuple(1.0 / math.factorial(k) for k in reversed(range(13)))
+#: arcsin(sqrt(q))/sqrt(q) on [0, 1/2] as a polynomial in q, highest coefficient first
+ARCSINE = tuple(
+    Chebyshev.interpolate(
+        lambda q: np.divide(np.arcsin(np.sqrt(q)), np.sqrt(q), out=np.ones_like(q), where=q > 0),
+        21,
+        domain=[0.0, 0.5],
+    )
+    .convert(kind=Polynomial)
+    .coef[::-1]
+)
+_ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
+
+# rows of the workspace for the rays of one rule, and for its nodes
+U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
+_X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
+_ROWS = 21
+#: Padding of rows. Rows a power of two apart would compete for the same lines of the cache
+_APART_IN_CACHE = 72
+
+
+@cached_njit()
+def scratch():  # type: ignore[no-untyped-def]
+    """Workspace for the largest rule: direction, weight, force of each ray, and more."""
+    return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
+    """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
+
+    By symmetry those with u2 >= 0 have twice the weight; for `linear` polarisation both sides are
+    filled. Rings have all azimuths if `linear`, else as few as suffice (`_gathered`). full: use the
+    full series of the light. Returns the number of rays.
+    """
+    if rules[k, KIND] == DISC:
+        count = _disc_rays(rule, rules, k, rays)
+    else:
+        series = rule.full if full else rule.series
+        count = _ring_nodes(place, rule, rules, k, series, rays)
+        if not linear:
+            return _gathered(place, rules, k, gradient, rays)
+        _spread_out(place, rules, k, rays)
+    if not linear:
+        return count
+    for i in range(count):
+        rays[WEIGHT, i] *= 0.5
+        rays[U1, count + i] = rays[U1, i]
+        rays[U2, count + i] = -rays[U2, i]
+        rays[U3, count + i] = rays[U3, i]
+        rays[WEIGHT, count + i] = rays[WEIGHT, i]
+    return 2 * count
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
+    level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    n = LEVELS[level]
+    u1, u2, u3, weight, x, s = rays[U1], rays[U2], rays[U3], rays[WEIGHT], rays[_X], rays[_S]
+    rest, radiance = rule.nodes[level, 0, 1], rule.radiance[level]
+    circle = rule.azimuth[m, CIRCLE:]
+    versine = 2.0 * math.sin(0.5 * rule.half_angle) ** 2
+    for i in range(n):
+        below = versine * rest[i]
+        x[i] = 1.0 - below
+        s[i] = math.sqrt(below * (2.0 - below))
+    for j in range(m + 1):
+        cosine, sine, share = circle[0, j], circle[1, j], 2.0 * circle[2, j]
+        at = j * n
+        for i in range(n):
+            u1[at + i] = s[i] * cosine
+            u2[at + i] = s[i] * sine
+            u3[at + i] = x[i]
+            weight[at + i] = share * radiance[i]
+    return (m + 1) * n
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
+    """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
+
+    The azimuth is counted from the side of the beam's axis. Returns the number of nodes.
+    """
+    level, m, pair = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS]), int(rules[k, PAIR])
+    pole, begin, span = rules[k, POLE], rules[k, BEGIN], rules[k, SPAN]
+    n = LEVELS[level]
+    ratio, delta, beside = place.ratio, place.delta, place.beside
+    cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
+    x, s, w, share, sine_squared = rays[_X], rays[_S], rays[_W], rays[_SHARE], rays[S_OF]
+    nodes = rule.nodes[level, pair]
+    fraction, rest, weight = nodes[0], nodes[1], nodes[2]
+    if place.crowded:
+        end = begin + span
+        for i in range(n):
+            near = end - span * rest[i]
+            if beside:
+                x[i] = math.sqrt(delta * delta + near * near)
+                cos_alpha = min(ratio * near, 1.0)
+                sine_squared[i] = (1.0 - cos_alpha) * (1.0 + cos_alpha)
+                s[i] = math.sqrt(sine_squared[i]) / ratio
+                w[i] = -span * weight[i] * near / x[i]
+            else:
+                x[i] = min(near, 1.0)
+                s[i] = math.sqrt((1.0 - x[i]) * (1.0 + x[i]))
+                sine_squared[i] = (ratio * s[i]) ** 2
+                w[i] = -span * weight[i]
+    else:
+        pole_t = pole_of(place)
+        for i in range(n):
+            t = pole_t - (begin + span * fraction[i])
+            up = _exponential(t)
+            down = 1.0 / up
+            sinh, cosh = 0.5 * (up - down), 0.5 * (up + down)
+            if beside:
+                x[i] = delta * cosh
+                cos_alpha = min(ratio * delta * abs(sinh), 1.0)
+                sine_squared[i] = (1.0 - cos_alpha) * (1.0 + cos_alpha)
+                s[i] = math.sqrt(sine_squared[i]) / ratio
+                w[i] = span * weight[i] * delta * abs(sinh)
+            else:
+                x[i] = min(max(delta * sinh, -1.0), 1.0)
+                s[i] = math.sqrt((1.0 - x[i]) * (1.0 + x[i]))
+                sine_squared[i] = (ratio * s[i]) ** 2
+                w[i] = span * weight[i] * delta * cosh
+    nearest, per_q = rays[_NEAREST], rays[_PER_Q]
+    # 1 - cos(theta) = nearest + per_q q, in units of sin^2(theta_m/2); nearest from the sine of
+    # the angle to the axis, as the cosine loses the digits of a narrow cone
+    scale = 1.0 / math.sin(0.5 * rule.half_angle) ** 2
+    for i in range(n):
+        sine = s[i] * pole * cos_tilt - x[i] * sin_tilt
+        nearest[i] = scale * sine * sine / (1.0 + x[i] * pole * cos_tilt + s[i] * sin_tilt)
+        per_q[i] = 2.0 * scale * sin_tilt * s[i]
+    cut = rules[k, KIND] == ARCS
+    if cut:
+        for i in range(n):
+            # a ring as narrow as a point, far away: its arc is empty or full, never 0/0
+            part = (2.0 - nearest[i]) / max(per_q[i], _NO_WIDTH)
+            share[i] = _arcsine_of_root(min(max(part, 0.0), 1.0))
+            w[i] *= 4.0 * share[i]
+        _arc_nodes(rule.azimuth[m], m, n, rays)
+    else:
+        _circle_nodes(rule.azimuth[m], m, n, rays)
+    count = n * (m if cut else m + 1)
+    _times_radiance(series, rays[_Y], rays[WEIGHT], rays, count)
+    return count
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
+    """q, weight, and argument of the light's series at all nodes of arcs."""
+    q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
+    nearest, per_q, share = rays[_NEAREST], rays[_PER_Q], rays[_SHARE]
+    for j in range(m):
+        at, place = j * n, azimuth[0, j]
+        for i in range(n):
+            q[at + i] = place * share[i]
+    for i in range(m * n):  # one long loop, as the remainder beside vectors is slow
+        sine = _sine(q[i])
+        q[i] = sine * sine
+    for j in range(m):
+        at, part = j * n, azimuth[1, j]
+        for i in range(n):
+            y[at + i] = 1.0 - (nearest[i] + per_q[i] * q[at + i])
+            weight[at + i] = part * w[i]
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
+    """The same for whole rings."""
+    q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
+    nearest, per_q = rays[_NEAREST], rays[_PER_Q]
+    for j in range(m + 1):
+        at = j * n
+        here, part = 0.5 * (1.0 - azimuth[CIRCLE, j]), 2.0 * azimuth[CIRCLE + 2, j]
+        for i in range(n):
+            q[at + i] = here
+            y[at + i] = 1.0 - (nearest[i] + per_q[i] * here)
+            weight[at + i] = part * w[i]
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
+    """Two or three rays for each ring with the same force as all of it; returns their number.
+
+    All rays of a ring have the same efficiencies, so their force is linear in u and its gradient
+    quadratic, and u is linear in q. So the rays with q = 0 and q = 1, for the gradient also
+    q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
+    """
+    n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
+    azimuths = m if rules[k, KIND] == ARCS else m + 1
+    weight, q, around = rays[WEIGHT], rays[_Q], rays[_AROUND]
+    one, first, second = rays[_W], rays[_SHARE], rays[_NEAREST]
+    for i in range(n):
+        one[i] = first[i] = second[i] = 0.0
+    for j in range(azimuths):
+        total = 0.0
+        for i in range(n):
+            at_q = q[j * n + i]
+            here = weight[j * n + i]
+            times_q = here * at_q
+            one[i] += here
+            first[i] += times_q
+            second[i] += times_q * at_q
+            total += here + times_q
+        around[j] = total
+    for i in range(n):
+        far = first[i]
+        weight[i] = one[i] - far
+        weight[n + i] = far
+    if gradient:
+        for i in range(n):
+            middle = 4.0 * (first[i] - second[i])
+            weight[i] -= 0.5 * middle
+            weight[n + i] -= 0.5 * middle
+            weight[2 * n + i] = middle
+    _aim(place, rules[k, POLE], 0, n, 1.0, 0.0, rays)
+    _aim(place, rules[k, POLE], n, n, -1.0, 0.0, rays)
+    if not gradient:
+        return 2 * n
+    _aim(place, rules[k, POLE], 2 * n, n, 0.0, 1.0, rays)
+    return 3 * n
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
+    """Directions of the n rays from number `at` on, at one azimuth about the pole."""
+    u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
+    cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
+    for i in range(n):
+        axial, towards = pole * x[i], s[i] * cosine
+        u1[at + i] = sin_tilt * axial - cos_tilt * towards
+        u2[at + i] = s[i] * sine
+        u3[at + i] = cos_tilt * axial + sin_tilt * towards
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
+    """A ray for each node of rings or arcs."""
+    n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
+    along = rules[k, POLE]
+    x, s, q = rays[_X], rays[_S], rays[_Q]
+    for j in range(m if rules[k, KIND] == ARCS else m + 1):
+        for i in range(n):
+            at = j * n + i
+            axial, towards = along * x[i], s[i] * (1.0 - 2.0 * q[at])
+            rays[U1, at] = place.sin_tilt * axial - place.cos_tilt * towards
+            rays[U2, at] = 2.0 * s[i] * math.sqrt(q[at] * (1.0 - q[at]))
+            rays[U3, at] = place.cos_tilt * axial + place.sin_tilt * towards
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _exponential(t):  # type: ignore[no-untyped-def]
+    """exp for |t| up to 3.1 to rounding, by the Taylor series of exp(t/8), which vectorises."""
+    y = 0.125 * t
+    value = 0.0
+    for coefficient in _EXP:
+        value = value * y + coefficient
+    value *= value
+    value *= value
+    return value * value
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _arcsine_of_root(q):  # type: ignore[no-untyped-def]
+    """arcsin(sqrt(q)) on [0, 1] to rounding; it vectorises."""
+    small = min(q, 1.0 - q)
+    # two halves: a longer loop is not unrolled, and the loop around it then not vectorised
+    high = low = 0.0
+    for coefficient in _ARCSINE_HIGH:
+        high = high * small + coefficient
+    for coefficient in _ARCSINE_LOW:
+        low = low * small + coefficient
+    angle = math.sqrt(small) * (high * small ** len(_ARCSINE_LOW) + low)
+    return angle if q <= 0.5 else 0.5 * math.pi - angle
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _sine(angle):  # type: ignore[no-untyped-def]
+    """sin on [0, pi/2] to rounding, by its Taylor series, which vectorises."""
+    y = angle * angle
+    value = 0.0
+    for coefficient in _SINE:
+        value = value * y + coefficient
+    return angle * value
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
+    """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
+    if series.size == SHORT:
+        # its length is known to the compiler: all in registers
+        for i in range(count):
+            at_y = y[i]
+            value = 0.0
+            for k in range(SHORT):
+                value = value * at_y + series[k]
+            weight[i] *= value
+        return
+    value_of, last_of = rays[_WORK_1], rays[_WORK_2]
+    for i in range(count):
+        value_of[i] = 0.0
+        last_of[i] = 0.0
+    for k in range(series.size - 1, 0, -1):
+        coefficient = series[k]
+        for i in range(count):
+            here = 2.0 * y[i] * value_of[i] - last_of[i] + coefficient
+            last_of[i] = value_of[i]
+            value_of[i] = here
+    for i in range(count):
+        weight[i] *= y[i] * value_of[i] - last_of[i] + series[0]
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
+    """Largest of the last coefficients of the forces of rule k along x and in the azimuth, N.
+
+    size: of the forces, N. For rings gathered into a few rays, those in the azimuth are the
+    relative coefficients of the light times the size of the forces.
+    """
+    level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    n = LEVELS[level]
+    cut = rules[k, KIND] == ARCS
+    azimuths = m if cut else m + 1
+    gathered = rules[k, KIND] != DISC and not linear
+    of_node, of_azimuth, force = rays[_X], rays[_AROUND], rays[FORCE]
+    for i in range(n):
+        of_node[i] = 0.0
+    in_azimuth = azimuths
+    if gathered:
+        in_azimuth = 3 if gradient else 2
+    for j in range(in_azimuth):
+        at = j * n
+        total = 0.0
+        for i in range(n):
+            of_ray = force[at + i]
+            if linear:
+                of_ray += force[azimuths * n + at + i]
+            of_node[i] += of_ray
+            total += of_ray
+        if not gathered:
+            of_azimuth[j] = total
+    tail = rule.tail[level]
+    last = rule.azimuth[m, 2:] if cut else rule.azimuth[m, CIRCLE + 3 :]
+    along = around = 0.0
+    for c in range(TAIL):
+        coefficient = 0.0
+        for i in range(n):
+            coefficient += tail[c, i] * of_node[i]
+        along = max(along, _NEAR[c] * abs(coefficient))
+        coefficient = 0.0
+        for j in range(azimuths):
+            coefficient += last[c, j] * of_azimuth[j]
+        around = max(around, _NEAR[c] * abs(coefficient))
+    if gathered:
+        light = 0.0
+        for j in range(azimuths):
+            light += abs(of_azimuth[j])
+        around *= size / light
+    return along, around

@@ -1,0 +1,415 @@
+"""Rays of a product rule that integrates over the cone of light with spectral convergence.
+
+The sum over rays (3.26) becomes an integral over directions u. A rule is a set of directions with
+weights, summed by the same code as the thesis's grid (`tweezer.optics.rays.ray_sum`). There are two
+kinds of rules, each with n nodes in the cosine x of the angle to a pole and m in the azimuth about
+it:
+
+* the disc, about the beam's axis: Gauss-Legendre in x = cos(theta), trapezoidal in the azimuth. It
+  serves beads that every ray hits well inside the edge. The integrand is then singular only at
+  complex directions, where cos(alpha) = 0; their distance from the real ones gives the rate of
+  convergence, and so n and m, in advance.
+* rings, about the line from the focus to the bead: all rays at an angle g to that line meet
+  the bead at the same angle of incidence alpha, with
+
+      cos(alpha) = (d/r) sqrt(x^2 +- delta^2),  delta^2 = |1 - (r/d)^2|,
+
+  + if the focus is inside the bead (d < r), - if it is outside. The interval of x = cos(g) is cut
+  into panels where the integrand is not smooth: where rays graze the bead, where the rim of the
+  cone begins or ceases to cut the ring (two values of g), and where total reflection begins.
+  cos(alpha) is smooth in t with x = delta sinh(t) or delta cosh(t); for small delta nodes are
+  concentrated near cos(alpha) = 0 instead. A substitution with a double zero removes the square
+  roots at the rim; the zero is triple if another singularity lies close beyond. At grazing
+  incidence the efficiencies vanish, so the derivative over the position has no boundary term and
+  needs no other rays.
+
+The last coefficients of the expansions in x (Legendre) and the azimuth (Legendre or Fourier)
+estimate the error. A rule that misses its part of the tolerance is repeated with more nodes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from tweezer.compiled import cached_njit
+from tweezer.optics.rays.rule import LEVELS, MOST_AZIMUTHS, MOST_RAYS, WIDTHS
+
+#: Largest number of panels for a position
+MOST_PANELS = 192
+#: Largest number of rays in a disc; beyond it rings cost less
+LARGEST_DISC = 800
+#: Estimated relative error of rings and of arcs: factor * tail^power, with tail the largest of the
+#: last coefficients. (Gauss's and the trapezoidal rule err by coefficients of about twice the last
+#: order that they resolve.) Fitted to tighter rules; (along x, azimuth) of (factor, power)
+ERROR_OF_RINGS = ((2.5, 1.75), (10.0, 2.0))
+ERROR_OF_ARCS = ((6.0, 1.6), (1.5, 1.75))
+#: Nodes per decimal digit; one more if the panel starts at a double zero
+_NODES_PER_DIGIT = 2.6
+#: delta below which nodes are concentrated near cos(alpha) = 0
+_SMALL_DELTA = 0.1
+#: delta below which the focus counts as on the surface of the bead
+_NO_DELTA = 1e-7
+#: A singularity nearer to a panel's end than this fraction of its length is "close"
+_CLOSE = 0.15
+#: Smallest distance of singular angles that do not affect each other, rad
+_APART = 0.2
+#: Angles closer than this are merged, rad: the error is of order gap^(3/2)
+_NO_GAP = 1e-8
+#: 1/n_mP^2 - 1 below which the index of the bead counts as close to that of the medium
+_NEARLY_EQUAL = 0.05
+
+# columns of the table of the rules of a position
+KIND, LEVEL, AZIMUTHS, POLE, BEGIN, SPAN, PAIR = range(7)
+COLUMNS = 7
+RATE_X, RATE_AZIMUTH = BEGIN, SPAN
+# kinds of rules
+DISC, RINGS, ARCS = 0, 1, 2
+
+
+class Place(NamedTuple):
+    """Position of the bead, seen from the focus."""
+
+    ratio: float
+    """d/r"""
+    cos_tilt: float
+    sin_tilt: float
+    """of the angle gamma between the beam's axis and the line to the bead"""
+    delta: float
+    beside: bool
+    """whether d > r"""
+    crowded: bool
+    """whether delta is small"""
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
+    """The `Place` of a bead at `lateral` from the axis and `axial` along it."""
+    distance = math.hypot(lateral, axial)
+    ratio = distance / radius
+    cos_tilt, sin_tilt = 1.0, 0.0
+    if distance > 0.0:
+        cos_tilt, sin_tilt = axial / distance, lateral / distance
+    beside = ratio > 1.0 + 0.5 * _NO_DELTA**2
+    if beside:
+        delta = math.sqrt((1.0 - 1.0 / ratio) * (1.0 + 1.0 / ratio))
+    else:
+        near = math.sqrt(max((1.0 - ratio) * (1.0 + ratio), 0.0))
+        delta = min(max(near, _NO_DELTA) / max(ratio, 1e-3), 1e3)
+    return Place(ratio, cos_tilt, sin_tilt, delta, beside, delta < _SMALL_DELTA)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
+    """Fill the table of rules of a position; returns their number."""
+    digits = 1.0 - math.log10(rule.tolerance)
+    if _disc(place, rule, n_mP, digits, rules):
+        return 1
+    return _panels(place, rule, n_mP, digits, rules)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _ellipse(re, im):  # type: ignore[no-untyped-def]
+    """Half the long axis of the ellipse with foci -1 and 1 through a point of the complex plane."""
+    return 0.5 * (math.sqrt((re - 1.0) ** 2 + im * im) + math.sqrt((re + 1.0) ** 2 + im * im))
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _level_of(nodes):  # type: ignore[no-untyped-def]
+    """The smallest level with at least `nodes` nodes; the last one if none has."""
+    for level in range(len(LEVELS)):
+        if LEVELS[level] >= nodes:
+            return level
+    return len(LEVELS) - 1
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
+    """The disc, if every ray hits the bead and few nodes suffice; returns whether it is used.
+
+    cos(alpha) = 0 at cos(g) = +-sqrt(1 - (r/d)^2), imaginary for d < r; cos(beta) = 0 likewise
+    with r n_P/n_m.
+    """
+    rim_cos, rim_sin = math.cos(rule.half_angle), math.sin(rule.half_angle)
+    along_rim, across_rim = rim_cos * place.cos_tilt, rim_sin * place.sin_tilt
+    # largest angle of a ray to the line, folded: no ray may miss, or be totally reflected
+    effective = place.ratio * max(n_mP, 1.0)
+    if effective >= 1.0:
+        nearest = along_rim - across_rim  # cos(g) at the far side of the rim
+        if nearest * place.cos_tilt <= 0.0 or along_rim * place.cos_tilt <= 0.0:
+            return False
+        sine_far = math.sqrt(max(1.0 - nearest * nearest, 0.0))
+        if effective * sine_far >= 0.98:
+            return False
+    squared = 1.0 - 1.0 / max(effective, 1e-6) ** 2
+    re, im = (math.sqrt(squared), 0.0) if squared > 0.0 else (0.0, math.sqrt(-squared))
+    centre, half = 0.5 * (1.0 + rim_cos), 0.5 * (1.0 - rim_cos)
+    # the error decays as for a function analytic in the Bernstein ellipse through the singularity
+    axis_x, axis_azimuth = 1e6, 1e6
+    cross = math.sqrt(max(1.0 - squared, 0.0)) * place.sin_tilt
+    for sign in (-1.0, 1.0):
+        if across_rim > 1e-12:
+            axis_azimuth = min(
+                axis_azimuth, _ellipse((sign * re - along_rim) / across_rim, im / across_rim)
+            )
+        for side in (-1.0, 1.0):
+            real = (place.cos_tilt * sign * re + side * cross - centre) / half
+            axis_x = min(axis_x, _ellipse(real, place.cos_tilt * im / half))
+    rate_x, rate_azimuth = math.acosh(max(axis_x, 1.0)), math.acosh(max(axis_azimuth, 1.0))
+    if rate_x <= 0.0 or rate_azimuth <= 0.0:
+        return False
+    decay = 0.5 * digits * math.log(10.0)
+    nodes = math.ceil(0.9 * decay / rate_x) + rule.harmonics[-1] // 4
+    # exact for a product with the light's highest harmonic, as the light may not be smooth
+    nodes = max(nodes, rule.harmonics[-1] // 2 + 4)
+    azimuths = 1
+    if place.sin_tilt > 0.0:
+        azimuths = max(math.ceil(decay / rate_azimuth) + 2, 3)
+    level = _level_of(nodes)
+    if nodes > LEVELS[-1] or LEVELS[level] * (azimuths + 1) > LARGEST_DISC:
+        return False
+    rules[0, KIND] = DISC
+    rules[0, LEVEL] = level
+    rules[0, AZIMUTHS] = azimuths
+    # decay of the coefficients for the error estimate; at least that of the light
+    of_light = (digits - 1.0) * math.log(10.0) / max(rule.harmonics[-1], 1)
+    rules[0, RATE_X] = min(rate_x, of_light)
+    rules[0, RATE_AZIMUTH] = min(rate_azimuth, of_light)
+    return True
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def pole_of(place):  # type: ignore[no-untyped-def]
+    """t at the pole, where x = 1; outside the bead rays graze it at t = 0."""
+    return math.atanh(1.0 / place.ratio) if place.beside else math.asinh(1.0 / place.delta)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
+    """t at the pole minus t at `angle` from it, without cancellation near the pole."""
+    x = 1.0 - 2.0 * math.sin(0.5 * angle) ** 2
+    pole, here = 1.0 / delta, x / delta
+    if beside:
+        here = max(here, 1.0)
+        a, b = math.sqrt(pole * pole - 1.0), math.sqrt(here * here - 1.0)
+    else:
+        a, b = math.sqrt(pole * pole + 1.0), math.sqrt(here * here + 1.0)
+        if here < 0.0:
+            return math.asinh(pole) + math.asinh(-here)
+    # difference of areas by the addition theorem of sinh
+    return math.asinh((pole - here) * (pole + here) / (a * here + pole * b))
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
+    """The panels of rings and arcs; returns their number."""
+    cuts = np.empty(MOST_PANELS // 2)
+    tilt = math.atan2(place.sin_tilt, place.cos_tilt)
+    top = math.pi
+    if place.beside:
+        top = math.asin(1.0 / place.ratio)
+    elif place.crowded or n_mP > 1.0:
+        top = 0.5 * math.pi
+    # total reflection begins at x = +-onset, which may be complex
+    critical, onset = -1.0, 1.0
+    if n_mP > 1.0:
+        inner = n_mP * place.ratio
+        onset = math.sqrt(abs(1.0 - 1.0 / max(inner, 1e-6) ** 2))
+        if inner > 1.0:
+            critical = math.asin(1.0 / inner)
+    # Q has a pole at cos(alpha) = i (1/n_mP^2 - 1)/2, of light that goes round inside without end.
+    # It sets the nodes per digit on a panel from cos(alpha) = 0 to 1; for a bead of nearly
+    # the medium's index panels grow from grazing instead
+    pole = 1.0 / n_mP**2 - 1.0
+    per_digit = _NODES_PER_DIGIT
+    if pole > _NEARLY_EQUAL:
+        rate = math.acosh(_ellipse(-1.0, pole))
+        per_digit = max(per_digit, math.log(10.0) / (ERROR_OF_RINGS[0][1] * rate))
+    count = 0
+    both = place.beside or top < 2.0
+    for side in range(2):
+        if not both and (side == 1) == (place.cos_tilt >= 0.0):
+            continue  # all rings in one interval, about the pole nearer to the light
+        # angles of the two rims from this pole, and whether rings inside the first and outside
+        # the second are whole
+        tilt_here = tilt if side == 0 else math.pi - tilt
+        first = abs(rule.half_angle - tilt_here)
+        second = rule.half_angle + tilt_here
+        whole_inside = tilt_here < rule.half_angle
+        whole_outside = second > math.pi
+        if whole_outside:
+            second = 2.0 * math.pi - second
+        cuts[0], cuts[1], cuts[2], cuts[3] = 0.0, min(first, top), min(second, top), top
+        places = 4
+        # arcs that begin near the pole, where sqrt(1 - x) is not smooth: panels grow from it
+        last = min(second, top)
+        growing = 3.0 * max(first, 1e-3 * last)
+        while 0.0 < first < growing < 0.7 * last and places < cuts.size:
+            cuts[places] = growing
+            growing *= 3.0
+            places += 1
+        if critical > 0.0:
+            cuts[places] = min(critical, top)
+            places += 1
+            for rim in (first, second):
+                places = _growing_apart(critical, rim, top, cuts, places)
+        cosine = pole if pole <= _NEARLY_EQUAL else 1.0
+        while 0.0 < cosine < 0.7 and places < cuts.size:
+            sine = math.sqrt((1.0 - cosine) * (1.0 + cosine)) / max(place.ratio, 1e-3)
+            if sine < 1.0:
+                cuts[places] = min(math.asin(sine), top)
+                places += 1
+            cosine = 3.0 * cosine
+        if onset < 0.5:
+            # panels that grow with the distance from the onset
+            x = onset
+            while x < 0.5 and places < cuts.size:
+                x = max(3.0 * x, 1e-5)
+                cuts[places] = min(math.acos(min(x, 1.0)), top)
+                places += 1
+        for k in range(1, places):  # insertion sort
+            cut_at, i = cuts[k], k
+            while i > 0 and cuts[i - 1] > cut_at:
+                cuts[i] = cuts[i - 1]
+                i -= 1
+            cuts[i] = cut_at
+        places = _without_close(cuts, places, first, second, critical)
+        for k in range(places - 1):
+            lo, hi = cuts[k], cuts[k + 1]
+            length = hi - lo
+            if length <= 1e-15 * top:
+                continue
+            middle = lo + 0.5 * length
+            cut = first < middle < second
+            if not cut and not (whole_inside if middle <= first else whole_outside):
+                continue
+            low, high = 1, 1
+            if cut:
+                if lo == first:
+                    low = 2
+                if hi == second:
+                    high = 3 if math.pi - hi < _CLOSE * length else 2
+                elif second - hi < _CLOSE * length:
+                    high = 3
+            elif hi == top and 0.0 < first - hi < _CLOSE * length:
+                high = 2
+            if critical > 0.0:
+                if lo == critical:
+                    low = 2
+                if hi == critical:
+                    high = 2
+            if hi == top and (place.crowded or (n_mP > 1.0 and not place.beside)):
+                high = 3
+            rules[count, KIND] = ARCS if cut else RINGS
+            rules[count, POLE] = 1.0 if side == 0 else -1.0
+            rules[count, PAIR] = (low - 1) * 3 + high - 1
+            if place.crowded:
+                a, b = math.cos(lo), math.cos(hi)
+                if place.beside:
+                    a = math.sqrt(max((a - place.delta) * (a + place.delta), 0.0))
+                    b = math.sqrt(max((b - place.delta) * (b + place.delta), 0.0))
+                if hi == top:
+                    b = 0.0
+            else:
+                a = _depth(lo, place.delta, place.beside)
+                b = _depth(hi, place.delta, place.beside)
+                if hi == top and place.beside:
+                    b = pole_of(place)
+            rules[count, BEGIN] = a
+            rules[count, SPAN] = b - a
+            # a panel with a small solid angle needs fewer digits
+            share_of_angle = (math.cos(lo) - math.cos(hi)) / (1.0 - math.cos(top))
+            wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
+            slope = per_digit + (1.0 if low == 2 else 0.0)
+            rules[count, LEVEL] = _level_of(2.0 + slope * wanted)
+            most = _most_azimuths(int(rules[count, LEVEL]))
+            rules[count, AZIMUTHS] = min(_azimuths_of(place, rule, lo, hi, cut), most)
+            count += 1
+    return count
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
+    """Cut where panels end that grow from two singular angles close together; how many cuts then.
+
+    To a panel that begins at one of them the other is no farther than half its length.
+    """
+    gap = max(abs(a - b), _NO_GAP)
+    away = 2.0 * gap
+    while away < _APART and places + 2 < cuts.size:
+        cuts[places] = min(max(a, b) + away, top)
+        cuts[places + 1] = min(max(min(a, b) - away, 0.0), top)
+        places += 2
+        away = 3.0 * away + 2.0 * gap
+    return places
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _without_close(cuts, places, first, second, critical):  # type: ignore[no-untyped-def]
+    """Drop cuts close to a rim or to the onset of total reflection; returns the number left.
+
+    The panel beyond such a cut would end close to a square root and converge slowly, and its last
+    coefficients would not show it.
+    """
+    left = 1
+    for k in range(1, places - 1):
+        before, here, after = cuts[left - 1], cuts[k], cuts[k + 1]
+        if here not in (first, second, critical):
+            if before in (first, second, critical) and here - before < _CLOSE * (after - here):
+                continue
+            if after in (first, second, critical) and after - here < _CLOSE * (here - before):
+                continue
+        cuts[left] = here
+        left += 1
+    cuts[left] = cuts[places - 1]
+    return left + 1
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
+    """Azimuths of the rings from `lo` to `hi`, by the part of the cone that they span."""
+    widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
+    half = 0.5 * (1.0 - math.cos(rule.half_angle))
+    width = widest * place.sin_tilt / half
+    bucket = min(int(width * WIDTHS), WIDTHS - 1)
+    harmonics = rule.harmonics[bucket] if width > 0.0 else 0
+    azimuths = 5 + int(0.8 * harmonics) if cut else 4 + int(0.6 * harmonics)
+    return min(azimuths, MOST_AZIMUTHS)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def]
+    """Raise the nodes of rule k where it misses its tolerance; returns whether that was possible.
+
+    ratio_x, ratio_azimuth: ratio of the digits needed to those reached; at most 1 where it
+    suffices.
+    """
+    level_now, azimuths_now = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
+    level, azimuths = level_now, azimuths_now
+    if ratio_x > 1.0:
+        nodes = LEVELS[level] * min(max(ratio_x, 1.15), 2.0)
+        level = min(max(_level_of(nodes), level + 1), len(LEVELS) - 1)
+        if azimuths > _most_azimuths(level):
+            level = level_now
+    if ratio_azimuth > 1.0:
+        azimuths = max(int(azimuths * min(ratio_azimuth, 2.0)), azimuths + 2)
+        azimuths = min(azimuths, _most_azimuths(level))
+    rules[k, LEVEL] = level
+    rules[k, AZIMUTHS] = azimuths
+    return level > level_now or azimuths > azimuths_now
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _most_azimuths(level):  # type: ignore[no-untyped-def]
+    return min(MOST_AZIMUTHS, MOST_RAYS // LEVELS[level] - 1)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def unknown_light(place, rule, full):  # type: ignore[no-untyped-def]
+    """Bound on the force of the light that a series omits, N: |Q| <= 2 for every ray that hits."""
+    hit = 4.0 * math.pi * math.sin(0.5 * rule.half_angle) ** 2
+    if place.ratio > 1.0:  # on both sides of the focus
+        hit = min(hit, 8.0 * math.pi * math.sin(0.5 * math.asin(1.0 / place.ratio)) ** 2)
+    return 2.0 * (rule.rounding if full else rule.left_out) * hit

@@ -1,0 +1,202 @@
+"""The integral over the lens: rules are refined until the tolerance is reached."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from tweezer.compiled import cached_njit
+from tweezer.forces.data import (
+    Data,
+    integers,
+    matrix,
+    number,
+    packed,
+    tensor,
+    tensor_of_four,
+    vector,
+)
+from tweezer.forces.force import KERNEL, Kernel
+from tweezer.optics.rays.nodes import rays_of, scratch, tails
+from tweezer.optics.rays.panels import (
+    ARCS,
+    AZIMUTHS,
+    COLUMNS,
+    DISC,
+    ERROR_OF_ARCS,
+    ERROR_OF_RINGS,
+    KIND,
+    LEVEL,
+    MOST_PANELS,
+    RATE_AZIMUTH,
+    RATE_X,
+    more_nodes,
+    place_of,
+    rules_of,
+    unknown_light,
+)
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, gather, put, ray_sum
+from tweezer.optics.rays.rule import LEVELS, Rule
+
+#: Force that counts as zero, as a part of the largest. The largest is estimated as the strength of
+#: the light times min(1, 5 |1 - n_m/n_P|)
+VANISHING = 3e-7
+#: Lower bound on error estimates, as a part of the tolerance
+TRUSTED = 0.01
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
+    factor, power = (ERROR_OF_ARCS if kind == ARCS else ERROR_OF_RINGS)[direction]
+    return factor * min(tail, 1.0) ** power
+
+
+@njit(error_model="numpy", nogil=True)
+def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
+    """Refine the rules whose error is above `target`, N; returns whether any was refined."""
+    again = False
+    for k in range(many):
+        if errors[k, 0] + errors[k, 1] <= 2.0 * target:
+            continue
+        # ratio of the digits needed to those reached
+        wanted = math.log(max(sizes[k], target) / target)
+        along = around = 0.0
+        if errors[k, 0] > target:
+            along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
+        if errors[k, 1] > target:
+            around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
+        if more_nodes(rules, k, along, around):
+            due[k] = again = True
+    return again
+
+
+def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
+    """The data of `quadrature_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
+    return packed(*sphere, jones, *rule._replace(harmonics=rule.harmonics.astype(np.int32)))
+
+
+@njit(error_model="numpy")
+def _rule(data, first):  # type: ignore[no-untyped-def]
+    """The `Rule` whose fields are the entries from `first` on."""
+    return Rule(
+        number(data, first), vector(data, first + 1), number(data, first + 2),
+        vector(data, first + 3), number(data, first + 4), number(data, first + 5),
+        number(data, first + 6), tensor_of_four(data, first + 7), tensor(data, first + 8),
+        tensor(data, first + 9), integers(data, first + 10), vector(data, first + 11),
+        matrix(data, first + 12),
+    )  # fmt: skip
+
+
+@functools.cache
+def quadrature_kernel(rays: Rays) -> Kernel:
+    """The integral over the lens to the tolerance of a `Rule`, with an estimate of its error."""
+    efficiencies = efficiencies_of(rays)
+    add_up = ray_sum(rays, by_grid=False, in_rings=False)
+    add_up_rings = ray_sum(rays, by_grid=False, in_rings=True)
+    linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
+
+    @cached_njit(KERNEL, **SUMS)
+    def integrate_over_lens(pose, data, wrench):  # type: ignore[no-untyped-def]
+        radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
+        source = _rule(data, 3)
+        room = scratch()
+        rules = np.empty((MOST_PANELS, COLUMNS))
+        found = np.empty((MOST_PANELS, 24))  # sums over the rays of each rule
+        errors = np.empty((MOST_PANELS, 2))  # error along x and in the azimuth
+        sizes = np.empty(MOST_PANELS)
+        due = np.empty(MOST_PANELS, np.bool_)
+        a_re, a_im, b_re, b_im = jones[0], jones[1], jones[2], jones[3]
+        least = VANISHING * source.strength * min(5.0 * abs(1.0 - n_mP), 1.0)
+        for at in range(pose.position.shape[0]):
+            p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
+            # to the frame with the bead at (lateral, 0, axial)
+            cosine, sine = 1.0, 0.0
+            lateral = math.hypot(p1, p2)
+            if lateral > 0.0:
+                cosine, sine = p1 / lateral, p2 / lateral
+            p1, p2 = lateral, 0.0
+            place = place_of(lateral, p3, radius)
+            many = rules_of(place, source, n_mP, rules)
+            for k in range(many):
+                due[k] = True
+            if linear:
+                a_re = cosine * jones[0] + sine * jones[2]
+                a_im = cosine * jones[1] + sine * jones[3]
+                b_re = cosine * jones[2] - sine * jones[0]
+                b_im = cosine * jones[3] - sine * jones[1]
+            error = whole = 0.0
+            full = many > 0 and rules[0, KIND] == DISC  # with the full series
+            while True:
+                for k in range(many):
+                    if not due[k]:
+                        continue
+                    due[k] = False
+                    count = rays_of(place, source, rules, k, full, room, linear, gradient)
+                    kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
+                    if linear or kind == DISC:
+                        sums = add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im)
+                    else:
+                        efficiencies(room, LEVELS[level], count, n_mP)
+                        sums = add_up_rings(
+                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im
+                        )
+                    found[k] = 0.0
+                    gather(sums, gradient, moment, found[k])
+                    if not linear:
+                        found[k, 3] = found[k, 5] = 0.0  # cancelled by the other half of the rays
+                    size = sums[3]
+                    sizes[k] = size
+                    errors[k, 0] = errors[k, 1] = 0.0
+                    if size > 0.0:
+                        along, around = tails(source, rules, k, room, size, linear, gradient)
+                        if kind == DISC:  # its ellipses bound the decay of the coefficients
+                            n, m = LEVELS[level], rules[k, AZIMUTHS]
+                            errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
+                            errors[k, 0] += source.aliased[level]
+                            errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
+                        else:
+                            errors[k, 0] = size * _estimate(along / size, kind, 0)
+                            errors[k, 1] = size * _estimate(around / size, kind, 1)
+                f1 = f2 = f3 = 0.0
+                unknown = unknown_light(place, source, full) if many > 0 else 0.0
+                error = unknown
+                for k in range(many):
+                    f1 += found[k, 0]
+                    f2 += found[k, 1]
+                    f3 += found[k, 2]
+                    error += errors[k, 0] + errors[k, 1]
+                whole = max(math.sqrt(f1 * f1 + f2 * f2 + f3 * f3), least)
+                if error <= source.tolerance * whole:
+                    break
+                # the error from the truncated series of the light, and the rules to refine
+                again = not full and unknown > 0.1 * source.tolerance * whole
+                if again:
+                    full = True
+                    for k in range(many):
+                        due[k] = True
+                target = source.tolerance * whole / (2 * many)
+                again |= _more_where_missed(rules, many, sizes, errors, target, due)
+                if not again:
+                    break
+
+            total = found[0]
+            if many == 0:
+                total[:] = 0.0
+            for k in range(1, many):
+                for c in range(24):
+                    total[c] += found[k, c]
+            if many > 0:
+                error = max(error, TRUSTED * source.tolerance * whole)
+            wrench.error[at] += error
+            if p1 == 0.0 and not linear:
+                total[0] = 0.0  # exactly zero on the axis
+                total[4] = 0.0
+                total[8] = total[12] = 0.0
+            # back to the frame of the scene
+            put(total, cosine, sine, gradient, moment, at, wrench)
+
+    return integrate_over_lens

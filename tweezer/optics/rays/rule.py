@@ -1,0 +1,180 @@
+"""Tables of a product rule over the cone of light: nodes, weights, and what estimates their error.
+
+The method is described in `tweezer.optics.rays.panels`.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.polynomial import Legendre, Polynomial, chebyshev
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+#: Numbers of nodes along x, in the order in which they are tried; multiples of a vector's length. A
+#: tuple shows the compiler that none is negative, which lets it vectorise loops over nodes
+LEVELS = (4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96)
+#: Largest number of nodes in the azimuth
+MOST_AZIMUTHS = 64
+#: Largest number of rays in a rule
+MOST_RAYS = 4096
+#: Number of last coefficients of an expansion that estimate its error
+TAIL = 4
+#: First row of the half circle in the table of azimuths
+CIRCLE = 2 + TAIL
+#: Possible orders of the zero of the substitution at an end of a panel
+ORDERS = (1, 2, 3)
+#: Largest number of coefficients of the light's series whose sum stays in registers
+SHORT = 20
+#: Number of classes of a ring's width in cos(theta), for the number of its azimuths
+WIDTHS = 16
+
+
+class Rule(NamedTuple):
+    """What the nodes of a scene are computed from, beside the position of the bead.
+
+    Tables are padded with zeros; indices are (level, ...) along x and (m, ...) for m azimuths.
+    """
+
+    half_angle: float
+    """theta_m of the cone, rad"""
+    series: Array
+    """n_m/c times the power per solid angle, N/sr, on y = -1 (rim) to 1 (axis), linear in
+    cos(theta): SHORT powers, highest first, or more than SHORT Chebyshev coefficients"""
+    left_out: float
+    """bound on the error of the series, N/sr"""
+    full: Array
+    """the series to rounding, for positions with so little light that this matters"""
+    rounding: float
+    """bound on the error of `full`, N/sr"""
+    strength: float
+    """n_m P/c of all rays, N"""
+    tolerance: float
+    nodes: Array
+    """(level, pair of orders, 3, node): position from a panel's first end, 0 to 1; from its other
+    end, without cancellation; and weight"""
+    tail: Array
+    """(level, TAIL, node) the last Legendre coefficients of a weighted value of 1 at a node"""
+    azimuth: Array
+    """(m, 5 + 2 TAIL, node). Half an arc: position from 0 to 1, weight, and the last coefficients.
+    Half a circle: cosine, sine, weight, and the last coefficients"""
+    harmonics: NDArray[np.int64]
+    """(width,) degree of the light in the azimuth, by the width of the ring"""
+    aliased: Array
+    """(level,) N, bound on the aliasing of the light's harmonics on the nodes of the disc"""
+    radiance: Array
+    """(level, node) weight of the disc's nodes times n_m/c times power per solid angle, N"""
+
+
+def rule(half_angle: float, series: Array, strength: float, tolerance: float) -> Rule:
+    """The rule for a cone of light.
+
+    half_angle: rad. series: as `Rule.series`. strength: n_m P/c, N. tolerance: relative, of
+    the force.
+    """
+    nodes, tail = _panel_tables()
+    full = _summed_fast(series)
+    # a short series costs the same in whole and in part
+    needed = series if full.size == SHORT else _needed(series, 1e-3 * tolerance)
+    rounding = 1e-15 * float(np.abs(series).sum())
+    left_out = float(np.abs(series[needed.size :]).sum()) + rounding
+    disc = np.zeros((len(LEVELS), LEVELS[-1]))
+    aliased = np.zeros(len(LEVELS))
+    for level, count in enumerate(LEVELS):
+        too_high = float(np.abs(series[2 * count - 4 :]).sum())
+        aliased[level] = too_high * 4 * math.pi * math.sin(half_angle / 2) ** 2
+        place, _, weight = nodes[level, 0, :, :count]
+        light = chebyshev.chebval(2 * place - 1, series)
+        disc[level, :count] = light * weight * 2 * math.sin(half_angle / 2) ** 2
+    return Rule(
+        half_angle, _summed_fast(needed), left_out, full, rounding, strength,
+        tolerance, nodes, tail, _azimuth_tables(), _harmonics(needed, tolerance), aliased, disc,
+    )  # fmt: skip
+
+
+def _needed(series: Array, tolerance: float) -> Array:
+    """The series without last coefficients that sum to less than `tolerance` of the whole."""
+    left = np.cumsum(np.abs(series[::-1]))[::-1]
+    return np.ascontiguousarray(series[: max(1, int((left > tolerance * left[0]).sum()))])
+
+
+def _summed_fast(series: Array) -> Array:
+    """The series as SHORT powers, highest first, unless that loses digits."""
+    if series.size > SHORT:
+        return series
+    powers = np.pad(chebyshev.cheb2poly(series), (0, SHORT - series.size))[::-1]
+    y = np.linspace(-1, 1, 200)
+    difference = np.polyval(powers, y) - chebyshev.chebval(y, series)
+    lossless = np.abs(difference).max() < 1e-14 * np.abs(series).sum()
+    return np.ascontiguousarray(
+        powers if lossless else np.pad(series, (0, SHORT + 1 - series.size))
+    )
+
+
+def _harmonics(series: Array, tolerance: float) -> NDArray[np.int64]:
+    """Degree of the light in the azimuth's cosine, for rings of growing width in cos(theta)."""
+    half = (np.arange(WIDTHS) + 1) / WIDTHS  # of a ring's width, in units of half the cone's
+    centre = (1 - half[:, None]) * np.linspace(-1, 1, 5)
+    n = len(series)
+    nodes = chebyshev.chebpts1(n)
+    values = chebyshev.chebval(centre[..., None] + half[:, None, None] * nodes, series)
+    to_series = chebyshev.chebvander(nodes, n - 1) * 2 / n
+    to_series[:, 0] /= 2
+    return np.array([max(len(_needed(part, tolerance)) - 1 for part in row)
+                     for row in values @ to_series])  # fmt: skip
+
+
+@functools.cache
+def _panel_tables() -> tuple[Array, Array]:
+    """Gauss nodes after substitutions with zeros of the given orders at the ends."""
+    nodes = np.zeros((len(LEVELS), len(ORDERS) ** 2, 3, LEVELS[-1]))
+    tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
+    for level, count in enumerate(LEVELS):
+        x, w = leggauss(count)
+        z = (x + 1) / 2
+        for i, low in enumerate(ORDERS):
+            for j, high in enumerate(ORDERS):
+                rising, slope = _substitution(low, high)
+                falling, _ = _substitution(high, low)
+                pair = i * len(ORDERS) + j
+                nodes[level, pair, :, :count] = rising(z), falling(1 - z), slope(z) * w / 2
+        tail[level, :, :count] = _legendre_tails(x)
+    return nodes, tail
+
+
+@functools.cache
+def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
+    """The polynomial from 0 to 1 whose slope has zeros of order low - 1 and high - 1."""
+    z = Polynomial([0, 1])
+    slope = z ** (low - 1) * (1 - z) ** (high - 1)
+    total = slope.integ()
+    return total / total(1), slope / total(1)
+
+
+def _legendre_tails(x: Array) -> Array:
+    """Last coefficients resolved by the Gauss nodes x, for a weighted value of 1, (TAIL, n)."""
+    degrees = np.maximum(len(x) - 1 - np.arange(TAIL), 0)
+    return np.array([(2 * degree + 1) * Legendre.basis(degree)(x) for degree in degrees])
+
+
+@functools.cache
+def _azimuth_tables() -> Array:
+    table = np.zeros((MOST_AZIMUTHS + 1, 5 + 2 * TAIL, MOST_AZIMUTHS + 1))
+    for m in range(1, MOST_AZIMUTHS + 1):
+        x, w = leggauss(m)
+        table[m, : 2 + TAIL, :m] = (x + 1) / 2, w / 2, *_legendre_tails(x)
+        j = np.arange(m + 1)
+        ends = np.where((j == 0) | (j == m), 0.5, 1.0)
+        harmonics = np.maximum(m - np.arange(TAIL), 0)
+        table[m, CIRCLE:, : m + 1] = (
+            np.cos(np.pi * j / m),
+            np.sin(np.pi * j / m),
+            ends * np.pi / m,
+            *(np.cos(np.pi * j * k / m) * (1 if k in (0, m) else 2) for k in harmonics),
+        )
+    return table
