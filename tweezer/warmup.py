@@ -23,10 +23,11 @@ def usual_scenes(scene: Scene) -> list[Scene]:
     """A shipped scene, and what users change in it: thermal motion by the map, a lighter bead.
 
     A bead of a lower index than the medium reflects all of some rays, which takes other kernels.
-    A scene with the thesis's grid is the thesis's own, and stays as it is.
+    A scene with the thesis's grid is the thesis's own: beside it is what `tweezer reproduce` runs,
+    with the moment (3.25), which turns the bead.
     """
     if scene.optics.evaluator == "grid":
-        return [scene]
+        return [scene, scene.replace(beam={"torque": "thesis"})]
     thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
     lower_index = 0.9 * scene.medium.refractive_index
     return [scene, scene.replace(**thermal), scene.replace(bead={"refractive_index": lower_index})]

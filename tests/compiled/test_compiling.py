@@ -24,7 +24,7 @@ from numba.core.dispatcher import Dispatcher
 
 import tweezer
 from tweezer import cli, warmup
-from tweezer.compiled import cache, compilation, fingerprint
+from tweezer.compiled import cache, compilation, fingerprint, named_njit
 from tweezer.dynamics import bind
 from tweezer.warmup import usual_scenes
 
@@ -217,6 +217,15 @@ def test_no_garbage_is_looked_for_while_compiling_and_then_as_before(before):
     finally:
         (gc.enable if enabled else gc.disable)()
     assert seen[:3] == [False] * 3
+
+
+def test_what_only_compiled_functions_call_refuses_python_also_once_it_is_compiled():
+    inner = named_njit(inner=True)(lambda x: 2 * x)
+    outer = numba.njit(lambda x: inner(x) + 1)
+    for _ in range(2):
+        with pytest.raises(TypeError, match="only compiled functions can call it"):
+            inner(3)
+        assert outer(3) == 7
 
 
 def test_time_is_counted_once(monkeypatch):

@@ -255,8 +255,11 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
     return compiled
 
 
-def named_njit(**options: Any) -> Any:
+def named_njit(*, inner: bool = False, **options: Any) -> Any:
     """`numba.njit` of a closure that cached functions call.
+
+    inner: only compiled functions call it. The code by which Python would call it, a quarter of the
+    time to compile, is left out; a call from Python raises `TypeError`.
 
     The closure is named after its values. By default Numba distinguishes the machine code of
     closures by a counter of the process, so a function cached by one process could call the closure
@@ -267,7 +270,21 @@ def named_njit(**options: Any) -> Any:
         if function.__closure__:
             values = [cell.cell_contents for cell in function.__closure__]
             function.__qualname__ += f"_{fingerprint(*values)[:16]}"
-        return numba.njit(**options)(function)
+        if not inner:
+            return numba.njit(**options)(function)
+        dispatcher: Any = numba.njit(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)(
+            function
+        )
+
+        def add_overload(result: Any) -> None:
+            dispatcher.overloads[tuple(result.signature.args)] = result
+
+        def refuse(*_: Any, **__: Any) -> None:
+            raise TypeError(f"{function.__name__}: only compiled functions can call it")
+
+        # what is compiled is found by Numba, not by calls from Python, which would crash
+        dispatcher.add_overload, dispatcher._compile_for_args = add_overload, refuse
+        return dispatcher
 
     return compiled
 

@@ -60,7 +60,7 @@ def scratch():  # type: ignore[no-untyped-def]
     return np.empty((_ROWS, 2 * MOST_RAYS + _APART_IN_CACHE))
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
 
@@ -87,7 +87,9 @@ def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignor
     return 2 * count
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -110,7 +112,9 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
     return (m + 1) * n
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
     """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
 
@@ -180,7 +184,9 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
     return count
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """q, weight, and argument of the light's series at all nodes of arcs."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
@@ -199,7 +205,9 @@ def _arc_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
             weight[at + i] = part * w[i]
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
     """The same for whole rings."""
     q, y, weight, w = rays[_Q], rays[_Y], rays[WEIGHT], rays[_W]
@@ -213,7 +221,9 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
             weight[at + i] = part * w[i]
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
     """Two or three rays for each ring with the same force as all of it; returns their number.
 
@@ -256,7 +266,9 @@ def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
     return 3 * n
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def]
     """Directions of the n rays from number `at` on, at one azimuth about the pole."""
     u1, u2, u3, x, s = rays[U1], rays[U2], rays[U3], rays[_X], rays[_S]
@@ -268,7 +280,9 @@ def _aim(place, pole, at, n, cosine, sine, rays):  # type: ignore[no-untyped-def
         u3[at + i] = cos_tilt * axial + sin_tilt * towards
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _spread_out(place, rules, k, rays):  # type: ignore[no-untyped-def]
     """A ray for each node of rings or arcs."""
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
@@ -319,7 +333,9 @@ def _sine(angle):  # type: ignore[no-untyped-def]
     return angle * value
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-def]
     """Multiply the weights by the light's power per solid angle: Horner's or Clenshaw's sum."""
     if series.size == SHORT:
@@ -345,7 +361,9 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
         weight[i] *= y[i] * value_of[i] - last_of[i] + series[0]
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"})
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
 def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
     """Largest of the last coefficients of the forces of rule k along x and in the azimuth, N.
 

@@ -101,7 +101,7 @@ def place_of(lateral, axial, radius):  # type: ignore[no-untyped-def]
     return Place(ratio, cos_tilt, sin_tilt, delta, beside, delta < _SMALL_DELTA)
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def rules_of(place, rule, n_mP, rules):  # type: ignore[no-untyped-def]
     """Fill the table of rules of a position; returns their number."""
     digits = 1.0 - math.log10(rule.tolerance)
@@ -125,7 +125,7 @@ def _level_of(nodes):  # type: ignore[no-untyped-def]
     return len(LEVELS) - 1
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     """The disc, if every ray hits the bead and few nodes suffice; returns whether it is used.
 
@@ -202,7 +202,7 @@ def _depth(angle, delta, beside):  # type: ignore[no-untyped-def]
     return math.asinh((pole - here) * (pole + here) / (a * here + pole * b))
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     """The panels of rings and arcs; returns their number."""
     cuts = np.empty(MOST_PANELS // 2)
@@ -330,7 +330,7 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     return count
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
     """Cut where panels end that grow from two singular angles close together; how many cuts then.
 
@@ -346,7 +346,7 @@ def _growing_apart(a, b, top, cuts, places):  # type: ignore[no-untyped-def]
     return places
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def _without_close(cuts, places, first, second, critical):  # type: ignore[no-untyped-def]
     """Drop cuts close to a rim or to the onset of total reflection; returns the number left.
 
@@ -367,7 +367,7 @@ def _without_close(cuts, places, first, second, critical):  # type: ignore[no-un
     return left + 1
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
     """Azimuths of the rings from `lo` to `hi`, by the part of the cone that they span."""
     widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
@@ -379,7 +379,7 @@ def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
     return min(azimuths, MOST_AZIMUTHS)
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def]
     """Raise the nodes of rule k where it misses its tolerance; returns whether that was possible.
 
@@ -406,7 +406,7 @@ def _most_azimuths(level):  # type: ignore[no-untyped-def]
     return min(MOST_AZIMUTHS, MOST_RAYS // LEVELS[level] - 1)
 
 
-@cached_njit(error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True, inner=True)
 def unknown_light(place, rule, full):  # type: ignore[no-untyped-def]
     """Bound on the force of the light that a series omits, N: |Q| <= 2 for every ray that hits."""
     hit = 4.0 * math.pi * math.sin(0.5 * rule.half_angle) ** 2

@@ -7,9 +7,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.forces.data import (
     Data,
     integers,
@@ -55,7 +54,7 @@ def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
     return factor * min(tail, 1.0) ** power
 
 
-@njit(error_model="numpy", nogil=True)
+@named_njit(error_model="numpy", nogil=True, inner=True)
 def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
     """Refine the rules whose error is above `target`, N; returns whether any was refined."""
     again = False
@@ -79,7 +78,7 @@ def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
     return packed(*sphere, jones, *rule._replace(harmonics=rule.harmonics.astype(np.int32)))
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy", inner=True)
 def _rule(data, first):  # type: ignore[no-untyped-def]
     """The `Rule` whose fields are the entries from `first` on."""
     return Rule(

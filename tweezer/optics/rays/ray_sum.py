@@ -10,7 +10,6 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from tweezer.compiled import cache_functions, named_njit
 from tweezer.generated import ray
@@ -100,7 +99,7 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
 
-    @named_njit(**SUMS)
+    @named_njit(**SUMS, inner=True)
     def add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im):  # type: ignore[no-untyped-def]
         Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
         u1_of, u2_of, u3_of, weight, force_of = (
@@ -243,7 +242,7 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
     return add_up
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy", inner=True)
 def gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
     """Add the sums over some rays to `found` (24,): force, moment, and their gradients."""
     (
@@ -266,7 +265,7 @@ def gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
             found[15 + c] += value
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy", inner=True)
 def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
     """Add `found` of `gather`, turned about z, to bead `at` of a wrench."""
     wrench.force[at, 0] += cosine * found[0] - sine * found[1]
@@ -282,7 +281,7 @@ def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-u
             _add_turned(found[15:24], cosine, sine, wrench.moment_gradient[at])
 
 
-@njit(error_model="numpy", nogil=True)
+@named_njit(error_model="numpy", nogil=True, inner=True)
 def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
     """Add R J R^T, for a turn about z."""
     half = np.empty(9)
