@@ -125,8 +125,8 @@ METHODS: dict[str, Method] = _by_name(
            thermal=True, displacements=False, uniform_drag=True),
     Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
            thermal=True, spring_only=True, uniform_drag=True),
-    Method("euler-maruyama", "for comparison", f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True,
-           uniform_drag=True),
+    Method("euler-maruyama", "for comparison; without inertia for a drag by place",
+           f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True),
     Method("baoab", "for comparison", f"{_SCHEMES}.baoab:BAOAB", thermal=True,
            models=("full", "scaled"), uniform_drag=True),
 )  # fmt: skip

@@ -13,6 +13,7 @@ from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS
+from tweezer.compiled import address
 from tweezer.dynamics.brownian import march, noise
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
@@ -22,19 +23,25 @@ from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError
+from tweezer.fluid import DRAG_KERNEL
+from tweezer.forces.data import Part
 from tweezer.forces.force import bound
 from tweezer.scene import Scene, Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: step over the fastest time scale of the force, and for methods that must resolve it, over tau
-_PART, _PART_OF_TAU = 0.2, 0.2
-#: part of the places about the trap where the force changes no faster than the scale it is taken as
+#: Step over the fastest time scale of the force
+_PART = 0.2
+#: Step over the relaxation time, for methods that must resolve it
+_PART_OF_TAU = 0.2
+#: Quantile of |dF/dx| b around the trap that sets the time scale
 _MOST = 0.9
-#: step over the shortest time in which a force changes: a jump is smeared over a step
+#: Step over the shortest time in which a force changes, as a jump is smeared over a step
 _PART_OF_CHANGE = 0.05
-#: steps a sample interval may take
+#: Diffusion in a step over the length in which the drag changes
+_PART_OF_LENGTH = 0.05
+#: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
 
 
@@ -160,12 +167,15 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     check_thermal(problem.scene, seed)
     reasons = []
     simulation = problem.scene.simulation
+    uniform = problem.drag.uniform
     if simulation.model is None:
-        problem = problem.decided(model="full")
-        reasons.append("full: inertia is exact at any step")
+        problem = problem.decided(model="full" if uniform else "overdamped")
+        about = "inertia is exact at any step" if uniform else "the drag depends on the place"
+        reasons.append(f"{problem.scene.simulation.model}: {about}")
     if simulation.method == "auto":
-        problem = problem.decided(method="heun")
-        reasons.append("heun: exact drag and noise, weak order 2")
+        problem = problem.decided(method="heun" if uniform else "euler-maruyama")
+        about = "exact drag and noise, weak order 2" if uniform else "the drag depends on the place"
+        reasons.append(f"{problem.scene.simulation.method}: {about}")
     scene, bead = problem.scene, problem.bead
     simulation = scene.simulation
     model = MODELS[str(simulation.model)]
@@ -183,9 +193,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
             "beam.motion, beam.modulation or another force that changes in time"
         )
-    if how.uniform_drag and not problem.drag.uniform:
+    if not uniform and (how.uniform_drag or inertial or problem.rotates):
         raise SceneError(
-            f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere"
+            f"simulation.method = {simulation.method!r} with model = {simulation.model!r}: takes a "
+            "drag that is the same everywhere; allowed for another: euler-maruyama with "
+            "overdamped, without rotation"
         )
     if problem.force.oriented and (how.spring_only or model.scheme):
         raise SceneError(
@@ -233,9 +245,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     lens = -math.inf
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
+    kernel, data = problem.drag.compiled()
     plan = Plan(
         seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
-        centre,
+        centre, Boltzmann * scene.medium.temperature, uniform,
+        Part(address(kernel, DRAG_KERNEL), data),
     )  # fmt: skip
     columns = ["x", "y", "z"]
     if inertial:
@@ -273,6 +287,15 @@ def _longest_step(
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
+    if not problem.drag.uniform:
+        value, gradient = problem.drag.mobilities(
+            np.array([problem.scene.start_position]), gradient=True
+        )
+        steepest = float(np.abs(gradient[0, :2] / value[0, :2, None]).max())
+        if steepest > 0:
+            time = (_PART_OF_LENGTH / steepest) ** 2 / (2 * diffusion[:3].max())
+            some = f"diffusion over {_PART_OF_LENGTH:g} of "
+            limits.append((time, some + "the length in which the drag changes"))
     if shortest := problem.force.shortest_time(simulation.duration):
         limits.append((_PART_OF_CHANGE * shortest, f"{_PART_OF_CHANGE:g} of the time in which the "
                        "force changes"))  # fmt: skip

@@ -10,6 +10,7 @@ from numba import njit, typeof, types
 from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
 
@@ -30,13 +31,18 @@ class Plan(NamedTuple):
     tau: Array
     """(dims,) s; m/beta_v where inertia is left out"""
     mobility: Array
-    """(dims,) 1/beta_v, and 1/beta_w"""
+    """(dims,) 1/beta_v, and 1/beta_w, at the start"""
     load: Array
     """(dims,) N: gravity and buoyancy"""
     diffusion: Array
     """(dims,) m^2/s, and rad^2/s"""
     centre: Array
     """(dims,) m, of the spring that is taken exactly"""
+    kT: float
+    """J"""
+    uniform: bool
+    """whether the drag is the same everywhere"""
+    drag: Part
 
 
 class Beads(NamedTuple):
@@ -65,12 +71,15 @@ class Beads(NamedTuple):
     """(1,) s, the begin of the step"""
     pose: Pose
     wrench: Wrench
+    resisted: Mobility
+    """at the position that the force was last evaluated at; empty for a uniform drag"""
 
 
 @njit
-def beads(n, dims, inertial, gradient):  # type: ignore[no-untyped-def]
+def beads(n, dims, inertial, gradient, uniform):  # type: ignore[no-untyped-def]
     """Room for n beads."""
     gradients = n if gradient else 0
+    places = 0 if uniform else n
     e = np.zeros((n if dims == 6 else 0, 4))
     return Beads(
         np.zeros((dims, n)), np.zeros((dims if inertial else 0, n)), e, np.zeros((dims, n)),
@@ -81,6 +90,7 @@ def beads(n, dims, inertial, gradient):  # type: ignore[no-untyped-def]
             np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)), np.zeros(n),
         ),
+        Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))),
     )  # fmt: skip
 
 
@@ -121,9 +131,13 @@ def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
 
 _empty, _row = np.zeros(0), np.zeros((0, 0))
 PART = typeof(Part(0, packed()))
-PLAN = typeof(Plan(0, 0.0, 0, 0.0, 0.0, *[_empty] * 5))
+PLAN = typeof(
+    Plan(
+        0, 0.0, 0, 0.0, 0.0, _empty, _empty, _empty, _empty, _empty, 0.0, True, Part(0, packed())
+    )
+)  # fmt: skip
 WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
-STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True)))
+STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True, True)))
 """signature of a scheme's step"""
 
 

@@ -1,17 +1,21 @@
 """One force at the begin of the step: Euler and Maruyama, or the exact step of a harmonic trap.
 
 Which of them is a matter of the weights. With those of Euler and Maruyama (Kloeden and Platen
-1992, 10.2) the inertial equations want steps below two relaxation times. With the exact ones, and
-the trap's spring for the force, it is the propagator of Norrelykke and Flyvbjerg (Phys. Rev. E
-83:041103 (2011), arXiv 1102.0524).
+1992, 10.2) the inertial equations want steps below two relaxation times. Without inertia the drag
+may depend on the place: the noise is then that of the begin of the step, and the drift kT db/dx
+makes the distribution Boltzmann's (Ermak and McCammon, J. Chem. Phys. 69:1352 (1978)). With the
+exact weights, and the trap's spring for the force, it is the propagator of Norrelykke and Flyvbjerg
+(Phys. Rev. E 83:041103 (2011), arXiv 1102.0524).
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, call
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
 from tweezer.dynamics.brownian.propagator import Weights
@@ -21,7 +25,25 @@ from tweezer.dynamics.brownian.propagator import Weights
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads under the light."""
     slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
-    _move(weights, beads)
+    if plan.uniform:
+        _move(weights, beads)
+    else:
+        _move_by_place(plan, beads)
+
+
+@njit(error_model="numpy")
+def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
+    """Move by the drag where the force was evaluated, whatever that of the start."""
+    value, gradient = beads.resisted.value, beads.resisted.gradient
+    call(plan.drag.kernel, (beads.pose, plan.drag.data, beads.resisted))
+    for k in range(3):
+        entry = 1 if k == 2 else 0
+        x, force, normal = beads.x[k], beads.wrench.force, beads.normal[k]
+        for i in range(x.shape[0]):
+            mobility = value[i, entry]
+            drift = mobility * (force[i, k] + plan.load[k]) + plan.kT * gradient[i, entry, k]
+            spread = math.sqrt(2.0 * plan.kT * mobility * plan.step)
+            x[i] += drift * plan.step + spread * normal[i]
 
 
 @cached_njit(error_model="numpy", nogil=True)

@@ -72,7 +72,7 @@ def loop() -> Any:
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
             who = trajectories[begin : begin + n]
-            beads = batch.beads(n, dims, inertial, steps.gradient)
+            beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform)
             x, normal = beads.x, beads.normal[: steps.draws]
             for i in range(n):
                 _load(steps, states[begin + i], beads, i)
