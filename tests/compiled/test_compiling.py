@@ -326,7 +326,7 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
     kept = [
         each
         for each in gc.get_objects()
-        if isinstance(each, Dispatcher)
+        if issubclass(type(each), Dispatcher)  # `isinstance` fails for what a weak reference lost
         and each.py_func.__module__.startswith("tweezer.")
         and each.stats.cache_path is not None
     ]
@@ -531,7 +531,7 @@ def test_damaged_code_is_compiled_again(function, damaged):
     whole = file.read_bytes()
     file.write_bytes(damaged(whole))
     assert function()[0] == 0
-    assert len(file.read_bytes()) == len(whole)
+    assert file.read_bytes() != damaged(whole)
     assert function()[0] == 1
 
 
