@@ -406,7 +406,7 @@ def test_euler_maruyama_is_of_weak_order_one():
 def stepped(field, h, tau, x, v, normal):
     """One exponential Heun step of beads (n, 3) with that noise, the spring not exact."""
     weights = propagator.exact(h, np.full(3, tau), np.zeros(3), np.full(3, DIFFUSION))
-    beads = batch.beads(len(x), 3, True, False)
+    beads = batch.beads(len(x), 3, True, False, True)
     beads.x[:], beads.v[:], beads.normal[:] = x.T, v.T, normal.T
     plan = walk(DARK.replace(simulation={"model": "full"})).plan
     plan = plan._replace(load=np.zeros(3), mobility=np.full(3, 1 / DRAG))
@@ -845,7 +845,7 @@ def _rising(pose, data, wrench):
 
 def test_the_light_turns_beads_about_every_axis():
     """u and omega are force and moment times their own mobilities."""
-    one = batch.beads(2, 6, False, False)
+    one = batch.beads(2, 6, False, False, True)
     place = np.arange(12.0).reshape(6, 2)
 
     class Field(Force):

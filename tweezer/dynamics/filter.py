@@ -28,10 +28,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import cached_njit, call
+from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.dynamics.integrators.system import SYSTEM, act, scratch
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.errors import IntegrationError, SceneError
@@ -218,7 +218,7 @@ class Room(NamedTuple):
     at: Any
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _room(system, scale):  # type: ignore[no-untyped-def]
     n = scale.shape[0]
     return Room(
@@ -231,7 +231,7 @@ def _room(system, scale):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
     """Rate of change of the filter's state, and its derivative, by the emitted model."""
     at, state, scale = work.at, work.state, work.scale
@@ -263,7 +263,7 @@ def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
             A[i, j] *= scale[i] / scale[j]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on by a time. Returns the next step, 0 if the motion cannot be followed."""
     left = span
@@ -277,7 +277,7 @@ def _go(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     return 0.0
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """Take the state on to the next frame; returns as `_go`.
 
@@ -327,7 +327,7 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     return next_step
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     """Take the state a step on, of that length or as much shorter as its error wants it.
 
@@ -375,7 +375,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     return 0.0, step
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _product(a, b, out):  # type: ignore[no-untyped-def]
     n = a.shape[0]
     for i in range(n):
@@ -386,7 +386,7 @@ def _product(a, b, out):  # type: ignore[no-untyped-def]
             out[i, j] = total
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped-def]
     """Phi = exp(A h) and what a forcing makes of the state, that is constant in `forced[0]`.
 
@@ -456,7 +456,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
         Phi[:] = other
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
     """Q of a short step: Q' = A Q + Q A^T + noise, as a series."""
     term, other, Q = work.scratch, work.other, work.Q
@@ -472,7 +472,7 @@ def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
                 Q[i, j] += term[i, j]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _see(camera, frame, k, work, residuals, weights):  # type: ignore[no-untyped-def]
     """Correct the state by coordinate k of a frame; its log-likelihood."""
     seen = camera.positions[frame, k]

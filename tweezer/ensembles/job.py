@@ -165,7 +165,9 @@ def columns_of(bound: Walk) -> dict[str, slice]:
 
 def found_of(bound: Walk) -> Attributes:
     """What every process determines by itself, and must be the same in all that work together."""
-    coefficients = b"".join(np.asarray(each).tobytes() for each in (*bound.plan, *bound.weights))
+    *plan, drag = bound.plan  # the address of its kernel is this process's own
+    numbers = (*plan, drag.data.numbers, *bound.weights)
+    coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
     return {
         "step": float(bound.step),
         "steps_per_sample": int(bound.per_sample),

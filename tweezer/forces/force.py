@@ -13,10 +13,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import address, cached_njit, call
+from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.forces.data import DATA, Data, Part
 
 Array = NDArray[np.float64]
@@ -156,13 +156,13 @@ def bound(force: Force, *, gradient: bool) -> Part:
     return Part(address(kernel, KERNEL), data)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def add(part, pose, wrench):  # type: ignore[no-untyped-def]
     """Add a force to `wrench`."""
     call(part.kernel, (pose, part.data, wrench))
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def clear(wrench):  # type: ignore[no-untyped-def]
     """Set everything to zero."""
     wrench.force[:] = 0.0

@@ -9,6 +9,7 @@ import numpy as np
 from numba import njit, typeof, types
 from numpy.typing import NDArray
 
+from tweezer.compiled import named_njit
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
@@ -114,7 +115,7 @@ def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-un
             out[k, i] = plan.mobility[k] * wrench.moment[i, k - 3]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
     """What drag, u and noise make of the velocities, in place."""
     dims, n = beads.x.shape

@@ -13,9 +13,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
-from tweezer.compiled import cached_njit, call
+from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
 from tweezer.dynamics.brownian.propagator import Weights
@@ -31,7 +30,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
         _move_by_place(plan, beads)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
     """Move by the drag where the force was evaluated, whatever that of the start."""
     value, gradient = beads.resisted.value, beads.resisted.gradient
@@ -57,7 +56,7 @@ def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def] 
     _move(weights, beads)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _move(weights, beads):  # type: ignore[no-untyped-def]
     dims, n = beads.x.shape
     for k in range(dims):

@@ -11,15 +11,13 @@ drift D div(1 - tau Du) which the flux implies.
 
 from __future__ import annotations
 
-from numba import njit
-
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
 from tweezer.dynamics.brownian.propagator import Weights
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
     """out = (1 - part dF_i/dx_j) vectors, (3, n); out may be `vectors`."""
     for i in range(vectors.shape[1]):

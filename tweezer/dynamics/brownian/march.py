@@ -11,10 +11,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import address, cached_njit, call
+from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.dynamics.brownian import batch, rotation
 from tweezer.dynamics.brownian.batch import PART, PLAN, STEP, WEIGHTS, Scheme
 from tweezer.dynamics.brownian.noise import NOISE, normals
@@ -115,7 +115,7 @@ def loop() -> Any:
     return cached_njit(signature, error_model="numpy", nogil=True)(advance)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _load(steps, state, beads, i):  # type: ignore[no-untyped-def]
     """Bead i from a state."""
     for k in range(3):
@@ -131,7 +131,7 @@ def _load(steps, state, beads, i):  # type: ignore[no-untyped-def]
             beads.v[3 + k, i] = state[steps.angular_velocity + k]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
     """The inverse of `_load`, with a place of one's own."""
     for k in range(3):
@@ -147,7 +147,7 @@ def _save(steps, beads, place, i, out):  # type: ignore[no-untyped-def]
             out[steps.angular_velocity + k] = beads.v[3 + k, i]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _park(beads, i):  # type: ignore[no-untyped-def]
     """A lost bead is kept at the focus: its samples are no numbers."""
     for k in range(beads.x.shape[0]):

@@ -15,8 +15,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
+from tweezer.compiled import named_njit
 from tweezer.dynamics.brownian.noise import TURN, normals
 from tweezer.dynamics.integrators.exponential import turn
 
@@ -24,7 +24,7 @@ from tweezer.dynamics.integrators.exponential import turn
 LONGEST, LONGEST_WITH_INERTIA = 0.25, 0.002
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def turn_by_steps(beads):  # type: ignore[no-untyped-def]
     """Turn every bead by the angles of its step, and put these back to 0."""
     for i in range(beads.x.shape[1]):
@@ -33,7 +33,7 @@ def turn_by_steps(beads):  # type: ignore[no-untyped-def]
             beads.x[k, i] = 0.0
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     """Turn every bead by a step, the one of that number, of free rotational diffusion."""
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)

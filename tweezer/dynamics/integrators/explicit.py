@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof
+from numba import typeof
 
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.dynamics.integrators.system import (
     GOING_ON,
     NOT_FINITE,
@@ -142,7 +142,7 @@ def loop() -> Any:
     return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
     for i in range(y.size):
         total = 0.0
@@ -151,7 +151,7 @@ def _combined(y, step, k, weights, stages, out):  # type: ignore[no-untyped-def]
         out[i] = y[i] + step * total
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
     """Root mean square of the error over the tolerances."""
     squared = damping = 0.0
@@ -173,7 +173,7 @@ def _error(tableau, control, y, new, step, k):  # type: ignore[no-untyped-def]
     return step * np.sqrt(squared / y.size)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _first_step(  # type: ignore[no-untyped-def]
     system, at, tableau, control, time, y, rate, inner, new
 ):

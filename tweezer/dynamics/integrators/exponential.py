@@ -31,9 +31,9 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof
+from numba import typeof
 
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.dynamics.integrators.system import (
     GOING_ON,
     NOT_FINITE,
@@ -75,7 +75,7 @@ class Relaxation(NamedTuple):
     """where the velocities begin in that state"""
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _phi(z, out):  # type: ignore[no-untyped-def]
     """phi_0 to phi_4 of z <= 0."""
     if z > -1.0:
@@ -90,7 +90,7 @@ def _phi(z, out):  # type: ignore[no-untyped-def]
         out[k + 1] = (out[k] - _INVERSE_FACTORIALS[k]) / z
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _moved(s, part, tau, v, u0, u1, u2, phi):  # type: ignore[no-untyped-def]
     """Displacement and velocity a time s into a step of which that is the part s/h.
 
@@ -191,7 +191,7 @@ def loop() -> Any:
     return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _weights(step, tau, phi, out):  # type: ignore[no-untyped-def]
     """For half the step and all of it: tau (1 - e^(-s/tau)), and the displacement by h phi_k of u.
 
@@ -211,7 +211,7 @@ def _weights(step, tau, phi, out):  # type: ignore[no-untyped-def]
                 out[i, whole, k] = s * step / tau[i] * phi[k + 1]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _stage(number, weights, y, u, out):  # type: ignore[no-untyped-def]
     """Positions, and angles turned, of the stages 2 to 5: at h/2, h/2, h, h/2."""
     many = len(weights)
@@ -232,7 +232,7 @@ def _stage(number, weights, y, u, out):  # type: ignore[no-untyped-def]
         out[i] = y[i] + decay * y[many + i] + moved
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _slow(  # type: ignore[no-untyped-def]
     system, relaxation, at, time, place, rate, y, out
 ):
@@ -244,7 +244,7 @@ def _slow(  # type: ignore[no-untyped-def]
         out[i] = relaxation.times[i] * rate[relaxation.first_rate + i]
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
     """Positions, angles turned and velocities a time s into a step."""
     many = tau.size
@@ -256,7 +256,7 @@ def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
         out[many + i] = velocity
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _weight_of_last_stage(step, tau, phi):  # type: ignore[no-untyped-def]
     """Of u at the last stage: in the displacement, and in what the velocity still brings.
 
@@ -266,7 +266,7 @@ def _weight_of_last_stage(step, tau, phi):  # type: ignore[no-untyped-def]
     return of_displacement + step * abs(4.0 * phi[3] - phi[2])
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
     """Of the positions, over the tolerances: what the force at the end makes of the last stage."""
     squared = 0.0
@@ -279,7 +279,7 @@ def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
     return math.sqrt(squared / 3.0)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
     """out = exp(w/2) e, (4,): an orientation turned by an angle about inertial axes (A.2).
 
@@ -300,7 +300,7 @@ def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
         out[i] *= 1.5 - 0.5 * squared
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
     """Put the orientation a time s into a step into `out`; returns what the angle may be off.
 

@@ -12,10 +12,10 @@ from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import call
+from tweezer.compiled import call, named_njit
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
@@ -102,7 +102,7 @@ class At(NamedTuple):
     mobility_gradient: Array
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def scratch(system):  # type: ignore[no-untyped-def]
     """Workspace, with the mobility of a uniform drag."""
     turned = 1 if system.orientation >= 0 else 0
@@ -119,7 +119,7 @@ def scratch(system):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def act(system, at, time, y):  # type: ignore[no-untyped-def]
     """Fill `at` with force and mobility, at a time and at the pose in a state."""
     if system.orientation >= 0:
@@ -136,7 +136,7 @@ def act(system, at, time, y):  # type: ignore[no-untyped-def]
         call(system.drag.kernel, (at.pose, system.drag.data, at.resisted))
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
     """Fill `out` with the rate of change of the state y."""
     act(system, at, time, y)
@@ -149,7 +149,7 @@ def rate_of_change(system, at, time, y, out):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def all_finite(values):  # type: ignore[no-untyped-def]
     """Whether all of a contiguous array are finite: without a copy."""
     total = 0.0
@@ -158,7 +158,7 @@ def all_finite(values):  # type: ignore[no-untyped-def]
     return total == 0.0
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def put_on_constraints(y, orientation, euler_rates):  # type: ignore[no-untyped-def]
     """|e| = 1 (A.21) and e.e' = 0 (A.22), instead of (A.26): they turn nothing."""
     squared = 0.0
@@ -174,13 +174,13 @@ def put_on_constraints(y, orientation, euler_rates):  # type: ignore[no-untyped-
         y[orientation + i] /= math.sqrt(squared)
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def by_tolerance(control):  # type: ignore[no-untyped-def]
     """Whether steps are by the tolerances."""
     return control.fixed == 0.0 and control.prescribed.size == 0
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
     """The next step, whether it is the last one, and why there is none or `GOING_ON`.
 
@@ -208,7 +208,7 @@ def step_to_try(control, clock, counts, room):  # type: ignore[no-untyped-def]
     return step, last, GOING_ON
 
 
-@njit(error_model="numpy")
+@named_njit(inner=True, error_model="numpy")
 def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-untyped-def]
     """The step after one of that error, in tolerances: PI control.
 
