@@ -1,6 +1,7 @@
 """Several beams, beams that move, change or come from above: as scenes, in traps and in runs."""
 
 import math
+import re
 import warnings
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 import tweezer
 from tests.reference.fields import GaussianWell, LinearTrap
 from tweezer.dynamics import bound_once, walk
-from tweezer.errors import SceneError
+from tweezer.errors import SceneError, UnitWarning
 from tweezer.forces import Course, Moved, Sum
 from tweezer.optics import light
 from tweezer.scene import with_settings
@@ -200,6 +201,9 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
             with_settings(scene, {key: "5 mW"})
     with pytest.raises(SceneError, match=r"^beam\[2\]: not beside beam"):
         three.replace(**{"beam": beams, "beam[2]": {"power": 1}})
+    with pytest.raises(SceneError, match=r"^beam\[2\] = \[1\]: must be a section \[\[beam\]\]$"):
+        three.replace(**{"beam[2]": [1]})
+    assert repr(TWO.replace(beam=[TWO.beam])) == "<Scene 'two-traps': 1 um bead, 20 mW; one beam>"
     assert TWO.replace(bead={"radius": "0.4 um"}).more_beams == TWO.more_beams
     moving = ONE.replace(beam={"motion": TABLE})
     assert moving.replace(beam={"motion": {"times": [0, 1]}}).beam.motion.times == (0, 1)
@@ -207,6 +211,33 @@ def test_several_beams_are_written_and_refused_as_they_are_counted():
         beam={"motion": {"velocity": ["2 mm/s", 0, 0]}}
     )
     assert faster.beam.motion.end == 4e-3
+
+
+@pytest.mark.parametrize(
+    ("scene", "changes", "said"),
+    [
+        (ONE, {"more_beams": [ONE.beam]}, "more_beams: beam = [...] replaces all beams, and beam["),
+        (TWO, {"more_beams": []}, "more_beams: beam = [...] replaces all"),
+        (TWO, {"more_beams": {"power": 1}}, "more_beams: beam = [...] replaces all"),
+        (TWO, {"beam": ONE.beam}, "beam: of which beam? The scene has 2 beams, beam[1] to beam[2]"),
+        (TWO, {"beam": None}, "beam: of which beam?"),
+        (TWO, {"beam[01]": {"power": 1}}, "beam[01] = {'power': 1}: unknown key"),
+        (TWO, {"beam[\u0662]": {"power": 1}}, "beam[\u0662] = {'power': 1}: unknown key"),
+    ],
+)
+def test_no_beam_is_changed_or_lost_in_silence(scene, changes, said):
+    with pytest.raises(SceneError, match=f"^{re.escape(said)}"):
+        scene.replace(**changes)
+
+
+def test_a_scene_as_a_mapping_has_its_beams_in_one_way():
+    sections = TWO.model_dump(exclude_none=True)
+    assert tweezer.load_scene(sections) == TWO
+    with pytest.raises(SceneError, match=r"^more_beams: not beside beam = \[\.\.\.\]"):
+        tweezer.load_scene({**sections, "beam": [TWO.beam, TWO.beam]})
+    strong = {**sections["beam"], "power_through_pupil": 100}
+    with pytest.warns(UnitWarning, match=r"^beam\[2\]\.power_through_pupil = 100 is 100 W"):
+        tweezer.load_scene({**sections, "more_beams": [strong]})
 
 
 def test_what_one_beam_is_needed_for_is_refused(tmp_path):

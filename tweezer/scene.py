@@ -73,7 +73,7 @@ ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
 _HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
 
 #: One of several beams, counted from 1
-_NUMBERED = re.compile(r"beam\[(\d+)\]")
+_NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
 
 #: keys that go with some choices of another key, and are refused with the others
 BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
@@ -486,7 +486,7 @@ class Scene(Section):
             there = by_key(load_scene(shipped[self.name]).model_dump())
             changed = [key for key in sorted(here | there) if here.get(key) != there.get(key)]
             if ("beam.power" in here) != ("beam.power" in there):
-                told += f"; {len(self.beams)} beams"
+                told += f"; {_counted(self.beams)}"
                 changed = [key for key in changed if not key.startswith("beam")]
             told = "; ".join([told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
         return f"<Scene {self.name!r}: {told}>"
@@ -499,6 +499,8 @@ class Scene(Section):
         if isinstance(data, dict) and isinstance(beams := data.get("beam"), list | tuple):
             if not beams:
                 raise refusal("beam: at least one is needed")
+            if "more_beams" in data:
+                raise refusal("more_beams: not beside beam = [...], which gives all of them")
             data = {**data, "beam": beams[0], "more_beams": list(beams[1:])}
         return data
 
@@ -715,6 +717,10 @@ class Scene(Section):
         return copy.model_copy(update={"changed": self.changed})
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:
+        if "more_beams" in sections:
+            raise SceneError(
+                "more_beams: beam = [...] replaces all beams, and beam[2] changes the second"
+            )
         data = self.model_dump(exclude_none=True)
         beams = [data["beam"], *data.pop("more_beams")]
         if len(beams) > 1:
@@ -724,13 +730,13 @@ class Scene(Section):
         except ValueError as error:
             raise SceneError(str(error)) from None
         for section, changes in read.items():
-            if section == "beam" and len(beams) > 1 and isinstance(changes, Mapping):
-                key = next(iter(changes), "")
-                raise SceneError(f"beam.{key}: of which beam? The scene has {_counted(beams)}")
+            if section == "beam" and len(beams) > 1 and not isinstance(changes, list | tuple):
+                key = ".".join(["beam", *changes][:2]) if isinstance(changes, Mapping) else "beam"
+                raise SceneError(f"{key}: of which beam? The scene has {_named(beams)}")
             if numbered := _NUMBERED.fullmatch(section):
                 at = int(numbered[1]) - 1
                 if len(beams) == 1 or not 0 <= at < len(beams):
-                    raise SceneError(f"{section}: the scene has {_counted(beams)}")
+                    raise SceneError(f"{section}: the scene has {_named(beams)}")
                 if "beam" in sections:
                     raise SceneError(f"{section}: not beside beam, which gives all of them")
                 beams[at] = _changed_section(beams[at], "beam", changes)
@@ -746,8 +752,13 @@ def _kind(section: str) -> str:
 
 
 def _counted(beams: Sequence[Any]) -> str:
-    count = len(beams)
-    return "one beam, beam" if count == 1 else f"{count} beams, beam[1] to beam[{count}]"
+    return "one beam" if len(beams) == 1 else f"{len(beams)} beams"
+
+
+def _named(beams: Sequence[Any]) -> str:
+    """How many there are, and their names."""
+    names = "beam" if len(beams) == 1 else f"beam[1] to beam[{len(beams)}]"
+    return f"{_counted(beams)}, {names}"
 
 
 def _changed_section(before: Any, section: str, changes: Any) -> Any:
@@ -919,7 +930,8 @@ def _doubts(given: Mapping[str, Any], section: Any = None, within: str = "") -> 
 def _each(section: str, value: Any) -> list[tuple[str, Any]]:
     """The section, or those of a list, by name."""
     if isinstance(value, list | tuple):
-        return [(f"{section}[{i}]", each) for i, each in enumerate(value, start=1)]
+        name, first = ("beam", 2) if section == "more_beams" else (section, 1)
+        return [(f"{name}[{i}]", each) for i, each in enumerate(value, start=first)]
     return [(section, value)]
 
 
@@ -948,7 +960,7 @@ def _lines(error: ValidationError, several: bool) -> Iterator[str]:
         elif details["type"] == "extra_forbidden":
             yield f"{key} = {_short(details['input'])}: unknown key; {_known_keys(details)}"
         else:
-            yield f"{key} = {_short(details['input'])}: {_allowed(details)}"
+            yield f"{key} = {_short(details['input'])}: {_allowed(details, key)}"
 
 
 def _as_text(value: Any) -> str:
@@ -997,7 +1009,7 @@ def _section_of(annotation: Any) -> Any:
     return next(filter(None, map(_section_of, get_args(annotation))), None)
 
 
-def _allowed(details: ErrorDetails) -> str:
+def _allowed(details: ErrorDetails, key: str) -> str:
     kind, context = details["type"], details.get("ctx", {})
     match kind:
         case "literal_error":
@@ -1013,7 +1025,8 @@ def _allowed(details: ErrorDetails) -> str:
         case "tuple_type":
             return "must be a list"
         case "model_type" | "dict_type":
-            return f"must be a section [{details['loc'][-1]}]"
+            name = "[beam]" if _NUMBERED.fullmatch(key) else details["loc"][-1]
+            return f"must be a section [{name}]"
         case "string_type":
             return "must be text"
         case "string_pattern_mismatch":
