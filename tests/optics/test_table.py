@@ -3,7 +3,10 @@
 The oracle is the quadrature, at a tolerance far below the certificate.
 """
 
+import ast
 import dataclasses
+import importlib
+import inspect
 import os
 import shutil
 import subprocess
@@ -239,6 +242,12 @@ def test_one_table_for_every_power_and_size(scene, builds):
     assert larger.path == first.path
     assert larger.range == pytest.approx(0.5 * 0.7e-6)
     assert larger.largest_force == pytest.approx(first.largest_force * 17 / 50)
+    places = np.array([[1e-7, 2e-7, -1e-7]])
+    np.testing.assert_allclose(
+        light(scene).of_radius(0.7e-6).field(places).force,
+        light(scene.replace(bead={"radius": "0.7 um"})).field(places).force,
+        rtol=1e-12,
+    )
 
 
 CHANGES = {
@@ -269,6 +278,31 @@ def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch)
     monkeypatch.setattr(module, "_SOURCES", module._SOURCES + "# changed")
     assert force_map(scene)
     assert len(builds) == 2
+
+
+#: What a table does not depend on, but by the values of the light and the keys in its own key
+BY_VALUE = ("tweezer.scene", "tweezer.optics.beam", "tweezer.compiled", "tweezer.errors")
+
+
+def reached(name, found):
+    """Modules of tweezer that a module imports when it is imported, and those that these do."""
+    module = importlib.import_module(name)
+    found[name] = module
+    for node in ast.parse(inspect.getsource(module)).body:
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("tweezer"):
+            inner = [f"{node.module}.{alias.name}" for alias in node.names]
+            modules = [each for each in inner if each in sys.modules]
+            for each in modules or [node.module]:
+                if each not in found and not each.startswith(BY_VALUE):
+                    reached(each, found)
+    return found
+
+
+def test_every_source_that_makes_a_table_is_in_its_key():
+    modules = reached("tweezer.optics.by_map", {})
+    assert {"tweezer.generated.ray", "tweezer.optics.rays.rule"} < set(modules)
+    sources = sys.modules["tweezer.optics.table"]._SOURCES
+    assert [name for name in modules if inspect.getsource(modules[name]) not in sources] == []
 
 
 def flipped(content):

@@ -40,7 +40,7 @@ _MOST_IN_MEMORY = 16
 #: while the program runs
 _SOURCES = "".join(
     Path(__file__).with_name(name).read_text(encoding="utf-8")
-    for name in ("table.py", "light.py", "by_quadrature.py")
+    for name in ("table.py", "light.py", "by_quadrature.py", "by_map.py")
 ) + "".join(
     inspect.getsource(module)
     for module in (ray, rule, panels, nodes, ray_sum, quadrature, charts, tabulate, data, force)
