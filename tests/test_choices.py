@@ -54,6 +54,14 @@ np.testing.assert_allclose(
     followed["optical_force"].values, -2e-6 * followed["position"].values, rtol=1e-9
 )
 assert followed.attrs["force_evaluator"] == "by-hand"
+force = tweezer.optics.light_of_one_beam(mW)
+assert force.of_radius(mW.bead.radius) is force
+try:  # nothing says that it scales with the radius
+    force.of_radius(2e-6)
+except tweezer.SceneError as error:
+    assert "bead.radius: Mine gives the force at 5e-07 m alone" in str(error), error
+else:
+    raise AssertionError
 
 dark = tweezer.load_scene("silica-1um").replace(
     forces={"optical": False}, simulation={"model": "overdamped", "samples": 3}

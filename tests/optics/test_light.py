@@ -146,6 +146,18 @@ def test_force_scales_with_power_and_not_with_size(scene):
     np.testing.assert_allclose(tweezer.optical_force(larger, 3 * position), force, rtol=1e-12)
 
 
+@pytest.mark.parametrize("evaluator", ["grid", "quadrature"])
+def test_the_light_on_a_bead_of_another_radius_is_that_of_its_scene(evaluator):
+    scene = tweezer.load_scene("silica-1um").replace(optics={"evaluator": evaluator})
+    larger = light(scene.replace(bead={"radius": "0.7 um"}))
+    positions = places(scene)[:-1]
+    np.testing.assert_allclose(
+        light(scene).of_radius(0.7e-6).field(positions).force,
+        larger.field(positions).force,
+        rtol=1e-14,
+    )
+
+
 def test_force_has_the_symmetry_of_the_square_grid(scene):
     """Quarter turns about the axis and mirrors through it."""
     position = np.array([0.4, 0.15, -0.5]) * scene.bead.radius

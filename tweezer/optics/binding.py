@@ -139,6 +139,8 @@ def light_of_one_beam(scene: Scene) -> LightForce:
 class Dark(LightForce):
     """No light."""
 
+    scales = True
+
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
         """See `Force.compiled`."""
         return no_force, packed()

@@ -22,6 +22,8 @@ class ByGrid(LightForce):
     tolerance: float
     """relative, of the quadrature that the sum is compared with"""
 
+    scales = True
+
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
         return grid_kernel(self.light.rays(gradient=gradient)), self._data

@@ -34,6 +34,8 @@ class ByMap(LightForce):
     tolerance: float
     """relative, of the quadrature outside the table's range"""
 
+    scales = True
+
     def field(
         self,
         positions: Array,

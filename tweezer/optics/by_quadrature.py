@@ -27,6 +27,8 @@ class ByQuadrature(LightForce):
 
     rule: Rule
 
+    scales = True
+
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
         return quadrature_kernel(self.light.rays(gradient=gradient)), self._data

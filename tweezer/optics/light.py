@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import functools
 from dataclasses import dataclass
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.errors import SceneError
 from tweezer.forces.data import Part
 from tweezer.forces.force import Force, Wrench, bound, evaluated
 from tweezer.optics.beam import Cone, cone
@@ -75,6 +76,9 @@ class LightForce(Force):
 
     light: Light
 
+    scales: ClassVar[bool] = False
+    """whether the force depends on positions in radii of the bead alone, as in ray optics"""
+
     def field(
         self,
         positions: Array,
@@ -106,12 +110,17 @@ class LightForce(Force):
         return np.full(len(force), np.inf)
 
     def of_radius(self, radius: float) -> Self:
-        """The same light on a bead of another radius, m: ray optics depends on positions in radii.
+        """The same light on a bead of another radius, m.
 
-        An evaluator of which this does not hold raises `SceneError`.
+        Raises `SceneError` for an evaluator whose force does not scale with the radius.
         """
         if radius == self.light.radius:
             return self
+        if not self.scales:
+            raise SceneError(
+                f"bead.radius: {type(self).__name__} gives the force at {self.light.radius:.4g} m "
+                f"alone, as it does not scale with the radius; {radius:.4g} m is needed"
+            )
         return dataclasses.replace(self, light=dataclasses.replace(self.light, radius=radius))
 
 
