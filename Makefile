@@ -13,8 +13,8 @@ QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$e
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm
 
-test: .venv/.dev  ## every test
-	$(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder
+test: .venv/.dev  ## every test, under a hash seed that emitted code must not depend on
+	PYTHONHASHSEED=4711 $(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder
 
 lint: .venv/.dev  ## style, types, import boundaries
 	$(BIN)/ruff check .
