@@ -11,6 +11,7 @@ from scipy.constants import Boltzmann
 import tweezer
 from tests.reference.fields import LinearTrap, in_place
 from tests.reference.rigid_body import Body
+from tweezer.analysis.derived import derived_quantities
 from tweezer.compiled import cached_njit
 from tweezer.dynamics import bind, bound_once, choose, integrate, walk
 from tweezer.dynamics.filter import kalman_filter
@@ -186,7 +187,17 @@ def test_what_follows_from_the_drag_is_of_the_place(dark):
     weight = abs(problem.bead.weight[2])
     (equilibrium,) = [each for each in [problem.equilibrium] if each]
     assert equilibrium.position[2] == pytest.approx(-weight / 1e-6, rel=1e-6)
-    assert choose.rates_of_force(problem).max() > 1e-6 * growing().values[0]
+    places = choose.places_about(problem)
+    rates = 1e-6 * growing().values[0] * (1 + places[:, 2] / 2e-6)
+    np.testing.assert_allclose(choose.rates_of_force(problem), rates, rtol=1e-12)
+    run = tweezer.simulate(dark, "1 us")
+    weighed = problem_of(dark, growing())
+    speed = derived_quantities(weighed, run)["terminal_speed"].values
+    heights = run["position"].values[:, 2]
+    expected = weight * growing().values[1] * (1 + heights / 2e-6)
+    np.testing.assert_allclose(speed, expected, rtol=1e-12)
+    timed = derived_quantities(problem_of(dark, Slowing()), run)["terminal_speed"].values
+    np.testing.assert_allclose(timed * (1 + run["time"].values / 1e-6), timed[0], rtol=1e-12)
 
 
 def test_thermal_motion_is_boltzmanns_whatever_the_drag(dark):
@@ -216,11 +227,85 @@ def test_thermal_motion_is_boltzmanns_whatever_the_drag(dark):
     assert "length in which the drag changes" in free.why
 
 
+@cached_njit()
+def _step(pose, data, mobility):
+    """b(z) = b (1 + a tanh(z/width)), with a jump of a factor 100."""
+    values, width = vector(data, 0), number(data, 1)
+    for at in range(len(pose.position)):
+        rise = math.tanh(pose.position[at, 2] / width)
+        for i in range(5):
+            mobility.value[at, i] = values[i] * (0.505 + 0.495 * rise)
+            if len(mobility.gradient) > at:
+                mobility.gradient[at, i, :2] = 0.0
+                mobility.gradient[at, i, 2] = values[i] * 0.495 * (1 - rise**2) / width
+
+
+@dataclass(frozen=True)
+class Step(Growing):
+    """Mobilities that change by a factor of 100 over a few nanometres about z = 0."""
+
+    def compiled(self):
+        return _step, packed(self.values, self.length)
+
+
+@cached_njit()
+def _slowing(pose, data, mobility):
+    for at in range(len(pose.position)):
+        mobility.value[at, :4] = number(data, 0) / (1.0 + pose.time[at] / 1e-6)
+
+
+@dataclass(frozen=True)
+class Slowing(Drag):
+    """Mobilities that fall in time."""
+
+    def compiled(self):
+        return _slowing, packed(1e8)
+
+
+def test_thermal_steps_resolve_the_drag_wherever_it_changes(dark):
+    """Half of 4,096 beads on either side: 5 standard errors. The start is far from the change."""
+    scene = dark.replace(
+        forces={"brownian": True, "gravity": False, "buoyancy": False},
+        start={"position": [0.0, 0.0, 0.5e-6], "drawn": "boltzmann"},
+        simulation={"model": None, "duration": "20 ms", "samples": 2},
+    )  # fmt: skip
+    drag = Step(growing().values, 50e-9)
+    bound = walk(problem_of(scene, drag, LinearTrap(1e-6)), seed=2)
+    assert "length in which the drag changes" in bound.why
+    beads = np.arange(4096)
+    states, out = bound.start(beads), np.empty((len(beads), 1, 3))
+    bound.advance(states, beads, 0, out)
+    assert abs((out[:, 0, 2] < 0).mean() - 0.5) < 5 * 0.5 / math.sqrt(len(beads))
+
+
+def test_what_is_no_drag_is_refused(dark):
+    """Mobilities that are negative, or by which a motion would give energy; other positions."""
+    across, along, turn, spin, _ = growing().values
+    for values in (
+        (-across, along, turn, spin, 0.0),
+        (across, along, turn, spin, 1.1 * math.sqrt(across * turn)),
+        (across, math.nan, turn, spin, 0.0),
+    ):
+        with pytest.raises(SceneError, match="drag: the mobilities at the start"):
+            bind(problem_of(dark, Growing(values, 1e-6)))
+    with pytest.raises(SceneError, match=r"shape \(n, 3\)"):
+        growing().mobilities(np.zeros(3))
+
+
+def test_a_model_that_the_drag_refuses_is_not_chosen(dark):
+    scene = dark.replace(simulation={"model": None, "method": "auto", "position_tolerance": 1e-9})
+    problem, _ = choose.decided(problem_of(scene, growing(), LinearTrap(1e-3)))
+    assert problem.scene.simulation.model != "first-order"
+
+
 def test_what_needs_a_uniform_drag_says_so(dark):
     """One line for each: never another drag in its place."""
     scene = dark.replace(forces={"brownian": True})
-    for changes in ({"method": "heun"}, {"method": "euler-maruyama", "model": "full"}):
-        with pytest.raises(SceneError, match="allowed for another: euler-maruyama with overdamped"):
+    for changes, words in (
+        ({"method": "heun", "model": "overdamped"}, "'heun': .* allowed: euler-maruyama"),
+        ({"model": "full"}, "simulation.model = 'full': .* allowed: overdamped"),
+    ):
+        with pytest.raises(SceneError, match=words):
             walk(problem_of(scene.replace(simulation=changes), growing()))
     for changes, words in (
         ({"model": "first-order"}, r"simulation.model = 'first-order': takes a drag"),

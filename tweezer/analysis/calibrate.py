@@ -36,7 +36,7 @@ from tweezer.analysis.spectra import (
 from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted, inverse, usable
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
-from tweezer.fluid import drag as resistance
+from tweezer.fluid import drag as drag_of
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 from tweezer.units import TEMPERATURE, to_si
@@ -229,8 +229,9 @@ def calibrate(
         bead = bead_properties(recording.scene)
         if temperature is None:
             temperature = recording.scene.medium.temperature
-        if drag is None:
-            drag = 1 / float(resistance(recording.scene).mobilities(np.zeros((1, 3))).value[0, 0])
+        resistance = drag_of(recording.scene)
+        if drag is None and resistance.uniform:  # another is fitted
+            drag = 1 / float(resistance.mobilities(np.zeros((1, 3))).value[0, 0])
         mass = _inertia(recording.scene, bead.mass) if mass is None else mass
         exposure = 0.0 if exposure is None else exposure
     if temperature is None:

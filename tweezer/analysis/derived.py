@@ -38,7 +38,7 @@ def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
     for each in problem.others:
         pushed = each.field(places, time=times, orientations=orientations)
         net_force = net_force + position.copy(data=pushed.force)
-    terminal = net_force * problem.mobilities(places)[:, :3]
+    terminal = net_force * problem.mobilities(places, times)[:, :3]
     potential = -(weight * position).sum("axis")
     quantities = {
         "optical_force": (optical_force, "N", "force of the light"),

@@ -64,7 +64,7 @@ def _model(problem: Problem) -> tuple[str, str]:
         return "overdamped", f"overdamped: inertia moves the bead by about {off:.1g} m"
     if exactly or bind(problem.changed(model="full")).takes_drag_exactly:
         return "full", f"full: without inertia the bead would be off by about {off:.1g} m"
-    if off * small <= allowed:
+    if problem.drag.uniform and off * small <= allowed:
         return "first-order", f"first-order: off by about {off * small:.1g} m"
     return "full", f"full: the first-order model would be off by about {off * small:.1g} m"
 
@@ -86,16 +86,22 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
     return "scipy:LSODA", f"scipy:LSODA: stiff, {steps:.1g} steps for an explicit method"
 
 
+def places_about(problem: Problem, time: float = 0.0) -> Array:
+    """Places about the foci at a time, s, and the start last, (n, 3) m."""
+    rng = np.random.default_rng(7)
+    directions = rng.normal(size=(_PLACES, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    distances = _AROUND * problem.scene.bead.radius * rng.random((_PLACES, 1))
+    about = [focus + directions * distances for focus in problem.foci(time)]
+    return np.vstack([*about, problem.scene.start_position])
+
+
 def rates_of_force(problem: Problem) -> Array:
     """|dF/dx| times the largest mobility at places about the foci and at the start, (n,) 1/s.
 
     Of forces that change in time: at the time of those looked at when they are the largest.
     """
     scene, force = problem.scene, problem.force
-    rng = np.random.default_rng(7)
-    directions = rng.normal(size=(_PLACES, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    distances = _AROUND * scene.bead.radius * rng.random((_PLACES, 1))
     times = np.zeros(1)
     if not force.steady:
         kinks = force.kinks(scene.simulation.duration)
@@ -103,8 +109,7 @@ def rates_of_force(problem: Problem) -> Array:
         times = np.concatenate([times, kinks[:_TIMES], kinks[-_TIMES:]])
 
     def sizes(time: float) -> Array:
-        about = [focus + directions * distances for focus in problem.foci(time)]
-        places = np.vstack([*about, scene.start_position])
+        places = places_about(problem, time)
         gradient = force.field(places, gradient=True, time=time).force_gradient
         mobility = problem.mobilities(places)[:, :3].max(axis=1)
         found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility

@@ -178,6 +178,8 @@ class Room(NamedTuple):
 
     scale: Array
     """(n,) what a state of the model is multiplied by: 1, and s for a velocity"""
+    ratio: Array
+    """(n, n) what its Jacobian is multiplied by"""
     diffusion: Array
     """(3,) m^2/s"""
     mean: Array
@@ -222,7 +224,7 @@ class Room(NamedTuple):
 def _room(system, scale):  # type: ignore[no-untyped-def]
     n = scale.shape[0]
     return Room(
-        scale, np.zeros(3),
+        scale, scale.reshape((n, 1)) / scale, np.zeros(3),
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
@@ -260,7 +262,7 @@ def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
     for i in range(n):
         rate[i] *= scale[i]
         for j in range(n):
-            A[i, j] *= scale[i] / scale[j]
+            A[i, j] *= work.ratio[i, j]
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -107,7 +107,10 @@ class EquationsOfMotion:
             where += [state.index(f"omega{i}") for i in (1, 2, 3)]
         nothing, none = np.zeros(3), np.zeros((3, 3))
         mobility = self.drag.mobilities(np.zeros((1, 3))).value[0]
-        inputs = (nothing, nothing, none, none, mobility, self.params)
+        # Without the weight: the rates then hold the drag alone, and keep its digits.
+        names = self.module.PARAMS
+        params = np.where([name.startswith("W") for name in names], 0.0, self.params)
+        inputs = (nothing, nothing, none, none, mobility, params)
         rates, moving = np.empty(self._size), np.empty(self._size)
         self.module.rates(0.0, rest, *inputs, rates)
         times = []

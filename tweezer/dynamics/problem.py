@@ -56,12 +56,21 @@ class Problem:
 
     @functools.cached_property
     def mobility(self) -> Array:
-        """Of translation along and rotation about N1, N2, N3 at the start, (6,) s/kg, 1/(N m s)."""
-        return self.mobilities(np.array([self.scene.start_position]))[0]
+        """Of translation along and rotation about N1, N2, N3 at the start, (6,) s/kg, 1/(N m s).
 
-    def mobilities(self, positions: Array) -> Array:
-        """The same at `positions` (n, 3) m at the time 0, (n, 6)."""
-        return by_axis(self.drag.mobilities(positions).value)
+        Raises `SceneError` if the drag is not one that takes energy from any motion.
+        """
+        value = self.drag.mobilities(np.array([self.scene.start_position])).value
+        parallel, _, turn, _, roll = value[0].tolist()
+        if not (np.isfinite(value).all() and value[0, :4].min() > 0 and roll**2 < parallel * turn):
+            raise SceneError(
+                f"drag: the mobilities at the start, {value[0].tolist()}, are not positive"
+            )
+        return by_axis(value)[0]
+
+    def mobilities(self, positions: Array, time: float | Array = 0.0) -> Array:
+        """The same at `positions` (n, 3) m and a time, s, or (n,), (n, 6)."""
+        return by_axis(self.drag.mobilities(positions, time=time).value)
 
     @property
     def relaxation_time(self) -> float:

@@ -18,7 +18,7 @@ from tweezer.dynamics.brownian import march, noise
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
-from tweezer.dynamics.choose import rates_of_force
+from tweezer.dynamics.choose import places_about, rates_of_force
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
@@ -41,6 +41,8 @@ _MOST = 0.9
 _PART_OF_CHANGE = 0.05
 #: Diffusion in a step over the length in which the drag changes
 _PART_OF_LENGTH = 0.05
+#: Places on a way on which the drag is looked at
+_ON_A_WAY = 65
 #: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
 
@@ -158,7 +160,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
     "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a fifth of
     the fastest time scale of the force at most, or `simulation.step`; with a rotation, no longer
-    than that allows (`tweezer.dynamics.brownian.rotation`).
+    than that allows (`tweezer.dynamics.brownian.rotation`). Under a drag that depends on the place
+    it is the overdamped model and the method of Euler and Maruyama instead, and a bead diffuses in
+    a step over a twentieth of the length in which the drag changes, at most.
 
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
@@ -168,6 +172,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     reasons = []
     simulation = problem.scene.simulation
     uniform = problem.drag.uniform
+    if not uniform and simulation.model not in (None, "overdamped"):
+        raise SceneError(
+            f"simulation.model = {simulation.model!r}: with thermal motion it takes a drag that is "
+            "the same everywhere; allowed: overdamped"
+        )
     if simulation.model is None:
         problem = problem.decided(model="full" if uniform else "overdamped")
         about = "inertia is exact at any step" if uniform else "the drag depends on the place"
@@ -193,11 +202,10 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
             "beam.motion, beam.modulation or another force that changes in time"
         )
-    if not uniform and (how.uniform_drag or inertial or problem.rotates):
+    if not uniform and (how.uniform_drag or problem.rotates):
         raise SceneError(
-            f"simulation.method = {simulation.method!r} with model = {simulation.model!r}: takes a "
-            "drag that is the same everywhere; allowed for another: euler-maruyama with "
-            "overdamped, without rotation"
+            f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere; "
+            "allowed: euler-maruyama, without rotation"
         )
     if problem.force.oriented and (how.spring_only or model.scheme):
         raise SceneError(
@@ -287,21 +295,31 @@ def _longest_step(
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
-    if not problem.drag.uniform:
-        value, gradient = problem.drag.mobilities(
-            np.array([problem.scene.start_position]), gradient=True
-        )
-        steepest = float(np.abs(gradient[0, :2] / value[0, :2, None]).max())
-        if steepest > 0:
-            time = (_PART_OF_LENGTH / steepest) ** 2 / (2 * diffusion[:3].max())
-            some = f"diffusion over {_PART_OF_LENGTH:g} of "
-            limits.append((time, some + "the length in which the drag changes"))
+    if (rate := _rate_of_drag(problem)) > 0:
+        some = f"diffusion over {_PART_OF_LENGTH:g} of "
+        limits.append((_PART_OF_LENGTH**2 / rate, some + "the length in which the drag changes"))
     if shortest := problem.force.shortest_time(simulation.duration):
         limits.append((_PART_OF_CHANGE * shortest, f"{_PART_OF_CHANGE:g} of the time in which the "
                        "force changes"))  # fmt: skip
     if tau[0] > 0 and _scheme(simulation).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)
+
+
+def _rate_of_drag(problem: Problem) -> float:
+    """Largest 2 D (db/dx/b)^2 on the ways from the trap to places about it, 1/s."""
+    if problem.drag.uniform:
+        return 0.0
+    middle = problem.scene.start_position
+    if problem.equilibrium is not None:
+        middle = problem.equilibrium.position
+    ways = places_about(problem) - np.array(middle)
+    places = np.array(middle) + np.linspace(0, 1, _ON_A_WAY)[:, None, None] * ways
+    value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)
+    b, change = value[:, :2], np.linalg.norm(gradient[:, :2], axis=2)
+    there = (b > 0).all(axis=1)  # no place that the bead cannot reach, as behind a wall
+    kT = Boltzmann * problem.scene.medium.temperature
+    return float((2 * kT * change[there] ** 2 / b[there]).max(initial=0.0))
 
 
 def rotation_matrices(e: Array) -> Array:

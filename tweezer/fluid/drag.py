@@ -18,6 +18,7 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
+from tweezer.errors import SceneError
 from tweezer.forces.data import DATA, Data, number, packed
 from tweezer.forces.force import POSE, Pose
 
@@ -40,7 +41,7 @@ class Drag(ABC):
 
     @property
     def uniform(self) -> bool:
-        """Whether it is the same at every place and in every direction, and nothing rolls."""
+        """Whether it is the same at every place and time and in every direction: nothing rolls."""
         return False
 
     @abstractmethod
@@ -52,12 +53,14 @@ class Drag(ABC):
     ) -> Mobility:
         """Mobilities at `positions` (n, 3) m from the focus, and their gradients if asked.
 
-        time: s, or (n,).
+        time: s, or (n,). Raises `SceneError` for positions of another shape.
         """
         places = np.require(positions, np.float64, ["C", "W"])
         n = len(places)
+        if places.shape != (n, 3):
+            raise SceneError(f"positions: must be of shape (n, 3), not {places.shape}")
         pose = Pose(np.full(n, time, np.float64), places, np.zeros((0, 4)))
-        found = Mobility(np.empty((n, 5)), np.empty((n if gradient else 0, 5, 3)))
+        found = Mobility(np.zeros((n, 5)), np.zeros((n if gradient else 0, 5, 3)))
         kernel, data = self.compiled()
         kernel(pose, data, found)
         return found
