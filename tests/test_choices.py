@@ -23,6 +23,8 @@ import numpy as np
 import tweezer
 from tests.reference.fields import LinearTrap
 from tweezer import cli
+from tweezer.analysis.depth import _Likelihood
+from tweezer.analysis.recording import Track
 from tweezer.dynamics.brownian.euler import EULER_MARUYAMA as SCHEME
 from tweezer.dynamics.integrators.dop853 import DOP853 as METHOD
 from tweezer.optics.light import LightForce, light_on_bead
@@ -62,6 +64,9 @@ except tweezer.SceneError as error:
     assert "bead.radius: Mine gives the force at 5e-07 m alone" in str(error), error
 else:
     raise AssertionError
+# a fit of the depth takes it, not the map of ray optics
+track = Track("at rest", 1e-3 * np.arange(10), np.full((10, 2), 1e-7))
+assert isinstance(_Likelihood(track, mW, 1e-8, ())._light, Mine)
 
 dark = tweezer.load_scene("silica-1um").replace(
     forces={"optical": False}, simulation={"model": "overdamped", "samples": 3}

@@ -75,6 +75,8 @@ class Evaluator:
     `tweezer.optics.light.LightForce`"""
     symmetric: bool = False
     """whether the light must be the same all around its axis"""
+    mapped: bool = False
+    """whether the map stands for it where a fit needs many forces"""
 
     def load(self) -> Any:
         """What it is."""
@@ -133,11 +135,11 @@ METHODS: dict[str, Method] = _by_name(
 
 EVALUATORS: dict[str, Evaluator] = _by_name(
     Evaluator("grid", "the thesis's sum over squares of the pupil (3.26)",
-              f"{_OPTICS}.by_grid:by_grid"),
+              f"{_OPTICS}.by_grid:by_grid", mapped=True),
     Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes",
-              f"{_OPTICS}.by_quadrature:by_quadrature"),
+              f"{_OPTICS}.by_quadrature:by_quadrature", mapped=True),
     Evaluator("map", "a table of it, to `table_tolerance`", f"{_OPTICS}.by_map:by_map",
-              symmetric=True),
+              symmetric=True, mapped=True),
 )  # fmt: skip
 
 

@@ -24,6 +24,7 @@ from scipy.stats.qmc import Sobol
 from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.bead import bead_properties
+from tweezer.choices import evaluator
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
 from tweezer.dynamics.models import EquationsOfMotion, bind_translation
 from tweezer.dynamics.problem import bound_once
@@ -266,7 +267,7 @@ class _Likelihood:
     """The misfit of a track, -2 log(likelihood), over the start and what else is fitted."""
 
     def __init__(self, track: Track, scene: Scene, noise: float | None, fit: Sequence[str]) -> None:
-        if scene.beam.polarisation != "linear":
+        if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
             scene = scene.replace(optics={"evaluator": "map", "table_range": _TABLE})
         if not scene.plain:
             raise SceneError("beam: the depth is fitted for one beam at rest, from below")
