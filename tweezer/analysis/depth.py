@@ -35,24 +35,32 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: probability that a coordinate is a number from anywhere
+#: Probability that a coordinate is a number from anywhere
 _OUTLIERS = 0.01
-#: m, of the noise of a camera
+#: Range of the noise of a camera, m
 _NOISE = (1e-10, 1e-6)
-#: noise that is fitted: at least this part of what heat moves the bead by between two frames, at
-#: most this multiple of the guess
-_LEAST_NOISE, _MOST_NOISE = 0.03, 5.0
-#: range of the search if none is given, and the table, in radii
-_SEARCH, _TABLE = 15.0, 20.0
-#: values that a place of the scan is tried with, of what is fitted besides z and noise: of one
-#: quantity; twice as many for each more
+#: Lower bound on the fitted noise, as a part of the thermal displacement between two frames or, if
+#: that is smaller, of the guess
+_LEAST_NOISE = 0.03
+#: Upper bound on the fitted noise, as a multiple of the guess
+_MOST_NOISE = 5.0
+#: Half-width of the search if none is given, in radii
+_SEARCH = 15.0
+#: Range of the map of the force, in radii
+_TABLE = 20.0
+#: Number of values of one fitted quantity that a place of the scan is tried with; doubled by each
+#: further quantity
 _TRIALS = 16
-#: radii, of z over which the misfit is about a parabola
+#: Step in z over which the misfit is about a parabola, in radii
 _Z_STEP = 0.03
-#: frames from which the start is guessed, and how wide the guess is, in steps between them
-_FIRST, _GUESS = 7, 4.5
-#: lags at which residuals should not be correlated, and how improbable they may be
-_LAGS, _IMPROBABLE = 10, 1e-3
+#: Number of frames from which the start is guessed
+_FIRST = 7
+#: Standard deviation of the guessed start, in steps between frames
+_GUESS = 4.5
+#: Number of lags at which the correlation of residuals is tested
+_LAGS = 10
+#: Probability of the residuals below which they are not white
+_IMPROBABLE = 1e-3
 
 
 class _Free(NamedTuple):

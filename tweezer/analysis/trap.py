@@ -41,10 +41,11 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: to how much an end of the pull and a maximum are located, in radii
-_END, _MAXIMUM = 1e-10, 1e-8
-
-#: relative error asked of the work
+#: Tolerance of the end of the pull, in radii
+_END = 1e-10
+#: Tolerance of the place of a maximum, in radii
+_MAXIMUM = 1e-8
+#: Relative tolerance of the work
 _WORK = 1e-7
 
 

@@ -18,9 +18,11 @@ Array = NDArray[np.float64]
 #: of ascending times (n,) s, gives (n,)
 Value = Callable[[Array], Array]
 
-#: Rounds of locating a peak, and points of each.
-_ROUNDS, _POINTS = 4, 17
-#: to how much the time of a crossing is located, as a part of the run
+#: Number of rounds in which a peak is located
+_ROUNDS = 4
+#: Number of points of each round
+_POINTS = 17
+#: Tolerance of the time of a crossing, as a part of the run
 _CROSSING = 1e-12
 
 

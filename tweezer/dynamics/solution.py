@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: steps of the first call of a loop, and most of one: what ends a run early is seen between calls
-_FIRST_STEPS, _MOST_STEPS = 128, 4096
-#: steps end this little before a kink of the force: what it is from then on is not looked at
+#: Number of steps of the first call of a loop
+_FIRST_STEPS = 128
+#: Largest number of steps of a call; what ends a run early is seen between calls
+_MOST_STEPS = 4096
+#: Part of the time of a kink at which steps end, so that the force after it is not evaluated
 BEFORE = 1 - 1e-14
 
 

@@ -17,8 +17,10 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: An error is allowed up to MISSED * tolerance * |F| + ROUNDING * n_m P/c
-MISSED, ROUNDING = 2.0, 1e-14
+#: Largest allowed error, in tolerances of |F|
+MISSED = 2.0
+#: Allowed error by rounding, in n_m P/c; added to that
+ROUNDING = 1e-14
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,10 @@ from tweezer.compiled import named_njit
 from tweezer.dynamics.brownian.noise import TURN, normals
 from tweezer.dynamics.integrators.exponential import turn
 
-#: longest step of the exact diffusion, and of a turn with inertia, over 1/D_r
-LONGEST, LONGEST_WITH_INERTIA = 0.25, 0.002
+#: Longest step of the exact diffusion, in 1/D_r
+LONGEST = 0.25
+#: Longest step of a turn with inertia, in 1/D_r
+LONGEST_WITH_INERTIA = 0.002
 
 
 @named_njit(inner=True, error_model="numpy")

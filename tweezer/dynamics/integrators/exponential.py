@@ -52,13 +52,17 @@ from tweezer.dynamics.integrators.system import (
 from tweezer.errors import SceneError
 from tweezer.generated import kinematics
 
-#: a step may grow by this factor, and by this one for so many tau of the initial layer
-_GROWTH, _GROWTH_IN_LAYER, _LAYER = 4.0, 2.0, 16.0
-#: power of the step that the error estimate goes by
+#: Largest factor from one step to the next
+_GROWTH = 4.0
+#: The same in the initial layer
+_GROWTH_IN_LAYER = 2.0
+#: Duration of the initial layer, in relaxation times
+_LAYER = 16.0
+#: Order of the error estimate in the step
 _ESTIMATE = 4
 #: Taylor's coefficients 1/n!
 _INVERSE_FACTORIALS = tuple(1.0 / math.factorial(n) for n in range(24))
-#: times of the stages, in parts of the step
+#: Times of the stages, in parts of the step
 _STAGES = (0.0, 0.5, 0.5, 1.0, 0.5)
 #: Gauss's nodes of a step
 _GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)

@@ -25,9 +25,11 @@ Array = NDArray[np.float64]
 # how a call of a loop ended; or that it has not
 REACHED, FULL, COLLAPSED, NOT_FINITE, EXHAUSTED, GOING_ON = range(6)
 
-#: a step may shrink and grow by these factors, and is aimed at this part of the tolerance
-_SHRINK, _SAFETY = 0.2, 0.9
-#: part of a time that many roundings of the clock may come to
+#: Smallest factor from one step to the next
+_SHRINK = 0.2
+#: Safety factor of the next step
+_SAFETY = 0.9
+#: Largest rounding error of the clock, as a part of the end time
 _ROUNDING = 1e-14
 
 _f8 = types.float64
