@@ -327,7 +327,7 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
         each
         for each in gc.get_objects()
         if issubclass(type(each), Dispatcher)  # `isinstance` fails for what a weak reference lost
-        and each.py_func.__module__.startswith("tweezer.")
+        and str(each.py_func.__module__).startswith("tweezer.")
         and each.stats.cache_path is not None
     ]
     bound = ("ray", "kinematics", "langevin", "scaled_translation")
