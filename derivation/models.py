@@ -33,7 +33,7 @@ class Module:
     sources: tuple[str, ...]
     #: numba options of its functions, written out literally in the module
     jit_options: str = "cache=True"
-    #: of a model: whether its velocities relax by numbers of their own where the drag is uniform
+    #: of a model: whether each velocity decays exponentially by itself under a uniform drag
     linear_drag: bool = False
 
 

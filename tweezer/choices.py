@@ -19,13 +19,13 @@ class Model:
     name: str
     about: str
     modules: str
-    """what the names of its modules in `generated/` begin with"""
+    """first part of the names of its modules in `generated/`"""
     inertia: bool = False
     """whether its state holds velocities"""
     rotating: str = ""
-    """how the module with a rotation is called; by the body where it matters"""
+    """last part of the name of its module with rotation, if that is the same for every body"""
     scheme: str = ""
-    """"module:name" of the scheme of its thermal motion; that of the method where it has none"""
+    """"module:name" of the scheme of its thermal motion, if it has one of its own"""
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,9 @@ class Method:
         """Whether it is one of SciPy's."""
         return self.place.startswith("scipy.")
 
-    def load(self, place: str = "") -> Any:
-        """What it is; or what is at another place, if one is given."""
-        return _at(place or self.place)
+    def load(self) -> Any:
+        """What it is."""
+        return at(self.place)
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,11 @@ class Evaluator:
 
     def load(self) -> Any:
         """What it is."""
-        return _at(self.place)
+        return at(self.place)
 
 
-def _at(place: str) -> Any:
+def at(place: str) -> Any:
+    """What stands at "module:name"."""
     module, _, name = place.partition(":")
     return getattr(importlib.import_module(module), name)
 

@@ -80,10 +80,10 @@ class Compilation(event.Listener):
 
 
 class _Uncollected(event.Listener):
-    """No garbage is looked for while Numba compiles.
+    """Pauses garbage collection while Numba compiles.
 
-    Numba's objects are many, in cycles, and in use: to look through them again and again takes a
-    quarter of the time. Numba compiles in one thread at a time.
+    A compilation makes many objects in cycles, all of them in use. Collecting takes a quarter of
+    its time. Numba compiles in one thread at a time.
     """
 
     def __init__(self) -> None:
@@ -91,14 +91,14 @@ class _Uncollected(event.Listener):
         self._enabled = False
 
     def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
-        """Numba begins to compile."""
+        """Event of Numba: a compilation begins."""
         if not self._within:
             self._enabled = gc.isenabled()
             gc.disable()
         self._within += 1
 
     def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
-        """It has compiled, or failed to."""
+        """Event of Numba: it has ended, or failed."""
         self._within -= 1
         if not self._within and self._enabled:
             gc.enable()
@@ -256,12 +256,12 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
 
 def named_njit(*, inner: bool = False, **options: Any) -> Any:
-    """`numba.njit` of a closure that cached functions call.
+    """`numba.njit` of a function that cached functions call.
 
-    inner: only compiled functions call it. The code by which Python would call it, a quarter of the
-    time to compile, is left out; a call from Python raises `TypeError`.
+    inner: only compiled functions call it. The code by which Python would call it takes a quarter
+    of the time to compile. It is left out, and a call from Python raises `TypeError`.
 
-    The closure is named after its values. By default Numba distinguishes the machine code of
+    A closure is named after its values. By default Numba distinguishes the machine code of
     closures by a counter of the process, so a function cached by one process could call the closure
     of another (Numba issue 10486).
     """
@@ -282,7 +282,7 @@ def named_njit(*, inner: bool = False, **options: Any) -> Any:
         def refuse(*_: Any, **__: Any) -> None:
             raise TypeError(f"{function.__name__}: only compiled functions can call it")
 
-        # what is compiled is found by Numba, not by calls from Python, which would crash
+        # Numba finds compiled code by its types. A call from Python would crash: it is refused.
         dispatcher.add_overload, dispatcher._compile_for_args = add_overload, refuse
         return dispatcher
 

@@ -11,15 +11,17 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: places about the trap at which the stiffness is looked at, and how far from the focus, radii
-_PLACES, _AROUND = 64, 1.5
-#: times at which it is looked at, and kinks, where the force changes in time
+#: Number of places about each focus at which the stiffness is evaluated
+_PLACES = 64
+#: Largest distance of these places from the focus, in radii
+_AROUND = 1.5
+#: Number of times, and of kinks, at which a force that changes in time is evaluated
 _TIMES = 32
-#: relative tolerance below which order 8 pays
+#: Relative tolerance below which a method of order 8 is the cheaper one
 _TIGHT = 1e-9
-#: an explicit method of order 8 is stable up to so many relaxation times
+#: Longest stable step of an explicit method of order 8, in relaxation times
 _STABLE = 3.0
-#: steps from which a stiff solver is cheaper than an explicit one
+#: Number of steps above which a stiff solver is cheaper than an explicit method
 _STIFF = 3_000
 
 

@@ -38,13 +38,17 @@ from tweezer.errors import IntegrationError, SceneError
 
 Array = NDArray[np.float64]
 
-#: the longest step of a series, over the size of the rates; its terms
-_SHORT, _TERMS = 0.5, 8
-#: error of a step: of the place, in thermal displacements over it; of the rates times the step
-_PLACE, _RATES = 0.03, 0.5
-#: radii that a bead goes between frames, from which on its motion is not linear in where it was
+#: Longest step of the exponential series, times the norm of the Jacobian
+_SHORT = 0.5
+#: Number of terms of the exponential series
+_TERMS = 8
+#: Largest error of the position in a step, over the thermal displacement sqrt(2 D h)
+_PLACE = 0.03
+#: Largest change of the Jacobian in a step, times the step
+_RATES = 0.5
+#: Motion between frames, in radii, above which it is not linear in the position at its begin
 _FAR = 0.3
-#: steps from one frame to the next
+#: Upper bound on the steps from one frame to the next
 _MOST_STEPS = 10_000
 
 _matrix, _vector = types.float64[:, ::1], types.float64[::1]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
 
@@ -251,22 +251,30 @@ class EquationsOfMotion:
         at = self.module.STATE.index(first)
         return states[:, at : at + length].copy()
 
-    def _inputs(self, names: tuple[str, ...]) -> Callable[[Array, Array], list[Array]]:
+    def _inputs(
+        self, names: tuple[str, ...]
+    ) -> Callable[[Array, Array], list[Sequence[Array] | Array]]:
         """What the emitted function takes between state and parameters, by times and states."""
         gradient = "force_gradient" in names
+        # of a uniform drag: the same at every place
+        everywhere = self.drag.mobilities(np.zeros((1, 3)), gradient=True)
         curvature = any(name.endswith("curvature") for name in names)
 
-        def evaluate(times: Array, states: Array) -> list[Array]:
+        def evaluate(times: Array, states: Array) -> list[Sequence[Array] | Array]:
             self.force_calls += len(states)
             turned = None
             if self.force.oriented and self._rotates:
                 turned = self._part(states, "e0", 4)
                 turned /= np.linalg.norm(turned, axis=1, keepdims=True)
             at = self.force.field(states[:, :3], gradient=gradient, time=times, orientations=turned)
-            values = {"force": at.force, "moment": at.moment}
+            values: dict[str, Sequence[Array] | Array] = {"force": at.force, "moment": at.moment}
             if "mobility" in names:
-                mobility = self.drag.mobilities(states[:, :3], gradient=gradient, time=times)
-                values["mobility"], values["mobility_gradient"] = mobility
+                if self.drag.uniform:
+                    values["mobility"] = [everywhere.value[0]] * len(states)
+                    values["mobility_gradient"] = [everywhere.gradient[0]] * len(states)
+                else:
+                    found = self.drag.mobilities(states[:, :3], gradient=gradient, time=times)
+                    values["mobility"], values["mobility_gradient"] = found
             if gradient:
                 values["force_gradient"] = at.force_gradient
                 values["moment_gradient"] = at.moment_gradient

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_thermal
-from tweezer.choices import METHODS, MODELS
+from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
 from tweezer.dynamics.brownian import march, noise
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
@@ -41,8 +41,8 @@ _MOST = 0.9
 _PART_OF_CHANGE = 0.05
 #: Diffusion in a step over the length in which the drag changes
 _PART_OF_LENGTH = 0.05
-#: Places on a way on which the drag is looked at
-_ON_A_WAY = 65
+#: Number of points on each line from the trap at which the drag is evaluated
+_ON_A_LINE = 65
 #: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
 
@@ -172,10 +172,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     reasons = []
     simulation = problem.scene.simulation
     uniform = problem.drag.uniform
-    if not uniform and simulation.model not in (None, "overdamped"):
+    follows = [name for name, each in MODELS.items() if not (each.inertia or each.scheme)]
+    if not uniform and simulation.model not in (None, *follows):
         raise SceneError(
             f"simulation.model = {simulation.model!r}: with thermal motion it takes a drag that is "
-            "the same everywhere; allowed: overdamped"
+            f"the same everywhere; allowed: {', '.join(follows)}"
         )
     if simulation.model is None:
         problem = problem.decided(model="full" if uniform else "overdamped")
@@ -203,9 +204,10 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             "beam.motion, beam.modulation or another force that changes in time"
         )
     if not uniform and (how.uniform_drag or problem.rotates):
+        allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
         raise SceneError(
             f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere; "
-            "allowed: euler-maruyama, without rotation"
+            f"allowed: {', '.join(allowed)}, without rotation"
         )
     if problem.force.oriented and (how.spring_only or model.scheme):
         raise SceneError(
@@ -272,8 +274,8 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
 
 
 def _scheme(simulation: Simulation) -> Scheme:
-    method = METHODS[simulation.method]
-    scheme: Scheme = method.load(MODELS[str(simulation.model)].scheme)
+    own = MODELS[str(simulation.model)].scheme
+    scheme: Scheme = at(own or METHODS[simulation.method].place)
     return scheme
 
 
@@ -307,17 +309,17 @@ def _longest_step(
 
 
 def _rate_of_drag(problem: Problem) -> float:
-    """Largest 2 D (db/dx/b)^2 on the ways from the trap to places about it, 1/s."""
+    """Largest 2 D |grad b|^2/b^2 on lines from the trap to places about it, 1/s; D = kT b."""
     if problem.drag.uniform:
         return 0.0
     middle = problem.scene.start_position
     if problem.equilibrium is not None:
         middle = problem.equilibrium.position
-    ways = places_about(problem) - np.array(middle)
-    places = np.array(middle) + np.linspace(0, 1, _ON_A_WAY)[:, None, None] * ways
+    lines = places_about(problem) - np.array(middle)
+    places = np.array(middle) + np.linspace(0, 1, _ON_A_LINE)[:, None, None] * lines
     value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)
     b, change = value[:, :2], np.linalg.norm(gradient[:, :2], axis=2)
-    there = (b > 0).all(axis=1)  # no place that the bead cannot reach, as behind a wall
+    there = (b > 0).all(axis=1)  # behind a wall there is no mobility
     kT = Boltzmann * problem.scene.medium.temperature
     return float((2 * kT * change[there] ** 2 / b[there]).max(initial=0.0))
 
