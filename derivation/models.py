@@ -12,7 +12,7 @@ from . import drag as dg
 from . import euler_parameters as ep
 from . import langevin as lv
 from . import multiscale as ms
-from . import ray
+from . import ray, waves
 from . import rigid_body as rb
 from . import symbols as sy
 from .lowering import Argument, Function
@@ -623,6 +623,157 @@ def _langevin() -> Module:
     )  # fmt: skip
 
 
+def _parts(*names: tuple[Quantity, Quantity]) -> tuple[Argument, ...]:
+    """Real and imaginary parts as arguments."""
+    return tuple(argument for pair in names for argument in _scalars(pair))
+
+
+def _waves() -> Module:
+    order = _scalars((sy.DEGREE, sy.ORDER))
+    of_surface = _scalars((sy.LOGARITHMIC_DERIVATIVE, sy.RELATIVE_INDEX, sy.DEGREE, sy.SIZE))
+    of_layer = _scalars(
+        (
+            sy.INNER_DERIVATIVE,
+            sy.INNER_INDEX,
+            sy.RELATIVE_INDEX,
+            *sy.DERIVATIVES_IN_LAYER,
+            sy.RATIO_IN_LAYER,
+        )
+    )
+    neighbours = _parts(
+        *(sy.DOWN_BEFORE, sy.DOWN, sy.DOWN_ABOVE),
+        *(sy.BEFORE, sy.AMPLITUDE, sy.ABOVE),
+        *(sy.UP_BEFORE, sy.UP, sy.UP_ABOVE),
+        *(sy.PARTNER_DOWN, sy.PARTNER, sy.PARTNER_UP),
+    )
+    weights = _parts(sy.WEIGHT_ABOVE, sy.WEIGHT_BEFORE, sy.WEIGHT_WITHIN)
+    elements_up = (sy.RAISED, sy.TURNED, sy.LOWERED)
+    elements = _scalars(
+        (
+            *(sy.ALONG, sy.ALONG_ABOVE, sy.WITHIN),
+            *(sy.RAISED_DOWN, sy.TURNED_DOWN, sy.LOWERED_DOWN),
+            *elements_up,
+        )
+    )
+    jacobian = tuple(f"{i}{j}" for i in "xyz" for j in "xyz")
+    return Module(
+        "waves",
+        "The force of focused light on a sphere, exactly: what is summed over harmonics (n, m).",
+        "Amplitudes p_nm = 2 pi i^m P_nm about the bead's centre: of one component (light of\n"
+        "helicity +1, its own partner) or of two (electric and magnetic, each the other's\n"
+        "partner). The elements are those of helicity +1. Sums over n, m and components are\n"
+        "forces and gradients over k r in units of 4 pi^2 n_m/c, moments in those of\n"
+        "4 pi^2/omega. In a name, before and above are n-1 and n+1, down and up m-1 and m+1.",
+        (),
+        (),
+        (
+            Function(
+                "squared_elements",
+                "Elements of the direction s between harmonics: the squares of <n m|s_z|n-1 m>,\n"
+                "<n+1 m+1|s_+|n m> (itself negative), <n m+1|s_+|n m> and <n-1 m+1|s_+|n m>, and\n"
+                "within = <n m|s_z|n m> itself.",
+                order,
+                waves.SQUARED_ELEMENTS,
+                output_names=("along", "within", "raised", "turned", "lowered"),
+            ),
+            Function(
+                "electric",
+                "A of electric waves at the bead's surface.",
+                of_surface,
+                sp.Matrix([waves.electric]),
+                output_names=("A",),
+            ),
+            Function(
+                "magnetic",
+                "A of magnetic waves at the bead's surface.",
+                of_surface,
+                sp.Matrix([waves.magnetic]),
+                output_names=("A",),
+            ),
+            Function(
+                "reflected",
+                "P and Q of the Mie coefficient P/(P - iQ); chi = -x y_n.",
+                _scalars((sy.ADMITTANCE, *sy.RICCATI_BESSEL)),
+                waves.reflected,
+                output_names=("P", "Q"),
+            ),
+            Function(
+                "electric_layer",
+                "Logarithmic derivative at the outer surface of a layer (Yang), electric waves.",
+                of_layer,
+                sp.Matrix([waves.electric_layer]),
+                output_names=("H_out",),
+            ),
+            Function(
+                "magnetic_layer",
+                "The same, magnetic waves.",
+                of_layer,
+                sp.Matrix([waves.magnetic_layer]),
+                output_names=("H_out",),
+            ),
+            Function(
+                "force_summand",
+                "What (n, m) of one component adds to the force; each pair of neighbours once.",
+                (
+                    *_parts(sy.AMPLITUDE, sy.ABOVE, sy.PARTNER),
+                    *_parts(sy.UP_BEFORE, sy.UP, sy.UP_ABOVE),
+                    *weights,
+                    *_scalars((sy.ALONG_ABOVE, sy.WITHIN, *elements_up)),
+                ),
+                waves.FORCE,
+                waves.FORCE_PARTS,
+                ("x", "y", "z"),
+            ),
+            Function(
+                "force_and_gradient_summand",
+                "What (n, m) of one component adds to the force and to dF_i/d(k r_j), row by row.\n"
+                "Both neighbours of each pair count, so that the summands of the force are not\n"
+                "those of `force_summand`; the sums are.",
+                (*neighbours, *weights, *elements),
+                waves.FORCE_AND_GRADIENT,
+                waves.GRADIENT_PARTS,
+                ("x", "y", "z", *jacobian),
+            ),
+            Function(
+                "moment_summand",
+                "What (n, m) of one component adds to the moment and to the absorbed power.",
+                (*_parts(sy.AMPLITUDE, sy.UP), *_scalars((sy.WEIGHT_OF_TURN, sy.ORDER, sy.LIFT))),
+                waves.MOMENT,
+                output_names=("x", "y", "z", "absorbed"),
+            ),
+            Function(
+                "moment_gradient_summand",
+                "What (n, m) of one component adds to dM_i/d(k r_j), row by row.",
+                (
+                    *neighbours,
+                    *_scalars((sy.WEIGHT_OF_TURN, sy.ORDER, sy.LIFT_DOWN, sy.LIFT)),
+                    *elements,
+                ),
+                waves.MOMENT_GRADIENT,
+                waves.MOMENT_GRADIENT_PARTS,
+                jacobian,
+            ),
+            Function(
+                "cover_amplitudes",
+                "Amplitudes behind a plane face over those before it, as square roots of power\n"
+                "per solid angle: field in the plane of incidence, and across it.",
+                _scalars(
+                    (
+                        sy.COSINE_BEFORE_FACE,
+                        sy.COSINE_BEHIND_FACE,
+                        sy.INDEX_BEFORE_FACE,
+                        sy.INDEX_BEHIND_FACE,
+                    )
+                ),
+                waves.COVER_AMPLITUDES,
+                output_names=("p", "s"),
+            ),
+        ),
+        ("waves.py",),
+        'cache=True, error_model="numpy", forceinline=True',
+    )
+
+
 @functools.cache
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`, derived once in a program."""
@@ -634,4 +785,5 @@ def catalogue() -> tuple[Module, ...]:
         _kinematics(),
         _langevin(),
         _ray(),
+        _waves(),
     )

@@ -181,3 +181,107 @@ FRESNEL_RATES = tuple(
     _quantity(f"d{name}", "1", f"derivative over S of the {meaning}", number)
     for name, meaning, number in _FRESNEL
 )
+
+
+# --- light as waves ------------------------------------------------------------------------------
+def _complex(name: str, meaning: str) -> tuple[Quantity, Quantity]:
+    """Real and imaginary part of a dimensionless complex number."""
+    return (
+        _quantity(f"{name}_re", "1", f"{meaning}, real part"),
+        _quantity(f"{name}_im", "1", f"{meaning}, imaginary part"),
+    )
+
+
+def _of_either_kind(name: str, meaning: str) -> Quantity:
+    """A dimensionless number that is complex where the bead absorbs."""
+    return Quantity(sp.Symbol(name, complex=True), "1", meaning)
+
+
+DEGREE = _quantity("n", "1", "degree of the harmonic")
+ORDER = _quantity("m", "1", "order of the harmonic")
+
+SIZE = _quantity("x", "1", "wavenumber in the medium times radius of the bead", positive=True)
+RELATIVE_INDEX = _of_either_kind("m", "index of the bead, or of the layer, relative to the medium")
+INNER_INDEX = _of_either_kind("m_in", "relative index within the layer")
+LOGARITHMIC_DERIVATIVE = _of_either_kind("D", "psi_n'/psi_n at the inner side of the surface")
+INNER_DERIVATIVE = _of_either_kind("H", "logarithmic derivative of the field within the layer")
+DERIVATIVES_IN_LAYER = tuple(
+    _of_either_kind(name, f"logarithmic derivative of {solution} at the layer's {side} surface")
+    for name, solution, side in (
+        ("D1_in", "psi_n", "inner"),
+        ("D3_in", "the second solution", "inner"),
+        ("D1_out", "psi_n", "outer"),
+        ("D3_out", "the second solution", "outer"),
+    )
+)
+RATIO_IN_LAYER = _of_either_kind(
+    "Q", "psi_n over the second solution at the inner surface, over the same at the outer"
+)
+ADMITTANCE = _of_either_kind("A", "D/m + n/x or m D + n/x")
+RICCATI_BESSEL = tuple(
+    _quantity(name, "1", f"{function} at x")
+    for name, function in (
+        ("psi", "psi_n"),
+        ("psi_before", "psi_(n-1)"),
+        ("chi", "chi_n"),
+        ("chi_before", "chi_(n-1)"),
+    )
+)
+
+AMPLITUDE = _complex("P", "amplitude at (n, m)")
+ABOVE = _complex("above", "amplitude at (n+1, m)")
+BEFORE = _complex("before", "amplitude at (n-1, m)")
+UP = _complex("up", "amplitude at (n, m+1)")
+UP_ABOVE = _complex("up_above", "amplitude at (n+1, m+1)")
+UP_BEFORE = _complex("up_before", "amplitude at (n-1, m+1)")
+DOWN = _complex("down", "amplitude at (n, m-1)")
+DOWN_ABOVE = _complex("down_above", "amplitude at (n+1, m-1)")
+DOWN_BEFORE = _complex("down_before", "amplitude at (n-1, m-1)")
+PARTNER = _complex("partner", "amplitude of the partner at (n, m)")
+PARTNER_UP = _complex("partner_up", "amplitude of the partner at (n, m+1)")
+PARTNER_DOWN = _complex("partner_down", "amplitude of the partner at (n, m-1)")
+
+WEIGHT_ABOVE = _complex("U", "weight of the elements between n and n+1")
+WEIGHT_BEFORE = _complex("U_before", "weight of the elements between n-1 and n")
+WEIGHT_WITHIN = _complex("V", "weight of the elements within n")
+WEIGHT_OF_TURN = _quantity("K", "1", "weight of the angular momentum at n")
+
+ALONG = _quantity("al", "1", "<n m|s_z|n-1 m>")
+ALONG_ABOVE = _quantity("al_above", "1", "<n+1 m|s_z|n m>")
+WITHIN = _quantity("be", "1", "<n m|s_z|n m>")
+RAISED = _quantity("e1", "1", "<n+1 m+1|s_+|n m>")
+TURNED = _quantity("e0", "1", "<n m+1|s_+|n m>")
+LOWERED = _quantity("em", "1", "<n-1 m+1|s_+|n m>")
+RAISED_DOWN = _quantity("e1_down", "1", "<n m|s_+|n-1 m-1>")
+TURNED_DOWN = _quantity("e0_down", "1", "<n m|s_+|n m-1>")
+LOWERED_DOWN = _quantity("em_down", "1", "<n m|s_+|n+1 m-1>")
+LIFT = _quantity("lift", "1", "sqrt((n-m)(n+m+1)), of J_+ from m to m+1")
+LIFT_DOWN = _quantity("lift_down", "1", "sqrt((n+m)(n-m+1)), of J_+ from m-1 to m")
+
+# What each neighbour adds to s_+ P, s_- P and s_z P at (n, m); their sums; the same weighted.
+NEIGHBOURS = {
+    (component, place): _complex(f"{component}_{place}", f"what {where} adds to s_{component} P")
+    for component in ("plus", "minus", "z")
+    for place, where in (("before", "n-1"), ("within", "n"), ("above", "n+1"))
+}
+DIRECTED = {
+    component: _complex(f"s_{component}", f"s_{component} P at (n, m){without}")
+    for component, without in (
+        ("plus", " over -i"), ("minus", " over i"), ("z", ""),
+        ("x", " over i/2"), ("y", " over -1/2"), ("twice_z", ", twice"),
+    )
+}  # fmt: skip
+WEIGHTED = {
+    component: _complex(f"h_{component}", f"the same of the change of momentum{without}")
+    for component, without in (
+        ("plus", " over -i"), ("minus", " over i"), ("z", ""), ("x", " over i"), ("y", " over -1"),
+    )
+}  # fmt: skip
+SENT_ON = _complex("G", "U P")
+SENT_BACK = _complex("G_before", "conjugate of U_(n-1), times P")
+TURNED_OVER = _complex("H", "V times the partner")
+
+INDEX_BEFORE_FACE = _quantity("n1", "1", "index before the plane face", positive=True)
+INDEX_BEHIND_FACE = _quantity("n2", "1", "index behind the plane face", positive=True)
+COSINE_BEFORE_FACE = _quantity("cos1", "1", "cosine of the angle before the face", positive=True)
+COSINE_BEHIND_FACE = _quantity("cos2", "1", "cosine of the angle behind the face", positive=True)

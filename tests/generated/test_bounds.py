@@ -22,8 +22,8 @@ def call_every_function(of=lambda function: function):
             arguments = [
                 np.linspace(0.5, 0.4, math.prod(argument.shape)).reshape(argument.shape)
                 if argument.shape
-                else 0.4
-                for argument in function.arguments
+                else 0.4 + 0.001 * i
+                for i, argument in enumerate(function.arguments)
             ]
             if not function.output_names:
                 rows, columns = function.outputs.shape

@@ -1,0 +1,280 @@
+"""The exact force of focused light on a sphere: harmonics, Mie coefficients, bilinear sums.
+
+The light about the bead is a sum of vector harmonics of helicity l = +1 or -1 with amplitudes
+p_nm; the scattered light has the amplitudes q = S p. A plane wave along s carries momentum along
+s, so that the force is
+
+    F = -(n_m/c) (<q|s|q> - <p|s|p>),    M = -(1/omega) (<q|J|q> - <p|J|p>).
+
+The sphere's S is diagonal in the electric and the magnetic part of each (n, m), with 1 - 2 a_n and
+1 - 2 b_n (Bohren and Huffman, Absorption and Scattering of Light by Small Particles, chapter 4;
+layers: Yang, Appl. Opt. 42, 1710 (2003)). The direction s is a vector operator, and
+so joins n to n-1, n and n+1 alone: five elements follow from its algebra with J. It turns with the
+helicity within n and does not depend on it between n and n+1: there it keeps electric and magnetic
+parts, and within n it exchanges them.
+
+Conventions: exp(-i omega t); exp(i k s.r) moves the bead by r; p_nm = 2 pi i^m P_nm, for which the
+P of light on a bead on the x axis are real up to the phase along z.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import chain
+
+import sympy as sp
+
+from . import symbols as sy
+from .symbols import Quantity
+
+n, m = sy.DEGREE.symbol, sy.ORDER.symbol
+#: helicity
+l = sp.Symbol("l", real=True)
+
+# --- the direction between harmonics -----------------------------------------------------------
+#: squares of <n m|s_z|n-1 m>, <n+1 m+1|s_+|n m> (itself negative), <n m+1|s_+|n m> and
+#: <n-1 m+1|s_+|n m>, and <n m|s_z|n m> itself, of harmonics of helicity l
+along_squared = (n - m) * (n + m) * (n - l) * (n + l) / ((2 * n - 1) * (2 * n + 1) * n**2)
+within = l * m / (n * (n + 1))
+raised_squared = (
+    (n + 1 - l) * (n + 1 + l) * (n + m + 1) * (n + m + 2)
+    / ((2 * n + 1) * (2 * n + 3) * (n + 1) ** 2)
+)  # fmt: skip
+turned_squared = l**2 * (n - m) * (n + m + 1) / (n * (n + 1)) ** 2
+lowered_squared = (n - l) * (n + l) * (n - m) * (n - m - 1) / ((2 * n - 1) * (2 * n + 1) * n**2)
+
+#: for light of helicity +1
+SQUARED_ELEMENTS = sp.Matrix(
+    [along_squared, within, raised_squared, turned_squared, lowered_squared]
+).subs(l, 1)
+
+# --- the sphere --------------------------------------------------------------------------------
+x, index = sy.SIZE.symbol, sy.RELATIVE_INDEX.symbol
+D, A = sy.LOGARITHMIC_DERIVATIVE.symbol, sy.ADMITTANCE.symbol
+psi, psi_before, chi, chi_before = (quantity.symbol for quantity in sy.RICCATI_BESSEL)
+
+#: the field's psi'/psi + n/x just outside, of electric and of magnetic waves
+electric = D / index + n / x
+magnetic = index * D + n / x
+#: a_n = P/(P - iQ); P and Q are real where the index is
+reflected = sp.Matrix([A * psi - psi_before, A * chi - chi_before])
+
+inner_index, H = sy.INNER_INDEX.symbol, sy.INNER_DERIVATIVE.symbol
+D1_in, D3_in, D1_out, D3_out = (quantity.symbol for quantity in sy.DERIVATIVES_IN_LAYER)
+Q = sy.RATIO_IN_LAYER.symbol
+
+
+def _layer(h: sp.Expr, scale: sp.Expr) -> sp.Expr:
+    """Logarithmic derivative at the outer surface, from h/scale at the inner."""
+    G1, G2 = h - scale * D1_in, h - scale * D3_in
+    return (G2 * D1_out - Q * G1 * D3_out) / (G2 - Q * G1)
+
+
+#: Yang's step; the second solution may be xi or chi
+electric_layer = _layer(index * H, inner_index)
+magnetic_layer = _layer(inner_index * H, index)
+
+
+# --- complex numbers by their parts --------------------------------------------------------------
+@dataclass(frozen=True)
+class Pair:
+    """A complex number as its real and imaginary part."""
+
+    re: sp.Expr
+    im: sp.Expr
+
+    def __add__(self, other: Pair) -> Pair:
+        return Pair(self.re + other.re, self.im + other.im)
+
+    def __sub__(self, other: Pair) -> Pair:
+        return Pair(self.re - other.re, self.im - other.im)
+
+    def __mul__(self, other: Pair) -> Pair:
+        return Pair(
+            self.re * other.re - self.im * other.im, self.re * other.im + self.im * other.re
+        )
+
+    def __rmul__(self, factor: sp.Expr) -> Pair:
+        return Pair(factor * self.re, factor * self.im)
+
+    @property
+    def conjugate(self) -> Pair:
+        """The complex conjugate."""
+        return Pair(self.re, -self.im)
+
+    @property
+    def value(self) -> sp.Expr:
+        """As one complex number."""
+        return self.re + sp.I * self.im
+
+
+def pair(quantities: tuple[Quantity, Quantity]) -> Pair:
+    """The complex number of these symbols."""
+    real, imaginary = quantities
+    return Pair(real.symbol, imaginary.symbol)
+
+
+Named = tuple[tuple[Quantity, sp.Expr], ...]
+
+
+def _named(*values: tuple[tuple[Quantity, Quantity], Pair]) -> Named:
+    """Names for the parts of complex numbers."""
+    return tuple(
+        chain.from_iterable(((names[0], value.re), (names[1], value.im)) for names, value in values)
+    )
+
+
+def re_of_product(a: Pair, b: Pair) -> sp.Expr:
+    """Re(a* b)."""
+    return a.re * b.re + a.im * b.im
+
+
+def im_of_product(a: Pair, b: Pair) -> sp.Expr:
+    """Im(a* b)."""
+    return a.re * b.im - a.im * b.re
+
+
+# --- the summands ------------------------------------------------------------------------------
+P, above, before = pair(sy.AMPLITUDE), pair(sy.ABOVE), pair(sy.BEFORE)
+up, up_above, up_before = pair(sy.UP), pair(sy.UP_ABOVE), pair(sy.UP_BEFORE)
+down, down_above, down_before = pair(sy.DOWN), pair(sy.DOWN_ABOVE), pair(sy.DOWN_BEFORE)
+partner, partner_up, partner_down = (
+    pair(sy.PARTNER), pair(sy.PARTNER_UP), pair(sy.PARTNER_DOWN)
+)  # fmt: skip
+U, U_before, V = pair(sy.WEIGHT_ABOVE), pair(sy.WEIGHT_BEFORE), pair(sy.WEIGHT_WITHIN)
+K = sy.WEIGHT_OF_TURN.symbol
+al, al_above, be = sy.ALONG.symbol, sy.ALONG_ABOVE.symbol, sy.WITHIN.symbol
+e1, e0, em = sy.RAISED.symbol, sy.TURNED.symbol, sy.LOWERED.symbol
+e1_down, e0_down, em_down = (
+    sy.RAISED_DOWN.symbol, sy.TURNED_DOWN.symbol, sy.LOWERED_DOWN.symbol
+)  # fmt: skip
+lift, lift_down = sy.LIFT.symbol, sy.LIFT_DOWN.symbol
+#: a float, as the printer writes a fraction with a division
+_HALF = sp.Float(0.5)
+
+# Each pair of neighbours once. The element of s_- from m+1 is that of s_+ to m+1, and i^m taken out
+# of the amplitudes leaves i: F_x + i F_y = -(sum P* h_-)*, h_- = i (e1 U* up_above + ...).
+_G, _G_before, _H = pair(sy.SENT_ON), pair(sy.SENT_BACK), pair(sy.TURNED_OVER)
+FORCE_PARTS = _named(
+    (sy.SENT_ON, U * P),
+    (sy.SENT_BACK, U_before.conjugate * P),
+    (sy.TURNED_OVER, V * partner),
+)
+
+
+def _across(part_of_product: Callable[[Pair, Pair], sp.Expr]) -> sp.Expr:
+    """A part of sum e (weighted amplitude)* (amplitude at m+1)."""
+    return (
+        e1 * part_of_product(_G, up_above)
+        + em * part_of_product(_G_before, up_before)
+        + e0 * part_of_product(_H, up)
+    )
+
+
+FORCE = sp.Matrix(
+    [
+        _across(im_of_product),
+        _across(re_of_product),
+        -2 * al_above * re_of_product(_G, above) - be * re_of_product(P, _H),
+    ]
+)
+
+# The direction at (n, m): what comes from each neighbour, and the same weighted.
+_ADDED = {
+    ("plus", "before"): e1_down * down_before,
+    ("plus", "within"): e0_down * partner_down,
+    ("plus", "above"): em_down * down_above,
+    ("minus", "before"): em * up_before,
+    ("minus", "within"): e0 * partner_up,
+    ("minus", "above"): e1 * up_above,
+    ("z", "before"): al * before,
+    ("z", "within"): be * partner,
+    ("z", "above"): al_above * above,
+}
+_s = {component: pair(names) for component, names in sy.DIRECTED.items()}
+_h = {component: pair(names) for component, names in sy.WEIGHTED.items()}
+
+
+def _from_neighbours(component: str) -> Iterator[Pair]:
+    return (pair(sy.NEIGHBOURS[component, place]) for place in ("before", "within", "above"))
+
+
+def _directed(component: str) -> Pair:
+    """s_+ P over -i, s_- P over i, or s_z P, at (n, m)."""
+    from_before, from_within, from_above = _from_neighbours(component)
+    return from_before + from_within + from_above
+
+
+def _weighted(component: str) -> Pair:
+    """The same with the weights of the change of momentum."""
+    from_before, from_within, from_above = _from_neighbours(component)
+    return U_before * from_before + V * from_within + U.conjugate * from_above
+
+
+#: s_x P over i/2, s_y P over -1/2, and s_z P twice
+_DIRECTION_PARTS = _named(
+    *((sy.NEIGHBOURS[key], value) for key, value in _ADDED.items()),
+    *((sy.DIRECTED[component], _directed(component)) for component in ("plus", "minus", "z")),
+    (sy.DIRECTED["x"], _s["minus"] - _s["plus"]),
+    (sy.DIRECTED["y"], _s["plus"] + _s["minus"]),
+    (sy.DIRECTED["twice_z"], 2 * _s["z"]),
+)
+#: h_x over i and h_y over -1
+_LATERAL = _named(
+    (sy.WEIGHTED["x"], _HALF * _h["minus"] - _HALF * _h["plus"]),
+    (sy.WEIGHTED["y"], _HALF * _h["plus"] + _HALF * _h["minus"]),
+)
+GRADIENT_PARTS = (
+    *_DIRECTION_PARTS,
+    *_named(
+        *((sy.WEIGHTED[component], _weighted(component)) for component in ("plus", "minus", "z"))
+    ),
+    *_LATERAL,
+)
+#: -Re(P* h_i)
+FORCE_AT = sp.Matrix(
+    [im_of_product(P, _h["x"]), re_of_product(P, _h["y"]), -re_of_product(P, _h["z"])]
+)
+#: -2 Re(h_i* i s_j P) = 2 Im(h_i* s_j P)
+_GRADIENT = (
+    im_of_product(_h["x"], _s["x"]),
+    re_of_product(_h["x"], _s["y"]),
+    -re_of_product(_h["x"], _s["twice_z"]),
+    -re_of_product(_h["y"], _s["x"]),
+    im_of_product(_h["y"], _s["y"]),
+    -im_of_product(_h["y"], _s["twice_z"]),
+    re_of_product(_h["z"], _s["x"]),
+    -im_of_product(_h["z"], _s["y"]),
+    im_of_product(_h["z"], _s["twice_z"]),
+)
+FORCE_AND_GRADIENT = sp.Matrix([*FORCE_AT, *_GRADIENT])
+
+#: M and the absorbed power; the angular momentum keeps n and the helicity
+MOMENT = sp.Matrix(
+    [
+        -K * lift * im_of_product(up, P),
+        K * lift * re_of_product(up, P),
+        -K * m * re_of_product(P, P),
+        -K * re_of_product(P, P),
+    ]
+)
+MOMENT_GRADIENT_PARTS = (
+    *_DIRECTION_PARTS,
+    *_named(
+        (sy.WEIGHTED["plus"], (K * lift_down) * down),
+        (sy.WEIGHTED["minus"], (K * lift) * up),
+        (sy.WEIGHTED["z"], (K * m) * P),
+    ),
+    *_LATERAL,
+)
+MOMENT_GRADIENT = sp.Matrix(_GRADIENT)
+
+# --- a plane face before the focus ---------------------------------------------------------------
+n1, n2 = sy.INDEX_BEFORE_FACE.symbol, sy.INDEX_BEHIND_FACE.symbol
+cos1, cos2 = sy.COSINE_BEFORE_FACE.symbol, sy.COSINE_BEHIND_FACE.symbol
+#: Fresnel's transmitted amplitudes
+t_p = 2 * n1 * cos1 / (n2 * cos1 + n1 * cos2)
+t_s = 2 * n1 * cos1 / (n1 * cos1 + n2 * cos2)
+#: sqrt of (power per solid angle behind the face, over that before it)
+COVER_AMPLITUDES = sp.Matrix([t_p, t_s]) * (n2 / n1) ** sp.Rational(3, 2) * cos2 / cos1
