@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.reference import waves
-from tests.reference.plane_waves import SPEED_OF_LIGHT, Light, Sphere, dyad, push, sine_lens
+from tests.reference.plane_waves import SPEED_OF_LIGHT, Light, Sphere, dyad, lens, push
+from tests.reference.waves_table import ERROR, exact, rows
 
 N_M = 1.33
 VACUUM = 1.064e-6
@@ -20,7 +21,7 @@ ELLIPTIC = (0.6, 0.8j * np.exp(0.4j))
 
 
 def light(polarisation, *, angle=NA_12, waist=1.0, vortex=0, cover=None):
-    W = sine_lens(angle, waist, vortex)
+    W = lens(angle, waist, abs(vortex))
     return Light(N_M, VACUUM, angle, W, polarisation, vortex, cover)
 
 
@@ -310,7 +311,7 @@ def test_of_the_medium_there_is_nothing():
 
 def test_a_cover_passes_the_power_that_fresnel_lets_through():
     n1, n2 = 1.518, N_M
-    W = sine_lens(math.asin(1.2 / n1))
+    W = lens(math.asin(1.2 / n1))
     shone = Light(n2, VACUUM, math.asin(1.2 / n1), W, (1, 0), cover=(n1, 7e-6))
     theta, weight = shone.nodes(40)
     before = np.arcsin(n2 / n1 * np.sin(theta))
@@ -333,3 +334,29 @@ def test_a_cover_of_the_mediums_index_changes_nothing():
         push(light(ELLIPTIC, cover=cover), sphere, OFF) for cover in (None, (N_M, 5e-6))
     )
     assert covered.force == pytest.approx(bare.force, rel=1e-12)
+
+
+def test_a_cover_of_oil_draws_the_focus_towards_it():
+    # the rays of a narrow cone bend from n1 theta to n2 theta', so that they cross at d n2/n1
+    n1, depth = 1.518, 20e-6
+
+    def rest(cover):
+        before = N_M if cover is None else n1
+        shone = light((1, 0), angle=math.asin(0.3 / before), cover=cover)
+        sphere = bead(20e-9, 1.59)
+        return brentq(lambda z: push(shone, sphere, np.array([0, 0, z])).force[2], -4e-6, 2e-6)
+
+    moved = rest((n1, depth)) - rest(None)
+    assert moved == pytest.approx(-depth * (1 - N_M / n1), rel=0.05)
+
+
+# --- the table that other tests read --------------------------------------------------------------
+
+
+@pytest.mark.parametrize("row", rows()[::9], ids=lambda row: row["name"])
+def test_the_table_holds_what_this_finds(row):
+    found = exact(row)
+    largest = np.linalg.norm(row["force"])
+    assert found.force == pytest.approx(row["force"], abs=ERROR * largest)
+    assert found.torque == pytest.approx(row["torque"], abs=ERROR * largest * row["wavelength"])
+    assert found.absorbed == pytest.approx(row["absorbed"], abs=ERROR * largest * SPEED_OF_LIGHT)

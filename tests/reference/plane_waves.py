@@ -110,15 +110,19 @@ class Light:
         return t_p * common, t_s * common
 
 
-def sine_lens(angle, waist=math.inf, vortex=0):
-    """W(theta) of 1 W through a lens of the sine condition, W/sr.
+def lens(angle, waist=math.inf, ring=0, kind="sine"):
+    """W(theta) of 1 W behind a lens of the sine or the tan map, W/sr.
 
-    The pupil of radius R holds the intensity (rho/R)^(2 |vortex|) exp(-2 (rho/(waist R))^2).
+    The pupil of radius R holds the intensity (rho/R)^(2 ring) exp(-2 (rho/(waist R))^2).
     """
 
     def shape(theta):
-        rho = np.sin(theta) / math.sin(angle)
-        return np.cos(theta) * rho ** (2 * abs(vortex)) * np.exp(-2 * (rho / waist) ** 2)
+        cos = np.cos(theta)
+        if kind == "sine":
+            rho, spread = np.sin(theta) / math.sin(angle), cos
+        else:
+            rho, spread = np.tan(theta) / math.tan(angle), cos**-3
+        return spread * rho ** (2 * ring) * np.exp(-2 * (rho / waist) ** 2)
 
     x, weight = leggauss(200)
     theta = angle * (x + 1) / 2
