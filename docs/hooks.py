@@ -20,7 +20,8 @@ from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
-from tweezer.scene import ALTERNATIVES, BELONGING, Scene
+from tweezer.scene import Scene
+from tweezer.sections import ALTERNATIVES, BELONGING
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted(f"notebooks/{path.name}" for path in (ROOT / "notebooks").glob("*.ipynb"))
@@ -144,16 +145,20 @@ def scene_reference() -> str:
     for name, of in schema["properties"].items():
         if "$ref" in of:
             section = schema["$defs"][of["$ref"].rpartition("/")[2]]
-            required = section.get("required", [])
-            lines += ["", f"## `[{name}]`", "", section["description"], ""]
-            lines += _rows(name, section["properties"], required)
+            lines += _table(f"[{name}]", name, section)
             for key, nested in section["properties"].items():
+                named = f"{name}.{key}"
                 if within := _section_of(nested):
-                    section_within = schema["$defs"][within]
-                    required = section_within.get("required", [])
-                    lines += ["", f"## `[{name}.{key}]`", "", section_within["description"], ""]
-                    lines += _rows(f"{name}.{key}", section_within["properties"], required)
+                    lines += _table(f"[{named}]", named, schema["$defs"][within])
+                elif within := _section_of(_given(nested)[0].get("items", {})):
+                    lines += _table(f"[[{named}]]", named, schema["$defs"][within])
     return "\n".join(lines) + "\n"
+
+
+def _table(heading: str, name: str, section: dict[str, Any]) -> list[str]:
+    """The keys of a section, by their schema, under a heading."""
+    rows = _rows(name, section["properties"], section.get("required", []))
+    return ["", f"## `{heading}`", "", section["description"], "", *rows]
 
 
 def _rows(section: str, keys: dict[str, Any], required: list[str]) -> list[str]:
@@ -189,17 +194,29 @@ def _section_of(of: dict[str, Any]) -> str:
     return refs[0].rpartition("/")[2] if refs else ""
 
 
+def _given(of: dict[str, Any]) -> list[dict[str, Any]]:
+    """The forms that a property of a JSON schema has where it is given."""
+    if "anyOf" not in of:
+        return [of]
+    return [form for each in of["anyOf"] if each.get("type") != "null" for form in _given(each)]
+
+
 def _kind(of: dict[str, Any]) -> tuple[str, str]:
     """Unit and allowed values of a property of a JSON schema."""
     if section := _section_of(of):
         return "", f"keys of {section}"
-    if "anyOf" in of:
-        (of,) = (choice for choice in of["anyOf"] if choice["type"] != "null")
+    of, *others = _given(of)
+    if others:
+        units, allowed = zip(*map(_kind, (of, *others)), strict=True)
+        return " or ".join(filter(None, dict.fromkeys(units))), ", or ".join(allowed)
     if "enum" in of:
         return "", ", ".join(f"`{choice}`" for choice in of["enum"])
     if of["type"] == "array":
         entries = of.get("prefixItems") or [of["items"]]
         unit, allowed = _kind(entries[0])
+        each = [_kind(entry)[1] for entry in entries]
+        if len(set(each)) > 1:
+            return unit, f"[{'; '.join(each)}]"
         return unit, f"{len(entries) if 'prefixItems' in of else 'a list'} of: {allowed}"
     if "minimum" in of:
         return of.get("unit", ""), f"{of['minimum']:g} to {of['maximum']:g}"

@@ -48,6 +48,20 @@ TABLE = {
 }
 LINEAR = {"beam.polarisation": '"linear"'}
 GRID = {"optics.evaluator": '"grid"'}
+RAYS = {"optics.theory": '"rays"'}
+WAVES = {"optics.theory": '"waves"'}
+COVER = {
+    "lens.map": '"sine"',
+    "lens.numerical_aperture": "1.2",
+    "lens.focal_length": ABSENT,
+    "lens.cover": '{ refractive_index = 1.52, depth = "5 um" }',
+}
+LAYERS = {
+    "bead.radius": ABSENT,
+    "bead.refractive_index": ABSENT,
+    "bead.layers": '[{ radius = "0.3 um", refractive_index = 2.3 }, '
+    '{ diameter = "1 um", refractive_index = "1.5+0.01j" }]',
+}
 LENGTH = 'must be a number in m, or text with a unit such as "500 nm"'
 RADIUS_RANGE = "must be from 1e-09 to 0.001 m"
 NAME_RULE = "must begin with a letter or digit, and have no /, \\ and at most 100 characters"
@@ -110,10 +124,10 @@ BAD_SCENES = {
                      "bead.radius = '1 wibble': has a unit that is not known; must be convertible"),
     "no unit": ({"bead.radius": '"0.5"'},
                 "bead.radius = '0.5': has no unit; write a bare number in m, or \"500 nm\""),
-    "unit of a pure number": ({"bead.refractive_index": '"1.5 m"'},
-                              "bead.refractive_index = '1.5 m': must be a number"),
-    "text for a pure number": ({"bead.refractive_index": '"1.5"'},
-                               "bead.refractive_index = '1.5': must be a number"),
+    "unit of a pure number": ({"medium.refractive_index": '"1.5 m"'},
+                              "medium.refractive_index = '1.5 m': must be a number"),
+    "text for a pure number": ({"medium.refractive_index": '"1.5"'},
+                               "medium.refractive_index = '1.5': must be a number"),
     "unit without a number": ({"bead.radius": '"um"'}, f"bead.radius = 'um': {LENGTH}"),
     "unit of an image": ({"bead.radius": '"1 px"'},
                          "bead.radius = '1 px': has a unit that is not known; must be convertible"),
@@ -377,16 +391,123 @@ BAD_SCENES = {
                                      "optics.tolerance = 0: must be from 1e-13 to 0.1"),
     "text for a tolerance": ({"optics.tolerance": '"tight"'},
                              "optics.tolerance = 'tight': must be a number"),
-    "map of linear light": ({**LINEAR, "beam.jones": "[1, 0]", "optics.evaluator": '"map"'},
-                            "optics.evaluator = 'map': needs light that is the same all around"),
+    "map of linear light as rays": (
+        {**LINEAR, "beam.jones": "[1, 0]", "optics.evaluator": '"map"', **RAYS},
+        "optics.evaluator = 'map': rays need light that is the same all around the axis",
+    ),
     "too tight a map": ({"optics.table_tolerance": "1e-13"},
                         "optics.table_tolerance = 1e-13: must be from 1e-12 to 0.1"),
     "too small a map": ({"optics.table_range": "0.4"},
                         "optics.table_range = 0.4: must be from 0.5 to 20"),
     "too large a map": ({"optics.table_range": "21"},
                         "optics.table_range = 21: must be from 0.5 to 20"),
-    "length for a range": ({"optics.table_range": '"3 um"'},
-                           "optics.table_range = '3 um': must be a number"),
+    "text without a unit for a range": (
+        {"optics.table_range": '"3"'},
+        "optics.table_range = '3': has no unit; write a bare number of radii, or a length such as",
+    ),
+    "time for a range": ({"optics.table_range": '"3 s"'},
+                         "optics.table_range = '3 s': has the wrong unit; must be convertible to"),
+    "range too long": ({"optics.table_range": '"2 mm"'},
+                       "optics.table_range = '2 mm': must be from 1e-08 to 0.001 m"),
+    "range of many radii for rays": (
+        {"optics.table_range": '"11 um"', **RAYS},
+        "optics.table_range = '1.1e-05 m': is 22 radii of the bead; must be from 0.5 to 20 of them",
+    ),
+    # rays or waves
+    "unknown theory": ({"optics.theory": '"mie"'},
+                       "optics.theory = 'mie': allowed: 'auto', 'rays' or 'waves'"),
+    "averaged reflectance as waves": (
+        {"beam.polarisation": '"averaged-reflectance"', **WAVES},
+        "optics.theory = 'waves': beam.polarisation = 'averaged-reflectance' has no meaning as "
+        "waves; allowed: 'auto' or 'rays'",
+    ),
+    "moment of the thesis as waves": ({"beam.torque": '"thesis"', **WAVES},
+                                      "beam.torque = 'thesis' has no meaning as waves"),
+    "grid as waves": ({**GRID, **WAVES}, "optics.evaluator = 'grid' has no meaning as waves"),
+    "donut without a phase as waves": (
+        {"beam.profile": '"donut"', **WAVES},
+        "beam.profile = 'donut' without a vortex, or radial or azimuthal polarisation, has no",
+    ),
+    "absorbing bead as rays": (
+        {"bead.refractive_index": '"1.57+0.01j"', **RAYS},
+        "optics.theory = 'rays': bead.refractive_index = 1.57+0.01j has no meaning as rays; "
+        "allowed: 'auto' or 'waves'",
+    ),
+    "layers as rays": ({**LAYERS, **RAYS}, "bead.layers of 2 has no meaning as rays"),
+    "cover as rays": ({**COVER, **RAYS}, "lens.cover has no meaning as rays"),
+    "vortex as rays": ({"beam.vortex": "-2", **RAYS}, "beam.vortex = -2 has no meaning as rays"),
+    "radial light as rays": ({"beam.polarisation": '"radial"', **RAYS},
+                             "beam.polarisation = 'radial' has no meaning as rays"),
+    "light that is neither": (
+        {"beam.vortex": "1", **GRID},
+        "optics.theory = 'auto': optics.evaluator = 'grid' has no meaning as waves, and "
+        "beam.vortex = 1 has no meaning as rays",
+    ),
+    "vortex that is no whole number": ({"beam.vortex": "0.5"},
+                                       "beam.vortex = 0.5: must be a whole number"),
+    "vortex too large": ({"beam.vortex": "-51"}, "beam.vortex = -51: must be at least -50"),
+    # absorbing beads and layers
+    "gain": ({"bead.refractive_index": '"1.5-0.1j"'},
+             "bead.refractive_index = '1.5-0.1j': the imaginary part must be from 0 to 100"),
+    "complex index below the range": ({"bead.refractive_index": "[0.001, 5]"},
+                                      "bead.refractive_index = [0.001, 5]: must be from 0.01 to"),
+    "index of three parts": ({"bead.refractive_index": "[1, 2, 3]"},
+                             "must be a number, text such as \"1.59+0.01j\", or [real, imaginary]"),
+    "text for an index": ({"bead.refractive_index": '"glass"'},
+                          "bead.refractive_index = 'glass': must be a complex number such as"),
+    "no index": ({"bead.refractive_index": ABSENT}, "bead.refractive_index: missing"),
+    "layers and a radius": ({**LAYERS, "bead.radius": "1e-6"},
+                            "bead.radius = 1e-06: not beside layers, which have their own"),
+    "layers and an index": ({**LAYERS, "bead.refractive_index": "1.5"},
+                            "bead.refractive_index = 1.5: not beside layers"),
+    "layers inwards": (
+        {**LAYERS, "bead.layers": "[{ radius = 5e-7, refractive_index = 2 }, "
+                                  "{ diameter = 8e-7, refractive_index = 1.5 }]"},
+        "bead.layers.1.radius = 4e-07: must be larger than that of the layer before, 5e-07",
+    ),
+    "no layers": ({**LAYERS, "bead.layers": "[]"}, "bead.layers = []: must have 1 to 20 entries"),
+    "layer without an index": ({**LAYERS, "bead.layers": "[{ radius = 5e-7 }]"},
+                               "bead.layers.0.refractive_index: missing"),
+    "layer without a radius": ({**LAYERS, "bead.layers": "[{ refractive_index = 1.5 }]"},
+                               "bead.layers.0.radius or diameter: one is needed"),
+    "unknown key of a layer": (
+        {**LAYERS, "bead.layers": "[{ radius = 5e-7, refractive_index = 2, indx = 1 }]"},
+        "bead.layers.0.indx = 1: unknown key; allowed: radius, refractive_index, diameter",
+    ),
+    "number for layers": ({**LAYERS, "bead.layers": "1"}, "bead.layers = 1: must be a list"),
+    # a face before the focus
+    "more aperture than the cover": (
+        {**COVER, "lens.numerical_aperture": "1.52"},
+        "lens.numerical_aperture = 1.52: must be less than lens.cover.refractive_index = 1.52",
+    ),
+    "face beyond the focus": (
+        {**COVER, "lens.cover": "{ refractive_index = 1.5, depth = -1e-6 }"},
+        "lens.cover.depth = -1e-06: must be from 0 to 0.01 m",
+    ),
+    "cover that absorbs": (
+        {**COVER, "lens.cover": "{ refractive_index = [1.5, 0.1], depth = 1e-6 }"},
+        "lens.cover.refractive_index = [1.5, 0.1]: must be a number",
+    ),
+    "start in the face": (
+        {**COVER, "start.position": '[0, 0, "-4.5 um"]'},
+        "start.position = [0.0, 0.0, -4.5e-06]: the bead must start beyond the face of lens.cover",
+    ),
+    "ball that reaches into the face": (
+        {**COVER, "forces.brownian": "true", "start.drawn": '"ball"',
+         "start.ball_radius": '"3 um"'},
+        "the bead must start beyond the face of lens.cover, which is 5e-06 m before the focus",
+    ),
+    "focus off its depth": ({**COVER, "beam.position": "[0, 0, 1e-6]"},
+                            "beam.position = [0.0, 0.0, 1e-06]: must be at z = 0 beside lens"),
+    "focus that leaves its depth": (
+        {**COVER, "beam.motion": '{ kind = "ramp", velocity = [0, 0, 1e-6] }'},
+        "beam.motion: must be across the light beside lens.cover",
+    ),
+    "spring that light should turn": (
+        {"bead.refractive_index": "[1.5, 0.1]", "forces.brownian": "true",
+         "simulation.method": '"harmonic"', **WAVES},
+        "a spring exerts no torque; allowed: beam.torque = 'none', and a bead that does not absorb",
+    ),
     "unknown key of the optics": ({"optics.evalutor": '"grid"'},
                                   "optics.evalutor = 'grid': unknown key; did you mean evaluator?"),
     "section of the optics that is text": ({"optics": '"grid"'},
@@ -512,8 +633,9 @@ def files_here() -> dict[Path, int]:
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, TABLE, LINEAR, GRID], ids=["as it is", "table", "linear", "grid"]
-)
+    "changes", [{}, TABLE, LINEAR, GRID, COVER, {"beam.vortex": "-50"}, LAYERS],
+    ids=["as it is", "table", "linear", "grid", "cover", "vortex", "layers"],
+)  # fmt: skip
 def test_the_good_scenes_are_good(tmp_path, changes):
     path = tmp_path / "good.toml"
     path.write_text(as_toml(changes))

@@ -17,7 +17,8 @@ choices.METHODS["mine"] = choices.Method("mine", "a scheme of mine", "mine:SCHEM
                                          models=("overdamped",))
 choices.METHODS["also-mine"] = choices.Method("also-mine", "a method of mine", "mine:METHOD")
 choices.MODELS["slow"] = choices.Model("slow", "a model of mine", "overdamped", rotating="rotation")
-choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine", "mine:mine")
+choices.EVALUATORS["by-hand"] = choices.Evaluator("by-hand", "an evaluator of mine",
+                                                   {"rays": "mine:mine"})
 
 import numpy as np
 import tweezer

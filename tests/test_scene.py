@@ -462,10 +462,11 @@ def test_only_the_grid_needs_a_beam_wider_than_its_squares(scene):
     assert scene.optics.evaluator == "grid"
     with pytest.raises(SceneError, match="half the side of a square"):
         scene.replace(beam={"sigma": 1e-5})
-    free = scene.replace(beam={"sigma": 1e-5}, optics={"evaluator": "auto"})
+    free = scene.replace(beam={"sigma": 1e-5}, optics={"evaluator": "auto", "theory": "auto"})
     assert free.optics == load_scene("silica-1um").optics
     assert free.optics.model_dump() == {
-        "evaluator": "auto", "tolerance": 1e-8, "table_tolerance": 1e-7, "table_range": 3.0,
+        "theory": "auto", "evaluator": "auto", "tolerance": 1e-8, "table_tolerance": 1e-7,
+        "table_range": 3.0,
     }  # fmt: skip
 
 

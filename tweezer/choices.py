@@ -1,4 +1,4 @@
-"""The one table of names: models, methods and evaluators, what each is, and what it needs.
+"""The one table of names: models, methods, theories of light and evaluators, and their needs.
 
 Scene checks, errors, the command line's help and the documentation read it. What a name stands for
 is loaded when it is used: importing this loads nothing.
@@ -7,7 +7,7 @@ is loaded when it is used: importing this loads nothing.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -65,22 +65,30 @@ class Method:
 
 
 @dataclass(frozen=True)
+class Theory:
+    """What the light is taken as."""
+
+    name: str
+    about: str
+
+
+@dataclass(frozen=True)
 class Evaluator:
     """A way to compute the force of the light."""
 
     name: str
     about: str
-    place: str
-    """"module:name" of a function that gives the force of the one beam of a scene, a
-    `tweezer.optics.light.LightForce`"""
-    symmetric: bool = False
-    """whether the light must be the same all around its axis"""
+    places: Mapping[str, str]
+    """by theory, of those that it has: "module:name" of a function that gives the force of the one
+    beam of a scene, a `tweezer.optics.light.LightForce`"""
+    symmetric: tuple[str, ...] = ()
+    """theories in which the light must be the same all around its axis"""
     mapped: bool = False
     """whether the map stands for it where a fit needs many forces"""
 
-    def load(self) -> Any:
-        """What it is."""
-        return at(self.place)
+    def load(self, theory: str) -> Any:
+        """What it is in that theory."""
+        return at(self.places[theory])
 
 
 def at(place: str) -> Any:
@@ -134,13 +142,20 @@ METHODS: dict[str, Method] = _by_name(
            models=("full", "scaled"), uniform_drag=True),
 )  # fmt: skip
 
+THEORIES: dict[str, Theory] = _by_name(
+    Theory("rays", "ray optics, as in the thesis (chapter 3)"),
+    Theory("waves", "focused plane waves scattered by a sphere (Debye, Mie), exact at any size"),
+)
+
 EVALUATORS: dict[str, Evaluator] = _by_name(
-    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26)",
-              f"{_OPTICS}.by_grid:by_grid", mapped=True),
+    Evaluator("grid", "the thesis's sum over squares of the pupil (3.26), of rays alone",
+              {"rays": f"{_OPTICS}.by_grid:by_grid"}, mapped=True),
     Evaluator("quadrature", "the integral over the lens, to `tolerance`; what auto takes",
-              f"{_OPTICS}.by_quadrature:by_quadrature", mapped=True),
-    Evaluator("map", "a table of it, to `table_tolerance`", f"{_OPTICS}.by_map:by_map",
-              symmetric=True, mapped=True),
+              {"rays": f"{_OPTICS}.by_quadrature:by_quadrature",
+               "waves": f"{_OPTICS}.waves.by_quadrature:by_quadrature"}, mapped=True),
+    Evaluator("map", "a table of it, to `table_tolerance`",
+              {"rays": f"{_OPTICS}.by_map:by_map", "waves": f"{_OPTICS}.waves.by_map:by_map"},
+              symmetric=("rays",), mapped=True),
 )  # fmt: skip
 
 
@@ -149,7 +164,7 @@ def evaluator(name: str) -> Evaluator:
     return EVALUATORS["quadrature" if name == "auto" else name]
 
 
-def told(entries: Iterable[Model | Method | Evaluator]) -> str:
+def told(entries: Iterable[Model | Method | Theory | Evaluator]) -> str:
     """What each is, in one line; alike ones together."""
     by_text: dict[str, list[str]] = {}
     for each in entries:

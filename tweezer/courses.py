@@ -94,6 +94,12 @@ class Motion(_Course):
     times: Times | None = Field(None, description="of steps and of a table, ascending")
     positions: Places | None = Field(None, description="at these times, from the beam's position")
 
+    @property
+    def along_light(self) -> bool:
+        """Whether it leads along the axis of the light anywhere."""
+        ways = (self.amplitude, self.velocity, *(self.positions or ()))
+        return any(way is not None and way[2] != 0 for way in ways)
+
     @model_validator(mode="after")
     def _sound(self) -> Self:
         self._check_times(self.times, "positions", self.positions)

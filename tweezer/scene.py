@@ -13,61 +13,34 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias, get_args
+from typing import Annotated, Any, Self, get_args
 
-from pydantic import (
-    AfterValidator,
-    Field,
-    StrictBool,
-    StrictInt,
-    ValidationError,
-    model_validator,
-)
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
-from tweezer.choices import EVALUATORS, METHODS, MODELS, methods, told
-from tweezer.courses import (
-    Modulation,
-    Motion,
-    Section,
-    Vector,
-    Velocity,
-    refusal,
-    with_tables,
-)
+from tweezer.choices import EVALUATORS, METHODS, methods
+from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
-from tweezer.units import (
-    BEAD_RADIUS,
-    BEAM_SIGMA,
-    Acceleration,
-    AngularSpeed,
-    BeadRadius,
-    BeamSigma,
-    Density,
-    LossDistance,
-    MomentOfInertia,
-    PositiveLength,
-    PositiveTime,
-    Power,
-    Quantity,
-    Temperature,
-    Viscosity,
-    complex_number,
-    entries,
-    quantity_of,
-    to_si,
+from tweezer.sections import (
+    ALTERNATIVES,
+    BELONGING,
+    WITHIN_LAYERS,
+    Bead,
+    Beam,
+    Forces,
+    Lens,
+    Medium,
+    Optics,
+    Simulation,
+    Start,
 )
+from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
+from tweezer.units import TABLE_RADII, quantity_of, to_si
 
 SHIPPED = Path(__file__).parent / "scenes"
 
 #: Knudsen number up to which the medium is taken as a continuum (thesis, 2.2.2)
 KNUDSEN_LIMIT = 1e-3
-
-#: keys that say the same thing in two ways: exactly one of each pair is given
-ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
-    "bead": (("radius", "diameter"),),
-    "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
-}
 
 #: the key that a scene has in place of one that says the same
 _HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
@@ -75,380 +48,8 @@ _HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for 
 #: One of several beams, counted from 1
 _NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
 
-#: keys that go with some choices of another key, and are refused with the others
-BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
-    "beam": {
-        "sigma": ("profile", ("gaussian", "donut")),
-        "profile_radius": ("profile", ("table",)),
-        "profile_intensity": ("profile", ("table",)),
-        "jones": ("polarisation", ("linear",)),
-    },
-    "start": {"ball_radius": ("drawn", ("ball",))},
-}
-
-#: why the light of a scene has no map
-NO_MAP = (
-    "optics.evaluator = 'map': needs light that is the same all around the axis; allowed with "
-    "beam.polarisation: 'averaged-reflectance' or 'circular'"
-)
-
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
-
-if TYPE_CHECKING:
-    ModelName: TypeAlias = str
-    MethodName: TypeAlias = str
-    EvaluatorName: TypeAlias = str
-else:
-    ModelName = Literal[tuple(MODELS)]
-    MethodName = Literal[("auto", *METHODS)]
-    EvaluatorName = Literal[("auto", *EVALUATORS)]
-
-RefractiveIndex = Annotated[float, Quantity("", 1, 10)]
-EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
-AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
-Orientation = Annotated[
-    tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
-]
-Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
-ProfileRadii = Annotated[tuple[Annotated[float, Quantity("m", 0, 1)], ...], entries(4, 10_000)]
-Intensities = Annotated[tuple[Annotated[float, Quantity("", 0, 1e100)], ...], entries(4, 10_000)]
-Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
-
-
-def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitude]:
-    """`jones` at length 1; left as it is where it has that length, so that JSON keeps it."""
-    length = math.hypot(*jones[0], *jones[1])
-    if length < 1e-100:
-        raise PydanticCustomError("jones", "must not both be 0")
-    if abs(length - 1) < 1e-14:
-        return jones
-    (a, b), (c, d) = jones
-    return (a / length, b / length), (c / length, d / length)
-
-
-Jones = Annotated[tuple[Amplitude, Amplitude], entries(2), AfterValidator(_normalised)]
-
-
-def _with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
-    """`data` with `other` rewritten as `key` = `other`/2; exactly one must be there."""
-    if not isinstance(data, dict):
-        return data
-    _exactly_one(data, key, other)
-    if other not in data:
-        return data
-    data = dict(data)
-    value = data.pop(other)
-    try:
-        half = to_si(value, "m", 2 * low, 2 * high) / 2
-    except ValueError as error:
-        raise refusal(f"{other} = {value!r}: {error}") from None
-    return {**data, key: half}
-
-
-def _exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
-    given = [name for name in (key, other) if data.get(name) is not None]
-    if len(given) != 1:
-        both = "not both" if given else "one is needed"
-        raise refusal(f"{key} or {other}: {both}")
-
-
-class Bead(Section):
-    """The sphere. `diameter` may be given in place of `radius`."""
-
-    radius: BeadRadius = Field(description="radius r")
-    density: Density = Field(description="density of the bead, rho_b (Table B.1)")
-    refractive_index: RefractiveIndex = Field(description="refractive index n_P")
-    moments_of_inertia: Moments | None = Field(
-        None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _size(cls, data: Any) -> Any:
-        return _with_half(data, "radius", "diameter", *BEAD_RADIUS)
-
-    @model_validator(mode="after")
-    def _possible_inertia(self) -> Self:
-        if self.moments_of_inertia:
-            largest = max(self.moments_of_inertia)
-            if largest > sum(self.moments_of_inertia) - largest:
-                raise refusal(
-                    f"moments_of_inertia = {list(self.moments_of_inertia)}: no body has a moment "
-                    "larger than the sum of the other two"
-                )
-        return self
-
-
-class Medium(Section):
-    """The fluid around the bead."""
-
-    refractive_index: RefractiveIndex = Field(description="refractive index n_m")
-    density: Density = Field(description="density rho_m")
-    viscosity: Viscosity = Field(description="dynamic viscosity mu_m")
-    temperature: Temperature = Field(description="absolute temperature T")
-    mean_free_path: PositiveLength = Field(
-        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
-    )
-
-
-class Lens(Section):
-    """The objective. Rays leave its pupil and pass through the focus."""
-
-    map: Literal["tan", "sine"] = Field(
-        description="where a ray from pupil radius rho goes: tan(theta) = rho/f (thesis, 3.2), or "
-        "sin(theta) = (rho/R) NA/n_m, the sine condition of an aplanatic objective"
-    )
-    radius: PositiveLength = Field(description="radius of the pupil, R_obj")
-    focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
-    numerical_aperture: Annotated[float, Quantity("", 1e-3, 10)] | None = Field(
-        None, description="NA; needed by the sine map"
-    )
-
-    @model_validator(mode="after")
-    def _complete(self) -> Self:
-        if self.map == "tan" and self.focal_length is None:
-            raise refusal("focal_length: missing; the tan map needs it")
-        if self.map == "sine" and self.numerical_aperture is None:
-            raise refusal("numerical_aperture: missing; the sine map needs it")
-        return self
-
-
-class Beam(Section):
-    """The laser in the pupil. `waist` (1/e^2 radius, 2 sigma) may be given in place of `sigma`."""
-
-    wavelength: PositiveLength = Field(description="vacuum wavelength")
-    power: Power | None = Field(
-        None, description="total power P_t before the pupil cuts the beam (3.4)"
-    )
-    power_through_pupil: Power | None = Field(
-        None, description="power that passes the pupil, in place of `power`"
-    )
-    profile: Literal["gaussian", "uniform", "donut", "table"] = Field(
-        "gaussian",
-        description="intensity over the pupil radius rho. gaussian: exp(-rho^2/(2 sigma^2)) (3.3); "
-        "uniform: the same all over the pupil, and no light beside it; donut: TEM*01, "
-        "rho^2 exp(-rho^2/(2 sigma^2)); table: through the points of profile_radius and "
-        "profile_intensity",
-    )
-    sigma: BeamSigma | None = Field(
-        None,
-        description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
-        "waist; of the donut, the same of its Gaussian factor",
-    )
-    profile_radius: ProfileRadii | None = Field(
-        None, description="rho of the points of a table, from 0 up; dark beyond the last"
-    )
-    profile_intensity: Intensities | None = Field(
-        None, description="intensity at the points of a table, in any unit"
-    )
-    polarisation: Literal["averaged-reflectance", "circular", "linear"] = Field(
-        "circular",
-        description="circular (or unpolarised): Q averaged over s and p; averaged-reflectance: "
-        "the thesis's (3.17), R averaged; linear: Q of s and p as `jones` divides the light",
-    )
-    jones: Jones | None = Field(
-        None,
-        description="Jones vector of linear light in the pupil, amplitudes along x and y, at "
-        'length 1: each a number, text such as "0.5+0.5j", or [real, imaginary]; along x if not '
-        "given. Complex amplitudes make the light elliptical",
-    )
-    torque: Literal["none", "thesis"] = Field(
-        "none",
-        description="none: light turns no lossless isotropic sphere; thesis: (3.25), each force "
-        "applied where the ray enters",
-    )
-    divisions: Annotated[StrictInt, Field(ge=3, le=5000)] = Field(
-        100, description="n_div, squares across the pupil (3.1)"
-    )
-    position: Vector = Field(
-        (0.0, 0.0, 0.0), description="where the beam's focus is, from the origin of the scene"
-    )
-    direction: Literal["up", "down"] = Field(
-        "up",
-        description="up: the light goes along +z; down: it comes through a second lens from above, "
-        "along -z, turned by 180 degrees about x",
-    )
-    motion: Motion | None = Field(None, description="how the focus moves; at rest if not given")
-    modulation: Modulation | None = Field(
-        None, description="how the power changes; not at all if not given"
-    )
-
-    @model_validator(mode="before")
-    @classmethod
-    def _one_way(cls, data: Any) -> Any:
-        if not isinstance(data, dict):
-            return data
-        if "waist" in data:
-            data = _with_half(data, "sigma", "waist", *BEAM_SIGMA)
-        if data.get("polarisation") == "linear" and data.get("jones") is None:
-            data = {**data, "jones": (1, 0)}
-        return data
-
-    @model_validator(mode="after")
-    def _keys_of_the_choices(self) -> Self:
-        for key, (chooser, choices) in BELONGING["beam"].items():
-            choice, given = getattr(self, chooser), getattr(self, key) is not None
-            name = "sigma or waist" if key == "sigma" else key
-            if given and choice not in choices:
-                raise refusal(
-                    f"{name}: not for {chooser} = {choice!r}, only for {' and '.join(choices)}"
-                )
-            if not given and choice in choices:
-                if key == "sigma":
-                    raise refusal(f"{name}: one is needed")
-                raise refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
-        return self
-
-    @model_validator(mode="after")
-    def _one_power(self) -> Self:
-        given = {"power": self.power, "power_through_pupil": self.power_through_pupil}
-        _exactly_one(given, *given)
-        return self
-
-    @model_validator(mode="after")
-    def _whole_table(self) -> Self:
-        if self.profile_radius is None or self.profile_intensity is None:
-            return self
-        if len(self.profile_radius) != len(self.profile_intensity):
-            raise refusal(
-                f"profile_intensity: has {len(self.profile_intensity)} entries; must have as many "
-                f"as profile_radius, {len(self.profile_radius)}"
-            )
-        if self.profile_radius[0] != 0:
-            raise refusal(f"profile_radius.0 = {self.profile_radius[0]}: must be 0")
-        for i, (radius, larger) in enumerate(itertools.pairwise(self.profile_radius), start=1):
-            if larger < max(radius * (1 + 1e-12), 1e-18):
-                raise refusal(
-                    f"profile_radius.{i} = {larger}: must be larger than the one before, {radius}"
-                )
-        if max(self.profile_intensity) < 1e-100:
-            raise refusal("profile_intensity: must not all be 0")
-        return self
-
-
-class Start(Section):
-    """Where and how the bead is released."""
-
-    frame: Literal["focus", "lens"] = Field(
-        "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
-    )
-    position: Vector = Field(description="centre of the bead, z along the light")
-    drawn: Literal["no", "equilibrium", "ball", "boltzmann"] = Field(
-        "no",
-        description="no: where `position` says, as `velocity` says; with thermal motion also "
-        "equilibrium: at the stable equilibrium nearest the focus; ball: uniformly within "
-        "`ball_radius` of `position`; boltzmann: about the equilibrium, as in a harmonic trap of "
-        "its stiffness, velocities thermal, `orientation` as it says",
-    )
-    ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
-    velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
-    orientation: Orientation = Field(
-        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
-    )
-    angular_velocity: AngularVelocity = Field(
-        (0.0, 0.0, 0.0), description="angular velocity, body frame"
-    )
-
-    @model_validator(mode="after")
-    def _some_ball(self) -> Self:
-        if (self.drawn == "ball") != (self.ball_radius is not None):
-            raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
-        return self
-
-    @model_validator(mode="after")
-    def _some_orientation(self) -> Self:
-        if math.hypot(*self.orientation) < 1e-100:
-            raise refusal(
-                f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0"
-            )
-        return self
-
-
-class Forces(Section):
-    """Which forces act, besides drag."""
-
-    optical: StrictBool = Field(True, description="the light (3.26)")
-    gravity: StrictBool = Field(True, description="gravity (2.11)")
-    buoyancy: StrictBool = Field(True, description="buoyancy (2.12)")
-    brownian: StrictBool = Field(False, description="thermal motion (2.16, 2.18-2.20)")
-    brownian_torque: StrictBool = Field(
-        False, description="thermal rotation as well (2.17): the orientation is followed"
-    )
-    gravitational_acceleration: Acceleration = Field(
-        9.80665, description="g, against the light; negative for light that shines downwards"
-    )
-
-
-class Optics(Section):
-    """How the force of the light is computed."""
-
-    evaluator: EvaluatorName = Field("auto", description=told(EVALUATORS.values()))
-    tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
-        1e-8, description="relative tolerance of the quadrature"
-    )
-    table_tolerance: Annotated[float, Quantity("", 1e-12, 0.1)] = Field(
-        1e-7, description="tolerance of the map, as a part of the largest force"
-    )
-    table_range: Annotated[float, Quantity("", 0.5, 20)] = Field(
-        3.0, description="how far the map reaches from the focus, in radii of the bead"
-    )
-
-
-class Simulation(Section):
-    """Model, method, tolerances and output."""
-
-    model: ModelName | None = Field(
-        None,
-        description="none: the cheapest whose error is below the tolerance; "
-        + told(MODELS.values()),
-    )
-    scaling_factor: Annotated[float, Quantity("", 1e-12, 1)] | None = Field(
-        None, description="a2 of the scaled model (4.12)"
-    )
-    rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
-        "angular-velocity",
-        description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
-    )
-    method: MethodName = Field(
-        "auto",
-        description=f"auto: by stiffness and tolerance; {told(methods(thermal=False))}. With "
-        f"thermal motion: {told(methods(thermal=True))}",
-    )
-    step: PositiveTime | None = Field(
-        None,
-        description="fixed steps of a compiled method, instead of steps by the tolerances; with "
-        "thermal motion the longest step, instead of one by the scene's time scales",
-    )
-    relative_tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
-        1e-7, description="relative tolerance of a step"
-    )
-    position_tolerance: PositiveLength = Field(
-        1e-11,
-        description="absolute tolerance of a step in position; in velocity, this per ms, where the "
-        "method controls velocities: exponential does not",
-    )
-    orientation_tolerance: Annotated[float, Quantity("", 1e-16, 1)] = Field(
-        1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
-    )
-    duration: PositiveTime = Field(description="time simulated")
-    samples: Annotated[StrictInt, Field(ge=2, le=10_000_000)] = Field(
-        2001, description="evenly spaced times in the output, both ends included"
-    )
-    most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(
-        10**8, description="places at which a run may evaluate the force before it gives up"
-    )
-    loss_distance: LossDistance = Field(
-        20e-6, description="the run ends as lost this far from the focus"
-    )
-
-    @model_validator(mode="after")
-    def _scaled_by(self) -> Self:
-        if self.model == "scaled" and self.scaling_factor is None:
-            raise refusal("scaling_factor: missing; the scaled model needs it")
-        if self.step is not None and self.method != "auto" and not METHODS[self.method].fixed_steps:
-            raise refusal("step: only the compiled methods take fixed steps")
-        return self
 
 
 class Scene(Section):
@@ -524,44 +125,82 @@ class Scene(Section):
             "motion": None,
             "modulation": None,
         }
-        return self.model_copy(update={"beam": beam.model_copy(update=at_rest), "more_beams": ()})
+        update = {"beam": beam.model_copy(update=at_rest), "more_beams": ()}
+        if self.more_beams:  # all are of one theory
+            update["optics"] = self.optics.model_copy(update={"theory": self.theory})
+        return self.model_copy(update=update)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        aperture = self.lens.numerical_aperture
-        if self.lens.map == "sine" and aperture and aperture >= self.medium.refractive_index:
-            raise refusal(
-                f"lens.numerical_aperture = {aperture}: must be less than "
-                f"medium.refractive_index = {self.medium.refractive_index} for the sine map"
-            )
+        self._aperture_in_reach()
+        by = EVALUATORS.get(self.optics.evaluator)
         for beam in self.beams:
             if self.lit and self.optics.evaluator == "grid":
                 self._wider_than_a_square(beam)
-            by = EVALUATORS.get(self.optics.evaluator)
-            if by and by.symmetric and beam.polarisation == "linear":
+            if by and self.theory in by.symmetric and beam.polarisation == "linear":
                 raise refusal(NO_MAP)
+        if self.lit and self.theory == "rays":
+            self._map_of_rays()
+        if self.lens.cover is not None:
+            self._foci_at_the_depth()
         self._thermal()
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise refusal("start.frame = 'lens': needs lens.focal_length")
-        x, y, z = self.start_position
-        ball = self.start.ball_radius or 0.0
-        lens = -math.inf
-        if self.lens.focal_length is not None:
-            lens = self.bead.radius - self.lens.focal_length
-        if z - ball <= lens:
+        self._start_in_the_medium()
+        return self
+
+    def _aperture_in_reach(self) -> None:
+        """Refuse a sine map whose outermost rays leave the lens at a right angle or beyond."""
+        lens, key, index = self.lens, "medium", self.medium.refractive_index
+        if lens.cover is not None:
+            key, index = "lens.cover", lens.cover.refractive_index
+        if lens.map == "sine" and lens.numerical_aperture and lens.numerical_aperture >= index:
             raise refusal(
-                f"start.position = {list(self.start.position)}: the bead must start beyond the "
-                "lens, by more than its radius"
+                f"lens.numerical_aperture = {lens.numerical_aperture}: must be less than "
+                f"{key}.refractive_index = {index} for the sine map"
             )
+
+    def _map_of_rays(self) -> None:
+        """Refuse a range that the map of rays does not have."""
+        if not TABLE_RADII[0] <= self.table_radii <= TABLE_RADII[1]:
+            raise refusal(
+                f"optics.table_range = {self.optics.table_range!r}: is {self.table_radii:.3g} "
+                "radii of the bead; must be from "
+                f"{TABLE_RADII[0]:g} to {TABLE_RADII[1]:g} of them for rays"
+            )
+
+    def _foci_at_the_depth(self) -> None:
+        """Refuse foci that are nearer to the face of a cover than its depth, or farther."""
+        for name, beam in named_beams(self.beams):
+            if beam.position[2]:
+                raise refusal(
+                    f"{name}.position = {list(beam.position)}: must be at z = 0 beside lens.cover, "
+                    "whose depth is that of the focus"
+                )
+            if beam.motion is not None and beam.motion.along_light:
+                raise refusal(f"{name}.motion: must be across the light beside lens.cover")
+
+    def _start_in_the_medium(self) -> None:
+        """Refuse a start that is not between the lens, or the face of its cover, and loss."""
+        x, y, z = self.start_position
+        ball, radius = self.start.ball_radius or 0.0, self.bead.radius
+        given = f"start.position = {list(self.start.position)}"
+        if self.lens.focal_length is not None and z - ball <= radius - self.lens.focal_length:
+            raise refusal(f"{given}: the bead must start beyond the lens, by more than its radius")
+        if (cover := self.lens.cover) is not None:
+            towards = {"up": z, "down": -z}
+            if min(towards[beam.direction] for beam in self.beams) - ball <= radius - cover.depth:
+                raise refusal(
+                    f"{given}: the bead must start beyond the face of lens.cover, which is "
+                    f"{cover.depth:.3g} m before the focus, by more than its radius"
+                )
         distance = math.hypot(x, y, z) + ball
         if distance >= self.simulation.loss_distance:
             to = "and its ball reach to" if ball else "is"
             raise refusal(
-                f"start.position = {list(self.start.position)}: {to} {distance:.3g} m "
-                "from the focus; must be nearer than simulation.loss_distance = "
-                f"{self.simulation.loss_distance:.3g} m"
+                f"{given}: {to} {distance:.3g} m from the focus; must be nearer than "
+                f"simulation.loss_distance = {self.simulation.loss_distance:.3g} m"
             )
-        return self
 
     def _thermal(self) -> None:
         """Refuse what does not go with thermal motion, or not without."""
@@ -589,11 +228,10 @@ class Scene(Section):
             raise refusal(
                 "simulation.model = 'first-order': with thermal motion without rotation only"
             )
-        torque = self.lit and any(each.torque != "none" for each in self.beams)
-        if how and how.spring_only and torque:
+        if how and how.spring_only and self._turned_by_light:
             raise refusal(
                 f"simulation.method = {method!r}: a spring exerts no torque; allowed: "
-                "beam.torque = 'none'"
+                "beam.torque = 'none', and a bead that does not absorb"
             )
         if self.rotates and self.bead.moments_of_inertia and model != "overdamped":
             raise refusal(
@@ -656,9 +294,43 @@ class Scene(Section):
     @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
-        turned_by_light = self.lit and any(beam.torque == "thesis" for beam in self.beams)
-        turned = turned_by_light or any(self.start.angular_velocity)
+        turned = self._turned_by_light or any(self.start.angular_velocity)
         return turned or self.forces.brownian_torque
+
+    @property
+    def _turned_by_light(self) -> bool:
+        """Whether the light exerts a torque: by the thesis's rays, or as waves by absorption."""
+        if self.theory == "waves":
+            return self.bead.absorbs
+        return self.lit and any(beam.torque == "thesis" for beam in self.beams)
+
+    @property
+    def theory(self) -> str:
+        """Theory that the light is computed with: "rays" or "waves"."""
+        return self._theory.theory
+
+    @property
+    def theory_reason(self) -> str:
+        """Why the light is computed with that theory, in one clause."""
+        return self._theory.reason
+
+    @property
+    def _theory(self) -> Choice:
+        if not self.lit:
+            return Choice("rays", "no light")
+        return chosen_theory(self.optics, self.bead, self.medium, self.lens, self.beams)
+
+    @property
+    def table_radii(self) -> float:
+        """How far the map reaches from the focus, in radii of the bead."""
+        reach = self.optics.table_range
+        return to_si(reach, "m") / self.bead.radius if isinstance(reach, str) else reach
+
+    @property
+    def table_reach(self) -> float:
+        """How far the map reaches from the focus, m."""
+        reach = self.optics.table_range
+        return to_si(reach, "m") if isinstance(reach, str) else reach * self.bead.radius
 
     @property
     def lit(self) -> bool:
@@ -805,6 +477,10 @@ def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair and set(pair) & set(changes):
             return True
+    if section == "bead" and "layers" in changes:
+        return key in WITHIN_LAYERS
+    if section == "bead" and key == "layers":
+        return "refractive_index" in changes
     chooser, choices = BELONGING.get(section, {}).get(key, ("", ()))
     return chooser in changes and changes[chooser] not in choices
 

@@ -11,9 +11,10 @@ import dataclasses
 import functools
 import math
 import re
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import PydanticCustomError, core_schema
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
 )
+_NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 _NAME = (
     r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad)"
@@ -212,20 +214,34 @@ def complex_number(largest: float) -> BeforeValidator:
     """
 
     def parse(value: Any) -> tuple[float, float]:
-        try:
-            if isinstance(value, str):
-                number = _complex_from_text(value)
-                value = number.real, number.imag
-            elif not isinstance(value, list | tuple):
-                value = value, 0.0
-            if len(value) != 2:
-                raise ValueError('must be a number, text such as "0.5-0.5j", or [real, imaginary]')
-            real, imaginary = (to_si(part, "", -largest, largest) for part in value)
-        except ValueError as error:
-            raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
+        real, imaginary = (to_si(part, "", -largest, largest) for part in _parts(value))
         return real, imaginary
 
-    return BeforeValidator(parse)
+    return _reading(parse)
+
+
+def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
+    """Pydantic validator by a function whose `ValueError` says what is allowed."""
+
+    def checked(value: Any) -> Any:
+        try:
+            return read(value)
+        except ValueError as error:
+            raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
+
+    return BeforeValidator(checked)
+
+
+def _parts(value: Any) -> tuple[Any, Any]:
+    """Real and imaginary part of a complex number as a user gives it."""
+    if isinstance(value, str):
+        number = _complex_from_text(value)
+        return number.real, number.imag
+    if not isinstance(value, list | tuple):
+        return value, 0.0
+    if len(value) != 2:
+        raise ValueError('must be a number, text such as "1.59+0.01j", or [real, imaginary]')
+    return value[0], value[1]
 
 
 def _complex_from_text(text: str) -> complex:
@@ -234,11 +250,62 @@ def _complex_from_text(text: str) -> complex:
             raise ValueError
         return complex(text.replace(" ", ""))
     except ValueError:
-        raise ValueError('must be a complex number such as "1j" or "0.5-0.5j"') from None
+        raise ValueError('must be a complex number such as "1j" or "1.59+0.01j"') from None
+
+
+def _index(value: Any) -> float | tuple[float, float]:
+    """A refractive index: a number where it is real, or else its real and imaginary part."""
+    real, imaginary = _parts(value)
+    imaginary = to_si(imaginary, "")
+    if not 0 <= imaginary <= _INDEX_IMAGINARY:
+        raise ValueError(
+            f"the imaginary part must be from 0 to {_INDEX_IMAGINARY:g}: a negative one is gain"
+        )
+    if imaginary == 0:
+        return to_si(real, "", *_INDEX)
+    return to_si(real, "", *_INDEX_REAL), imaginary
+
+
+def _radii_or_length(value: Any) -> float | str:
+    """A number of radii as it is; a length as text in m."""
+    if not isinstance(value, str):
+        return to_si(value, "", *TABLE_RADII)
+    if _NUMBER.fullmatch(value):
+        raise ValueError('has no unit; write a bare number of radii, or a length such as "5 um"')
+    return f"{to_si(value, 'm', *_TABLE_LENGTH)!r} m"
 
 
 # The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.
 # Of `usual`, see `Quantity`: beads in liquids.
+#: from and to, of a real index
+_INDEX = (1.0, 10.0)
+#: from and to, of the real part of a complex index: metals have small ones
+_INDEX_REAL = (0.01, 10.0)
+#: Largest imaginary part of an index
+_INDEX_IMAGINARY = 100.0
+#: from and to, of a map's reach in radii, and in m
+TABLE_RADII = (0.5, 20.0)
+_TABLE_LENGTH = (1e-8, 1e-3)
+RefractiveIndex = Annotated[float, Quantity("", *_INDEX)]
+ComplexIndex = Annotated[
+    float | tuple[float, float],
+    _reading(_index),
+    WithJsonSchema({"anyOf": [
+        {"type": "number", "minimum": _INDEX[0], "maximum": _INDEX[1], "unit": ""},
+        {"type": "array", "prefixItems": [
+            {"type": "number", "minimum": _INDEX_REAL[0], "maximum": _INDEX_REAL[1], "unit": ""},
+            {"type": "number", "minimum": 0, "maximum": _INDEX_IMAGINARY, "unit": ""},
+        ]},
+    ]}),
+]  # fmt: skip
+RadiiOrLength = Annotated[
+    float | str,
+    _reading(_radii_or_length),
+    WithJsonSchema({"anyOf": [
+        {"type": "number", "minimum": TABLE_RADII[0], "maximum": TABLE_RADII[1], "unit": "radii"},
+        {"type": "number", "minimum": _TABLE_LENGTH[0], "maximum": _TABLE_LENGTH[1], "unit": "m"},
+    ]}),
+]  # fmt: skip
 Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
 PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
 #: Any length: 1 m says that the bead is never lost.

@@ -26,7 +26,8 @@ from tweezer.errors import IntegrationError, SceneError
 from tweezer.fluid import DRAG_KERNEL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
-from tweezer.scene import Scene, Simulation
+from tweezer.scene import Scene
+from tweezer.sections import Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -12,13 +12,16 @@ from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
 from tweezer.errors import SceneError
-from tweezer.scene import Beam, Lens, Medium, Scene
+from tweezer.scene import Scene
+from tweezer.sections import Beam, Lens, Medium
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]
 
 #: rho^2/(2 sigma^2) at which beams are cut; Gaussian and donut are below 1e-18 of their peak there
 _DARK = 47.0
+#: Logarithm of the peak over the intensity at which rings are cut
+_FAINT = 42.0
 #: Smallest part of a beam's power that may pass the pupil
 _LEAST_FRACTION = 1e-100
 #: Largest degree of a series, enough for light up to 85 degrees off the axis
@@ -50,7 +53,8 @@ def cone(scene: Scene) -> Cone:
 
     A ring of the pupil carries I(rho) 2 pi rho drho (3.3)-(3.5) into the polar angle theta(rho) of
     the lens map, so the power per solid angle is I rho (drho/dtheta)/sin(theta): I f^2/cos^3(theta)
-    for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for rho = (R n_m/NA) sin(theta).
+    for rho = f tan(theta), and I (R n_m/NA)^2 cos(theta) for rho = (R n_m/NA) sin(theta). With a
+    cover it is the light before the face: theta and n are those of the medium there.
 
     The cone ends where the beam does: at the rim of the pupil, where a table ends, or where the
     intensity has fallen below 1e-18 of its peak. Raises `SceneError` if a series of degree 120 does
@@ -79,8 +83,9 @@ def total_power(lens: Lens, beam: Beam) -> float:
 def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
     """Part of the beam's power that passes the pupil of radius R.
 
-    With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t), and the donut (TEM*01, intensity
-    proportional to t exp(-t)) 1 - (1 + t) exp(-t), which is the incomplete gamma function P(2, t).
+    With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
+    incomplete gamma function P(n + 1, t): n = |l| for a Gaussian beam with a vortex, which is
+    Laguerre-Gauss with p = 0, and n = 1 for the donut (TEM*01).
     Raises `SceneError` for a table that leaves the pupil dark.
     """
     if beam.profile == "uniform":
@@ -95,11 +100,11 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
         return fraction
     assert beam.sigma is not None
     t = (lens.radius / beam.sigma) ** 2 / 2
-    if beam.profile == "gaussian":
+    if (power := _ring(beam)) == 0:
         return -math.expm1(-t)
     from scipy.special import gammainc
 
-    return float(gammainc(2, t))
+    return float(gammainc(power + 1, t))
 
 
 def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
@@ -131,14 +136,15 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
     """Sine and cosine of the angle to the axis of a ray from pupil radius `rho` (m).
 
     `tan`: tan(theta) = rho/f, rays straight from the lens plane to the focus, as in (3.2).
-    `sine`: sin(theta) = (rho/R) NA/n_m, Abbe's sine condition.
+    `sine`: sin(theta) = (rho/R) NA/n, Abbe's sine condition; n is n_m or, with a cover, the index
+    before its face.
     """
     if lens.map == "tan":
         assert lens.focal_length is not None
         hypotenuse = np.hypot(rho, lens.focal_length)
         return rho / hypotenuse, lens.focal_length / hypotenuse
     assert lens.numerical_aperture is not None
-    sine = rho / lens.radius * lens.numerical_aperture / medium.refractive_index
+    sine = rho / lens.radius * lens.numerical_aperture / _index(lens, medium)
     return sine, np.sqrt((1 - sine) * (1 + sine))
 
 
@@ -155,7 +161,7 @@ class _Shape:
 def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     edge = lens.radius
     if beam.sigma is not None:
-        edge = min(edge, beam.sigma * math.sqrt(2 * _DARK))
+        edge = min(edge, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))
     elif beam.profile == "table":
         edge = min(edge, _outermost(beam))
     half_angle = _polar_angle(edge, lens, medium)
@@ -221,10 +227,32 @@ def _profile(beam: Beam) -> Profile:
     if beam.profile == "table":
         return _interpolated(beam)[0]
     assert beam.sigma is not None
-    two_variances = 2 * beam.sigma**2
-    if beam.profile == "gaussian":
+    two_variances, power = 2 * beam.sigma**2, _ring(beam)
+    if power == 0:
         return lambda rho: np.exp(-(rho**2) / two_variances)
-    return lambda rho: rho**2 / two_variances * np.exp(-(rho**2) / two_variances)
+    scale = math.factorial(power)
+
+    def ring(rho: Array) -> Array:
+        t = rho**2 / two_variances
+        return np.asarray(t**power / scale * np.exp(-t))
+
+    return ring
+
+
+def _ring(beam: Beam) -> int:
+    """n of the intensity t^n exp(-t), t = rho^2/(2 sigma^2), of a Gaussian or a donut."""
+    return 1 if beam.profile == "donut" else abs(beam.vortex)
+
+
+def _dark(power: int) -> float:
+    """t at which t^n exp(-t) is below 1e-18 of its peak, at t = n.
+
+    With t = n + x the logarithm falls by x - n log(1 + x/n) >= x^2/(2 n + 2 x/3) (Bernstein's
+    inequality), which is above a for x = a + sqrt(2 a n).
+    """
+    if power <= 1:
+        return _DARK
+    return power + _FAINT + math.sqrt(2 * _FAINT * power)
 
 
 def _interpolated(beam: Beam) -> tuple[Profile, Callable[[float], float]]:
@@ -266,12 +294,17 @@ def _spread(cosine: Array, lens: Lens, medium: Medium) -> Array:
 
 
 def _scale(lens: Lens, medium: Medium) -> float:
-    """f of the tan map, R n_m/NA of the sine map, m."""
+    """f of the tan map, R n/NA of the sine map, m."""
     if lens.map == "tan":
         assert lens.focal_length is not None
         return lens.focal_length
     assert lens.numerical_aperture is not None
-    return lens.radius * medium.refractive_index / lens.numerical_aperture
+    return lens.radius * _index(lens, medium) / lens.numerical_aperture
+
+
+def _index(lens: Lens, medium: Medium) -> float:
+    """Refractive index of the medium into which the lens focuses."""
+    return (lens.cover or medium).refractive_index
 
 
 def _versine(angle: float) -> float:

@@ -16,7 +16,8 @@ from tweezer.forces.data import Data, packed
 from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by, light_on_bead
 from tweezer.optics.worth import ray_optics_caveat
-from tweezer.scene import Beam, Scene, checked_scene
+from tweezer.scene import Scene, checked_scene
+from tweezer.sections import Beam
 
 Array = NDArray[np.float64]
 
@@ -122,11 +123,11 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     (`PhysicsWarning`) how far ray optics holds: see `ray_optics_caveat`. Warns if the series of a
     beam's table deviates from it by more than 0.1 % of the peak.
     """
-    if (caveat := ray_optics_caveat(scene)) is not None:
+    if scene.theory == "rays" and (caveat := ray_optics_caveat(scene)) is not None:
         _warn_once(caveat)
     if not scene.lit:
         return Dark(light_on_bead(scene))
-    force: LightForce = evaluator(scene.optics.evaluator).load()(scene)
+    force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)
     if (off := force.light.cone.deviation) > _UNEVEN:
         warn(
             f"beam.profile_intensity: points so uneven that the light summed differs from them by "

@@ -18,7 +18,8 @@ from tweezer.optics.by_quadrature import ByQuadrature, to_tolerance
 from tweezer.optics.light import LightForce, light_on_bead
 from tweezer.optics.table import Table, stored
 from tweezer.optics.tabulate import Made, Progress, build
-from tweezer.scene import NO_MAP, Scene
+from tweezer.scene import Scene
+from tweezer.theory import NO_MAP
 
 Array = NDArray[np.float64]
 
@@ -90,7 +91,7 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
     """The table of the force of a scene's light, from the user's cache folder or computed and
     stored.
 
-    It reaches `optics.table_range` radii from the focus. Its tolerance is `optics.table_tolerance`
+    It reaches `optics.table_range` from the focus. Its tolerance is `optics.table_tolerance`
     times the largest force there. progress: called with the finished part, 0 to 1, while it is
     computed; a second process that needs the same table waits for the first. One table serves every
     power of the light, and all scenes that differ only in scale.
@@ -114,10 +115,10 @@ def force_map(scene: Scene, progress: Progress | None = None) -> Table:
             to_tolerance(in_radii, finer).field,
             half_angle=light.cone.half_angle,
             tolerance=scene.optics.table_tolerance,
-            reach=scene.optics.table_range,
+            reach=scene.table_radii,
             moment=light.torque,
             progress=progress,
         )
 
-    made, path = stored(in_radii, scene.optics, make)
+    made, path = stored(in_radii, scene, make)
     return Table(made, light.radius, light.strength, path)

@@ -35,6 +35,7 @@ class Light:
     index_ratio: float
     """n_m/n_P"""
     polarisation: str
+    """of the rays: unpolarised light is as circular to them"""
     jones: Array
     """(4,) Jones vector as (re, im) pairs; zeros where the light is not linear"""
     torque: bool
@@ -58,13 +59,14 @@ class Light:
 def light_on_bead(scene: Scene) -> Light:
     """The light of the one beam of `scene`, on its bead."""
     n_m = scene.medium.refractive_index
+    polarisation = scene.beam.polarisation
     jones = scene.beam.jones or ((0.0, 0.0), (0.0, 0.0))
     return Light(
         cone=cone(scene),
         momentum_per_energy=n_m / SPEED_OF_LIGHT,
         radius=scene.bead.radius,
-        index_ratio=n_m / scene.bead.refractive_index,
-        polarisation=scene.beam.polarisation,
+        index_ratio=n_m / scene.bead.index.real,
+        polarisation="circular" if polarisation == "unpolarised" else polarisation,
         jones=np.array(jones).ravel(),
         torque=scene.beam.torque == "thesis",
     )

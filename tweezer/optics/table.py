@@ -25,7 +25,7 @@ from tweezer.optics.tabulate import Made
 if TYPE_CHECKING:
     from filelock import FileLock
 
-    from tweezer.scene import Optics
+    from tweezer.scene import Scene
 
 _log = logging.getLogger("tweezer")
 
@@ -87,21 +87,21 @@ class Table:
         return self.made.seconds
 
 
-def stored(light: Light, optics: Optics, make: Callable[[], Made]) -> tuple[Made, Path | None]:
+def stored(light: Light, scene: Scene, make: Callable[[], Made]) -> tuple[Made, Path | None]:
     """The table of `light`, given in radii and n_m P/c, and its file.
 
     From memory, from the user's cache folder, or else by `make`. Warns as
     `tweezer.optics.force_map`.
     """
-    key = _key(light, optics)
+    key = _key(light, scene)
     if key in _in_memory:
         return _in_memory[key]
     made, path = _kept(key, make)
     reached = made.certified / made.largest
-    if reached > optics.table_tolerance:
+    if reached > (tolerance := scene.optics.table_tolerance):
         warn(
             f"the table errs by up to {reached:.2g} of the largest force: it did not reach "
-            f"optics.table_tolerance = {optics.table_tolerance:g}",
+            f"optics.table_tolerance = {tolerance:g}",
         )
     if len(_in_memory) == _MOST_IN_MEMORY:
         del _in_memory[next(iter(_in_memory))]
@@ -109,11 +109,11 @@ def stored(light: Light, optics: Optics, make: Callable[[], Made]) -> tuple[Made
     return made, path
 
 
-def _key(light: Light, optics: Optics) -> str:
+def _key(light: Light, scene: Scene) -> str:
     """Digest of everything that a table depends on. Rounding in the power does not change it."""
     said = (
         light.cone.half_angle, light.index_ratio, light.polarisation, light.torque,
-        optics.table_tolerance, optics.table_range,
+        scene.optics.table_tolerance, scene.table_radii,
     )  # fmt: skip
     shape = np.round(light.cone.series / np.abs(light.cone.series).max(), 13) + 0.0  # no -0
     return hashlib.sha256(f"{_SOURCES}{said}{shape.tolist()}".encode()).hexdigest()

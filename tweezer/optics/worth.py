@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
 from tweezer.scene import Scene
+from tweezer.theory import no_rays
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -109,11 +110,12 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
         return None
     medium, diameter = scene.medium, 2 * scene.bead.radius
     aperture = _effective_aperture(scene)
-    index_ratio = scene.bead.refractive_index / medium.refractive_index
+    index_ratio = scene.bead.index.real / medium.refractive_index
     wavelengths = diameter * medium.refractive_index / scene.beam.wavelength
     focal_spot = 2 * scene.beam.wavelength / (math.pi * aperture * medium.refractive_index)
-    # beams that face each other form another trap than the table's
-    alike = _alike(math.nan if _facing(scene) else index_ratio, aperture, wavelengths)
+    # beams that face each other form another trap than the table's, and its beads are homogeneous
+    other = _facing(scene) or no_rays(scene.bead, scene.lens, scene.beams) is not None
+    alike = _alike(math.nan if other else index_ratio, aperture, wavelengths)
     trapped = ~np.isnan(alike["stiffness_across"])
     return RayOpticsWorth(
         wavelengths=wavelengths,
