@@ -630,16 +630,6 @@ def _parts(*names: tuple[Quantity, Quantity]) -> tuple[Argument, ...]:
 
 def _waves() -> Module:
     order = _scalars((sy.DEGREE, sy.ORDER))
-    of_surface = _scalars((sy.LOGARITHMIC_DERIVATIVE, sy.RELATIVE_INDEX, sy.DEGREE, sy.SIZE))
-    of_layer = _scalars(
-        (
-            sy.INNER_DERIVATIVE,
-            sy.INNER_INDEX,
-            sy.RELATIVE_INDEX,
-            *sy.DERIVATIVES_IN_LAYER,
-            sy.RATIO_IN_LAYER,
-        )
-    )
     neighbours = _parts(
         *(sy.DOWN_BEFORE, sy.DOWN, sy.DOWN_ABOVE),
         *(sy.BEFORE, sy.AMPLITUDE, sy.ABOVE),
@@ -677,39 +667,26 @@ def _waves() -> Module:
                 output_names=("along", "within", "raised", "turned", "lowered"),
             ),
             Function(
-                "electric",
-                "A of electric waves at the bead's surface.",
-                of_surface,
-                sp.Matrix([waves.electric]),
-                output_names=("A",),
+                "electric_across",
+                "z f'/f - (n+1) of electric waves outside of a surface, from that inside; that of\n"
+                "magnetic waves is continuous.",
+                _scalars((sy.FIELD_DERIVATIVE, sy.INNER_INDEX, sy.RELATIVE_INDEX, sy.DEGREE)),
+                sp.Matrix([waves.electric_across]),
+                output_names=("g_out",),
             ),
             Function(
-                "magnetic",
-                "A of magnetic waves at the bead's surface.",
-                of_surface,
-                sp.Matrix([waves.magnetic]),
-                output_names=("A",),
+                "layer",
+                "z f'/f - (n+1) at the outer surface of a layer, from that at its inner surface.",
+                _scalars((sy.FIELD_DERIVATIVE, *sy.LAYER_DERIVATIVES, sy.LAYER_RATIO)),
+                sp.Matrix([waves.layer]),
+                output_names=("g_out",),
             ),
             Function(
                 "reflected",
-                "P and Q of the Mie coefficient P/(P - iQ); chi = -x y_n.",
-                _scalars((sy.ADMITTANCE, *sy.RICCATI_BESSEL)),
+                "P and Q of the Mie coefficient P/(P - iQ), from g just outside of the bead.",
+                _scalars((sy.FIELD_DERIVATIVE, *sy.OUTER_DERIVATIVES, sy.OUTER_RATIO)),
                 waves.reflected,
                 output_names=("P", "Q"),
-            ),
-            Function(
-                "electric_layer",
-                "Logarithmic derivative at the outer surface of a layer (Yang), electric waves.",
-                of_layer,
-                sp.Matrix([waves.electric_layer]),
-                output_names=("H_out",),
-            ),
-            Function(
-                "magnetic_layer",
-                "The same, magnetic waves.",
-                of_layer,
-                sp.Matrix([waves.magnetic_layer]),
-                output_names=("H_out",),
             ),
             Function(
                 "force_summand",

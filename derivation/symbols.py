@@ -200,32 +200,22 @@ def _of_either_kind(name: str, meaning: str) -> Quantity:
 DEGREE = _quantity("n", "1", "degree of the harmonic")
 ORDER = _quantity("m", "1", "order of the harmonic")
 
-SIZE = _quantity("x", "1", "wavenumber in the medium times radius of the bead", positive=True)
-RELATIVE_INDEX = _of_either_kind("m", "index of the bead, or of the layer, relative to the medium")
-INNER_INDEX = _of_either_kind("m_in", "relative index within the layer")
-LOGARITHMIC_DERIVATIVE = _of_either_kind("D", "psi_n'/psi_n at the inner side of the surface")
-INNER_DERIVATIVE = _of_either_kind("H", "logarithmic derivative of the field within the layer")
-DERIVATIVES_IN_LAYER = tuple(
-    _of_either_kind(name, f"logarithmic derivative of {solution} at the layer's {side} surface")
-    for name, solution, side in (
-        ("D1_in", "psi_n", "inner"),
-        ("D3_in", "the second solution", "inner"),
-        ("D1_out", "psi_n", "outer"),
-        ("D3_out", "the second solution", "outer"),
-    )
+# A reduced logarithmic derivative is z f'(z)/f(z) - (n+1): 0 for psi_n as z goes to 0.
+RELATIVE_INDEX = _of_either_kind("m", "index outside of the surface, relative to the medium")
+INNER_INDEX = _of_either_kind("m_in", "index inside of the surface, relative to the medium")
+FIELD_DERIVATIVE = _of_either_kind("g", "reduced logarithmic derivative of the field")
+OUTER_DERIVATIVES = tuple(
+    _of_either_kind(f"g_{name}", f"that of {solution} at the surface")
+    for name, solution in (("psi", "psi_n"), ("chi", "the second solution"))
 )
-RATIO_IN_LAYER = _of_either_kind(
-    "Q", "psi_n over the second solution at the inner surface, over the same at the outer"
+OUTER_RATIO = _of_either_kind("ratio", "psi_n over chi_n at the surface")
+LAYER_DERIVATIVES = tuple(
+    _of_either_kind(f"g_{name}_{side}", f"that of {solution} at the layer's {surface} surface")
+    for side, surface in (("in", "inner"), ("out", "outer"))
+    for name, solution in (("psi", "psi_n"), ("chi", "the second solution"))
 )
-ADMITTANCE = _of_either_kind("A", "D/m + n/x or m D + n/x")
-RICCATI_BESSEL = tuple(
-    _quantity(name, "1", f"{function} at x")
-    for name, function in (
-        ("psi", "psi_n"),
-        ("psi_before", "psi_(n-1)"),
-        ("chi", "chi_n"),
-        ("chi_before", "chi_(n-1)"),
-    )
+LAYER_RATIO = _of_either_kind(
+    "ratio", "psi_n over the second solution at the inner surface, over the same at the outer"
 )
 
 AMPLITUDE = _complex("P", "amplitude at (n, m)")

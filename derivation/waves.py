@@ -50,30 +50,28 @@ SQUARED_ELEMENTS = sp.Matrix(
 ).subs(l, 1)
 
 # --- the sphere --------------------------------------------------------------------------------
-x, index = sy.SIZE.symbol, sy.RELATIVE_INDEX.symbol
-D, A = sy.LOGARITHMIC_DERIVATIVE.symbol, sy.ADMITTANCE.symbol
-psi, psi_before, chi, chi_before = (quantity.symbol for quantity in sy.RICCATI_BESSEL)
+index, inner_index = sy.RELATIVE_INDEX.symbol, sy.INNER_INDEX.symbol
+g = sy.FIELD_DERIVATIVE.symbol
+g_psi, g_chi = (quantity.symbol for quantity in sy.OUTER_DERIVATIVES)
+ratio = sy.OUTER_RATIO.symbol
+g_psi_in, g_chi_in, g_psi_out, g_chi_out = (quantity.symbol for quantity in sy.LAYER_DERIVATIVES)
 
-#: the field's psi'/psi + n/x just outside, of electric and of magnetic waves
-electric = D / index + n / x
-magnetic = index * D + n / x
-#: a_n = P/(P - iQ); P and Q are real where the index is
-reflected = sp.Matrix([A * psi - psi_before, A * chi - chi_before])
-
-inner_index, H = sy.INNER_INDEX.symbol, sy.INNER_DERIVATIVE.symbol
-D1_in, D3_in, D1_out, D3_out = (quantity.symbol for quantity in sy.DERIVATIVES_IN_LAYER)
-Q = sy.RATIO_IN_LAYER.symbol
-
-
-def _layer(h: sp.Expr, scale: sp.Expr) -> sp.Expr:
-    """Logarithmic derivative at the outer surface, from h/scale at the inner."""
-    G1, G2 = h - scale * D1_in, h - scale * D3_in
-    return (G2 * D1_out - Q * G1 * D3_out) / (G2 - Q * G1)
+# A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. m f and f' are
+# continuous for electric waves, f and m f' for magnetic waves, so that z f'/(m^2 f) and z f'/f are.
+# What is carried from the core outwards is g = z f'/f - (n+1), the reduced logarithmic derivative:
+# for psi_n of a small z it is -z^2/(2n+3), of which a difference loses no digits.
+#: g of electric waves outside of a surface, from g inside; that of magnetic waves is continuous
+electric_across = (
+    (index - inner_index) * (index + inner_index) * (n + 1) + index**2 * g
+) / inner_index**2
 
 
-#: Yang's step; the second solution may be xi or chi
-electric_layer = _layer(index * H, inner_index)
-magnetic_layer = _layer(inner_index * H, index)
+#: Yang's step through a layer in terms of g; the second solution may be chi_n or xi_n
+layer = ((g - g_chi_in) * g_psi_out - ratio * (g - g_psi_in) * g_chi_out) / (
+    (g - g_chi_in) - ratio * (g - g_psi_in)
+)
+#: P and Q, up to one factor, of the Mie coefficient P/(P - iQ): real where the index is
+reflected = sp.Matrix([ratio * (g - g_psi), g - g_chi])
 
 
 # --- complex numbers by their parts --------------------------------------------------------------

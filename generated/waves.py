@@ -1,7 +1,7 @@
 """The force of focused light on a sphere, exactly: what is summed over harmonics (n, m).
 
 Made by `python -m derivation` from derivation/waves.py; do not edit.
-SymPy 1.14.0. 404 operations, 17 temporaries.
+SymPy 1.14.0. 386 operations, 12 temporaries.
 
 Amplitudes p_nm = 2 pi i^m P_nm about the bead's centre: of one component (light of
 helicity +1, its own partner) or of two (electric and magnetic, each the other's
@@ -43,94 +43,53 @@ def squared_elements(n, m):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def electric(D, m, n, x):
-    """A of electric waves at the bead's surface.
+def electric_across(g, m_in, m, n):
+    """z f'/f - (n+1) of electric waves outside of a surface, from that inside; that of
+    magnetic waves is continuous.
 
-    D: psi_n'/psi_n at the inner side of the surface [1]
-    m: index of the bead, or of the layer, relative to the medium [1]
+    g: reduced logarithmic derivative of the field [1]
+    m_in: index inside of the surface, relative to the medium [1]
+    m: index outside of the surface, relative to the medium [1]
     n: degree of the harmonic [1]
-    x: wavenumber in the medium times radius of the bead [1]
-    Returns A.
-    3 operations, 0 temporaries.
+    Returns g_out.
+    10 operations, 0 temporaries.
     """
-    A = D / m + n / x
-    return A
+    g_out = (g * (m * m) + (m - m_in) * (m + m_in) * (n + 1.0)) / (m_in * m_in)
+    return g_out
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def magnetic(D, m, n, x):
-    """A of magnetic waves at the bead's surface.
+def layer(g, g_psi_in, g_chi_in, g_psi_out, g_chi_out, ratio):
+    """z f'/f - (n+1) at the outer surface of a layer, from that at its inner surface.
 
-    D: psi_n'/psi_n at the inner side of the surface [1]
-    m: index of the bead, or of the layer, relative to the medium [1]
-    n: degree of the harmonic [1]
-    x: wavenumber in the medium times radius of the bead [1]
-    Returns A.
-    3 operations, 0 temporaries.
+    g: reduced logarithmic derivative of the field [1]
+    g_psi_in: that of psi_n at the layer's inner surface [1]
+    g_chi_in: that of the second solution at the layer's inner surface [1]
+    g_psi_out: that of psi_n at the layer's outer surface [1]
+    g_chi_out: that of the second solution at the layer's outer surface [1]
+    ratio: psi_n over the second solution at the inner surface, over the same at the outer [1]
+    Returns g_out.
+    9 operations, 1 temporaries.
     """
-    A = D * m + n / x
-    return A
+    x0 = ratio * (g - g_psi_in)
+    g_out = (-g_chi_out * x0 + g_psi_out * (g - g_chi_in)) / (g - g_chi_in - x0)
+    return g_out
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def reflected(A, psi, psi_before, chi, chi_before):
-    """P and Q of the Mie coefficient P/(P - iQ); chi = -x y_n.
+def reflected(g, g_psi, g_chi, ratio):
+    """P and Q of the Mie coefficient P/(P - iQ), from g just outside of the bead.
 
-    A: D/m + n/x or m D + n/x [1]
-    psi: psi_n at x [1]
-    psi_before: psi_(n-1) at x [1]
-    chi: chi_n at x [1]
-    chi_before: chi_(n-1) at x [1]
+    g: reduced logarithmic derivative of the field [1]
+    g_psi: that of psi_n at the surface [1]
+    g_chi: that of the second solution at the surface [1]
+    ratio: psi_n over chi_n at the surface [1]
     Returns P, Q.
-    4 operations, 0 temporaries.
+    3 operations, 0 temporaries.
     """
-    P = A * psi - psi_before
-    Q = A * chi - chi_before
+    P = ratio * (g - g_psi)
+    Q = g - g_chi
     return P, Q
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def electric_layer(H, m_in, m, D1_in, D3_in, D1_out, D3_out, Q):
-    """Logarithmic derivative at the outer surface of a layer (Yang), electric waves.
-
-    H: logarithmic derivative of the field within the layer [1]
-    m_in: relative index within the layer [1]
-    m: index of the bead, or of the layer, relative to the medium [1]
-    D1_in: logarithmic derivative of psi_n at the layer's inner surface [1]
-    D3_in: logarithmic derivative of the second solution at the layer's inner surface [1]
-    D1_out: logarithmic derivative of psi_n at the layer's outer surface [1]
-    D3_out: logarithmic derivative of the second solution at the layer's outer surface [1]
-    Q: psi_n over the second solution at the inner surface, over the same at the outer [1]
-    Returns H_out.
-    15 operations, 3 temporaries.
-    """
-    x0 = -H * m
-    x1 = Q * (-D1_in * m_in - x0)
-    x2 = D3_in * m_in + x0
-    H_out = (-D1_out * x2 - D3_out * x1) / (-x1 - x2)
-    return H_out
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def magnetic_layer(H, m_in, m, D1_in, D3_in, D1_out, D3_out, Q):
-    """The same, magnetic waves.
-
-    H: logarithmic derivative of the field within the layer [1]
-    m_in: relative index within the layer [1]
-    m: index of the bead, or of the layer, relative to the medium [1]
-    D1_in: logarithmic derivative of psi_n at the layer's inner surface [1]
-    D3_in: logarithmic derivative of the second solution at the layer's inner surface [1]
-    D1_out: logarithmic derivative of psi_n at the layer's outer surface [1]
-    D3_out: logarithmic derivative of the second solution at the layer's outer surface [1]
-    Q: psi_n over the second solution at the inner surface, over the same at the outer [1]
-    Returns H_out.
-    15 operations, 3 temporaries.
-    """
-    x0 = -H * m_in
-    x1 = Q * (-D1_in * m - x0)
-    x2 = D3_in * m + x0
-    H_out = (-D1_out * x2 - D3_out * x1) / (-x1 - x2)
-    return H_out
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -1,0 +1,1 @@
+"""The force of focused light on the bead, by waves."""
