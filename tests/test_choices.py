@@ -65,6 +65,12 @@ except tweezer.SceneError as error:
     assert "bead.radius: Mine gives the force at 5e-07 m alone" in str(error), error
 else:
     raise AssertionError
+try:  # it is of rays
+    mW.replace(optics={"theory": "waves"})
+except tweezer.SceneError as error:
+    assert "optics.evaluator = 'by-hand' has no meaning as waves" in str(error), error
+else:
+    raise AssertionError
 # a fit of the depth takes it, not the map of ray optics
 track = Track("at rest", 1e-3 * np.arange(10), np.full((10, 2), 1e-7))
 assert isinstance(_Likelihood(track, mW, 1e-8, ())._light, Mine)

@@ -470,6 +470,153 @@ def test_only_the_grid_needs_a_beam_wider_than_its_squares(scene):
     }  # fmt: skip
 
 
+#: the 990 nm bead of the thesis as waves
+WAVES = {
+    "optics": {"theory": "waves", "evaluator": "auto"},
+    "beam": {"polarisation": "unpolarised"},
+}
+COVER = {"cover": {"refractive_index": 1.52, "depth": "9 um"}}
+#: id: (changes of silica-1um, its theory, the reason)
+THEORIES = {
+    "small": ({}, "waves", "the size parameter k a = 3.92 is at most 120"),
+    "large": ({"bead": {"diameter": "32 um"}, "start": {"position": [0, 0, 0]}}, "rays",
+              "the size parameter k a = 125 is above 120"),
+    "named rays": ({"optics": {"theory": "rays"}}, "rays", "optics.theory = 'rays'"),
+    "named waves": ({"optics": {"theory": "waves"}, "bead": {"diameter": "32 um"}}, "waves",
+                    "optics.theory = 'waves'"),
+    "dark": ({"forces": {"optical": False}, "beam": {"vortex": 1}, "optics": {"theory": "rays"}},
+             "rays", "no light"),
+    "averaged reflectance": ({"beam": {"polarisation": "averaged-reflectance"}}, "rays",
+                             "beam.polarisation = 'averaged-reflectance' has no meaning as waves"),
+    "moment": ({"beam": {"torque": "thesis"}}, "rays",
+               "beam.torque = 'thesis' has no meaning as waves"),
+    "grid": ({"optics": {"evaluator": "grid"}}, "rays",
+             "optics.evaluator = 'grid' has no meaning as waves"),
+    "donut": ({"beam": {"profile": "donut"}}, "rays",
+              "beam.profile = 'donut' without a vortex, or radial or azimuthal polarisation, has "
+              "no meaning as waves"),
+    "donut with a phase": ({"beam": {"profile": "donut", "vortex": -1}}, "waves",
+                           "beam.vortex = -1 has no meaning as rays"),
+    "azimuthal donut": ({"beam": {"profile": "donut", "polarisation": "azimuthal"}}, "waves",
+                        "beam.polarisation = 'azimuthal' has no meaning as rays"),
+    "absorbing and large": (
+        {"bead": {"diameter": "32 um", "refractive_index": [1.5, 0.01]},
+         "start": {"position": [0, 0, 0]}},
+        "waves", "bead.refractive_index = 1.5+0.01j has no meaning as rays",
+    ),
+    "layers": ({"bead": {"layers": [{"diameter": "0.5 um", "refractive_index": 1.0},
+                                    {"diameter": "1 um", "refractive_index": 1.5}]}},
+               "waves", "bead.layers of 2 has no meaning as rays"),
+    "cover": ({"lens": COVER}, "waves", "lens.cover has no meaning as rays"),
+    "map of linear light": ({"beam": {"polarisation": "linear"}, "optics": {"evaluator": "map"}},
+                            "waves", "the size parameter k a = 3.92 is at most 120"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "theory", "reason"), THEORIES.values(), ids=THEORIES)
+def test_a_scene_takes_waves_where_they_mean_something_and_are_cheap(
+    changes, theory, reason, monkeypatch
+):
+    monkeypatch.setattr("tweezer.theory.LARGEST_SIZE", 120.0)
+    scene = load_scene("silica-1um").replace(**changes)
+    assert (scene.theory, scene.theory_reason) == (theory, reason)
+
+
+def test_all_beams_are_of_one_theory(monkeypatch):
+    monkeypatch.setattr("tweezer.theory.LARGEST_SIZE", 120.0)
+    two = load_scene("two-traps")
+    assert [two.with_one_beam(beam).theory for beam in two.beams] == ["waves", "waves"]
+    one_as_rays = two.replace(**{"beam[2]": {"polarisation": "averaged-reflectance"}})
+    assert one_as_rays.theory_reason.startswith("beam[2].polarisation = 'averaged-reflectance' has")
+    assert [one_as_rays.with_one_beam(beam).theory for beam in two.beams] == ["rays", "rays"]
+    # the shortest wavelength has the largest size
+    short = two.replace(**{"beam[2]": {"wavelength": "34 nm"}})
+    assert short.theory_reason == "the size parameter k a = 123 is above 120"
+
+
+@pytest.mark.parametrize(
+    ("given_as", "stored"),
+    [(1.5, 1.5), ("1.5", 1.5), ("1.59+0.01j", (1.59, 0.01)), ([0.26, 6.97], (0.26, 6.97)),
+     ("1.5+0j", 1.5), ([1.5, 0], 1.5), ("1.5 + 1e-3j", (1.5, 1e-3))],
+    ids=str,
+)  # fmt: skip
+def test_an_index_is_read_in_any_form_and_real_where_it_is_real(given_as, stored):
+    changed = load_scene("silica-1um").replace(bead={"refractive_index": given_as})
+    bead = changed.bead
+    assert bead.refractive_index == stored
+    assert bead.index == (complex(*stored) if isinstance(stored, tuple) else stored)
+    assert bead.shells == ((0.5e-6, bead.index),)
+    assert bead.absorbs == isinstance(stored, tuple)
+    assert Scene.model_validate_json(changed.model_dump_json(exclude_none=True)) == changed
+    assert changed.replace() == changed
+
+
+def test_layers_are_the_bead():
+    """From the core outwards; kept by JSON and by changes, and displaced by another bead."""
+    scene = load_scene("silica-1um")
+    layers = [{"diameter": "0.6 um", "refractive_index": "0.3+7j"},
+              {"radius": 4e-7, "refractive_index": 1.45}]  # fmt: skip
+    coated = scene.replace(bead={"layers": layers})
+    assert coated.bead.radius == 4e-7
+    assert coated.bead.shells == ((3e-7, 0.3 + 7j), (4e-7, 1.45))
+    assert (coated.bead.index, coated.bead.absorbs) == (1.45, True)
+    assert coated.title.startswith("silica-1um, changed: bead.layers = [{diameter = 0.6 um, refrac")
+    assert "bead.layers = ({'radius': 3e-07" in repr(coated)
+    json = coated.model_dump_json(exclude_none=True)
+    assert '"radius":4e-7' in json
+    assert Scene.model_validate_json(json) == coated == load_scene(coated.model_dump())
+    assert coated.replace(bead={"density": 1500}).bead.shells == coated.bead.shells
+    as_text = '[{diameter = "0.6 um", refractive_index = "0.3+7j"}, ' \
+              '{radius = 4e-7, refractive_index = 1.45}]'  # fmt: skip
+    assert with_settings(scene, {"bead.layers": as_text}) == coated
+    assert hash(with_settings(scene, {"bead.layers": as_text})) == hash(coated)
+    assert coated.replace(bead={"diameter": "1 um", "refractive_index": 1.45}) == scene
+    with pytest.raises(SceneError, match=r"bead\.radius = 1e-06: not beside layers"):
+        coated.replace(bead={"radius": 1e-6})
+
+
+def test_a_cover_is_changed_key_by_key():
+    scene = load_scene("silica-1um").replace(lens=COVER, beam={"vortex": 2})
+    assert (scene.lens.cover.refractive_index, scene.lens.cover.depth) == (1.52, 9e-6)
+    deeper = with_settings(scene, {"lens.cover.depth": "12 um"})
+    assert (deeper.lens.cover.refractive_index, deeper.lens.cover.depth) == (1.52, 12e-6)
+    assert "lens.cover = {depth = 12 um}" in deeper.title
+    assert Scene.model_validate_json(deeper.model_dump_json(exclude_none=True)) == deeper
+    assert load_scene("silica-1um").lens.cover is None
+    # the aperture may be above the medium's index, and below that of the cover
+    assert deeper.replace(lens={"numerical_aperture": 1.4}).lens.numerical_aperture == 1.4
+
+
+def test_a_start_is_between_the_faces_of_the_covers():
+    """Of two beams that face each other each has its own face."""
+    scene = load_scene("silica-1um").replace(lens=COVER)
+    below, above = {"position": [0, 0, "-8.4 um"]}, {"position": [0, 0, "8.6 um"]}
+    assert scene.replace(start=below).start_position[2] == pytest.approx(-8.4e-6)
+    beam = scene.beam.model_dump(exclude_none=True)
+    facing = [beam, {**beam, "direction": "down"}]
+    scene.replace(start=above)
+    with pytest.raises(SceneError, match=r"beyond the face of lens\.cover, which is 9e-06 m"):
+        scene.replace(start=above, beam=facing)
+    scene.replace(start=below, beam=facing)
+    with pytest.raises(SceneError, match=r"beyond the face of lens\.cover"):
+        scene.replace(start={"position": [0, 0, "-8.51 um"]})
+
+
+@pytest.mark.parametrize(
+    ("given_as", "stored", "reach", "radii"),
+    [(4, 4.0, 2e-6, 4.0), ("5 um", "5e-06 m", 5e-6, 10.0), ("777 nm", "7.77e-07 m", 777e-9, 1.554)],
+)
+def test_a_map_reaches_a_number_of_radii_or_a_length(given_as, stored, reach, radii):
+    changed = load_scene("silica-1um").replace(optics={"table_range": given_as})
+    assert changed.table_reach == pytest.approx(reach, rel=1e-14)
+    assert changed.table_radii == pytest.approx(radii, rel=1e-14)
+    assert changed.replace(bead={"diameter": "2 um"}).table_reach == pytest.approx(
+        reach if isinstance(given_as, str) else 2 * reach, rel=1e-14
+    )
+    assert changed.optics.table_range == stored
+    assert Scene.model_validate_json(changed.model_dump_json(exclude_none=True)) == changed
+
+
 @pytest.mark.parametrize(("diameter", "rare"), [("299 nm", True), ("301 nm", False)])
 def test_a_bead_too_small_for_a_continuum_warns(scene, diameter, rare):
     with warnings.catch_warnings(record=True, action="always") as said:
@@ -481,8 +628,10 @@ def test_a_bead_too_small_for_a_continuum_warns(scene, diameter, rare):
 @pytest.mark.parametrize(
     ("changes", "turns"),
     [({}, False), ({"beam": {"torque": "thesis"}}, True),
-     ({"start": {"angular_velocity": [0, 0, 1]}}, True)],
-    ids=["nothing", "moment of the light", "spin"],
+     ({"start": {"angular_velocity": [0, 0, 1]}}, True),
+     ({**WAVES, "bead": {"refractive_index": "1.57+1e-4j"}}, True), (WAVES, False),
+     ({**WAVES, "bead": {"refractive_index": "1.57+1e-4j"}, "forces": {"optical": False}}, False)],
+    ids=["nothing", "moment of the light", "spin", "absorption", "waves", "absorption in the dark"],
 )  # fmt: skip
 def test_a_bead_rotates_only_if_something_turns_it(scene, changes, turns):
     assert scene.replace(**changes).rotates is turns

@@ -272,7 +272,7 @@ def _radii_or_length(value: Any) -> float | str:
         return to_si(value, "", *TABLE_RADII)
     if _NUMBER.fullmatch(value):
         raise ValueError('has no unit; write a bare number of radii, or a length such as "5 um"')
-    return f"{to_si(value, 'm', *_TABLE_LENGTH)!r} m"
+    return f"{to_si(value, 'm', *_TABLE_LENGTH):.15g} m"
 
 
 # The ranges are wide: they keep what is computed from a scene finite, and catch a slip of units.

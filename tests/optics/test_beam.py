@@ -149,6 +149,60 @@ def test_the_series_is_the_profile(profile, lens, width):
         assert dark * 100 < 1e-18
 
 
+@pytest.mark.parametrize("lens", ["tan", "sine"])
+@pytest.mark.parametrize(
+    ("vortex", "width"), [(1, 0.4), (-2, 0.1), (3, 5.0), (10, 0.4), (-50, 0.01), (50, 0.4)]
+)
+def test_a_gaussian_vortex_is_a_laguerre_gauss_beam(vortex, width, lens):
+    """rho^(2|l|) times the Gaussian: in the pupil, through it, and in the cone."""
+    n, s = abs(vortex), width * RADIUS
+
+    def density(rho):
+        t = (rho / s) ** 2 / 2
+        return 0.0 if t == 0 else math.exp(n * math.log(t) - t - math.lgamma(n + 1) - power)
+
+    power = math.log(2 * math.pi * s**2)
+    scene = scene_with("gaussian", lens, width).replace(beam={"vortex": vortex})
+    ring = s * math.sqrt(2 * n)
+    inside = power_within_radius(density, min(RADIUS, ring + 9 * s))
+    assert fraction_through_pupil(scene.lens, scene.beam) == pytest.approx(inside, rel=1e-12)
+    behind = cone(scene)
+    assert behind.power == pytest.approx(0.1 * inside, rel=1e-12)
+    theta = 0.97 * behind.half_angle  # nearer to the axis some rings are darker than rounding
+    rho = pupil_radius(theta, lens)
+    within = 0.1 * power_within_radius(density, rho)
+    assert power_within_angle(behind, theta) == pytest.approx(within, rel=1e-10)
+    found = intensity(scene.lens, scene.beam, scene.medium)(np.array([rho / 2, rho]))
+    np.testing.assert_allclose(found, [0.1 * density(rho / 2), 0.1 * density(rho)], rtol=1e-12)
+
+
+def test_of_other_profiles_a_vortex_is_the_phase_alone():
+    for profile in ("uniform", "donut"):
+        scene = scene_with(profile)
+        twisted = cone(scene.replace(beam={"vortex": 3}))
+        np.testing.assert_array_equal(twisted.series, cone(scene).series)
+    donut, gaussian = cone(scene_with("donut")), scene_with("gaussian").replace(beam={"vortex": -1})
+    np.testing.assert_array_equal(cone(gaussian).series, donut.series)
+    wide = scene_with("gaussian", width=100).replace(beam={"vortex": 50})
+    with pytest.raises(
+        SceneError, match=r"beam\.sigma = 0\.26: next to no light within lens.radius"
+    ):
+        cone(wide)
+
+
+def test_with_a_cover_the_cone_is_that_before_its_face():
+    """The sine condition holds in the medium there; the light is that of a lens in it."""
+    scene = scene_with("gaussian", "sine").replace(
+        lens={"numerical_aperture": 1.4, "cover": {"refractive_index": 1.52, "depth": "9 um"}}
+    )
+    behind = cone(scene)
+    assert math.sin(behind.half_angle) == pytest.approx(1.4 / 1.52, rel=1e-14)
+    theta = 0.6
+    rho = RADIUS * math.sin(theta) * 1.52 / 1.4
+    expected = 0.1 * power_within_radius(lambda x: DENSITY["gaussian"](x, 0.4 * RADIUS), rho)
+    assert power_within_angle(behind, theta) == pytest.approx(expected, rel=1e-10)
+
+
 @pytest.mark.parametrize("degrees", [1, 30, 60, 80, 85, 89])
 @pytest.mark.parametrize("profile", DENSITY)
 def test_the_tan_map_up_to_the_stated_angle(profile, degrees):

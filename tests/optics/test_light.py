@@ -305,3 +305,15 @@ def test_the_worth_of_ray_optics_is_one_warning():
     assert [warning.category for warning in said] == [tweezer.PhysicsWarning]
     assert "wavelengths across" in str(said[0].message)
     assert said[0].filename == __file__, "it points at the line of the user"
+
+
+@pytest.mark.parametrize("evaluator", ["grid", "quadrature"])
+def test_to_rays_unpolarised_light_is_as_circular(scene, evaluator):
+    place = np.array([0.3, -0.2, 0.4]) * scene.bead.radius
+    circular, unpolarised = (
+        tweezer.optical_force(
+            scene.replace(beam={"polarisation": kind}, optics={"evaluator": evaluator}), place
+        )
+        for kind in ("circular", "unpolarised")
+    )
+    np.testing.assert_array_equal(circular, unpolarised)

@@ -86,7 +86,7 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
     With t = R^2/(2 sigma^2) a Gaussian has 1 - exp(-t). A beam of intensity t^n exp(-t) has the
     incomplete gamma function P(n + 1, t): n = |l| for a Gaussian beam with a vortex, which is
     Laguerre-Gauss with p = 0, and n = 1 for the donut (TEM*01).
-    Raises `SceneError` for a table that leaves the pupil dark.
+    Raises `SceneError` for a beam that leaves the pupil dark.
     """
     if beam.profile == "uniform":
         return 1.0
@@ -104,7 +104,13 @@ def fraction_through_pupil(lens: Lens, beam: Beam) -> float:
         return -math.expm1(-t)
     from scipy.special import gammainc
 
-    return float(gammainc(power + 1, t))
+    fraction = float(gammainc(power + 1, t))
+    if not fraction > _LEAST_FRACTION:
+        raise SceneError(
+            f"beam.sigma = {beam.sigma:.3g}: next to no light within lens.radius = "
+            f"{lens.radius:.3g} m"
+        )
+    return fraction
 
 
 def intensity(lens: Lens, beam: Beam, medium: Medium) -> Profile:
@@ -179,7 +185,8 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
 
     table = beam.profile == "table"
     places = np.append(np.cos(np.linspace(0, np.pi, 4003)), _points(lens, beam, medium, versine))
-    left_out, allowed = (1e-5, 1e-2) if table else (3e-16, 1e-14)
+    # a ring's power of rho multiplies the rounding of rho
+    left_out, allowed = (1e-5, 1e-2) if table else (3e-16, 1e-14 * max(1, _ring(beam)))
     series, deviation = _series(radiance, left_out=left_out, checked_at=places)
     if deviation > allowed:
         if table:
@@ -240,8 +247,8 @@ def _profile(beam: Beam) -> Profile:
 
 
 def _ring(beam: Beam) -> int:
-    """n of the intensity t^n exp(-t), t = rho^2/(2 sigma^2), of a Gaussian or a donut."""
-    return 1 if beam.profile == "donut" else abs(beam.vortex)
+    """n of the intensity t^n exp(-t), t = rho^2/(2 sigma^2); 0 of profiles that have none."""
+    return {"gaussian": abs(beam.vortex), "donut": 1}.get(beam.profile, 0)
 
 
 def _dark(power: int) -> float:
