@@ -13,8 +13,7 @@ so joins n to n-1, n and n+1 alone: five elements follow from its algebra with J
 helicity within n and does not depend on it between n and n+1: there it keeps electric and magnetic
 parts, and within n it exchanges them.
 
-Conventions: exp(-i omega t); exp(i k s.r) moves the bead by r; p_nm = 2 pi i^m P_nm, for which the
-P of light on a bead on the x axis are real up to the phase along z.
+Conventions: exp(-i omega t); exp(i k s.r) moves the bead by r; amplitudes p_nm = 2 pi i^m P_nm.
 """
 
 from __future__ import annotations
@@ -26,6 +25,7 @@ from itertools import chain
 import sympy as sp
 
 from . import symbols as sy
+from .equations import Equation
 from .symbols import Quantity
 
 n, m = sy.DEGREE.symbol, sy.ORDER.symbol
@@ -33,21 +33,73 @@ n, m = sy.DEGREE.symbol, sy.ORDER.symbol
 l = sp.Symbol("l", real=True)
 
 # --- the direction between harmonics -----------------------------------------------------------
+Element = dict[tuple[str, int], sp.Expr]
+
+
+def direction(n: sp.Expr, m: sp.Expr, c: Callable[[sp.Expr], sp.Expr], d: sp.Expr) -> Element:
+    """Elements of s_z, s_+ and s_- from (n, m) to n - 1, n and n + 1.
+
+    The commutators [J_i, s_j] = i eps_ijk s_k leave these forms, with c(n) and d to be found.
+    """
+    j, k = n - m, n + m
+    return {
+        ("z", -1): c(n) * sp.sqrt(j * k),
+        ("z", 0): d * m,
+        ("z", 1): c(n + 1) * sp.sqrt((j + 1) * (k + 1)),
+        ("+", -1): c(n) * sp.sqrt(j * (j - 1)),
+        ("+", 0): d * sp.sqrt(j * (k + 1)),
+        ("+", 1): -c(n + 1) * sp.sqrt((k + 1) * (k + 2)),
+        ("-", -1): -c(n) * sp.sqrt(k * (k - 1)),
+        ("-", 0): d * sp.sqrt(k * (j + 1)),
+        ("-", 1): c(n + 1) * sp.sqrt((j + 1) * (j + 2)),
+    }
+
+
+_c, _d, _v = sp.Function("c"), sp.Symbol("d"), sp.Function("v")
+_to_neighbours = direction(n, m, _c, _d)
+
+
+def _mean(by_direction: dict[str, sp.Expr]) -> sp.Expr:
+    """x x + y y + z z from z z, + - and - +."""
+    return sp.expand(by_direction["z"] + (by_direction["+"] + by_direction["-"]) / 2)
+
+
+#: <n m|s.J|n m>, and <n m|s.s|n m>: the squares of s_i |n m>
+HELICITY = _mean({"z": _d * m**2, "+": _d * (n + m) * (n - m + 1), "-": _d * (n - m) * (n + m + 1)})
+LENGTH = _mean(
+    {
+        component: sum(_to_neighbours[component, by_n] ** 2 for by_n in (-1, 0, 1))
+        for component in "z+-"
+    }
+)
+#: s.J = l
+within_scale = sp.factor(sp.solve(HELICITY - l, _d)[0])
+#: s.s = 1 is v(n) + v(n+1) = 2 n + 1 with n v(n) = l^2 + c(n)^2 n^2 (4 n^2 - 1); as c vanishes at
+#: n = l, the lowest degree, v(l) = l, and the solution that alternates in sign is absent
+_alternating = sp.Symbol("C0")
+_v_of_n = sp.rsolve(_v(n) + _v(n + 1) - (2 * n + 1), _v(n)).subs(_alternating, 0)
+
+
+def between_scale_squared(degree: sp.Expr) -> sp.Expr:
+    """c(n)^2."""
+    value = (n * _v_of_n - l**2) / (n**2 * (2 * n - 1) * (2 * n + 1))
+    return sp.factor(value.subs(n, degree))
+
+
 #: squares of <n m|s_z|n-1 m>, <n+1 m+1|s_+|n m> (itself negative), <n m+1|s_+|n m> and
 #: <n-1 m+1|s_+|n m>, and <n m|s_z|n m> itself, of harmonics of helicity l
-along_squared = (n - m) * (n + m) * (n - l) * (n + l) / ((2 * n - 1) * (2 * n + 1) * n**2)
-within = l * m / (n * (n + 1))
-raised_squared = (
-    (n + 1 - l) * (n + 1 + l) * (n + m + 1) * (n + m + 2)
-    / ((2 * n + 1) * (2 * n + 3) * (n + 1) ** 2)
-)  # fmt: skip
-turned_squared = l**2 * (n - m) * (n + m + 1) / (n * (n + 1)) ** 2
-lowered_squared = (n - l) * (n + l) * (n - m) * (n - m - 1) / ((2 * n - 1) * (2 * n + 1) * n**2)
+along_squared = between_scale_squared(n) * (n - m) * (n + m)
+within = within_scale * m
+raised_squared = between_scale_squared(n + 1) * (n + m + 1) * (n + m + 2)
+turned_squared = within_scale**2 * (n - m) * (n + m + 1)
+lowered_squared = between_scale_squared(n) * (n - m) * (n - m - 1)
 
 #: for light of helicity +1
-SQUARED_ELEMENTS = sp.Matrix(
-    [along_squared, within, raised_squared, turned_squared, lowered_squared]
-).subs(l, 1)
+SQUARED_ELEMENTS = (
+    sp.Matrix([along_squared, within, raised_squared, turned_squared, lowered_squared])
+    .subs(l, 1)
+    .applyfunc(sp.factor)
+)
 
 # --- the sphere --------------------------------------------------------------------------------
 index, inner_index = sy.RELATIVE_INDEX.symbol, sy.INNER_INDEX.symbol
@@ -56,8 +108,26 @@ g_psi, g_chi = (quantity.symbol for quantity in sy.OUTER_DERIVATIVES)
 ratio = sy.OUTER_RATIO.symbol
 g_psi_in, g_chi_in, g_psi_out, g_chi_out = (quantity.symbol for quantity in sy.LAYER_DERIVATIVES)
 
-# A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. m f and f' are
-# continuous for electric waves, f and m f' for magnetic waves, so that z f'/(m^2 f) and z f'/f are.
+# A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. m f and f'
+# are continuous for electric waves, f and m f' for magnetic waves.
+#: psi_n, psi_n', chi_n and chi_n' at x, and psi_n and psi_n' at m x
+psi, dpsi, chi, dchi = sp.symbols("psi_n psi_n' chi_n chi_n'", real=True)
+psi_inside, dpsi_inside = sp.symbols("psi_n^i psi_n^i'", complex=True)
+
+
+def mie_coefficient(*, electric: bool) -> sp.Expr:
+    """a_n or b_n, for psi_n - a_n xi_n outside and a multiple of psi_n inside."""
+    coefficient, inside = sp.symbols("a d")
+    f = psi - coefficient * (psi - sp.I * chi)
+    df = dpsi - coefficient * (dpsi - sp.I * dchi)
+    scale, scale_of_slope = (index, 1) if electric else (1, index)
+    continuity = (
+        f - scale * inside * psi_inside,
+        df - scale_of_slope * inside * dpsi_inside,
+    )
+    return sp.factor(sp.solve(continuity, (coefficient, inside))[coefficient])
+
+
 # What is carried from the core outwards is g = z f'/f - (n+1), the reduced logarithmic derivative:
 # for psi_n of a small z it is -z^2/(2n+3), of which a difference loses no digits.
 #: g of electric waves outside of a surface, from g inside; that of magnetic waves is continuous
@@ -276,3 +346,8 @@ t_p = 2 * n1 * cos1 / (n2 * cos1 + n1 * cos2)
 t_s = 2 * n1 * cos1 / (n1 * cos1 + n2 * cos2)
 #: sqrt of (power per solid angle behind the face, over that before it)
 COVER_AMPLITUDES = sp.Matrix([t_p, t_s]) * (n2 / n1) ** sp.Rational(3, 2) * cos2 / cos1
+
+HELICITY_OF_HARMONICS = Equation("-", "s.J = l", r"\langle nm|s\cdot J|nm\rangle", HELICITY)
+LENGTH_OF_DIRECTION = Equation("-", "s.s = 1", r"\langle nm|s\cdot s|nm\rangle", LENGTH)
+MIE_ELECTRIC = Equation("-", "scattered electric wave", "a_n", mie_coefficient(electric=True))
+MIE_MAGNETIC = Equation("-", "scattered magnetic wave", "b_n", mie_coefficient(electric=False))

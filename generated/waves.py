@@ -31,14 +31,14 @@ def squared_elements(n, m):
     x2 = 1.0 / (x1 + 1.0)
     x3 = n + 1.0
     x4 = m - n
-    x5 = -x4 / (n * n)
+    x5 = x4 / (n * n)
     x6 = x2 * x3 * x5 * (n - 1.0) / (x1 - 1.0)
     x7 = (m + x3) / (x3 * x3)
-    along = x0 * x6
+    along = -x0 * x6
     within = m / (n * x3)
     raised = n * x2 * x7 * (n + 2.0) * (x0 + 2.0) / (x1 + 3.0)
-    turned = x5 * x7
-    lowered = x6 * (-x4 - 1.0)
+    turned = -x5 * x7
+    lowered = x6 * (x4 + 1.0)
     return along, within, raised, turned, lowered
 
 
