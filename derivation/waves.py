@@ -55,8 +55,8 @@ def direction(n: sp.Expr, m: sp.Expr, c: Callable[[sp.Expr], sp.Expr], d: sp.Exp
     }
 
 
-_c, _d, _v = sp.Function("c"), sp.Symbol("d"), sp.Function("v")
-_to_neighbours = direction(n, m, _c, _d)
+c_of, d_n, _v = sp.Function("c"), sp.Symbol("d"), sp.Function("v")
+_to_neighbours = direction(n, m, c_of, d_n)
 
 
 def _mean(by_direction: dict[str, sp.Expr]) -> sp.Expr:
@@ -65,7 +65,9 @@ def _mean(by_direction: dict[str, sp.Expr]) -> sp.Expr:
 
 
 #: <n m|s.J|n m>, and <n m|s.s|n m>: the squares of s_i |n m>
-HELICITY = _mean({"z": _d * m**2, "+": _d * (n + m) * (n - m + 1), "-": _d * (n - m) * (n + m + 1)})
+HELICITY = _mean(
+    {"z": d_n * m**2, "+": d_n * (n + m) * (n - m + 1), "-": d_n * (n - m) * (n + m + 1)}
+)
 LENGTH = _mean(
     {
         component: sum(_to_neighbours[component, by_n] ** 2 for by_n in (-1, 0, 1))
@@ -73,7 +75,7 @@ LENGTH = _mean(
     }
 )
 #: s.J = l
-within_scale = sp.factor(sp.solve(HELICITY - l, _d)[0])
+within_scale = sp.factor(sp.solve(HELICITY - l, d_n)[0])
 #: s.s = 1 is v(n) + v(n+1) = 2 n + 1 with n v(n) = l^2 + c(n)^2 n^2 (4 n^2 - 1); as c vanishes at
 #: n = l, the lowest degree, v(l) = l, and the solution that alternates in sign is absent
 _alternating = sp.Symbol("C0")
