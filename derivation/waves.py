@@ -113,8 +113,8 @@ g_psi_in, g_chi_in, g_psi_out, g_chi_out = (quantity.symbol for quantity in sy.L
 # A wave of degree n is f(z), z = m k r, with f a sum of two Riccati-Bessel functions. m f and f'
 # are continuous for electric waves, f and m f' for magnetic waves.
 #: psi_n, psi_n', chi_n and chi_n' at x, and psi_n and psi_n' at m x
-psi, dpsi, chi, dchi = sp.symbols("psi_n psi_n' chi_n chi_n'", real=True)
-psi_inside, dpsi_inside = sp.symbols("psi_n^i psi_n^i'", complex=True)
+psi, dpsi, chi, dchi = sp.symbols(r"{\psi_n} {\psi_n'} {\chi_n} {\chi_n'}", real=True)
+psi_inside, dpsi_inside = sp.symbols(r"{\psi_n(mx)} {\psi_n'(mx)}", complex=True)
 
 
 def mie_coefficient(*, electric: bool) -> sp.Expr:
@@ -349,7 +349,16 @@ t_s = 2 * n1 * cos1 / (n1 * cos1 + n2 * cos2)
 #: sqrt of (power per solid angle behind the face, over that before it)
 COVER_AMPLITUDES = sp.Matrix([t_p, t_s]) * (n2 / n1) ** sp.Rational(3, 2) * cos2 / cos1
 
-HELICITY_OF_HARMONICS = Equation("-", "s.J = l", r"\langle nm|s\cdot J|nm\rangle", HELICITY)
-LENGTH_OF_DIRECTION = Equation("-", "s.s = 1", r"\langle nm|s\cdot s|nm\rangle", LENGTH)
+HELICITY_OF_HARMONICS = Equation(
+    "-", "s.J = l", r"\langle nm|s\cdot J|nm\rangle", sp.factor(HELICITY)
+)
+LENGTH_OF_DIRECTION = Equation(
+    "-",
+    "s.s = 1",
+    r"\langle nm|s\cdot s|nm\rangle",
+    sp.collect(LENGTH, (c_of(n), c_of(n + 1), d_n), sp.factor),
+)
 MIE_ELECTRIC = Equation("-", "scattered electric wave", "a_n", mie_coefficient(electric=True))
 MIE_MAGNETIC = Equation("-", "scattered magnetic wave", "b_n", mie_coefficient(electric=False))
+ACROSS_A_SURFACE = Equation("-", "electric wave across a surface", r"g_{out}", electric_across)
+THROUGH_A_LAYER = Equation("-", "through a layer", r"g_{out}", layer)
