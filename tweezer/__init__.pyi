@@ -29,7 +29,7 @@ from .errors import (
     UnitWarning,
 )
 from .io import load_run, save_run, scene_of
-from .optics import optical_force, optical_jacobian, optical_torque
+from .optics import absorbed_power, optical_force, optical_jacobian, optical_torque
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
 from .version import __version__
@@ -53,6 +53,7 @@ __all__ = [
     "TweezerError",
     "UnitWarning",
     "__version__",
+    "absorbed_power",
     "bead_properties",
     "bind",
     "calibrate",

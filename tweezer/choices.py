@@ -70,6 +70,8 @@ class Theory:
 
     name: str
     about: str
+    map: str
+    """"module:name" of a function of a scene and a progress that gives the table of its force"""
 
 
 @dataclass(frozen=True)
@@ -143,9 +145,10 @@ METHODS: dict[str, Method] = _by_name(
 )  # fmt: skip
 
 THEORIES: dict[str, Theory] = _by_name(
-    Theory("rays", "ray optics, as in the thesis (chapter 3)"),
-    Theory("waves", "focused plane waves scattered by a sphere (Debye, Mie), exact at any size"),
-)
+    Theory("rays", "ray optics, as in the thesis (chapter 3)", f"{_OPTICS}.by_map:ray_map"),
+    Theory("waves", "focused plane waves scattered by a sphere (Debye, Mie), exact at any size",
+           f"{_OPTICS}.waves.by_map:wave_map"),
+)  # fmt: skip
 
 EVALUATORS: dict[str, Evaluator] = _by_name(
     Evaluator("grid", "the thesis's sum over squares of the pupil (3.26), of rays alone",

@@ -208,6 +208,11 @@ class Moved(Force):
         if self.place.amplitude.size != 3 or self.strength.amplitude.size != 1:
             raise ValueError("place and strength: must be courses of 3 numbers, and of 1")
 
+    def within(self, positions: Array, time: float) -> Array:
+        """Positions (n, 3) m at a time, s, as the force without motion has them."""
+        turn = np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
+        return turn * (positions - self.place.at(time))
+
     def shortest_time(self, end: float) -> float:
         """See `Force.shortest_time`."""
         parts = self.place, self.strength, self.force

@@ -8,14 +8,15 @@ from tweezer.optics.beam import (
 )
 from tweezer.optics.binding import (
     Beams,
+    absorbed_power,
     evaluators_of,
+    force_map,
     light,
     light_of_one_beam,
     optical_force,
     optical_jacobian,
     optical_torque,
 )
-from tweezer.optics.by_map import force_map
 from tweezer.optics.light import LightForce
 from tweezer.optics.rays.pupil import grid
 from tweezer.optics.table import Table
@@ -32,6 +33,7 @@ __all__ = [
     "LightForce",
     "RayOpticsWorth",
     "Table",
+    "absorbed_power",
     "cone",
     "evaluators_of",
     "force_map",

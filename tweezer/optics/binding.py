@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tweezer.choices import evaluator
-from tweezer.errors import warn
+from tweezer.choices import THEORIES, at, evaluator
+from tweezer.errors import SceneError, warn
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, packed
 from tweezer.forces.force import Kernel, Wrench, no_force
-from tweezer.optics.light import LightForce, error_by, light_on_bead
+from tweezer.optics.light import LightForce, error_by
+from tweezer.optics.rays.light import light_on_bead
+from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene, checked_scene
 from tweezer.sections import Beam
@@ -147,6 +149,27 @@ class Dark(LightForce):
         return no_force, packed()
 
 
+def force_map(scene: Scene, progress: Progress | None = None) -> Table:
+    """The table of the force of a scene's light, from the user's cache folder or computed and
+    stored.
+
+    It reaches `optics.table_range` from the focus. Its tolerance is `optics.table_tolerance`
+    times the largest force there. progress: called with the finished part, 0 to 1, while it is
+    computed; a second process that needs the same table waits for the first. One table serves every
+    power of the light, and all scenes that differ only in scale; of waves, the wavelength too.
+
+    Raises `SceneError` for a scene without light, or for linear polarisation of rays. Warns
+    (`PhysicsWarning`) if the tolerance is not reached; `Table.certified_error` is the bound that
+    holds. Warns if the file is damaged, and is then computed again, or if it cannot be written.
+    """
+    if scene.more_beams:
+        raise SceneError("beam: a map is of one beam; a run makes that of each that it needs")
+    if not scene.lit:
+        raise SceneError("optics.evaluator = 'map': there is no light to map the force of")
+    made: Table = at(THEORIES[scene.theory].map)(scene, progress)
+    return made
+
+
 def evaluators_of(scene: Scene) -> str:
     """Names of the evaluators of the beams of `scene`; "dark" for a beam without light."""
     name = evaluator(scene.optics.evaluator).name
@@ -186,25 +209,49 @@ def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -
 def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
     """Moment of the light about the bead's centre, inertial frame, N m.
 
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for
-    `beam.torque = "none"`: every ray leaves a lossless isotropic sphere with the impact parameter
-    it came with, so it leaves its angular momentum as it was. With "thesis" the moment (3.25).
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
+    nothing: every ray leaves it with the impact parameter it came with, and every wave with its
+    angular momentum. An absorbing one takes that of the light it absorbs. With
+    `beam.torque = "thesis"` the moment (3.25).
     Raises `ValueError` as `optical_force`.
     """
     field, shape = _field(scene, positions, time)
     return field.moment.reshape(shape)
 
 
-def _field(
-    scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
-) -> tuple[Wrench, tuple[int, ...]]:
-    """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
+def absorbed_power(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+    """Power of the light that the bead absorbs, W.
+
+    positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
+    Raises `ValueError` as `optical_force`.
+    """
+    places, shape = _places(positions)
+    force = light(checked_scene(scene))
+    if isinstance(force, LightForce):
+        return force.absorbed_power(places).reshape(shape[:-1])
+    lost = sum(
+        float(moved.strength.at(time)[0]) * each.absorbed_power(moved.within(places, time))
+        for moved, each in zip(force.forces, force.lights, strict=True)
+    )
+    return np.reshape(lost, shape[:-1])
+
+
+def _places(positions: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """`positions` (..., 3) as a list of n, and their shape."""
     array = np.ascontiguousarray(positions, dtype=np.float64)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("positions must be finite")
-    places, force = array.reshape(-1, 3), light(checked_scene(scene))
+    return array.reshape(-1, 3), array.shape
+
+
+def _field(
+    scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
+) -> tuple[Wrench, tuple[int, ...]]:
+    """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
+    places, shape = _places(positions)
+    force = light(checked_scene(scene))
     field = force.field(places, gradient=gradient, time=time)
     tolerance = scene.optics.tolerance
     doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
@@ -217,7 +264,7 @@ def _field(
                 f"{len(places)} places: estimated errors are up to {ratio.max():.2g} times what it "
                 "allows",
             )
-    return field, array.shape
+    return field, shape
 
 
 def _allowed_error(force: LightForce | Beams, positions: Array, time: float) -> Array:

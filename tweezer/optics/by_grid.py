@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel
 from tweezer.optics.by_quadrature import ByQuadrature, to_tolerance
-from tweezer.optics.light import LightForce, light_on_bead
+from tweezer.optics.light import LightForce
 from tweezer.optics.rays.grid import Tiles, grid_data, grid_kernel, tiles
+from tweezer.optics.rays.light import RayLight, light_on_bead
 from tweezer.optics.rays.pupil import grid
 from tweezer.scene import Scene
 
@@ -18,6 +19,7 @@ from tweezer.scene import Scene
 class ByGrid(LightForce):
     """The sum over the thesis's rays. It has no error estimate of its own."""
 
+    light: RayLight
     tiles: Tiles
     tolerance: float
     """relative, of the quadrature that the sum is compared with"""

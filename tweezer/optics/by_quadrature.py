@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel
-from tweezer.optics.light import Light, LightForce, light_on_bead
+from tweezer.optics.light import LightForce
+from tweezer.optics.rays.light import RayLight, light_on_bead
 from tweezer.optics.rays.quadrature import VANISHING, quadrature_data, quadrature_kernel
 from tweezer.optics.rays.rule import Rule, rule
 from tweezer.scene import Scene
@@ -27,6 +28,7 @@ ROUNDING = 1e-14
 class ByQuadrature(LightForce):
     """The integral over the lens, with an estimated error."""
 
+    light: RayLight
     rule: Rule
 
     scales = True
@@ -46,7 +48,7 @@ class ByQuadrature(LightForce):
         return MISSED * self.rule.tolerance * size + ROUNDING * strength
 
 
-def to_tolerance(light: Light, tolerance: float) -> ByQuadrature:
+def to_tolerance(light: RayLight, tolerance: float) -> ByQuadrature:
     """The force of `light` to that relative tolerance."""
     series = light.momentum_per_energy * light.cone.series
     return ByQuadrature(light, rule(light.cone.half_angle, series, light.strength, tolerance))

@@ -41,9 +41,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiled import address, cached_njit
-from tweezer.forces.data import Part, integers, matrix, number, packed, part
-from tweezer.forces.force import KERNEL, Kernel, Pose, Wrench, add
+from tweezer.compiled import cached_njit
+from tweezer.forces.data import integers, matrix, number, part
+from tweezer.forces.force import KERNEL, Kernel
+from tweezer.optics.beyond import add_one
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -306,7 +307,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                 find(batch[:many], half_angle, reach, frames, roots, index, piece_of, place)
             piece = piece_of[within]
             if piece == NO_PIECE:
-                _add_one(part(data, 9), pose, at, wrench)
+                add_one(part(data, 9), pose, at, wrench)
                 continue
             wrench.error[at] += certified
             x1, x2, rho = batch[within, 0], batch[within, 1], place[within, 0]
@@ -373,27 +374,3 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                 moment_gradient_out[at, 1, 2] += x1 * m_z
 
     return read
-
-
-def unreached() -> Part:
-    """Stand-in for the force outside the table: an infinite error marks the positions."""
-    return Part(address(_infinite_error, KERNEL), packed())
-
-
-@cached_njit(error_model="numpy", nogil=True)
-def _infinite_error(pose, data, wrench):  # type: ignore[no-untyped-def]  # noqa: ARG001
-    wrench.error[:] = np.inf
-
-
-@cached_njit(error_model="numpy", nogil=True)
-def _add_one(force, pose, at, wrench):  # type: ignore[no-untyped-def]
-    """Add a force to the bead `at` only."""
-    one = slice(at, at + 1)
-    add(
-        force,
-        Pose(pose.time[one], pose.position[one], pose.orientation[one]),
-        Wrench(
-            wrench.force[one], wrench.moment[one], wrench.force_gradient[one],
-            wrench.moment_gradient[one], wrench.error[one],
-        ),
-    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The light of one beam on a bead in the terms of ray optics, and the contract of its force."""
+"""The light of one beam on a bead, and the contract of its force."""
 
 from __future__ import annotations
 
@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 from tweezer.errors import SceneError
 from tweezer.forces.data import Part
 from tweezer.forces.force import Force, Wrench, bound, evaluated
-from tweezer.optics.beam import Cone, cone
-from tweezer.optics.rays.ray_sum import Rays, Sphere
-from tweezer.scene import Scene
+from tweezer.optics.beam import Cone
+from tweezer.sections import Beam
 
 Array = NDArray[np.float64]
 
@@ -29,47 +28,23 @@ class Light:
 
     cone: Cone
     momentum_per_energy: float
-    """n_m/c, s/m, of the rays"""
+    """n_m/c, s/m, of the light"""
     radius: float
     """m, of the bead"""
-    index_ratio: float
-    """n_m/n_P"""
-    polarisation: str
-    """of the rays: unpolarised light is as circular to them"""
-    jones: Array
-    """(4,) Jones vector as (re, im) pairs; zeros where the light is not linear"""
-    torque: bool
-    """whether the moment (3.25) is computed"""
 
     @property
     def strength(self) -> float:
-        """n_m P/c of all rays, N."""
+        """n_m P/c of all the light, N."""
         return self.momentum_per_energy * self.cone.power
 
-    @property
-    def sphere(self) -> Sphere:
-        """The bead, as the kernels read it."""
-        return Sphere(self.radius, self.index_ratio)
-
-    def rays(self, *, gradient: bool) -> Rays:
-        """The kind of rays that a kernel is compiled for."""
-        return Rays(self.polarisation, self.index_ratio > 1, gradient, self.torque)
+    def of_radius(self, radius: float) -> Self:
+        """The same on a sphere scaled to that radius, m."""
+        return dataclasses.replace(self, radius=radius)
 
 
-def light_on_bead(scene: Scene) -> Light:
-    """The light of the one beam of `scene`, on its bead."""
-    n_m = scene.medium.refractive_index
-    polarisation = scene.beam.polarisation
-    jones = scene.beam.jones or ((0.0, 0.0), (0.0, 0.0))
-    return Light(
-        cone=cone(scene),
-        momentum_per_energy=n_m / SPEED_OF_LIGHT,
-        radius=scene.bead.radius,
-        index_ratio=n_m / scene.bead.index.real,
-        polarisation="circular" if polarisation == "unpolarised" else polarisation,
-        jones=np.array(jones).ravel(),
-        torque=scene.beam.torque == "thesis",
-    )
+def jones_vector(beam: Beam) -> Array:
+    """The Jones vector (4,) of linear light as (re, im) pairs; zeros for other light."""
+    return np.array(beam.jones or np.zeros((2, 2))).ravel()
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +74,10 @@ class LightForce(Force):
         """The bound force with gradients (True) and without, filled when used."""
         return {}
 
+    def absorbed_power(self, positions: Array) -> Array:
+        """Power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""
+        return np.zeros(len(positions))
+
     def certain(self) -> LightForce:
         """The force of the same light by an evaluator that estimates its error."""
         return self
@@ -111,7 +90,7 @@ class LightForce(Force):
         """Largest error of a force (n, 3) N within the tolerance of the scene, (n,) N."""
         return np.full(len(force), np.inf)
 
-    def of_radius(self, radius: float) -> Self:
+    def of_radius(self, radius: float) -> LightForce:
         """The same light on a bead of another radius, m.
 
         Raises `SceneError` for an evaluator whose force does not scale with the radius.
@@ -123,7 +102,7 @@ class LightForce(Force):
                 f"bead.radius: {type(self).__name__} gives the force at {self.light.radius:.4g} m "
                 f"alone, as it does not scale with the radius; {radius:.4g} m is needed"
             )
-        return dataclasses.replace(self, light=dataclasses.replace(self.light, radius=radius))
+        return dataclasses.replace(self, light=self.light.of_radius(radius))
 
 
 def error_by(certain: Force, positions: Array, field: Wrench, time: float | Array) -> Array:

@@ -4,28 +4,26 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import inspect
+import importlib.util
 import io
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
 from tweezer.errors import ResultError, warn
-from tweezer.forces import data, force
-from tweezer.generated import ray
-from tweezer.optics import charts, tabulate
-from tweezer.optics.light import Light
-from tweezer.optics.rays import nodes, panels, quadrature, ray_sum, rule
-from tweezer.optics.tabulate import Made
+from tweezer.forces.data import Data, Part
+from tweezer.forces.force import Kernel
+from tweezer.optics.beam import Cone
 
 if TYPE_CHECKING:
     from filelock import FileLock
 
-    from tweezer.scene import Scene
+Progress = Callable[[float], None]
+AnyMade = TypeVar("AnyMade", bound="Made")
 
 _log = logging.getLogger("tweezer")
 
@@ -36,17 +34,37 @@ _LONGEST_WAIT = 600.0
 #: Largest number of tables in memory
 _MOST_IN_MEMORY = 16
 
-#: Sources of the code that computes a table: part of its key. Read on import, as a file may change
-#: while the program runs
-_SOURCES = "".join(
-    Path(__file__).with_name(name).read_text(encoding="utf-8")
-    for name in ("table.py", "light.py", "by_quadrature.py", "by_map.py")
-) + "".join(
-    inspect.getsource(module)
-    for module in (ray, rule, panels, nodes, ray_sum, quadrature, charts, tabulate, data, force)
-)
+_in_memory: dict[str, tuple[Any, Path | None]] = {}
 
-_in_memory: dict[str, tuple[Made, Path | None]] = {}
+
+class Made(Protocol):
+    """A table as computed and stored, a dataclass; lengths in a unit, forces in n_m P/c."""
+
+    @property
+    def certified(self) -> float:
+        """Bound on the error of the force."""
+
+    @property
+    def largest(self) -> float:
+        """Largest force found within the range."""
+
+    @property
+    def reach(self) -> float:
+        """Range, distance from the focus."""
+
+    @property
+    def seconds(self) -> float:
+        """Time of the computation, s."""
+
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+
+    def kernel(self, *, gradient: bool) -> Kernel:
+        """Kernel that reads it."""
+
+    def data(self, unit: float, strength: float, beyond: Part) -> Data:
+        """Data of the kernel. unit: m. strength: n_m P/c, N. beyond: the force out of range."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +72,8 @@ class Table:
     """The table of one scene."""
 
     made: Made
-    radius: float
-    """m, of the bead"""
+    unit: float
+    """of its lengths, m"""
     strength: float
     """n_m P/c of all rays, N"""
     path: Path | None
@@ -63,7 +81,7 @@ class Table:
 
     @property
     def certified_error(self) -> float:
-        """Bound on the error of the force within the range, N: see `tabulate.build`."""
+        """Bound on the error of the force within the range, N."""
         return self.made.certified * self.strength
 
     @property
@@ -74,12 +92,12 @@ class Table:
     @property
     def range(self) -> float:
         """Largest distance from the focus, m."""
-        return self.made.reach * self.radius
+        return self.made.reach * self.unit
 
     @property
     def pieces(self) -> int:
         """Number of pieces."""
-        return len(self.made.pieces)
+        return self.made.count
 
     @property
     def build_time(self) -> float:
@@ -87,18 +105,18 @@ class Table:
         return self.made.seconds
 
 
-def stored(light: Light, scene: Scene, make: Callable[[], Made]) -> tuple[Made, Path | None]:
-    """The table of `light`, given in radii and n_m P/c, and its file.
+def stored(
+    key: str, tolerance: float, kind: type[AnyMade], make: Callable[[], AnyMade]
+) -> tuple[AnyMade, Path | None]:
+    """The table of that key, and its file: from memory, the user's cache folder, or else by `make`.
 
-    From memory, from the user's cache folder, or else by `make`. Warns as
-    `tweezer.optics.force_map`.
+    kind: of the tables that `make` makes. Warns as `tweezer.optics.force_map`.
     """
-    key = _key(light, scene)
     if key in _in_memory:
         return _in_memory[key]
-    made, path = _kept(key, make)
+    made, path = _kept(key, kind, make)
     reached = made.certified / made.largest
-    if reached > (tolerance := scene.optics.table_tolerance):
+    if reached > tolerance:
         warn(
             f"the table errs by up to {reached:.2g} of the largest force: it did not reach "
             f"optics.table_tolerance = {tolerance:g}",
@@ -109,22 +127,35 @@ def stored(light: Light, scene: Scene, make: Callable[[], Made]) -> tuple[Made, 
     return made, path
 
 
-def _key(light: Light, scene: Scene) -> str:
-    """Digest of everything that a table depends on. Rounding in the power does not change it."""
-    said = (
-        light.cone.half_angle, light.index_ratio, light.polarisation, light.torque,
-        scene.optics.table_tolerance, scene.table_radii,
-    )  # fmt: skip
-    shape = np.round(light.cone.series / np.abs(light.cone.series).max(), 13) + 0.0  # no -0
-    return hashlib.sha256(f"{_SOURCES}{said}{shape.tolist()}".encode()).hexdigest()
+def sources(*modules: str) -> str:
+    """Text of the code that computes a table: part of its key. modules: names within tweezer.
+
+    It is read on import, as a file may change while the program runs.
+    """
+    names = (*modules, "forces.data", "forces.force", "optics.light", "optics.table")
+    found = (importlib.util.find_spec(f"tweezer.{name}") for name in names)
+    return "".join(
+        Path(each.origin).read_text(encoding="utf-8") for each in found if each and each.origin
+    )
 
 
-def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
+def key(code: str, cone: Cone, *said: Any) -> str:
+    """Digest of all that a table depends on. Rounding in the power does not change it.
+
+    code: `sources`. said: beside the cone of light.
+    """
+    shape = np.round(cone.series / np.abs(cone.series).max(), 13) + 0.0  # no -0
+    return hashlib.sha256(f"{code}{said}{shape.tolist()}".encode()).hexdigest()
+
+
+def _kept(
+    key: str, kind: type[AnyMade], make: Callable[[], AnyMade]
+) -> tuple[AnyMade, Path | None]:
     """The table in the cache folder, and its file; computed if it is missing or damaged."""
     from platformdirs import user_cache_path
 
     path = user_cache_path("tweezer") / "tables" / f"{key}.table"
-    if (made := _load(path, key)) is not None:
+    if (made := _load(path, key, kind)) is not None:
         return made, path
     from filelock import FileLock
 
@@ -136,7 +167,8 @@ def _kept(key: str, make: Callable[[], Made]) -> tuple[Made, Path | None]:
         warn(f"{path}: the table is not kept: {error}", UserWarning)
         return make(), None
     try:
-        if (made := _load(path, key)) is not None:  # written by the process that held the lock
+        # the process that held the lock may have written it
+        if (made := _load(path, key, kind)) is not None:
             return made, path
         if path.exists():
             warn(f"{path}: damaged; the table is made again", UserWarning)
@@ -167,7 +199,7 @@ def _wait_for(lock: FileLock) -> None:
         lock.acquire(timeout=_LONGEST_WAIT)
 
 
-def _save(path: Path, key: str, made: Made) -> None:
+def _save(path: Path, key: str, made: Any) -> None:
     """Write a table: a digest of its key and content, and an npz archive."""
     from tweezer.io import replacing
 
@@ -178,7 +210,7 @@ def _save(path: Path, key: str, made: Made) -> None:
         whole.write(hashlib.sha256(key.encode() + content).digest() + content)
 
 
-def _load(path: Path, key: str) -> Made | None:
+def _load(path: Path, key: str, kind: type[AnyMade]) -> AnyMade | None:
     """A saved table; None if the file is missing or damaged."""
     try:
         content = path.read_bytes()
@@ -189,4 +221,4 @@ def _load(path: Path, key: str) -> Made | None:
         return None
     with np.load(io.BytesIO(content)) as archive:
         fields: dict[str, Any] = {name: archive[name][()] for name in archive.files}
-    return Made(**fields)
+    return kind(**fields)

@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 from tweezer.compiled import address
 from tweezer.errors import TweezerError
 from tweezer.forces.data import Data, Part, packed
-from tweezer.forces.force import KERNEL, evaluated
+from tweezer.forces.force import KERNEL, Kernel, evaluated
 from tweezer.optics import charts
+from tweezer.optics.beyond import unreached
 from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
 from tweezer.optics.rays.quadrature import VANISHING
 
@@ -107,13 +108,22 @@ class Made:
         """Whether the moment (3.25) is tabled."""
         return self.pieces.shape[1] > HEAD + 2 * ORDER**2
 
-    def data(self, radius: float, strength: float, beyond: Part) -> Data:
-        """Data of `charts.kernel` for a bead of `radius`, m, in light of `strength` n_m P/c, N.
+    @property
+    def count(self) -> int:
+        """Number of pieces."""
+        return len(self.pieces)
+
+    def kernel(self, *, gradient: bool) -> Kernel:
+        """Kernel that reads it."""
+        return charts.kernel(gradient=gradient, moment=self.moment)
+
+    def data(self, unit: float, strength: float, beyond: Part) -> Data:
+        """Data of the kernel for a bead of radius `unit`, m, in light of `strength` n_m P/c, N.
 
         beyond: the force outside the range.
         """
         return packed(
-            radius, self.half_angle, self.reach, strength, self.certified * strength, self.frames,
+            unit, self.half_angle, self.reach, strength, self.certified * strength, self.frames,
             self.roots, self.index, self.pieces, beyond,
         )  # fmt: skip
 
@@ -424,7 +434,7 @@ def _worst(made: Made, samples: list[_Sample]) -> Array:
     exact = np.concatenate([sample.force for sample in samples])
     positions = np.stack([rho, np.zeros_like(rho), z], axis=1)
     kernel = address(charts.kernel(gradient=False, moment=made.moment), KERNEL)
-    data = made.data(1.0, 1.0, charts.unreached())
+    data = made.data(1.0, 1.0, unreached())
     read = evaluated(Part(kernel, data), positions, gradient=False)
     at, places = np.empty(len(rho), np.int64), np.empty((len(rho), 7))
     charts.find(

@@ -19,7 +19,8 @@ from tweezer.compiled import cached_njit
 from tweezer.forces.data import Data, matrix, number, packed, tensor, vector
 from tweezer.forces.force import KERNEL, Kernel
 from tweezer.optics.rays.nodes import scratch
-from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, gather, put, ray_sum
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, gather, ray_sum
+from tweezer.optics.turning import put
 
 Array = NDArray[np.float64]
 

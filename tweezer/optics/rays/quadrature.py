@@ -38,8 +38,9 @@ from tweezer.optics.rays.panels import (
     rules_of,
     unknown_light,
 )
-from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, gather, put, ray_sum
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, gather, ray_sum
 from tweezer.optics.rays.rule import LEVELS, Rule
+from tweezer.optics.turning import put
 
 #: Force that counts as zero, as a part of the largest. The largest is estimated as the strength of
 #: the light times min(1, 5 |1 - n_m/n_P|)

@@ -9,8 +9,6 @@ import functools
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from tweezer.compiled import cache_functions, named_njit
 from tweezer.generated import ray
 from tweezer.optics.rays.nodes import DG_OF, DQ_OF, FORCE, G_OF, Q_OF, S_OF, U1, U2, U3, WEIGHT
@@ -263,33 +261,3 @@ def gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
     if gradient and moment:
         for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
             found[15 + c] += value
-
-
-@named_njit(error_model="numpy", inner=True)
-def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
-    """Add `found` of `gather`, turned about z, to bead `at` of a wrench."""
-    wrench.force[at, 0] += cosine * found[0] - sine * found[1]
-    wrench.force[at, 1] += sine * found[0] + cosine * found[1]
-    wrench.force[at, 2] += found[2]
-    if moment:
-        wrench.moment[at, 0] += cosine * found[3] - sine * found[4]
-        wrench.moment[at, 1] += sine * found[3] + cosine * found[4]
-        wrench.moment[at, 2] += found[5]
-    if gradient:
-        _add_turned(found[6:15], cosine, sine, wrench.force_gradient[at])
-        if moment:
-            _add_turned(found[15:24], cosine, sine, wrench.moment_gradient[at])
-
-
-@named_njit(error_model="numpy", nogil=True, inner=True)
-def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
-    """Add R J R^T, for a turn about z."""
-    half = np.empty(9)
-    for j in range(3):
-        half[j] = cosine * matrix[j] - sine * matrix[3 + j]
-        half[3 + j] = sine * matrix[j] + cosine * matrix[3 + j]
-        half[6 + j] = matrix[6 + j]
-    for i in range(3):
-        out[i, 0] += cosine * half[3 * i] - sine * half[3 * i + 1]
-        out[i, 1] += sine * half[3 * i] + cosine * half[3 * i + 1]
-        out[i, 2] += half[3 * i + 2]

@@ -1,0 +1,70 @@
+"""The force of light by interpolation in a table; by quadrature outside the table's range."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.compiled import address
+from tweezer.forces.data import Data, Part
+from tweezer.forces.force import KERNEL, Kernel, Wrench, bound, evaluated
+from tweezer.optics.beyond import unreached
+from tweezer.optics.light import LightForce
+from tweezer.optics.table import Made
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Mapped(LightForce):
+    """The polynomials of a table, with its certified error."""
+
+    made: Made
+    unit: float
+    """of the table's lengths, m"""
+    outside: LightForce
+    """the force outside the table's range"""
+
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """See `Force.field`. The quadrature is compiled only if a position is out of range."""
+        if gradient not in self._parts:
+            kernel = address(self.made.kernel(gradient=gradient), KERNEL)
+            self._parts[gradient] = Part(kernel, self._data(unreached()))
+        wrench = evaluated(self._parts[gradient], positions, gradient, time, orientations)
+        out = np.isinf(wrench.error)
+        if out.any():
+            beyond = self.outside.field(positions[out], gradient=gradient)
+            for everywhere, there in zip(wrench, beyond, strict=True):
+                if len(everywhere):
+                    everywhere[out] = there
+        return wrench
+
+    def absorbed_power(self, positions: Array) -> Array:
+        """See `LightForce.absorbed_power`. It is not tabled."""
+        return self.outside.absorbed_power(positions)
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        data = self._with_gradient if gradient else self._without_gradient
+        return self.made.kernel(gradient=gradient), data
+
+    def _data(self, beyond: Part) -> Data:
+        return self.made.data(self.unit, self.light.strength, beyond)
+
+    @functools.cached_property
+    def _with_gradient(self) -> Data:
+        return self._data(bound(self.outside, gradient=True))
+
+    @functools.cached_property
+    def _without_gradient(self) -> Data:
+        return self._data(bound(self.outside, gradient=False))

@@ -1,0 +1,53 @@
+"""The light of one beam on a bead in the terms of ray optics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.optics.beam import cone
+from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
+from tweezer.optics.rays.ray_sum import Rays, Sphere
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class RayLight(Light):
+    """The light of one beam as rays, and the sphere they fall on."""
+
+    index_ratio: float
+    """n_m/n_P"""
+    polarisation: str
+    """of the rays: unpolarised light is as circular to them"""
+    jones: Array
+    """(4,) Jones vector as (re, im) pairs; zeros where the light is not linear"""
+    torque: bool
+    """whether the moment (3.25) is computed"""
+
+    @property
+    def sphere(self) -> Sphere:
+        """The bead, as the kernels read it."""
+        return Sphere(self.radius, self.index_ratio)
+
+    def rays(self, *, gradient: bool) -> Rays:
+        """The kind of rays that a kernel is compiled for."""
+        return Rays(self.polarisation, self.index_ratio > 1, gradient, self.torque)
+
+
+def light_on_bead(scene: Scene) -> RayLight:
+    """The light of the one beam of `scene` as rays, on its bead."""
+    n_m = scene.medium.refractive_index
+    polarisation = scene.beam.polarisation
+    return RayLight(
+        cone=cone(scene),
+        momentum_per_energy=n_m / SPEED_OF_LIGHT,
+        radius=scene.bead.radius,
+        index_ratio=n_m / scene.bead.index.real,
+        polarisation="circular" if polarisation == "unpolarised" else polarisation,
+        jones=jones_vector(scene.beam),
+        torque=scene.beam.torque == "thesis",
+    )

@@ -1,0 +1,40 @@
+"""From the frame with the bead in the plane y = 0 back to that of the scene."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tweezer.compiled import named_njit
+
+
+@named_njit(error_model="numpy", inner=True)
+def put(found, cosine, sine, gradient, moment, at, wrench):  # type: ignore[no-untyped-def]
+    """Add `found`, turned about z, to bead `at` of a wrench.
+
+    found: (24,) force, moment, and their gradients, row by row.
+    """
+    wrench.force[at, 0] += cosine * found[0] - sine * found[1]
+    wrench.force[at, 1] += sine * found[0] + cosine * found[1]
+    wrench.force[at, 2] += found[2]
+    if moment:
+        wrench.moment[at, 0] += cosine * found[3] - sine * found[4]
+        wrench.moment[at, 1] += sine * found[3] + cosine * found[4]
+        wrench.moment[at, 2] += found[5]
+    if gradient:
+        _add_turned(found[6:15], cosine, sine, wrench.force_gradient[at])
+        if moment:
+            _add_turned(found[15:24], cosine, sine, wrench.moment_gradient[at])
+
+
+@named_njit(error_model="numpy", nogil=True, inner=True)
+def _add_turned(matrix, cosine, sine, out):  # type: ignore[no-untyped-def]
+    """Add R J R^T, for a turn about z."""
+    half = np.empty(9)
+    for j in range(3):
+        half[j] = cosine * matrix[j] - sine * matrix[3 + j]
+        half[3 + j] = sine * matrix[j] + cosine * matrix[3 + j]
+        half[6 + j] = matrix[6 + j]
+    for i in range(3):
+        out[i, 0] += cosine * half[3 * i] - sine * half[3 * i + 1]
+        out[i, 1] += sine * half[3 * i] + cosine * half[3 * i + 1]
+        out[i, 2] += half[3 * i + 2]

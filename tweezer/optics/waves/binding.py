@@ -1,0 +1,132 @@
+"""The waves of a beam and a sphere, as the compiled sums read them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.compiled.lanes import LANES
+from tweezer.forces.data import Data, packed
+from tweezer.optics.waves.focus import Focus, Part, State
+from tweezer.optics.waves.harmonics import elements, harmonics
+from tweezer.optics.waves.kernel import guarded_elements, guarded_sphere
+from tweezer.optics.waves.light import Waves
+from tweezer.optics.waves.nodes import Nodes, Rule
+from tweezer.optics.waves.sphere import mie_coefficients, weights
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+#: Error of integrals and sums, as a part of the tolerance: the force is small beside the light
+_SMALL = 1e-3
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What the compiled sums read."""
+
+    data: Data
+    """of `kernel.waves_kernel`"""
+    floor: float
+    """allowed error of the force where it vanishes, N"""
+
+
+def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
+    """The degree up to which Mie's coefficients count."""
+    n = np.arange(1, len(a) + 1)
+    size = (2 * n + 1) * (np.abs(a) + np.abs(b))
+    beyond = np.cumsum(size[::-1])[::-1]
+    return int((beyond > tolerance * size.max()).sum())
+
+
+def sums(light: Waves, tolerance: float, reach: float) -> Sums:
+    """The sums for the force to a relative tolerance, up to `reach`, m, from the focus."""
+    small = _SMALL * tolerance
+    x = light.size_parameter
+    a, b = mie_coefficients(light.shells, light.wavenumber, int(x + 6 * x ** (1 / 3)) + 12)
+    needed = highest_degree(a, b, small)
+    stride = -(-(needed + 2) // LANES) * LANES
+    highest = stride - 1
+    a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
+    nodes = Nodes(light.focus, light.odd, small)
+    rules = _rules(light, nodes, reach)
+    tables = [harmonics(highest, rule.below) for rule in rules]
+    padded = [-(-len(rule.below) // LANES) * LANES for rule in rules]
+    begins = np.concatenate([[0], np.cumsum(padded)])
+    entries = np.concatenate([[0], np.cumsum([table.size for table in tables])])
+    of_rules = np.array([
+        [len(rule.below), many, rule.largest_phase, begin, entry]
+        for rule, many, begin, entry in zip(rules, padded, begins, entries, strict=False)
+    ])  # fmt: skip
+    shift = nodes.shift
+    parts = [(at, part) for at, state in enumerate(light.states) for part in state.parts]
+    of_nodes = np.concatenate(
+        [
+            _of_nodes(light.focus, rule, shift, parts, many)
+            for rule, many in zip(rules, padded, strict=True)
+        ],
+        axis=1,
+    )
+    half_angle = light.focus.half_angle
+    floor = nodes.error * light.strength
+    data = packed(
+        light.strength * 4 * math.pi**2, light.strength, tolerance, floor,
+        _of_states(light.states), guarded_elements(np.stack(elements(highest))),
+        _of_sphere(a, b, light.states, stride),
+        light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
+        2 * math.sin(half_angle / 2) ** 2, math.sqrt(small), of_rules, of_nodes,
+        np.concatenate([table.ravel() for table in tables]),
+        np.array([
+            (at, part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
+            for at, part in parts
+        ]),
+        highest,
+    )  # fmt: skip
+    return Sums(data, floor)
+
+
+def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
+    """Rules for beads up to `reach`, m, from the focus."""
+    angle = light.focus.half_angle
+    least = light.size_parameter * angle
+    sine, versine = math.sin(angle), 2 * math.sin(angle / 2) ** 2
+    most = least + light.wavenumber * reach * math.hypot(sine, versine)
+    most += abs(nodes.shift) * versine
+    return [rule for rule in nodes.up_to(most) if rule.largest_phase >= least]
+
+
+def _of_nodes(
+    focus: Focus, rule: Rule, shift: float, parts: list[tuple[int, Part]], many: int
+) -> Array:
+    """1 - cos(theta), sin(theta), and the weighted amplitudes of each part, (rows, many)."""
+    below = rule.below
+    along, across = focus.amplitudes(below)
+    turned = rule.weight * np.exp(-1j * shift * below)
+    rows = [below, np.sqrt(below * (2 - below))]
+    for _, part in parts:
+        light = part.amplitude(along, across) * turned
+        rows += [light.real, light.imag]
+    return np.pad(np.stack(rows), ((0, 0), (0, many - len(below))))
+
+
+def _of_states(states: tuple[State, ...]) -> Array:
+    rows, begin = [], 0
+    for state in states:
+        end = begin + len(state.parts)
+        momenta = [part.angular_momentum for part in state.parts]
+        components = 1 if state.pure else 2
+        rows.append((state.weight, state.handedness, components, begin, end,
+                     min(momenta), max(momenta)))  # fmt: skip
+        begin = end
+    return np.array(rows, float)
+
+
+def _of_sphere(a: ComplexArray, b: ComplexArray, states: tuple[State, ...], stride: int) -> Array:
+    """Weights of each component, (components, rows and guards)."""
+    components = 1 if all(each.pure for each in states) else 2
+    U, V, K = weights(a, b, components)
+    rows = np.stack([U.real, U.imag, V.real, V.imag, K], axis=1)
+    return guarded_sphere(np.pad(rows, ((0, 0), (0, 0), (1, stride - 1 - rows.shape[2]))))

@@ -1,0 +1,103 @@
+"""The force of waves by interpolation in a table."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from tweezer.optics import table
+from tweezer.optics.light import LightForce
+from tweezer.optics.mapped import Mapped
+from tweezer.optics.table import Table, sources
+from tweezer.optics.waves import by_quadrature
+from tweezer.optics.waves.by_quadrature import WavesByQuadrature
+from tweezer.optics.waves.lattice import Lattice, Progress, build
+from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.scene import Scene
+
+#: Tolerance of the quadrature that a table is made from, as a part of the table's
+_FINER = 0.01
+
+_SOURCES = sources(
+    "compiled.lanes", "generated.waves",
+    *(
+        f"optics.waves.{name}"
+        for name in (
+            "binding", "by_map", "by_quadrature", "focus", "harmonics", "kernel", "lattice",
+            "light", "nodes", "partial_waves", "sphere",
+        )
+    ),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class WavesByMap(Mapped):
+    """The map of waves on a sphere of one size."""
+
+    light: Waves
+    outside: WavesByQuadrature
+    tolerance: float
+    """of the table, as a part of the largest force"""
+
+    def of_radius(self, radius: float) -> LightForce:
+        """See `LightForce.of_radius`. The other map is made, and not stored."""
+        if radius == self.light.radius:
+            return self
+        scaled = self.light.of_radius(radius)
+        made = _made(scaled, self.tolerance, self.made.reach)
+        outside = self.outside.of_radius(radius)
+        return dataclasses.replace(self, light=scaled, made=made, outside=outside)
+
+
+def by_map(scene: Scene) -> WavesByMap:
+    """The force of the waves of `scene`, from its table: see `tweezer.optics.force_map`."""
+    of_bead = waves_on_bead(scene)
+    made, _ = _stored(scene, of_bead)
+    outside = by_quadrature.by_quadrature(scene)
+    unit = 1 / of_bead.wavenumber
+    return WavesByMap(of_bead, made, unit, outside, scene.optics.table_tolerance)
+
+
+def wave_map(scene: Scene, progress: Progress | None = None) -> Table:
+    """The table of the force of the waves of `scene`: see `tweezer.optics.force_map`."""
+    of_bead = waves_on_bead(scene)
+    made, path = _stored(scene, of_bead, progress)
+    return Table(made, 1 / of_bead.wavenumber, of_bead.strength, path)
+
+
+def _stored(
+    scene: Scene, of_bead: Waves, progress: Progress | None = None
+) -> tuple[Lattice, Path | None]:
+    tolerance = scene.optics.table_tolerance
+    reach = of_bead.wavenumber * scene.table_reach
+    shells = [(of_bead.wavenumber * outer, index) for outer, index in of_bead.shells]
+    key = table.key(
+        _SOURCES, of_bead.cone, of_bead.cone.half_angle, of_bead.states, of_bead.face, shells,
+        tolerance, reach,
+    )  # fmt: skip
+    make = functools.partial(_made, of_bead, tolerance, reach, progress)
+    return table.stored(key, tolerance, Lattice, make)
+
+
+def _made(
+    of_bead: Waves, tolerance: float, reach: float, progress: Progress | None = None
+) -> Lattice:
+    """The table. reach: in 1/k."""
+    in_units = dataclasses.replace(
+        of_bead.of_radius(of_bead.size_parameter),
+        wavenumber=1.0,
+        momentum_per_energy=1 / of_bead.cone.power,
+    )
+    angle = in_units.focus.half_angle
+    return build(
+        WavesByQuadrature(in_units, _FINER * tolerance, 1.01 * reach).field,
+        band=(2 * math.sin(angle), 2 * math.sin(angle / 2) ** 2),
+        reach=reach,
+        tolerance=tolerance,
+        symmetric=in_units.symmetric,
+        moment=in_units.absorbs,
+        progress=progress,
+    )

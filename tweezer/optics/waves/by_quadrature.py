@@ -1,0 +1,90 @@
+"""The force of light as waves, by quadrature over the lens."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.forces.data import Data
+from tweezer.forces.force import Kernel, Wrench
+from tweezer.optics.light import LightForce
+from tweezer.optics.waves.binding import Sums, sums
+from tweezer.optics.waves.kernel import absorption, waves_kernel
+from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: Largest allowed error, in estimates
+_MISSED = 2.0
+#: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
+_BEYOND_LOSS = 1.25
+
+
+@dataclass(frozen=True, eq=False)
+class WavesByQuadrature(LightForce):
+    """The sum over partial waves, whose amplitudes are integrals over the lens."""
+
+    light: Waves
+    tolerance: float
+    """relative, of the force"""
+    reach: float
+    """distance from the focus up to which compiled loops compute the force, m; beyond, its error is
+    infinite"""
+
+    def field(
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Wrench:
+        """See `Force.field`. Places beyond the reach take more nodes."""
+        if (there := self._reaching(positions)) is not self:
+            return there.field(positions, gradient=gradient)
+        return super().field(positions, gradient=gradient, time=time, orientations=orientations)
+
+    def absorbed_power(self, positions: Array) -> Array:
+        """See `LightForce.absorbed_power`."""
+        if not self.light.absorbs:
+            return super().absorbed_power(positions)
+        there = self._reaching(positions)
+        share: Array = absorption()(np.require(positions, np.float64, ["C"]), there.sums.data)
+        return self.light.cone.power * share
+
+    def _reaching(self, positions: Array) -> WavesByQuadrature:
+        """The same up to the farthest of `positions` at least."""
+        farthest = float(np.linalg.norm(positions, axis=1).max(initial=0.0))
+        if farthest <= self.reach:
+            return self
+        return dataclasses.replace(self, reach=1.25 * farthest)
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+        """See `Force.compiled`."""
+        return waves_kernel(gradient=gradient, moment=self.light.absorbs), self.sums.data
+
+    @functools.cached_property
+    def sums(self) -> Sums:
+        """What the compiled sums read."""
+        return sums(self.light, self.tolerance, self.reach)
+
+    def allowed_error(self, force: Array) -> Array:
+        """See `LightForce.allowed_error`."""
+        size = np.linalg.norm(force, axis=1)
+        return _MISSED * (self.tolerance * size + self.sums.floor)
+
+    def of_radius(self, radius: float) -> WavesByQuadrature:
+        """See `LightForce.of_radius`."""
+        return WavesByQuadrature(self.light.of_radius(radius), self.tolerance, self.reach)
+
+
+def by_quadrature(scene: Scene) -> WavesByQuadrature:
+    """The force of the light of `scene` as waves, to `optics.tolerance`."""
+    light = waves_on_bead(scene)
+    reach = _BEYOND_LOSS * scene.simulation.loss_distance
+    return WavesByQuadrature(light, scene.optics.tolerance, reach)

@@ -1,0 +1,146 @@
+"""The light behind the lens as plane waves in phase at the focus (Debye's integral).
+
+A plane wave along s, of azimuth phi and polar angle theta, carries the power per solid angle
+W(theta) of `tweezer.optics.beam.cone`. Its field is split into helicities,
+e_+- = (e_theta +- i e_phi)/sqrt(2). The Jones vector (a, b) of the pupil gives the two of them the
+amplitudes c_+- exp(+-i phi), c_+- = (a -+ ib)/sqrt(2): light of helicity +-1 has the angular
+momentum J_z = +-1 per photon, in units of hbar, about the axis. A vortex exp(i l phi) adds l.
+
+A plane face before the focus (`lens.cover`) changes the amplitudes of the parts along e_theta and
+e_phi by different factors, which mixes the helicities (Torok, Varga, Laczik and Booker, J. Opt.
+Soc. Am. A 12, 325, 1995).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.generated import waves
+from tweezer.optics.beam import Cone
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+
+class Part(NamedTuple):
+    """Waves of one helicity and one angular momentum."""
+
+    helicity: int
+    """+1 or -1"""
+    angular_momentum: int
+    """J_z of a photon about the axis, in units of hbar"""
+    coefficient: complex
+    """of the Jones vector"""
+    theta: complex
+    """share of the light along e_theta in its amplitude"""
+    phi: complex
+    """share of the light along e_phi in its amplitude"""
+
+    def amplitude(self, theta: ComplexArray, phi: ComplexArray) -> ComplexArray:
+        """Amplitude of the part, from those of light along e_theta and e_phi in the pupil."""
+        return np.asarray(self.theta * theta + self.phi * phi)
+
+
+@dataclass(frozen=True)
+class State:
+    """A fully polarised part of the light. The forces of several states add up."""
+
+    weight: float
+    """share of the power"""
+    parts: tuple[Part, ...]
+    handedness: float = 1.0
+    """-1 for the mirror image of these parts, y -> -y; 0 for equal shares of both"""
+
+    @property
+    def pure(self) -> bool:
+        """Whether all of it is of helicity +1."""
+        return all(part.helicity > 0 for part in self.parts)
+
+
+def states(polarisation: str, jones: Array, vortex: int, *, face: bool) -> tuple[State, ...]:
+    """The light of a pupil in polarised states.
+
+    jones: (4,) the Jones vector of linear light as (re, im) pairs. face: whether the light passes
+    a face before the focus.
+    """
+    if polarisation in ("radial", "azimuthal"):
+        along, half = polarisation == "radial", math.sqrt(0.5)
+        plus, minus = (
+            Part(helicity, vortex, 1.0, half * along, -1j * helicity * half * (not along))
+            for helicity in (1, -1)
+        )
+        return (State(1.0, (plus, minus)),)
+    if polarisation == "linear":
+        a, b = complex(*jones[:2]), complex(*jones[2:])
+        right, left = (a - 1j * b) / math.sqrt(2), (a + 1j * b) / math.sqrt(2)
+        least = 1e-14  # of the Jones vector's length
+        if abs(left) < least:
+            return _circular(vortex, face, abs(right) ** 2, 1.0)
+        if abs(right) < least:  # the mirror image of circular light, and of its vortex
+            return _circular(-vortex, face, abs(left) ** 2, -1.0)
+        return (State(1.0, _parts(1, vortex, right, face) + _parts(-1, vortex, left, face)),)
+    if polarisation == "circular":
+        return _circular(vortex, face, 1.0, 1.0)
+    if vortex == 0:
+        return _circular(0, face, 1.0, 0.0)
+    return _circular(vortex, face, 0.5, 1.0) + _circular(-vortex, face, 0.5, -1.0)
+
+
+def _circular(vortex: int, face: bool, weight: float, handedness: float) -> tuple[State, ...]:
+    return (State(weight, _parts(1, vortex, 1.0, face), handedness),)
+
+
+def _parts(helicity: int, vortex: int, coefficient: complex, face: bool) -> tuple[Part, ...]:
+    """Light that has one helicity in the pupil: behind a face also the other."""
+    j = vortex + helicity
+    kept = Part(helicity, j, coefficient, 0.5, 0.5)
+    turned = Part(-helicity, j, coefficient, 0.5, -0.5)
+    return (kept, turned) if face else (kept,)
+
+
+@dataclass(frozen=True)
+class Face:
+    """A plane face before the focus, from a medium of index `before` into the bead's, `behind`."""
+
+    before: float
+    behind: float
+    phase: float
+    """k_0 times the distance from the face to the nominal focus"""
+
+
+@dataclass(frozen=True)
+class Focus:
+    """Plane waves of a cone of light of 1 W. Where there is a face, angles are those behind it."""
+
+    cone: Cone
+    """in front of the face"""
+    face: Face | None = None
+
+    @property
+    def half_angle(self) -> float:
+        """Polar angle of the outermost wave, rad."""
+        if self.face is None:
+            return self.cone.half_angle
+        sine = math.sin(self.cone.half_angle) * self.face.before / self.face.behind
+        return math.asin(min(sine, 1.0))
+
+    def amplitudes(self, below: Array) -> tuple[ComplexArray, ComplexArray]:
+        """Amplitudes of light along e_theta and e_phi, sqrt(1/sr), at 1 - cos(theta) = `below`."""
+        face, cone = self.face, self.cone
+        cosine = 1 - below
+        before = cosine
+        if face is not None:
+            sine_squared = below * (1 + cosine) * (face.behind / face.before) ** 2
+            before = np.sqrt(np.maximum(1 - sine_squared, 0.0))
+        power = np.maximum(cone.radiance(before), 0.0) / cone.power
+        size = np.sqrt(power).astype(np.complex128)
+        if face is None:
+            return size, size
+        along, across = waves.cover_amplitudes.py_func(before, cosine, face.before, face.behind)
+        size *= np.exp(1j * face.phase * (face.behind * cosine - face.before * before))
+        return size * along, size * across

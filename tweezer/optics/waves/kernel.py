@@ -1,0 +1,408 @@
+"""The force of the light's waves on a sphere, from the momentum of the light before and after.
+
+Force, torque and gradient are sums over the partial waves about the bead. Each wave is coupled with
+its neighbours in degree n and order m alone. The summands are emitted: `derivation.waves`.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+
+from tweezer.compiled import cache_functions, cached_njit, named_njit
+from tweezer.compiled.lanes import LANES, lanes, spread, total
+from tweezer.forces.data import DATA, matrix, number, vector
+from tweezer.forces.force import KERNEL, Kernel
+from tweezer.generated import waves
+from tweezer.optics.turning import put
+from tweezer.optics.waves.partial_waves import (
+    HELICITY,
+    OPTIONS,
+    PADDED,
+    PHASE,
+    add_part,
+    begin,
+    bessel_functions,
+    plane_waves,
+    rule_for,
+    source_of,
+)
+
+cache_functions(waves)
+
+# entries of the data: n_m P/c over the unit of the sums, n_m P/c, and so on; those of the `Source`
+# follow
+STRENGTH, OF_ALL, TOLERANCE, FLOOR, STATES, ELEMENTS, SPHERE, SOURCE = range(8)
+# columns of the states: share of the power, handedness, number of components, first part and end of
+# its parts, lowest and highest J_z
+SHARE, HANDEDNESS, COMPONENTS, BEGIN, END, LOWEST, HIGHEST = range(7)
+# rows of the elements of the direction, as in `harmonics.Elements`
+_ALONG, _WITHIN, _RAISED, _TURNED, _LOWERED, _LIFT = range(6)
+# rows of the sphere's weights
+_U_RE, _U_IM, _V_RE, _V_IM, _K, WEIGHTS = range(6)
+#: Numbers that a place gives: force, moment, their gradients, absorbed power
+_FOUND = 25
+ABSORBED = 24
+#: Type of the compiled `absorption`
+ABSORPTION = types.float64[::1](types.float64[:, ::1], DATA)
+
+
+class Waves(NamedTuple):
+    """Partial waves of one component of the light, and of its partner."""
+
+    own: Any
+    """P_nm, see `partial_waves`: real parts, then imaginary parts, by (m, n)"""
+    partner: Any
+    imaginary: int
+    """entry of the first imaginary part"""
+    first: int
+    """lowest order m"""
+    last: int
+    """highest order m"""
+    begin: int
+    """entry of order `first`, degree 0"""
+
+
+class Weights(NamedTuple):
+    """Elements of the direction by (m, n), and the weights of the sphere by n."""
+
+    elements: Any
+    """flattened, with a guard of `stride` + LANES entries before and after"""
+    sphere: Any
+    """of one component, with a guard of LANES entries before and after"""
+    stride: int
+    """number of degrees"""
+    size: int
+    """number of entries of each kind of elements"""
+
+
+def guarded_elements(tables: Any) -> Any:
+    """`Weights.elements` from tables (kinds, orders, degrees)."""
+    guard = np.zeros(tables.shape[2] + LANES)
+    return np.concatenate([guard, tables.ravel(), guard])
+
+
+def guarded_sphere(weights: Any) -> Any:
+    """`Weights.sphere` of each component, from weights (components, rows, degrees)."""
+    return np.stack([np.pad(each.ravel(), LANES) for each in weights])
+
+
+@named_njit(**OPTIONS)
+def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
+    """Add the force on one component."""
+    P, partner, imaginary = light.own, light.partner, light.imaginary
+    table, sphere, stride, size = weights
+    middle = size // stride // 2
+    x, y, z = spread(0.0), spread(0.0), spread(0.0)
+    for m in range(light.first, light.last + 1):
+        row = light.begin + (m - light.first) * stride
+        elements = stride + LANES + (m + middle) * stride
+        for block in range(abs(m) // LANES * LANES, stride, LANES):
+            at, of, n = row + block, elements + block, LANES + block
+            up = at + stride
+            a, b, c = waves.force_summand(
+                lanes(P, at), lanes(P, at + imaginary),
+                lanes(P, at + 1), lanes(P, at + 1 + imaginary),
+                lanes(partner, at), lanes(partner, at + imaginary),
+                lanes(P, up - 1), lanes(P, up - 1 + imaginary),
+                lanes(P, up), lanes(P, up + imaginary),
+                lanes(P, up + 1), lanes(P, up + 1 + imaginary),
+                lanes(sphere, _U_RE * stride + n), lanes(sphere, _U_IM * stride + n),
+                lanes(sphere, _U_RE * stride + n - 1), lanes(sphere, _U_IM * stride + n - 1),
+                lanes(sphere, _V_RE * stride + n), lanes(sphere, _V_IM * stride + n),
+                lanes(table, _ALONG * size + of + 1), lanes(table, _WITHIN * size + of),
+                lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
+                lanes(table, _LOWERED * size + of),
+            )  # fmt: skip
+            x, y, z = x + a, y + b, z + c
+    found[0] += total(x)
+    found[1] += total(y)
+    found[2] += total(z)
+
+
+@named_njit(**OPTIONS)
+def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
+    """Add the force on one component, and its gradient."""
+    P, partner, imaginary = light.own, light.partner, light.imaginary
+    table, sphere, stride, size = weights
+    middle = size // stride // 2
+    x, y, z = spread(0.0), spread(0.0), spread(0.0)
+    xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
+    yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
+    zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
+    for m in range(max(light.first - 1, -middle), min(light.last + 1, middle) + 1):
+        row = light.begin + (m - light.first) * stride
+        elements = stride + LANES + (m + middle) * stride
+        for block in range(abs(m) // LANES * LANES, stride, LANES):
+            at, of, n = row + block, elements + block, LANES + block
+            down, up = at - stride, at + stride
+            below = of - stride
+            a, b, c, aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.force_and_gradient_summand(
+                lanes(P, down - 1), lanes(P, down - 1 + imaginary),
+                lanes(P, down), lanes(P, down + imaginary),
+                lanes(P, down + 1), lanes(P, down + 1 + imaginary),
+                lanes(P, at - 1), lanes(P, at - 1 + imaginary),
+                lanes(P, at), lanes(P, at + imaginary),
+                lanes(P, at + 1), lanes(P, at + 1 + imaginary),
+                lanes(P, up - 1), lanes(P, up - 1 + imaginary),
+                lanes(P, up), lanes(P, up + imaginary),
+                lanes(P, up + 1), lanes(P, up + 1 + imaginary),
+                lanes(partner, down), lanes(partner, down + imaginary),
+                lanes(partner, at), lanes(partner, at + imaginary),
+                lanes(partner, up), lanes(partner, up + imaginary),
+                lanes(sphere, _U_RE * stride + n), lanes(sphere, _U_IM * stride + n),
+                lanes(sphere, _U_RE * stride + n - 1), lanes(sphere, _U_IM * stride + n - 1),
+                lanes(sphere, _V_RE * stride + n), lanes(sphere, _V_IM * stride + n),
+                lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
+                lanes(table, _WITHIN * size + of),
+                lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
+                lanes(table, _LOWERED * size + below + 1),
+                lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
+                lanes(table, _LOWERED * size + of),
+            )  # fmt: skip
+            x, y, z = x + a, y + b, z + c
+            xx, xy, xz = xx + aa, xy + ab, xz + ac
+            yx, yy, yz = yx + ba, yy + bb, yz + bc
+            zx, zy, zz = zx + ca, zy + cb, zz + cc
+    found[0] += total(x)
+    found[1] += total(y)
+    found[2] += total(z)
+    for i, row_sums in enumerate(((xx, xy, xz), (yx, yy, yz), (zx, zy, zz))):
+        for j, value in enumerate(row_sums):
+            found[6 + 3 * i + j] += wavenumber * total(value)
+
+
+@named_njit(**OPTIONS)
+def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
+    """Add the moment on one component, times c/n_m, and the absorbed power."""
+    P, imaginary = light.own, light.imaginary
+    table, sphere, stride, size = weights
+    middle = size // stride // 2
+    x, y, z, lost = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
+    for m in range(light.first, light.last + 1):
+        row = light.begin + (m - light.first) * stride
+        elements = stride + LANES + (m + middle) * stride
+        for block in range(abs(m) // LANES * LANES, stride, LANES):
+            at, up = row + block, row + block + stride
+            a, b, c, d = waves.moment_summand(
+                lanes(P, at), lanes(P, at + imaginary), lanes(P, up), lanes(P, up + imaginary),
+                lanes(sphere, _K * stride + LANES + block), float(m),
+                lanes(table, _LIFT * size + elements + block),
+            )  # fmt: skip
+            x, y, z, lost = x + a, y + b, z + c, lost + d
+    found[3] += total(x) / wavenumber
+    found[4] += total(y) / wavenumber
+    found[5] += total(z) / wavenumber
+    found[ABSORBED] += total(lost)
+
+
+@named_njit(**OPTIONS)
+def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
+    """Add the gradient of the moment on one component, times c/n_m."""
+    P, partner, imaginary = light.own, light.partner, light.imaginary
+    table, sphere, stride, size = weights
+    middle = size // stride // 2
+    xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
+    yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
+    zx, zy, zz = spread(0.0), spread(0.0), spread(0.0)
+    for m in range(max(light.first - 1, -middle), min(light.last + 1, middle) + 1):
+        row = light.begin + (m - light.first) * stride
+        elements = stride + LANES + (m + middle) * stride
+        for block in range(abs(m) // LANES * LANES, stride, LANES):
+            at, of = row + block, elements + block
+            down, up = at - stride, at + stride
+            below = of - stride
+            aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.moment_gradient_summand(
+                lanes(P, down - 1), lanes(P, down - 1 + imaginary),
+                lanes(P, down), lanes(P, down + imaginary),
+                lanes(P, down + 1), lanes(P, down + 1 + imaginary),
+                lanes(P, at - 1), lanes(P, at - 1 + imaginary),
+                lanes(P, at), lanes(P, at + imaginary),
+                lanes(P, at + 1), lanes(P, at + 1 + imaginary),
+                lanes(P, up - 1), lanes(P, up - 1 + imaginary),
+                lanes(P, up), lanes(P, up + imaginary),
+                lanes(P, up + 1), lanes(P, up + 1 + imaginary),
+                lanes(partner, down), lanes(partner, down + imaginary),
+                lanes(partner, at), lanes(partner, at + imaginary),
+                lanes(partner, up), lanes(partner, up + imaginary),
+                lanes(sphere, _K * stride + LANES + block), float(m),
+                lanes(table, _LIFT * size + below), lanes(table, _LIFT * size + of),
+                lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
+                lanes(table, _WITHIN * size + of),
+                lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
+                lanes(table, _LOWERED * size + below + 1),
+                lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
+                lanes(table, _LOWERED * size + of),
+            )  # fmt: skip
+            xx, xy, xz = xx + aa, xy + ab, xz + ac
+            yx, yy, yz = yx + ba, yy + bb, yz + bc
+            zx, zy, zz = zx + ca, zy + cb, zz + cc
+    for i, row_sums in enumerate(((xx, xy, xz), (yx, yy, yz), (zx, zy, zz))):
+        for j, value in enumerate(row_sums):
+            found[15 + 3 * i + j] += total(value)
+
+
+@named_njit(**OPTIONS)
+def both_sides(handedness, found):  # type: ignore[no-untyped-def]
+    """Turn numbers of one state into those of a mixture with its mirror image, y -> -y."""
+    for i in range(3):
+        odd = i == 1
+        if odd:
+            found[i] *= handedness
+        else:
+            found[3 + i] *= handedness  # an axial vector
+        for j in range(3):
+            if odd != (j == 1):
+                found[6 + 3 * i + j] *= handedness
+            else:
+                found[15 + 3 * i + j] *= handedness
+
+
+class Room(NamedTuple):
+    """Working memory of the sums."""
+
+    bessel: Any
+    norm: Any
+    re: Any
+    im: Any
+    work: Any
+    waves: Any
+    """(2 components, real and imaginary parts)"""
+    found: Any
+    """(25,) of one state: force, moment, their gradients, absorbed power"""
+
+
+@named_njit(**OPTIONS)
+def room_for(source):  # type: ignore[no-untyped-def]
+    """Working memory for the largest rule."""
+    nodes = int(source.rules[-1, PADDED])
+    orders, stride = 2 * source.highest + 1, source.highest + 1
+    return Room(
+        np.empty((begin(source.rules[-1, PHASE]) + 3) * nodes), np.empty(nodes), np.empty(nodes),
+        np.empty(nodes), np.empty(2 * nodes),
+        # with two rows of zeros before and after all orders
+        np.empty((2, 2 * (orders + 4) * stride)), np.empty(_FOUND),
+    )  # fmt: skip
+
+
+@functools.cache
+def _summed(*, gradient: bool, moment: bool) -> Any:
+    """Compiled function: what the light does to a bead at (rho, 0, z), n_m P/c = 1."""
+
+    @named_njit(**OPTIONS)
+    def add_up(data, source, rule, rho, z, azimuth, room, sums):  # type: ignore[no-untyped-def]
+        states = matrix(data, STATES)
+        elements, spheres = vector(data, ELEMENTS), matrix(data, SPHERE)
+        stride = source.highest + 1
+        size = (2 * source.highest + 1) * stride
+        P, found = room.waves, room.found
+        most = bessel_functions(source, rule, rho, room.bessel, room.norm)
+        sums[:] = 0.0
+        for state in range(states.shape[0]):
+            first = max(int(states[state, LOWEST]) - most, -source.highest)
+            last = min(int(states[state, HIGHEST]) + most, source.highest)
+            if first > last:
+                continue  # of orders m so high that the sphere does not see the light
+            components = int(states[state, COMPONENTS])
+            imaginary = (last - first + 5) * stride
+            for k in range(components):
+                P[k, : 2 * imaginary] = 0.0
+            for part in range(int(states[state, BEGIN]), int(states[state, END])):
+                plane_waves(source, rule, part, z, room.norm, room.re, room.im)
+                k = 1 if source.parts[part, HELICITY] < 0 else 0
+                add_part(source, rule, part, azimuth, most, room, first - 2, P[k, : 2 * imaginary])
+            if components == 2:
+                _electric_and_magnetic(P, 2 * imaginary)
+            found[:] = 0.0
+            for k in range(components):
+                light = Waves(P[k], P[components - 1 - k], imaginary, first, last, 2 * stride)
+                weights = Weights(elements, spheres[k], stride, size)
+                if gradient:
+                    force_and_gradient_sum(light, weights, source.wavenumber, found)
+                else:
+                    force_sum(light, weights, found)
+                if moment:
+                    moment_sum(light, weights, source.wavenumber, found)
+                    if gradient:
+                        moment_gradient_sum(light, weights, found)
+            both_sides(states[state, HANDEDNESS], found)
+            for i in range(_FOUND):
+                sums[i] += states[state, SHARE] * found[i]
+
+    return add_up
+
+
+@functools.cache
+def waves_kernel(*, gradient: bool, moment: bool) -> Kernel:
+    """The force of the light, with gradients and moments as asked."""
+    add_up = _summed(gradient=gradient, moment=moment)
+
+    @cached_njit(KERNEL, error_model="numpy", nogil=True)
+    def add_force_of_waves(pose, data, wrench):  # type: ignore[no-untyped-def]
+        strength = number(data, STRENGTH)
+        tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
+        source = source_of(data, SOURCE)
+        room = room_for(source)
+        sums = np.empty(_FOUND)
+        for at in range(pose.position.shape[0]):
+            x, y, z = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
+            rho = math.hypot(x, y)
+            azimuth = (1.0, 0.0)
+            if rho > 0.0:
+                azimuth = (x / rho, y / rho)
+            rule = rule_for(source, rho, z)
+            if rule < 0:
+                wrench.error[at] = math.inf
+                continue
+            add_up(data, source, rule, rho, z, azimuth, room, sums)
+            for i in range(_FOUND):
+                sums[i] *= strength
+            size = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
+            wrench.error[at] += tolerance * size + floor
+            put(sums, azimuth[0], azimuth[1], gradient, moment, at, wrench)
+
+    return add_force_of_waves
+
+
+@functools.cache
+def absorption() -> Any:
+    """Compiled function of positions (n, 3), m, and data: absorbed power over the light's, (n,).
+
+    NaN where there is no rule for a bead so far from the focus.
+    """
+    add_up = _summed(gradient=False, moment=True)
+
+    @cached_njit(ABSORPTION, error_model="numpy", nogil=True)
+    def absorbed(positions, data):  # type: ignore[no-untyped-def]
+        source = source_of(data, SOURCE)
+        room = room_for(source)
+        sums, out = np.empty(_FOUND), np.empty(positions.shape[0])
+        unit = number(data, STRENGTH) / number(data, OF_ALL)
+        for at in range(positions.shape[0]):
+            x, y, z = positions[at, 0], positions[at, 1], positions[at, 2]
+            rho = math.hypot(x, y)
+            azimuth = (1.0, 0.0)
+            if rho > 0.0:
+                azimuth = (x / rho, y / rho)
+            rule = rule_for(source, rho, z)
+            out[at] = math.nan
+            if rule >= 0:
+                add_up(data, source, rule, rho, z, azimuth, room, sums)
+                out[at] = unit * sums[ABSORBED]
+        return out
+
+    return absorbed
+
+
+@named_njit(**OPTIONS)
+def _electric_and_magnetic(P, count):  # type: ignore[no-untyped-def]
+    """Helicities +1 and -1 (2, count) become (p^+ + p^-)/sqrt(2) and (p^+ - p^-)/sqrt(2)."""
+    half = math.sqrt(0.5)
+    for i in range(count):
+        plus, minus = P[0, i], P[1, i]
+        P[0, i] = half * (plus + minus)
+        P[1, i] = half * (plus - minus)

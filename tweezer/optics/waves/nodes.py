@@ -1,0 +1,178 @@
+"""Nodes over the cone of light: how many a bead at a place needs, and where they are.
+
+The amplitudes of the light about a bead are integrals over the polar angle, by Gauss and Legendre.
+Their integrand has a smooth factor, the amplitude of the light in the cone, and a factor of at most
+`phase` radians: the bead's size and its distance from the focus. In Chebyshev series over the cone
+the first has coefficients that are computed here, and the second those of exp(i (phase/2) x),
+Bessel functions J_k(phase/2). So the degree of their product is known, and n nodes integrate
+degrees below 2n.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.polynomial.legendre import leggauss
+from numpy.typing import NDArray
+
+from tweezer.errors import SceneError
+from tweezer.optics.waves.focus import Focus
+
+Array = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+#: Degree at which the light in the cone is sampled, and the largest that is used
+_MOST_DEGREES, _MOST_USED = 1024, 400
+#: Numbers of nodes: steps of 4 up to this number, of an eighth of the number above it
+_FINE = 24
+#: Largest number of nodes
+_MOST_NODES = 4096
+
+
+@dataclass(frozen=True)
+class Variable:
+    """The variable of integration: 1 - cos(theta), or theta."""
+
+    half_angle: float
+    """rad, of the cone"""
+    of_angle: bool
+    """whether it is theta"""
+
+    def at(self, x: Array) -> tuple[Array, Array]:
+        """1 - cos(theta) and its derivative, at x from -1, the rim, to 1, the axis."""
+        if self.of_angle:
+            theta = self.half_angle * (1 - x) / 2
+            return 2 * np.sin(theta / 2) ** 2, np.sin(theta) * self.half_angle / 2
+        width = 2 * math.sin(self.half_angle / 2) ** 2
+        return width * (1 - x) / 2, np.full_like(x, width / 2)
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Nodes of one number, and the largest phase that they integrate."""
+
+    below: Array
+    """(n,) 1 - cos(theta), from the rim to the axis"""
+    weight: Array
+    """(n,) of the integral over cos(theta)"""
+    largest_phase: float
+    """rad"""
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The rules for the light of a cone."""
+
+    focus: Focus
+    odd: bool
+    """whether the integrand, beside the light's amplitude, is odd in sin(theta)"""
+    wanted: float
+    """wanted error of an integral, as a part of that of the light's amplitude"""
+
+    @property
+    def error(self) -> float:
+        """Allowed error: larger than wanted if the light's series does not converge so far."""
+        return self._series[2]
+
+    @functools.cached_property
+    def shift(self) -> float:
+        """Phase of the light, rad, over 1 - cos(theta): what its focus is off along the axis."""
+        if self.focus.face is None:
+            return 0.0
+        below, _ = Variable(self.focus.half_angle, False).at(np.linspace(-1, 1, 2001))
+        along, across = self.focus.amplitudes(below)
+        light = along + across
+        turned = np.unwrap(np.angle(light))
+        return float(np.polyfit(below, turned, 1, w=np.abs(light))[0])
+
+    @functools.cached_property
+    def _series(self) -> tuple[Variable, Array, float]:
+        """The variable in which the light is the smoother one, sizes of its coefficients, and the
+        error that these leave.
+        """
+        found = [
+            (variable, *self._coefficients(variable))
+            for variable in (Variable(self.focus.half_angle, each) for each in (False, True))
+        ]
+        (_, few, error), (_, other, other_error) = found
+        wide = 1.3 * len(other) + 8  # theta needs more nodes for the bead's part
+        return found[0] if len(few) <= wide and error <= 2 * other_error else found[1]
+
+    def _coefficients(self, variable: Variable) -> tuple[Array, float]:
+        """Sizes of the Chebyshev coefficients of the light's amplitude that count; error of these.
+
+        Sizes and error are parts of the largest amplitude.
+        """
+        n = _MOST_DEGREES
+        below, _ = variable.at(np.cos(np.pi * np.arange(n + 1) / n))
+        along, across = self.focus.amplitudes(below)
+        values = np.stack([along, across]) * np.exp(-1j * self.shift * below)
+        if self.odd and not variable.of_angle:
+            values = values * np.sqrt(below * (2 - below))
+        rows = np.concatenate([values.real, values.imag])
+        series = np.fft.rfft(np.concatenate([rows, rows[:, -2:0:-1]], axis=1)).real / n
+        series[:, [0, -1]] /= 2
+        sizes = np.abs(series).max(axis=0) / np.abs(values).max()
+        tail = np.cumsum(sizes[::-1])[::-1]
+        error = max(self.wanted, float(tail[_MOST_USED]))
+        return sizes[: max(1, int((tail > 0.1 * error).sum()))], error
+
+    @functools.cached_property
+    def variable(self) -> Variable:
+        """The variable of integration."""
+        return self._series[0]
+
+    def up_to(self, phase: float) -> list[Rule]:
+        """Rules in the order of their number of nodes, the last for at least `phase`, rad.
+
+        Raises `SceneError` if they are too many.
+        """
+        rules: list[Rule] = []
+        count = 4
+        while not rules or rules[-1].largest_phase < phase:
+            if count > _MOST_NODES:
+                raise SceneError(
+                    f"lens, beam: the light's waves differ so much that {_MOST_NODES} nodes over "
+                    "the cone do not describe them"
+                )
+            largest = self._largest_phase(count)
+            if largest >= 0.0:
+                x, weight = leggauss(count)
+                below, slope = self.variable.at(x)
+                rules.append(Rule(below, weight * slope, largest))
+            count += 4 if count < _FINE else max(4, count // 32 * 4)
+        return rules
+
+    def _largest_phase(self, count: int) -> float:
+        """Largest phase that `count` nodes integrate to the allowed error, rad; below 0: none."""
+        sizes = self._series[1]
+        degrees = 2 * count
+        if degrees <= len(sizes) and sizes[degrees - 1 :].sum() > self.error:
+            return -1.0
+        # the phases x up to 2 n at which the integrand's coefficients are below the error
+        arguments, tail = _tails(degrees)
+        of_degree = np.maximum(degrees - np.arange(len(sizes)), 0)
+        good = np.flatnonzero(sizes @ tail[of_degree] < self.error)
+        return 2.0 * float(arguments[good[-1]]) if good.size else -1.0
+
+
+@functools.lru_cache(maxsize=64)
+def _tails(degree: int) -> tuple[Array, Array]:
+    """Arguments x (n,) from 0 to `degree`, and sum over k >= j of 2 |J_k(x)|, (degree + 1, n).
+
+    By Miller's recurrence from an order beyond all that count.
+    """
+    x = np.linspace(0.0, degree, 2 * degree + 1)[1:]
+    extra = degree + 30 + int(3 * degree ** (1 / 3))
+    values = np.zeros((extra + 2, len(x)))
+    values[extra] = 1e-300
+    for k in range(extra, 0, -1):
+        values[k - 1] = 2 * k / x * values[k] - values[k + 1]
+        large = np.abs(values[k - 1]) > 1e200
+        if large.any():
+            values[:, large] *= 1e-200
+    values /= values[0] + 2 * values[2::2].sum(axis=0)
+    return x, 2 * np.cumsum(np.abs(values[::-1]), axis=0)[::-1][: degree + 1]
