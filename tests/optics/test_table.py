@@ -274,7 +274,7 @@ def test_another_table_for_anything_it_depends_on(scene, builds, key):
 @pytest.mark.usefixtures("cache_folder")
 def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch):
     force_map(scene)
-    module = sys.modules["tweezer.optics.table"]
+    module = sys.modules["tweezer.optics.by_map"]
     monkeypatch.setattr(module, "_SOURCES", module._SOURCES + "# changed")
     assert force_map(scene)
     assert len(builds) == 2
@@ -352,7 +352,7 @@ def test_a_lock_that_is_held_for_ever_is_told_and_ends(scene, monkeypatch, caplo
     path = force_map(scene).path
     assert [each.suffix for each in path.parent.iterdir()] == [".table"]
     path.unlink()
-    module = sys.modules["tweezer.optics.table"]
+    module = sys.modules["tweezer.optics.by_map"]
     monkeypatch.setattr(module, "_PATIENCE", 0.01)
     monkeypatch.setattr(module, "_LONGEST_WAIT", 0.02)
     with (
