@@ -514,16 +514,12 @@ THEORIES = {
 
 
 @pytest.mark.parametrize(("changes", "theory", "reason"), THEORIES.values(), ids=THEORIES)
-def test_a_scene_takes_waves_where_they_mean_something_and_are_cheap(
-    changes, theory, reason, monkeypatch
-):
-    monkeypatch.setattr("tweezer.theory.LARGEST_SIZE", 120.0)
+def test_a_scene_takes_waves_where_they_mean_something_and_are_cheap(changes, theory, reason):
     scene = load_scene("silica-1um").replace(**changes)
     assert (scene.theory, scene.theory_reason) == (theory, reason)
 
 
-def test_all_beams_are_of_one_theory(monkeypatch):
-    monkeypatch.setattr("tweezer.theory.LARGEST_SIZE", 120.0)
+def test_all_beams_are_of_one_theory():
     two = load_scene("two-traps")
     assert [two.with_one_beam(beam).theory for beam in two.beams] == ["waves", "waves"]
     one_as_rays = two.replace(**{"beam[2]": {"polarisation": "averaged-reflectance"}})

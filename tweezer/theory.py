@@ -11,7 +11,7 @@ from tweezer.courses import refusal
 from tweezer.sections import Bead, Beam, Lens, Medium, Optics
 
 #: Largest size parameter k a that auto takes as waves; 120 is a 30 um bead in water at 1064 nm
-LARGEST_SIZE = 0.0
+LARGEST_SIZE = 120.0
 
 #: why the light of a scene has no map of rays
 NO_MAP = (
