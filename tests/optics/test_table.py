@@ -35,7 +35,7 @@ def kept(tmp_path_factory):
 
 
 def mapped(scene, **optics):
-    return scene.replace(optics={"evaluator": "map", **optics})
+    return scene.replace(optics={"theory": "rays", "evaluator": "map", **optics})
 
 
 def exact(scene, tolerance=1e-12):
@@ -183,9 +183,7 @@ def test_beyond_its_range_the_quadrature_takes_over():
 @pytest.mark.usefixtures("cache_folder")
 def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
     monkeypatch.setattr(tabulate, "_MOST_PIECES", 150)
-    scene = mapped(
-        tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}), table_tolerance=1e-8
-    )
+    scene = mapped(tweezer.load_scene("silica-1um"), table_tolerance=1e-8)
     with pytest.warns(tweezer.PhysicsWarning, match=r"errs by up to .* of the largest force: it "):
         made = force_map(scene)
     assert made.pieces <= 150
@@ -200,7 +198,7 @@ def test_a_missed_tolerance_is_told_and_certified(monkeypatch):
 
 @pytest.fixture
 def scene():
-    return mapped(tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}), **SMALL)
+    return mapped(tweezer.load_scene("silica-1um"), **SMALL)
 
 
 @pytest.fixture
@@ -284,7 +282,8 @@ def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch)
 
 #: What a table does not depend on, but by the values of the light and the keys in its own key
 BY_VALUE = (
-    "tweezer.scene", "tweezer.theory", "tweezer.optics.beam", "tweezer.compiled", "tweezer.errors",
+    "tweezer.scene", "tweezer.sections", "tweezer.theory", "tweezer.optics.beam", "tweezer.errors",
+    "tweezer.compiled", "tweezer.choices", "tweezer.courses", "tweezer.units",
 )  # fmt: skip
 
 
@@ -302,10 +301,15 @@ def reached(name, found):
     return found
 
 
-def test_every_source_that_makes_a_table_is_in_its_key():
-    modules = reached("tweezer.optics.by_map", {})
-    assert {"tweezer.generated.ray", "tweezer.optics.rays.rule"} < set(modules)
-    sources = sys.modules["tweezer.optics.table"]._SOURCES
+@pytest.mark.parametrize(
+    ("maker", "some"),
+    [("tweezer.optics.by_map", {"tweezer.generated.ray", "tweezer.optics.rays.rule"}),
+     ("tweezer.optics.waves.by_map", {"tweezer.generated.waves", "tweezer.optics.waves.nodes"})],
+)  # fmt: skip
+def test_every_source_that_makes_a_table_is_in_its_key(maker, some):
+    modules = reached(maker, {})
+    assert some < set(modules)
+    sources = sys.modules[maker]._SOURCES
     assert [name for name in modules if inspect.getsource(modules[name]) not in sources] == []
 
 

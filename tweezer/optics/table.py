@@ -132,7 +132,8 @@ def sources(*modules: str) -> str:
 
     It is read on import, as a file may change while the program runs.
     """
-    names = (*modules, "forces.data", "forces.force", "optics.light", "optics.table")
+    own = ("beyond", "light", "mapped", "table", "turning")
+    names = (*modules, "forces.data", "forces.force", *(f"optics.{name}" for name in own))
     found = (importlib.util.find_spec(f"tweezer.{name}") for name in names)
     return "".join(
         Path(each.origin).read_text(encoding="utf-8") for each in found if each and each.origin
