@@ -68,3 +68,13 @@ def test_force_torque_and_absorbed_power_are_those_of_plane_waves(row):
     torque = tweezer.optical_torque(scene, place) * omega
     assert np.abs(torque - np.array(row["torque"]) * omega).max() < 1e-9
     assert tweezer.absorbed_power(scene, place) == pytest.approx(row["absorbed"], abs=1e-9)
+
+
+def test_gradients_read_no_memory_that_was_not_written():
+    """One place at a time, each after memory of that size was filled with NaN, and freed."""
+    scene = tweezer.load_scene("silica-1um")
+    place = np.array([0.0, 0.0, 2e-7])
+    for size in range(600, 3000, 8):
+        rubbish = np.full((2, size), np.nan)
+        del rubbish
+        assert np.isfinite(tweezer.optical_jacobian(scene, place)).all()

@@ -284,8 +284,8 @@ def room_for(source):  # type: ignore[no-untyped-def]
     return Room(
         np.empty((begin(source.rules[-1, PHASE]) + 3) * nodes), np.empty(nodes), np.empty(nodes),
         np.empty(nodes), np.empty(2 * nodes),
-        # with two rows of zeros before and after all orders
-        np.empty((2, 2 * (orders + 4) * stride)), np.empty(_FOUND),
+        # with two rows of zeros before and after all orders, and a guard before and after it all
+        np.empty((2, 2 * (orders + 4) * stride + 2 * LANES)), np.empty(_FOUND),
     )  # fmt: skip
 
 
@@ -310,16 +310,19 @@ def _summed(*, gradient: bool, moment: bool) -> Any:
             components = int(states[state, COMPONENTS])
             imaginary = (last - first + 5) * stride
             for k in range(components):
-                P[k, : 2 * imaginary] = 0.0
+                P[k, : 2 * imaginary + 2 * LANES] = 0.0
             for part in range(int(states[state, BEGIN]), int(states[state, END])):
                 plane_waves(source, rule, part, z, room.norm, room.re, room.im)
                 k = 1 if source.parts[part, HELICITY] < 0 else 0
-                add_part(source, rule, part, azimuth, most, room, first - 2, P[k, : 2 * imaginary])
+                out = P[k, LANES : LANES + 2 * imaginary]
+                add_part(source, rule, part, azimuth, most, room, first - 2, out)
             if components == 2:
-                _electric_and_magnetic(P, 2 * imaginary)
+                _electric_and_magnetic(P, 2 * imaginary + LANES)
             found[:] = 0.0
             for k in range(components):
-                light = Waves(P[k], P[components - 1 - k], imaginary, first, last, 2 * stride)
+                light = Waves(
+                    P[k], P[components - 1 - k], imaginary, first, last, 2 * stride + LANES
+                )
                 weights = Weights(elements, spheres[k], stride, size)
                 if gradient:
                     force_and_gradient_sum(light, weights, source.wavenumber, found)
