@@ -42,6 +42,9 @@ class Cone:
     deviation: float
     """largest difference between the series and the beam's profile, as a part of the largest
     radiance; the series of a table may be negative by as much"""
+    shape: Profile
+    """power per solid angle, 1/sr, of 1 W, at 1 - cos(theta): the same to full accuracy where it is
+    small; of a table, the series where it is positive"""
 
     def radiance(self, cosine: Array) -> Array:
         """Power per solid angle, W/sr, at polar angles of these cosines within the cone."""
@@ -63,10 +66,10 @@ def cone(scene: Scene) -> Cone:
     """
     lens, beam, medium = scene.lens, scene.beam, scene.medium
     if not scene.lit:
-        return Cone(_polar_angle(lens.radius, lens, medium), np.zeros(1), 0.0, 0.0)
+        return Cone(_polar_angle(lens.radius, lens, medium), np.zeros(1), 0.0, 0.0, np.zeros_like)
     power = total_power(lens, beam) * fraction_through_pupil(lens, beam)
     shape = _shape_behind(lens, beam, medium)
-    return Cone(shape.half_angle, shape.series * power, power, shape.deviation)
+    return Cone(shape.half_angle, shape.series * power, power, shape.deviation, shape.radiance)
 
 
 def total_power(lens: Lens, beam: Beam) -> float:
@@ -161,6 +164,7 @@ class _Shape:
     half_angle: float
     series: Array
     deviation: float
+    radiance: Profile
 
 
 @functools.lru_cache(maxsize=16)
@@ -174,10 +178,8 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     versine = _versine(half_angle)
     profile = _profile(beam)
 
-    def radiance(y: Array) -> Array:
-        """Relative radiance from the rim at y = -1 to the axis at 1."""
-        # from 1 - cos(theta): cos(theta) itself would lose a narrow cone to rounding
-        below = versine * (1 - y) / 2
+    def radiance(below: Array) -> Array:
+        """Relative radiance at 1 - cos(theta): cos(theta) itself would lose a narrow cone."""
         cosine = 1 - below
         sine = np.sqrt(below * (1 + cosine))
         rho = np.minimum(_pupil_radius(sine, cosine, lens, medium), edge)
@@ -187,7 +189,9 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     places = np.append(np.cos(np.linspace(0, np.pi, 4003)), _points(lens, beam, medium, versine))
     # a ring's power of rho multiplies the rounding of rho
     left_out, allowed = (1e-5, 1e-2) if table else (3e-16, 1e-14 * max(1, _ring(beam)))
-    series, deviation = _series(radiance, left_out=left_out, checked_at=places)
+    series, deviation = _series(
+        lambda y: radiance(versine * (1 - y) / 2), left_out=left_out, checked_at=places
+    )
     if deviation > allowed:
         if table:
             raise SceneError(
@@ -199,7 +203,14 @@ def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
             f"near to 90 for a series of degree {LARGEST_DEGREE}"
         )
     power = math.pi * versine * Chebyshev(series).integ(lbnd=-1)(1.0)
-    return _Shape(half_angle, series / power, deviation)
+    one_watt = Chebyshev(series / power)
+
+    def of_one_watt(below: Array) -> Array:
+        if table:
+            return np.maximum(one_watt(1 - 2 * below / versine), 0.0)
+        return radiance(below) / power
+
+    return _Shape(half_angle, series / power, deviation, of_one_watt)
 
 
 def _series(function: Profile, *, left_out: float, checked_at: Array) -> tuple[Array, float]:

@@ -22,6 +22,8 @@ ComplexArray = NDArray[np.complex128]
 
 #: Error of integrals and sums, as a part of the tolerance: the force is small beside the light
 _SMALL = 1e-3
+#: Smallest error of integrals
+_ROUNDING = 2e-15
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
 
 def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     """The sums for the force to a relative tolerance, up to `reach`, m, from the focus."""
-    small = _SMALL * tolerance
+    small = max(_SMALL * tolerance, _ROUNDING)
     x = light.size_parameter
     a, b = mie_coefficients(light.shells, light.wavenumber, int(x + 6 * x ** (1 / 3)) + 12)
     needed = highest_degree(a, b, small)
@@ -53,7 +55,14 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
     a, b = (np.pad(each, (0, stride))[: highest - 1] for each in (a, b))
     nodes = Nodes(light.focus, light.odd, small)
     rules = _rules(light, nodes, reach)
-    tables = [harmonics(highest, rule.below) for rule in rules]
+    firsts = np.abs(np.arange(-highest, highest + 1)) // LANES * LANES
+    tables = [
+        np.concatenate([
+            of_order[:, first:].ravel()
+            for of_order, first in zip(harmonics(highest, rule.below), firsts, strict=True)
+        ])
+        for rule in rules
+    ]  # fmt: skip
     padded = [-(-len(rule.below) // LANES) * LANES for rule in rules]
     begins = np.concatenate([[0], np.cumsum(padded)])
     entries = np.concatenate([[0], np.cumsum([table.size for table in tables])])
@@ -78,12 +87,12 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         _of_sphere(a, b, light.states, stride),
         light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
         2 * math.sin(half_angle / 2) ** 2, math.sqrt(small), of_rules, of_nodes,
-        np.concatenate([table.ravel() for table in tables]),
+        np.concatenate(tables),
         np.array([
             (at, part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
             for at, part in parts
         ]),
-        highest,
+        np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
     return Sums(data, floor)
 

@@ -132,15 +132,13 @@ class Focus:
     def amplitudes(self, below: Array) -> tuple[ComplexArray, ComplexArray]:
         """Amplitudes of light along e_theta and e_phi, sqrt(1/sr), at 1 - cos(theta) = `below`."""
         face, cone = self.face, self.cone
-        cosine = 1 - below
-        before = cosine
-        if face is not None:
-            sine_squared = below * (1 + cosine) * (face.behind / face.before) ** 2
-            before = np.sqrt(np.maximum(1 - sine_squared, 0.0))
-        power = np.maximum(cone.radiance(before), 0.0) / cone.power
-        size = np.sqrt(power).astype(np.complex128)
         if face is None:
+            size = np.sqrt(cone.shape(below)).astype(np.complex128)
             return size, size
+        cosine = 1 - below
+        sine_squared = below * (1 + cosine) * (face.behind / face.before) ** 2
+        before = np.sqrt(np.maximum(1 - sine_squared, 0.0))
+        size = np.sqrt(cone.shape(sine_squared / (1 + before))).astype(np.complex128)
         along, across = waves.cover_amplitudes.py_func(before, cosine, face.before, face.behind)
         size *= np.exp(1j * face.phase * (face.behind * cosine - face.before * before))
         return size * along, size * across

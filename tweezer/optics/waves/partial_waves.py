@@ -60,9 +60,12 @@ class Source(NamedTuple):
     nodes: Array
     """(2 + 2 parts, all nodes)"""
     harmonics: Array
-    """of all rules, one after the other: (orders, nodes, degrees)"""
+    """of all rules, one after the other: for each order (nodes, degrees), of the degrees from |m|
+    down to a multiple of LANES"""
     parts: Array
     """(parts, 5)"""
+    begins: Array
+    """(orders,) first of the harmonics of each order, over the number of nodes"""
     highest: int
     """degree and order of the tables of harmonics"""
 
@@ -74,7 +77,8 @@ def source_of(data, first):  # type: ignore[no-untyped-def]
         number(data, first), number(data, first + 1), number(data, first + 2),
         number(data, first + 3), number(data, first + 4), number(data, first + 5),
         number(data, first + 6), matrix(data, first + 7), matrix(data, first + 8),
-        vector(data, first + 9), matrix(data, first + 10), int(number(data, first + 11)),
+        vector(data, first + 9), matrix(data, first + 10), vector(data, first + 11),
+        int(number(data, first + 12)),
     )  # fmt: skip
 
 
@@ -187,17 +191,19 @@ def add_part(source, rule, part, azimuth, most, room, low, out):  # type: ignore
                 row = -m
                 if m % 2 != 0:
                     sign = -sign
-            table = tables + (row + highest) * count * stride
+            low_degree = abs(m) // LANES * LANES
+            width = stride - low_degree
+            table = tables + int(source.begins[row + highest]) * count - low_degree
             a, b = sign * c_re, sign * c_im
             to = (m - low) * stride
-            for block in range(abs(m) // LANES * LANES, stride, LANES):
+            for block in range(low_degree, stride, LANES):
                 sum_re, sum_im = spread(0.0), spread(0.0)
                 other_re, other_im = spread(0.0), spread(0.0)
                 for q in range(0, count, 2):  # in two sums, as each waits for its last term
-                    f = lanes(source.harmonics, table + q * stride + block)
+                    f = lanes(source.harmonics, table + q * width + block)
                     sum_re = sum_re + f * work[q]
                     sum_im = sum_im + f * work[padded + q]
-                    f = lanes(source.harmonics, table + (q + 1) * stride + block)
+                    f = lanes(source.harmonics, table + (q + 1) * width + block)
                     other_re = other_re + f * work[q + 1]
                     other_im = other_im + f * work[padded + q + 1]
                 sum_re, sum_im = sum_re + other_re, sum_im + other_im
