@@ -3,15 +3,16 @@
 import csv
 import json
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
 import tweezer
-from tests.benchmarks.worth import FILE, by_waves
+from tests.benchmarks.worth import FILE, by_waves, errors, force_of, places
 from tests.reference.waves import Light, Sphere, force
 from tweezer.optics import ray_optics_caveat, ray_optics_worth, worth_attributes
-from tweezer.optics.worth import RATIOS
+from tweezer.optics.worth import ERRORS, RATIOS
 
 SPEED_OF_LIGHT = 299792458.0
 N_M = 1.33
@@ -19,7 +20,7 @@ WAVELENGTH = 1.064 / N_M  # um, in the medium
 
 
 def silica(**beam):
-    return tweezer.load_scene("silica-1um").replace(beam=beam)
+    return tweezer.load_scene("silica-1um").replace(beam=beam, optics={"theory": "rays"})
 
 
 def with_aperture(aperture):
@@ -66,10 +67,31 @@ def test_the_table_is_what_waves_give():
             next(row for row in rows if row.items() >= {**case, "wavelengths": f"{size:g}"}.items())
             for size in (small, large)
         )
-        trap, other_trap = (by_waves(light, Sphere(size / 2, 1.195)) for size in (small, large))
+        trap, other_trap = (
+            by_waves(light, sphere, partial(force, light, sphere))
+            for sphere in (Sphere(size / 2, 1.195) for size in (small, large))
+        )
         for name in RATIOS:
             expected = getattr(trap, name) / getattr(other_trap, name)
             assert float(row[name]) / float(other[name]) == pytest.approx(expected, rel=0.012)
+
+
+def test_the_errors_of_the_table_are_the_distance_to_waves():
+    light, sphere = Light(0.65, 100.0), Sphere(1.0, 1.09)
+
+    def waves(rho, z):
+        return force(light, sphere, rho, z) * [1, 0, 1]  # unpolarised light pushes nowhere sideways
+
+    rays = force_of(light, Sphere(1.0, 1.09), "rays")(*places())
+    with FILE.open() as file:
+        case = {"index_ratio": "1.09", "aperture": f"{light.effective_aperture:.4g}"}
+        row = next(
+            row
+            for row in csv.DictReader(file)
+            if row.items() >= {**case, "wavelengths": "2", "ray_trap": "1"}.items()
+        )
+    found = [float(row[name]) for name in ERRORS]
+    assert found == pytest.approx(errors(waves, sphere.radius, rays), rel=0.01)
 
 
 # --- what is said of a scene ----------------------------------------------------------------------
@@ -123,12 +145,41 @@ def test_the_focal_spot_is_the_waist_of_a_gaussian_beam():
 
 
 def test_what_was_not_compared_is_said():
-    bubble = silica().replace(bead={"refractive_index": 1.0})
-    assert ray_optics_worth(bubble).trapped is None
-    assert "was not compared" in ray_optics_caveat(bubble)
+    diamond = silica().replace(bead={"refractive_index": 2.6})
+    assert ray_optics_worth(diamond).force_inside is None
+    assert "was not compared" in ray_optics_caveat(diamond)
     dark = silica(power_through_pupil=0)
     assert ray_optics_worth(dark) is None
     assert worth_attributes(dark) == {"ray_optics_caveat": "", "ray_optics_worth": "null"}
+
+
+def test_a_bubble_that_rays_do_not_trap_has_errors_of_its_force_alone():
+    bubble = silica().replace(bead={"refractive_index": 1.0})
+    worth = ray_optics_worth(bubble)
+    assert worth.trapped is None
+    assert worth.stiffness_across is None
+    assert 0 < worth.force_inside[0] < worth.force_inside[1] < 1
+    caveat = ray_optics_caveat(bubble)
+    assert f"off by up to {100 * worth.force_inside[1]:.2g} % with the focus inside" in caveat
+    assert "stiffness" not in caveat
+
+
+def test_the_way_out_is_said():
+    exact = "optics.theory = 'waves' is exact"
+    assert ray_optics_caveat(silica()).endswith(exact)
+    assert ray_optics_caveat(silica(polarisation="averaged-reflectance")).endswith(
+        "beam.polarisation = 'averaged-reflectance' has no meaning as waves"
+    )
+    large = silica().replace(bead={"diameter": 40e-6}, optics={"theory": "auto"})
+    large = large.replace(start={"position": [0.0, 0.0, 0.0]})
+    assert f"{exact}, and 'auto' took rays only as the size" in ray_optics_caveat(large)
+
+
+def test_the_exact_force_has_no_caveat():
+    scene = tweezer.load_scene("silica-1um")
+    assert scene.theory == "waves"
+    assert ray_optics_worth(scene) is None
+    assert ray_optics_caveat(scene) is None
 
 
 def test_attributes_hold_the_numbers():

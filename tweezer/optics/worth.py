@@ -19,19 +19,25 @@ from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
 from tweezer.scene import Scene
-from tweezer.theory import no_rays
+from tweezer.theory import no_waves
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
 
-#: Largest n_P/n_m at which ray optics was compared with wave optics
-LARGEST_INDEX_RATIO = 1.35
+#: Range of n_P/n_m in which ray optics was compared with wave optics
+INDEX_RATIOS = (0.7, 1.9)
 #: Largest ratio of sizes of beads that count as alike. The exact force oscillates with size, with a
 #: period of half a wavelength
 ALIKE = math.sqrt(2.0)
 #: Factor by which ranges are widened, because the table has gaps. In 184 random trusted cases the
 #: widened ranges contained 94 to 99 % of the exact ratios
 MARGIN = 1.1
+#: Column of the table: 1 where rays have a trap, or else 0
+RAY_TRAP = "ray_trap"
+#: Columns of the table: errors of the force of rays, as parts of the largest that they give. The
+#: root of the mean square, and the largest, with the focus up to 0.7 radii from the centre; the
+#: largest from there to 1.6 radii
+ERRORS = ("force_inside_rms", "force_inside", "force_at_edge")
 #: Column of the table: equilibrium by waves minus that by rays, in radii
 SHIFT = "equilibrium_shift"
 #: Columns of the table: ratios of wave optics to ray optics
@@ -48,10 +54,10 @@ RATIOS = (
 class RayOpticsWorth:
     """Ratios of wave optics to ray optics for beads and light like those of a scene.
 
-    A range is the smallest and the largest ratio among beads of 0.7 to 1.4 times the size, at the
+    A range is the smallest and the largest value among beads of 0.7 to 1.4 times the size, at the
     nearest apertures and indices of the table on both sides of the scene's, widened by a tenth.
-    None: the two were not compared there (n_P below n_m, or above 1.35 n_m), or one of them has no
-    trap.
+    None: the two were not compared there (n_P below 0.7 or above 1.9 n_m), or, except for the
+    errors of the force, one of them has no trap.
     """
 
     wavelengths: float
@@ -61,6 +67,13 @@ class RayOpticsWorth:
     averaged over the light's power: that of the lens if its pupil is evenly lit"""
     focal_spots: float
     """the bead's diameter in focal spots"""
+    force_inside_rms: Range | None
+    """error of the force of rays as a part of the largest that they give: root of its mean square
+    over the places where the focus is within 0.7 radii of the bead's centre"""
+    force_inside: Range | None
+    """largest error there"""
+    force_at_edge: Range | None
+    """largest error where the focus is 0.7 to 1.6 radii from the centre"""
     equilibrium_shift: Range | None
     """z of the equilibrium by waves minus that by rays, m"""
     stiffness_across: Range | None
@@ -89,41 +102,49 @@ class RayOpticsWorth:
         """In short, for a line of a table."""
         if not self.trusted:
             return f"not to be trusted: bead {self.size}"
-        if not self.trapped:
-            return "not compared with wave optics for this index"
+        if self.force_inside is None:
+            return "not compared with wave optics for this light and bead"
+        if self.trapped is None:
+            return (
+                f"waves differ by up to {_percent(self.force_inside)} of the largest force inside "
+                f"the bead, {_percent(self.force_at_edge)} at its edge"
+            )
         across, along = between(self.stiffness_across), between(self.stiffness_along)
         return f"waves give {across} times its stiffness across, {along} times along"
 
 
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
-    """Validity of ray optics for the bead and the light of `scene`; None without light.
+    """Validity of ray optics for the bead and the light of `scene`.
 
-    The exact force is that of plane waves in phase at the focus (Debye's integral), circularly
-    polarised, scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
+    None without light, or where the light is computed as waves.
+
+    The exact force is that of plane waves in phase at the focus (Debye's integral), unpolarised,
+    scattered by a sphere (Mie). It oscillates with the bead's size, and only its average
     over sizes tends to ray optics (Mazolli, Maia Neto and Nussenzveig, Proc. R. Soc. A 459, 3021,
-    2003). Beads outside the table's 0.25 to 16 wavelengths, and apertures outside its range, take
+    2003). Beads outside the table's 0.25 to 32 wavelengths, and apertures outside its range, take
     the ratios at its border. For several beams it is that of the first, as if it were alone; beams
     that face each other were not compared. In linear light the exact stiffness also differs along x
     and y, by a third for beads of about a wavelength.
     """
-    if not scene.lit:
+    if not scene.lit or scene.theory == "waves":
         return None
     medium, diameter = scene.medium, 2 * scene.bead.radius
     aperture = _effective_aperture(scene)
     index_ratio = scene.bead.index.real / medium.refractive_index
     wavelengths = diameter * medium.refractive_index / scene.beam.wavelength
     focal_spot = 2 * scene.beam.wavelength / (math.pi * aperture * medium.refractive_index)
-    # beams that face each other form another trap than the table's, and its beads are homogeneous
-    other = _facing(scene) or no_rays(scene.bead, scene.lens, scene.beams) is not None
-    alike = _alike(math.nan if other else index_ratio, aperture, wavelengths)
+    # beams that face each other form another trap than the table's
+    alike = _alike(math.nan if _facing(scene) else index_ratio, aperture, wavelengths)
+    by_rays = alike[RAY_TRAP] == 1
     trapped = ~np.isnan(alike["stiffness_across"])
     return RayOpticsWorth(
         wavelengths=wavelengths,
         focal_spot=focal_spot,
         focal_spots=diameter / focal_spot,
-        trapped=float(trapped.mean()) if trapped.size else None,
-        trusted=bool(trapped.all()) and wavelengths >= 1 and diameter >= focal_spot,
+        trapped=float(trapped[by_rays].mean()) if by_rays.any() else None,
+        trusted=bool(trapped[by_rays].all()) and wavelengths >= 1 and diameter >= focal_spot,
         equilibrium_shift=_range(scene.bead.radius * alike[SHIFT][trapped]),
+        **{name: _range(alike[name], MARGIN) for name in ERRORS},
         **{name: _range(alike[name][trapped], MARGIN) for name in RATIOS},
     )
 
@@ -133,30 +154,47 @@ def _facing(scene: Scene) -> bool:
 
 
 def ray_optics_caveat(scene: Scene) -> str | None:
-    """`ray_optics_worth` in one sentence; None without light."""
+    """`ray_optics_worth` in one sentence, and how to have the exact force; None as there."""
     worth = ray_optics_worth(scene)
     if worth is None:
         return None
-    size = (
+    parts = [
         f"the bead is {worth.wavelengths:.2g} wavelengths across in the medium, "
         f"{worth.focal_spots:.2g} times the focal spot ({1e6 * worth.focal_spot:.2g} um)"
-    )
-    if worth.trapped is None:
+    ]
+    if worth.force_inside is None:
         of = "beams that face each other" if _facing(scene) else "beads of this index"
-        found = f"ray optics was not compared with wave optics for {of}"
-    elif not worth.trapped:
-        found = "where ray optics finds a trap, wave optics has none"
+        parts.append(f"ray optics was not compared with wave optics for {of}")
     else:
-        found = (
-            f"wave optics gives {between(worth.stiffness_across)} times the stiffness of ray "
-            f"optics across the light, {between(worth.stiffness_along)} times along it, and "
-            f"{between(worth.escape_across)} times the escape force across, "
+        parts.append(
+            "of the largest force, ray optics is off by up to "
+            f"{_percent(worth.force_inside)} with the focus inside the bead, "
+            f"{_percent(worth.force_at_edge)} where the light grazes it"
+        )
+    if worth.trapped == 0:
+        parts.append("where ray optics finds a trap, wave optics has none")
+    elif worth.trapped is not None:
+        parts.append(
+            f"wave optics gives {between(worth.stiffness_across)} times its stiffness across the "
+            f"light, {between(worth.stiffness_along)} times along it, and "
+            f"{between(worth.escape_across)} times its escape force across, "
             f"{between(worth.escape_forward)} times forward"
         )
         if worth.trapped < 1:
-            found += f"; to {100 * (1 - worth.trapped):.0f} % of like beads it gives no trap"
-    doubt = "" if worth.trusted else "; the trap of ray optics is not to be trusted"
-    return f"{size}; {found}{doubt}"
+            parts.append(f"to {100 * (1 - worth.trapped):.0f} % of like beads it gives no trap")
+    if not worth.trusted:
+        parts.append("the trap of ray optics is not to be trusted")
+    return "; ".join([*parts, _way_out(scene)])
+
+
+def _way_out(scene: Scene) -> str:
+    """How the scene has the exact force, or why it has not."""
+    if (reason := no_waves(scene.optics, scene.beams)) is not None:
+        return reason
+    exact = "optics.theory = 'waves' is exact"
+    if scene.optics.theory == "auto":
+        return f"{exact}, and 'auto' took rays only as {scene.theory_reason}"
+    return exact
 
 
 def worth_attributes(scene: Scene) -> dict[str, str]:
@@ -184,9 +222,11 @@ def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str,
     sizes = table["wavelengths"]
     size = min(max(wavelengths, sizes.min()), sizes.max())
     like = np.abs(np.log(sizes / size)) <= math.log(ALIKE)
-    like &= 1 < index_ratio <= LARGEST_INDEX_RATIO
+    like &= INDEX_RATIOS[0] <= index_ratio <= INDEX_RATIOS[1]
+    side = (table["index_ratio"] > 1) == (index_ratio > 1)
+    like &= side
     for name, value in (("index_ratio", index_ratio), ("aperture", aperture)):
-        levels = np.unique(table[name])
+        levels = np.unique(table[name][side])
         above = levels[levels >= value].min(initial=levels[-1])
         below = levels[levels <= value].max(initial=levels[0])
         like &= (table[name] >= below) & (table[name] <= above)
@@ -205,6 +245,11 @@ def _effective_aperture(scene: Scene) -> float:
 
 def _range(values: Array, margin: float = 1.0) -> Range | None:
     return (float(values.min()) / margin, float(values.max()) * margin) if values.size else None
+
+
+def _percent(errors: Range | None) -> str:
+    """The upper end of a range of errors in words: "12 %"; "" without one."""
+    return "" if errors is None else f"{float(f'{100 * errors[1]:.2g}'):g} %"
 
 
 def between(ratios: Range | None) -> str:
