@@ -480,9 +480,12 @@ def test_arguments_are_refused_before_the_light_is_bound(
 
 
 def test_trap_prints_what_characterise_tells(command_line):
-    outcome = command_line("trap", "silica-1um", "--set", "beam.power_through_pupil=80 mW")
+    changes = "beam.power_through_pupil=80 mW", "optics.theory=rays"
+    outcome = command_line("trap", "silica-1um", "--set", changes[0], "--set", changes[1])
     assert outcome.code == 0
-    scene = tweezer.load_scene("silica-1um").replace(beam={"power_through_pupil": 80e-3})
+    scene = tweezer.load_scene("silica-1um").replace(
+        beam={"power_through_pupil": 80e-3}, optics={"theory": "rays"}
+    )
     trap = tweezer.characterise(scene)
     kx, ky, kz = 1e6 * np.diag(trap.equilibrium.stiffness)
     fx, fy, fz = trap.corner_frequencies
@@ -498,12 +501,13 @@ def test_trap_prints_what_characterise_tells(command_line):
         "unstable equilibria": f"z = {1e6 * unstable.position[2]:.4g} um",
         "error of the force": f"{1e12 * trap.force_error:.1g} pN",
         "force by": "quadrature",
+        "light": "rays (optics.theory = 'rays')",
     }.items():
         assert re.search(rf"^ +{row} +{re.escape(value)} *$", outcome.out, re.MULTILINE), row
     worth = trap.ray_optics
     beside = {"+z": worth.escape_forward, "-z": worth.escape_backward}
     for escape in trap.escapes:
-        ends = "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}"
+        ends = "over 10" if escape.range is None else f"{1e6 * escape.range:.4g}"
         numbers = [f"{1e12 * escape.force:.4g}", f"{1e6 * escape.force_at:.4g}",
                    f"{escape.energy_kT:.4g}", ends,
                    "{:.2g} to {:.2g}".format(
@@ -513,7 +517,8 @@ def test_trap_prints_what_characterise_tells(command_line):
     across, along = worth.stiffness_across, worth.stiffness_along
     times = "{:.2g} to {:.2g} times that, z {:.2g} to {:.2g} times".format(*across, *along)
     assert re.search(rf"^ +by wave optics +{times} *$", outcome.out, re.MULTILINE)
-    assert (outcome.err, outcome.caveat) == ("", f"warning: {trap.caveat}\n")
+    assert outcome.err == ""
+    assert outcome.caveat == f"warning: {trap.caveat}; light by rays: optics.theory = 'rays'\n"
     assert not list(Path().iterdir())
 
 

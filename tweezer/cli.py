@@ -77,6 +77,8 @@ def _console(*, stderr: bool) -> Console:
 _out, _err = _console(stderr=False), _console(stderr=True)
 
 _FIGURE_FORMATS = ("pdf", "png", "svg")
+#: Part of the stiffness below which one across the axes is not shown
+_NEGLIGIBLE = 1e-6
 #: Type of an option for a folder of many files
 _STORES = ("zarr",)
 _BAD_INPUT, _FAILED, _INTERRUPTED = 2, 1, 130
@@ -772,7 +774,7 @@ def _bind_light(scene: Scene) -> None:
     from tweezer.optics import light, ray_optics_caveat
 
     if caveat := ray_optics_caveat(scene):
-        _show_warning(caveat)
+        _show_warning(f"{caveat}; light by rays: {scene.theory_reason}")
     for alone in map(scene.with_one_beam, scene.beams):
         if alone.lit and scene.optics.evaluator == "map":
             _map_of(alone)
@@ -798,7 +800,7 @@ def _print_map(scene: Scene, made: Map) -> None:
     if made.path:
         table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
     table.add_row("time to make", f"{made.build_time:.2g} s")
-    _add_worth(table, scene)
+    _add_light(table, scene)
     _out.print(table)
     if made.path:
         _out.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
@@ -825,7 +827,7 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     where = " at the samples" if summary.by_samples else ""
     largest, error = summary.largest_force, summary.force_error
     table.add_row("force by", attributes["force_evaluator"])
-    _add_worth(table, scene)
+    _add_light(table, scene)
     if largest > 0:
         share = f"{100 * error / largest:.1g} % of the largest"
         table.add_row("error of the force", f"up to {1e12 * error:.1g} pN{where}, {share}")
@@ -850,12 +852,17 @@ def _print_summary(scene: Scene, result: xr.Dataset) -> None:
     _out.print(table)
 
 
-def _add_worth(table: Table, scene: Scene) -> None:
-    """Add the ratios of wave optics to ray optics."""
+def _add_light(table: Table, scene: Scene) -> None:
+    """Add the theory of the light, why it is that one, and what ray optics is worth."""
     from tweezer.optics import ray_optics_worth
 
+    table.add_row("light", _theory(scene))
     if worth := ray_optics_worth(scene):
         table.add_row("ray optics", worth.in_short)
+
+
+def _theory(scene: Scene) -> str:
+    return f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"
 
 
 def _add_approach(table: Table, summary: Summary) -> None:
@@ -910,7 +917,7 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
         table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
                       f"samples, {int(result['windows_lost'])} not used")  # fmt: skip
     table.add_row("model, method", f"{attributes['model']}; {attributes['method']}")
-    _add_worth(table, scene)
+    _add_light(table, scene)
     table.add_row("step", f"{attributes['step']:.3g} s")
     _out.print(table)
 
@@ -1005,7 +1012,7 @@ def _print_depth(found: DepthFit, scene: Scene) -> None:
         table.add_row(each.name, value + unknown)
     table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
     table.add_row("residuals white, p", f"{found.p_value:.2g}")
-    _add_worth(table, scene)
+    _add_light(table, scene)
     _out.print(table)
     _out.print(found.statement, highlight=False, soft_wrap=True)
 
@@ -1025,7 +1032,7 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
     if place is None or frequencies is None:
         table.add_row("equilibrium", "no stable equilibrium")
     else:
-        (kx, kxy, _), (_, ky, _), (_, _, kz) = place.stiffness
+        (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
         worth = characterised.ray_optics
         doubt = "" if worth is None or worth.trusted else ", not to be trusted"
         where = f"z = {_micrometres(place.position[2])} um, {doubt[2:] or 'on the axis'}"
@@ -1035,12 +1042,23 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
             table.add_row("  by wave optics", f"{low} to {high} um from there")
         stiffness = _three(1e6 * kx, 1e6 * ky, 1e6 * kz)
         table.add_row("stiffness (x, y, z)", f"{stiffness} pN/um{doubt}")
-        if abs(kxy) > 1e-6 * kx:
-            table.add_row("stiffness, xy", f"{1e6 * kxy:.4g} pN/um{doubt}")
+        if abs(kxy + kyx) > _NEGLIGIBLE * kx:
+            table.add_row("stiffness, xy", f"{1e6 * (kxy + kyx) / 2:.4g} pN/um{doubt}")
+        if abs(place.turn) > _NEGLIGIBLE * kx:
+            turn = f"{1e6 * place.turn:.4g} pN/um, (dFy/dx - dFx/dy)/2"
+            table.add_row("push round the axis", turn)
         if worth and worth.stiffness_across:
             across, along = between(worth.stiffness_across), between(worth.stiffness_along)
             table.add_row("  by wave optics", f"{across} times that, z {along} times")
         table.add_row("corner frequencies", f"{_three(*frequencies)} Hz{doubt}")
+    if characterised.absorbed_power is not None and characterised.torque is not None:
+        table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
+        torque = _three(*(1e18 * each for each in characterised.torque))
+        table.add_row("torque about the bead's centre", f"{torque} pN um")
+    others = [each for each in characterised.equilibria if each.stable and each is not place]
+    if others and scene.plain:
+        heights = ", ".join(_micrometres(each.position[2]) for each in others)
+        table.add_row("other stable equilibria", f"z = {heights} um")
     unstable = [each for each in characterised.equilibria if not each.stable]
     if unstable and scene.plain:
         heights = ", ".join(_micrometres(each.position[2]) for each in unstable)
@@ -1053,6 +1071,7 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
     error = characterised.force_error
     table.add_row("error of the force", f"{1e12 * error:.1g} pN")
     table.add_row("force by", characterised.evaluator)
+    table.add_row("light", _theory(scene))
     _out.print(table)
     if characterised.escapes:
         _print_escapes(characterised)
@@ -1066,8 +1085,9 @@ def _print_escapes(characterised: Trap) -> None:
     from tweezer.optics.worth import between
 
     worth = characterised.ray_optics
+    beyond = f"over {1e6 * characterised.reach:.4g}"
     headings = ("escape", "force, pN", "at, um", "energy, kT", "range, um")
-    table = _table(*headings, "by waves, times")
+    table = _table(*headings, *(["by waves, times"] if worth else []))
     for escape in characterised.escapes:
         by_waves = ""
         if worth and not worth.trusted:
@@ -1080,8 +1100,8 @@ def _print_escapes(characterised: Trap) -> None:
             f"{1e12 * escape.force:.4g}",
             f"{1e6 * escape.force_at:.4g}",
             f"{escape.energy_kT:.4g}",
-            "over 20 radii" if escape.range is None else f"{1e6 * escape.range:.4g}",
-            by_waves,
+            beyond if escape.range is None else f"{1e6 * escape.range:.4g}",
+            *([by_waves] if worth else []),
         )
     _out.print(table)
 

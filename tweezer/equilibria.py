@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +20,12 @@ Tensor = tuple[Point, Point, Point]
 NetForce = Callable[[Array], Array]
 Component = Callable[[Array], Array]
 
-#: how far lines are searched, in radii, and the distance of samples on them
-REACH, SPACING = 20.0, 0.02
-
 #: to how much a zero is located, in radii
 _ZERO = 1e-14
-#: radii from where it is sought that an equilibrium off the axis may be
-_NEAR = 3.0
-#: radii between two places that are two equilibria
-_SAME = 1e-3
+#: distances of samples from where it is sought that an equilibrium off the axis may be
+_NEAR = 150.0
+#: distances of samples between two places that are two equilibria
+_SAME = 0.05
 #: part of the force beside it that may be left at an equilibrium off the axis
 _VANISHED = 1e-7
 
@@ -40,6 +38,26 @@ DIRECTIONS: dict[str, Point] = {
 }  # fmt: skip
 
 
+class Search(NamedTuple):
+    """Lengths by which a force is searched for its zeros and its largest values, m."""
+
+    reach: float
+    """how far lines are searched"""
+    spacing: float
+    """distance of samples on them"""
+    beside: float
+    """distance from an equilibrium at which the force must pull back"""
+
+    def line(self) -> Array:
+        """Samples from 0 to the reach, m."""
+        return np.linspace(0.0, self.reach, math.ceil(self.reach / self.spacing * (1 - 1e-9)) + 1)
+
+    def whole_line(self) -> Array:
+        """Samples on both sides of 0, m."""
+        ahead = self.line()
+        return np.concatenate([-ahead[:0:-1], ahead])
+
+
 @dataclass(frozen=True)
 class Equilibrium:
     """A place where all forces but drag cancel."""
@@ -48,13 +66,22 @@ class Equilibrium:
     """m from the focus"""
     stable: bool
     """whether a bead beside it returns: every eigenvalue of dF_i/dx_j has a negative real part, and
-    0.02 radii off it along every axis the force pulls back"""
+    `Search.beside` off it along every axis the force pulls back"""
     stiffness: Tensor
     """k_ij = -dF_i/dx_j, N/m, the light's own derivative; not symmetric in general"""
     eigenvalues: Point
     """real parts of the eigenvalues of k, rising, N/m; over beta_v the rates of return (5.2)"""
     residual: float
     """size of the force left there, N"""
+
+    @property
+    def turn(self) -> float:
+        """(dF_y/dx - dF_x/dy)/2, N/m: how stiffly the light pushes a bead off the axis round it.
+
+        It is half the circulation of the force about the axis, per area, and zero where the force
+        has a potential.
+        """
+        return (self.stiffness[0][1] - self.stiffness[1][0]) / 2
 
 
 def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
@@ -63,17 +90,19 @@ def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
     return min(stable, key=lambda place: math.hypot(*place.position), default=None)
 
 
-def equilibria(radius: float, force: Force, net_force: NetForce) -> Iterator[Equilibrium]:
-    """Every change of sign of the net force along the axis, within 20 radii (m).
+def equilibria(
+    radius: float, search: Search, force: Force, net_force: NetForce
+) -> Iterator[Equilibrium]:
+    """Every change of sign of the net force along the axis, within the reach of the search.
 
-    force: whose gradient is the stiffness.
+    radius: of the bead, m. force: whose gradient is the stiffness.
     """
-    for zero in _zeros_on_axis(FOCUS, radius, net_force):
-        yield _equilibrium(np.array([0.0, 0.0, zero]), radius, force, net_force)
+    for zero in _zeros_on_axis(FOCUS, radius, search, net_force):
+        yield _equilibrium(np.array([0.0, 0.0, zero]), search, force, net_force)
 
 
 def equilibria_about(
-    foci: Array, radius: float, force: Force, net_force: NetForce
+    foci: Array, radius: float, search: Search, force: Force, net_force: NetForce
 ) -> Iterator[Equilibrium]:
     """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
 
@@ -82,20 +111,22 @@ def equilibria_about(
     """
     found: list[Array] = []
     for focus in foci:
-        zeros = [0.0, *_zeros_on_axis(point(focus), radius, net_force)]
+        zeros = [0.0, *_zeros_on_axis(point(focus), radius, search, net_force)]
         for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
-            place = _vanishing(start, radius, force, net_force)
+            place = _vanishing(start, radius, search, force, net_force)
             if place is not None and all(
-                np.linalg.norm(place - other) > _SAME * radius for other in found
+                np.linalg.norm(place - other) > _SAME * search.spacing for other in found
             ):
                 found.append(place)
-                yield _equilibrium(place, radius, force, net_force)
+                yield _equilibrium(place, search, force, net_force)
 
 
-def _zeros_on_axis(focus: Point, radius: float, net_force: NetForce) -> Iterator[float]:
+def _zeros_on_axis(
+    focus: Point, radius: float, search: Search, net_force: NetForce
+) -> Iterator[float]:
     """Changes of sign of the axial force along the axis through a focus, m from there."""
     axial = along(net_force, focus, "+z")
-    z = line(-REACH, radius)
+    z = search.whole_line()
     sign = np.sign(axial(z))
     z, sign = z[sign != 0], sign[sign != 0]
     for i in np.flatnonzero(np.diff(sign)):
@@ -104,7 +135,9 @@ def _zeros_on_axis(focus: Point, radius: float, net_force: NetForce) -> Iterator
         yield end_of_pull(pull, z[i], z[i + 1], _ZERO * radius)
 
 
-def _vanishing(start: Array, radius: float, force: Force, net_force: NetForce) -> Array | None:
+def _vanishing(
+    start: Array, radius: float, search: Search, force: Force, net_force: NetForce
+) -> Array | None:
     """The place near `start` where the net force vanishes; None if there is none."""
     size = float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
     if size == 0.0:
@@ -118,15 +151,15 @@ def _vanishing(start: Array, radius: float, force: Force, net_force: NetForce) -
 
     found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
     place: Array = found.x * radius
-    near = np.linalg.norm(place - start) < _NEAR * radius
+    near = np.linalg.norm(place - start) < _NEAR * search.spacing
     return place if near and np.abs(scaled(found.x)).max() < _VANISHED else None
 
 
-def _equilibrium(place: Array, radius: float, force: Force, net_force: NetForce) -> Equilibrium:
+def _equilibrium(place: Array, search: Search, force: Force, net_force: NetForce) -> Equilibrium:
     """What there is to know about a place where the net force vanishes, (3,) m."""
     gradient = force.field(place[None], gradient=True).force_gradient[0]
     eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
-    steps = SPACING * radius * np.array(list(DIRECTIONS.values()))
+    steps = search.beside * np.array(list(DIRECTIONS.values()))
     pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
     return Equilibrium(
         position=point(place),
@@ -135,11 +168,6 @@ def _equilibrium(place: Array, radius: float, force: Force, net_force: NetForce)
         eigenvalues=point(eigenvalues),
         residual=float(np.linalg.norm(net_force(place[None]))),
     )
-
-
-def line(start: float, radius: float) -> Array:
-    """Samples from `start` to `REACH`, both in radii; m."""
-    return radius * np.linspace(start, REACH, round((REACH - start) / SPACING) + 1)
 
 
 def along(force: NetForce, origin: Point, direction: str) -> Component:

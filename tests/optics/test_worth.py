@@ -150,7 +150,19 @@ def test_what_was_not_compared_is_said():
     assert "was not compared" in ray_optics_caveat(diamond)
     dark = silica(power_through_pupil=0)
     assert ray_optics_worth(dark) is None
-    assert worth_attributes(dark) == {"ray_optics_caveat": "", "ray_optics_worth": "null"}
+    assert worth_attributes(dark) == {
+        "theory": "rays", "theory_reason": "no light", "ray_optics_caveat": "",
+        "ray_optics_worth": "null",
+    }  # fmt: skip
+
+
+def test_nothing_is_said_of_rays_where_the_light_is_waves():
+    scene = tweezer.load_scene("silica-1um")
+    assert (ray_optics_worth(scene), ray_optics_caveat(scene)) == (None, None)
+    assert worth_attributes(scene) == {
+        "theory": "waves", "theory_reason": scene.theory_reason, "ray_optics_caveat": "",
+        "ray_optics_worth": "null",
+    }  # fmt: skip
 
 
 def test_a_bubble_that_rays_do_not_trap_has_errors_of_its_force_alone():

@@ -225,10 +225,10 @@ def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float
 def _to_stable_equilibrium(scene: Scene, place: Array, time: float, force: Array) -> Array:
     """The Newton step from a position with net force `force` to the equilibrium.
 
-    time: s. Infinite if the force there is not restoring in every direction.
+    time: s. Infinite if a bead beside it would not return.
     """
     gradient = optical_jacobian(scene, place, time=time)
-    if np.linalg.eigvalsh(gradient + gradient.T).max() >= 0:
+    if np.linalg.eigvals(gradient).real.max() >= 0:
         return np.full(3, math.inf)
     return np.linalg.solve(gradient, -force).astype(float)
 

@@ -15,23 +15,23 @@ from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
     DIRECTIONS,
     FOCUS,
-    REACH,
-    SPACING,
     Component,
     Equilibrium,
     NetForce,
     Point,
+    Search,
     along,
     end_of_pull,
-    line,
     nearest_stable,
     opposite,
     point,
 )
 from tweezer.optics import (
     RayOpticsWorth,
+    absorbed_power,
     cone,
     evaluators_of,
+    optical_torque,
     ray_optics_caveat,
     ray_optics_worth,
     total_power,
@@ -43,8 +43,8 @@ Array = NDArray[np.float64]
 
 #: Tolerance of the end of the pull, in radii
 _END = 1e-10
-#: Tolerance of the place of a maximum, in radii
-_MAXIMUM = 1e-8
+#: Tolerance of the place of a maximum, in distances of samples
+_MAXIMUM = 5e-7
 #: Relative tolerance of the work
 _WORK = 1e-7
 
@@ -70,9 +70,9 @@ class Escape:
     force_at: float
     """where, m from the equilibrium"""
     range: float | None
-    """m from the equilibrium to where the force stops pulling back; None: not within 20 radii"""
+    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach`"""
     energy: float
-    """work against the force up to there, or over 20 radii where the pull does not end, J"""
+    """work against the force up to there, or over `Trap.reach` where the pull does not end, J"""
     energy_error: float
     """estimated error of the integration, J; that of the force comes on top"""
     energy_kT: float
@@ -105,8 +105,18 @@ class Trap:
     force_error: float
     """largest error of any force these numbers come from, N: as estimated, or certified by the map,
     or for the grid the distance to the quadrature"""
+    theory: str
+    """theory of the light: "rays" or "waves" """
+    theory_reason: str
+    """why it is that one"""
+    reach: float
+    """how far equilibria and escapes were sought, m"""
+    absorbed_power: float | None
+    """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
+    torque: Point | None
+    """moment of the light about the bead's centre there, N m; None as `absorbed_power`"""
     caveat: str | None
-    """what ray optics is worth for this bead (`ray_optics_caveat`); None in the dark"""
+    """what ray optics is worth for this bead (`ray_optics_caveat`); None by waves, in the dark"""
     ray_optics: RayOpticsWorth | None
     """the same in numbers: how far equilibrium, stiffness and escape forces may be off"""
 
@@ -128,28 +138,31 @@ def characterise(scene: Scene) -> Trap:
     (2.11, 2.12) as far as `scene.forces` has it. Drag and thermal motion play no part.
 
     Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
-    the force is along it. Equilibria are sought there, within 20 radii of the focus; rings of
-    equilibria around the axis are not. Of several beams, and of one that is moved, they are sought
+    the force is along it. Equilibria are sought there, within `Trap.reach` of the focus: 20 radii,
+    and by waves 5 radii and 10 wavelengths in the medium. Rings of equilibria around the axis are
+    not sought. Of several beams, and of one that is moved, they are sought
     near the axis of each beam, at the time 0. The forces have no potential, so stability is that of
     the overdamped motion beta_v dx/dt = F (5.2). The force beside the place is asked too, since the
-    jumps of the sum over a grid are not in its derivative.
+    jumps of the sum over a grid are not in its derivative. The stiffness is not symmetric in
+    circular light, which pushes a bead off the axis round it: `Equilibrium.turn`.
 
     Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
     component of the force along the line: a bead held on that line. It ends where the component
     changes sign or the light ends. Against the light it need not end: light that meets a bead
     before the focus drives it on to the trap from any distance, by a force that falls with the
-    distance squared. The range is then None, and work counts over 20 radii. It is work on that
+    distance squared. The range is then None, and work counts over `Trap.reach`. It is work on that
     line and no height of a barrier, for work between two places depends on the way.
 
-    Lines are sampled every 0.02 radii. Zeros are bisected on the sign (`scipy.optimize.bisect`,
-    to 1e-14 radii), which holds also where the sum over a grid of rays jumps; maxima are refined
-    with `scipy.optimize.minimize_scalar` to 1e-8 radii; work is by `scipy.integrate.quad` to
-    1e-7, or to `Escape.energy_error` where jumps hinder it.
+    Lines are sampled every 0.02 radii, and by waves every twentieth of a wavelength in the medium.
+    Zeros are bisected on the sign (`scipy.optimize.bisect`, to 1e-14 radii), which holds also where
+    the sum over a grid of rays jumps; maxima are refined with `scipy.optimize.minimize_scalar` to
+    5e-7 of a sample's distance; work is by `scipy.integrate.quad` to 1e-7, or to
+    `Escape.energy_error` where jumps hinder it.
     """
     problem = bound_once(scene)
     light_force = _LightForce(problem)
-    bead, r = problem.bead, scene.bead.radius
-    weight = np.array(bead.weight)
+    search = problem.light.search
+    weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
         return light_force(points) + weight
@@ -158,19 +171,23 @@ def characterise(scene: Scene) -> Trap:
     equilibrium = nearest_stable(places)
     corner_frequencies = None
     escapes: tuple[Escape, ...] = ()
+    absorbed, torque = None, None
     if equilibrium:
         mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
         corner_frequencies = point(np.diag(equilibrium.stiffness) * mobility / (2 * math.pi))
         escapes = tuple(
-            _escape(scene, net_force, equilibrium.position, name) for name in DIRECTIONS
+            _escape(scene, search, net_force, equilibrium.position, name) for name in DIRECTIONS
         )
+        if scene.lit and scene.bead.absorbs:
+            absorbed = float(absorbed_power(scene, equilibrium.position))
+            torque = point(optical_torque(scene, equilibrium.position))
     power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
     given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
     backward, lateral = None, []
     if scene.plain:
-        backward = _efficiency(light_force, "+z", line(-REACH, r), unit)
-        lateral = [_efficiency(light_force, axis, line(0.0, r), unit) for axis in ("+x", "+y")]
+        backward = _efficiency(light_force, "+z", search.whole_line(), unit)
+        lateral = [_efficiency(light_force, axis, search.line(), unit) for axis in ("+x", "+y")]
     return Trap(
         power_through_pupil=power,
         fraction_through_pupil=power / given if given else None,
@@ -182,6 +199,11 @@ def characterise(scene: Scene) -> Trap:
         escapes=escapes,
         evaluator=evaluators_of(scene),
         force_error=light_force.error,
+        theory=scene.theory,
+        theory_reason=scene.theory_reason,
+        reach=search.reach,
+        absorbed_power=absorbed,
+        torque=torque,
         caveat=ray_optics_caveat(scene),
         ray_optics=ray_optics_worth(scene),
     )
@@ -200,17 +222,19 @@ class _LightForce:
         return field.force
 
 
-def _escape(scene: Scene, net_force: NetForce, origin: Point, direction: str) -> Escape:
+def _escape(
+    scene: Scene, search: Search, net_force: NetForce, origin: Point, direction: str
+) -> Escape:
     r = scene.bead.radius
     pull = opposite(along(net_force, origin, direction))
-    distances = line(0.0, r)
+    distances = search.line()
     let_go = np.flatnonzero(pull(distances[1:]) <= 0)
     end = None
     if let_go.size:
         last = let_go[0]
         end = end_of_pull(pull, distances[last], distances[last + 1], _END * r)
         distances = np.append(distances[: last + 1], end)
-    force, at = _maximum(pull, distances, _MAXIMUM * r)
+    force, at = _maximum(pull, distances, _MAXIMUM * search.spacing)
     energy, energy_error, *_ = quad(
         lambda distance: pull(np.array([distance]))[0],
         0.0, distances[-1], epsabs=0.0, epsrel=_WORK, limit=50, full_output=1,
@@ -231,7 +255,7 @@ def _efficiency(
 ) -> Efficiency | None:
     """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
     pull = opposite(along(light_force, FOCUS, direction))
-    tolerance = _MAXIMUM / SPACING * (coordinates[1] - coordinates[0])
+    tolerance = _MAXIMUM * (coordinates[1] - coordinates[0])
     force, at = _maximum(pull, coordinates, tolerance)
     return Efficiency(force / unit, at) if force > 0 else None
 

@@ -88,10 +88,10 @@ class Problem:
 
         Of one beam on its axis; of several, and with other forces, near the axis of each.
         """
-        radius = self.scene.bead.radius
+        about = self.scene.bead.radius, self.light.search, self.force, net_force
         if self.scene.plain and not self.others:
-            return tuple(equilibria(radius, self.force, net_force))
-        return tuple(equilibria_about(self.foci(), radius, self.force, net_force))
+            return tuple(equilibria(*about))
+        return tuple(equilibria_about(self.foci(), *about))
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.choices import THEORIES, at, evaluator
+from tweezer.equilibria import Search
 from tweezer.errors import SceneError, warn
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, packed
@@ -43,6 +44,12 @@ class Beams(Sum):
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
         """See `LightForce.error_of`."""
         return error_by(self._certain, positions, field, time)
+
+    @property
+    def search(self) -> Search:
+        """The farthest and finest of each light's."""
+        reach, *distances = zip(*(each.search for each in self.lights), strict=True)
+        return Search(max(reach), *map(min, distances))
 
     @functools.cached_property
     def _certain(self) -> Sum:
@@ -126,7 +133,7 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     beam's table deviates from it by more than 0.1 % of the peak.
     """
     if scene.theory == "rays" and (caveat := ray_optics_caveat(scene)) is not None:
-        _warn_once(caveat)
+        _warn_once(f"{caveat}; light by rays: {scene.theory_reason}")
     if not scene.lit:
         return Dark(light_on_bead(scene))
     force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.equilibria import Search
 from tweezer.errors import SceneError
 from tweezer.forces.data import Part
 from tweezer.forces.force import Force, Wrench, bound, evaluated
@@ -23,7 +25,7 @@ SPEED_OF_LIGHT = 299792458.0
 
 
 @dataclass(frozen=True, eq=False)
-class Light:
+class Light(ABC):
     """The light of one beam, and the sphere it falls on."""
 
     cone: Cone
@@ -36,6 +38,11 @@ class Light:
     def strength(self) -> float:
         """n_m P/c of all the light, N."""
         return self.momentum_per_energy * self.cone.power
+
+    @property
+    @abstractmethod
+    def search(self) -> Search:
+        """Lengths by which the force is searched for zeros and largest values."""
 
     def of_radius(self, radius: float) -> Self:
         """The same on a sphere scaled to that radius, m."""
@@ -68,6 +75,11 @@ class LightForce(Force):
         if gradient not in self._parts:
             self._parts[gradient] = bound(self, gradient=gradient)
         return evaluated(self._parts[gradient], positions, gradient, time, orientations)
+
+    @property
+    def search(self) -> Search:
+        """See `Light.search`."""
+        return self.light.search
 
     @functools.cached_property
     def _parts(self) -> dict[bool, Part]:

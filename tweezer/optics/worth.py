@@ -198,11 +198,13 @@ def _way_out(scene: Scene) -> str:
 
 
 def worth_attributes(scene: Scene) -> dict[str, str]:
-    """Attributes of results computed with the light of `scene`: the caveat, and `RayOpticsWorth` as
-    JSON ("null" without light).
+    """Attributes of results computed with the light of `scene`: the theory and why it is that one,
+    what ray optics is worth as a sentence, and `RayOpticsWorth` as JSON ("null" by waves).
     """
     worth = ray_optics_worth(scene)
     return {
+        "theory": scene.theory,
+        "theory_reason": scene.theory_reason,
         "ray_optics_caveat": ray_optics_caveat(scene) or "",
         "ray_optics_worth": json.dumps(worth and dataclasses.asdict(worth)),
     }

@@ -7,12 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.equilibria import Search
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.rays.ray_sum import Rays, Sphere
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
+
+#: How far the force is searched, and the distance of samples, in radii
+_REACH, _SPACING = 20.0, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +36,12 @@ class RayLight(Light):
     def sphere(self) -> Sphere:
         """The bead, as the kernels read it."""
         return Sphere(self.radius, self.index_ratio)
+
+    @property
+    def search(self) -> Search:
+        """See `Light.search`. The force changes over radii, and its sum over a grid jumps."""
+        spacing = _SPACING * self.radius
+        return Search(_REACH * self.radius, spacing, beside=spacing)
 
     def rays(self, *, gradient: bool) -> Rays:
         """The kind of rays that a kernel is compiled for."""

@@ -60,9 +60,15 @@ class WavesByQuadrature(LightForce):
     def _reaching(self, positions: Array) -> WavesByQuadrature:
         """The same up to the farthest of `positions` at least."""
         farthest = float(np.linalg.norm(positions, axis=1).max(initial=0.0))
-        if farthest <= self.reach:
-            return self
-        return dataclasses.replace(self, reach=1.25 * farthest)
+        force = self
+        while farthest > force.reach:
+            force = force._farther
+        return force
+
+    @functools.cached_property
+    def _farther(self) -> WavesByQuadrature:
+        """The same up to twice the distance, bound once."""
+        return dataclasses.replace(self, reach=2 * self.reach)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""

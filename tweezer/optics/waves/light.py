@@ -7,10 +7,19 @@ import functools
 import math
 from dataclasses import dataclass
 
+from tweezer.equilibria import Search
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, states
 from tweezer.scene import Scene
+
+#: How far the force is searched, in radii and in wavelengths in the medium, which add up: a small
+#: bead's trap reaches many radii
+_RADII, _WAVELENGTHS = 5.0, 10.0
+#: Distance of samples, in wavelengths in the medium: the force ripples at half a wavelength
+_SPACING = 0.05
+#: Distance from an equilibrium at which the force must pull back, in those of samples
+_BESIDE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +57,14 @@ class Waves(Light):
     def focus(self) -> Focus:
         """The plane waves behind the lens."""
         return Focus(self.cone, self.face)
+
+    @property
+    def search(self) -> Search:
+        """See `Light.search`. The force changes over wavelengths, and nowhere jumps."""
+        wavelength = 2 * math.pi / self.wavenumber
+        spacing = _SPACING * wavelength
+        reach = _RADII * self.radius + _WAVELENGTHS * wavelength
+        return Search(reach, spacing, beside=_BESIDE * spacing)
 
     def of_radius(self, radius: float) -> Waves:
         """The same on a sphere scaled to that radius, m."""
