@@ -774,7 +774,7 @@ def _bind_light(scene: Scene) -> None:
     from tweezer.optics import light, ray_optics_caveat
 
     if caveat := ray_optics_caveat(scene):
-        _show_warning(f"{caveat}; light by rays: {scene.theory_reason}")
+        _show_warning(caveat)
     for alone in map(scene.with_one_beam, scene.beams):
         if alone.lit and scene.optics.evaluator == "map":
             _map_of(alone)

@@ -133,7 +133,7 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     beam's table deviates from it by more than 0.1 % of the peak.
     """
     if scene.theory == "rays" and (caveat := ray_optics_caveat(scene)) is not None:
-        _warn_once(f"{caveat}; light by rays: {scene.theory_reason}")
+        _warn_once(caveat)
     if not scene.lit:
         return Dark(light_on_bead(scene))
     force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)
