@@ -8,6 +8,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import NamedTuple
 from urllib.parse import urlsplit
@@ -15,8 +16,10 @@ from urllib.parse import urlsplit
 import pytest
 import typer
 
+import tweezer
 from tests.benchmarks import pages, summary_report
 from tweezer import cli
+from tweezer.scene import Scene
 
 ROOT = Path(__file__).parents[1]
 PAGES = [
@@ -97,10 +100,14 @@ def test_what_is_not_run_is_in_the_documentation():
     assert set(NOT_RUN) <= shown
 
 
-def test_other_fences_are_none():
+def test_other_fences_are_parts_of_scenes():
     """A command in a block of another kind would not be run."""
     fences = {fence for page in PAGES for fence in re.findall(r"^```(\w+)", page.read_text(), re.M)}
-    assert fences == {"sh", "python"}
+    assert fences == {"sh", "python", "toml"}
+    base = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
+    for page in PAGES:
+        for source in re.findall(r"(?ms)^```toml\n(.*?)^```$", page.read_text()):
+            Scene.model_validate(base | tomllib.loads(source))
 
 
 def test_commands_named_in_the_text_exist():

@@ -454,7 +454,8 @@ def reproduce(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; study. All if none.",
+            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; waves; study. "
+            "All if none.",
             metavar="WHAT",
         ),
     ] = None,
@@ -463,7 +464,8 @@ def reproduce(
 ) -> None:
     """Reproduce the thesis: figures and claims.
 
-    The claims with verdicts, and the lost 500 nm bead.
+    The claims with verdicts, what becomes of them with light as waves, and the
+    lost 500 nm bead.
     """
     from tweezer.thesis import reproduce as reproduced
 
@@ -473,9 +475,9 @@ def reproduce(
     ):
         result = reproduced(what or (), out, seed=seed, progress=progress)
     if result.claims:
-        table = _table("where", "claim", "verdict")
+        table = _table("where", "claim", "verdict", "by waves")
         for claim in result.claims:
-            table.add_row(claim.where, claim.text, claim.verdict)
+            table.add_row(claim.where, claim.text, claim.verdict, claim.verdict_by_waves)
         _out.print(table)
     _out.print(f"wrote {len(result.files)} files into {out}", highlight=False, soft_wrap=True)
 

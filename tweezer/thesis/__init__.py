@@ -1,22 +1,27 @@
 """The thesis reproduced: its figures, its claims, and why its 500 nm bead is lost.
 
 Everything here is computed with the thesis's printed parameters (Tables B.1 to B.4 and 5.1), by its
-own model and, beside it, by the unscaled equations.
+own model and, beside it, by the unscaled equations; in the light of rays, and in the same light as
+waves.
 """
 
+from tweezer.thesis.captures import Capture, captures
 from tweezer.thesis.figures import FIGURES, figure
 from tweezer.thesis.lost_bead import Study, Variant, study
-from tweezer.thesis.runs import BEADS, Motions, motions
+from tweezer.thesis.runs import BEADS, THEORIES, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
 from tweezer.thesis.writing import reproduce
 
 __all__ = [
     "BEADS",
     "FIGURES",
+    "THEORIES",
+    "Capture",
     "Claim",
     "Motions",
     "Study",
     "Variant",
+    "captures",
     "claims",
     "figure",
     "motions",

@@ -6,7 +6,7 @@ light the same with thermal force and torque. A ring marks the first closest app
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -204,6 +204,31 @@ FIGURES: dict[str, tuple[str, str, Draw, bool]] = {
     for chapter, first, title, draw, same_scale in _KINDS
     for i, bead in enumerate(BEADS)
 }
+
+
+_THEORY_LINES = {"rays": ("#cc6677", "--"), "waves": ("#332288", "-")}
+
+
+def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
+    """q2 and q3 of the three unscaled beads, in the light of rays and as waves; without noise."""
+    drawn = Figure(figsize=(11.0, 6.0), layout="constrained")
+    panels = drawn.subplots(2, len(BEADS), sharex="col")
+    by_theory = list(of_each_theory)
+    for bead, (above, below) in zip(BEADS, panels.T, strict=True):
+        for motions in (by_bead[bead] for by_bead in by_theory):
+            run = motions.unscaled
+            colour, style = _THEORY_LINES[motions.theory]
+            for axes, axis in ((above, "y"), (below, "z")):
+                path = run["position"].sel(axis=axis).values * _MICRO
+                axes.plot(_time(run), path, color=colour, ls=style, lw=1.5, label=motions.theory)
+        for axes in (above, below):
+            axes.axhline(0, color=_MUTED, lw=0.6)
+        slowest = max(by_bead[bead].summary("unscaled").outcome_time for by_bead in by_theory)
+        above.set(title=f"{bead[:-2]} nm", ylabel="q2 (µm)", xlim=(0, 1.3 * slowest * _MILLI))
+        below.set(xlabel="time (ms)", ylabel="q3, from the focus (µm)")
+    panels[0, 0].legend(frameon=False)
+    drawn.suptitle("The unscaled beads in the thesis's light: rays, and exact", fontsize=11)
+    return drawn
 
 
 def study_figure(study: Study) -> Figure:

@@ -1,4 +1,7 @@
-"""The motions in the thesis's figures: each bead by the thesis's model, and unscaled."""
+"""The motions in the thesis's figures: each bead by the thesis's model, and unscaled.
+
+Both in the light of rays, as in the thesis, and in the same light as waves.
+"""
 
 from __future__ import annotations
 
@@ -20,6 +23,15 @@ BEADS = ("500nm", "990nm", "1950nm")
 #: The integral over the lens in place of 7644 rays, as a table up to the loss distance
 INTEGRAL = {"evaluator": "map", "table_range": 20.0}
 
+#: The theories of light of the motions
+THEORIES = ("rays", "waves")
+
+#: Light as waves in place of rays, as a table up to the loss distance
+_WAVES = {"theory": "waves", "evaluator": "map", "table_range": "5 um"}
+
+#: The light that is averaged over both polarisations, and exerts no moment (3.25)
+_UNPOLARISED = {"polarisation": "unpolarised", "torque": "none"}
+
 #: Relative tolerance of the unscaled motion; at 1e-7, the thesis's, a bead at rest jitters
 _TOLERANCE = 1e-10
 
@@ -35,8 +47,11 @@ class Motions:
 
     bead: str
     """one of `BEADS`"""
+    theory: str
+    """one of `THEORIES`"""
     thesis: xr.Dataset
-    """scaled model (4.17), printed a2, 7644 rays, moment (3.25), Dormand-Prince; no noise"""
+    """scaled model (4.17), printed a2, Dormand-Prince; no noise; of rays 7644 and their moment
+    (3.25)"""
     thesis_thermal: xr.Dataset
     """the same with thermal force and torque, by steps with exact drag and noise"""
     unscaled: xr.Dataset
@@ -64,27 +79,43 @@ class Motions:
         return summarise(getattr(self, which))
 
 
-def thesis_scene(bead: str) -> Scene:
-    """The scene of a bead of `BEADS` as in the thesis's model: rays, a2 and moment."""
-    return load_scene(f"thesis-{bead}").replace(beam={"torque": "thesis"})
+def in_the_light(scene: Scene, theory: str) -> Scene:
+    """A scene of the thesis with the integral over its lens in place of 7644 rays, or with waves.
+
+    Waves of the same lens, profile and power: unpolarised, where the thesis averages the
+    reflectances (3.17), which waves do not have.
+    """
+    if theory == "rays":
+        return scene.replace(optics=INTEGRAL)
+    return scene.replace(beam=_UNPOLARISED, optics=_WAVES)
 
 
-def unscaled_scene(bead: str) -> Scene:
+def thesis_scene(bead: str, theory: str = "rays") -> Scene:
+    """The scene of a bead of `BEADS` as in the thesis's model: its a2, its rays and their moment;
+    or waves, place by place.
+    """
+    scene = load_scene(f"thesis-{bead}")
+    if theory == "rays":
+        return scene.replace(beam={"torque": "thesis"})
+    return in_the_light(scene, theory).replace(optics={"evaluator": "quadrature"})
+
+
+def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
     """The same light and bead without the thesis's approximations: the scaling, the grid of rays,
     and the moment (3.25), which light does not exert on a lossless sphere.
     """
-    return load_scene(f"thesis-{bead}").replace(
-        optics=INTEGRAL,
+    return in_the_light(load_scene(f"thesis-{bead}"), theory).replace(
         simulation={"model": "full", "method": "auto", "scaling_factor": None},
     )
 
 
-def motions(bead: str, seed: int = 1) -> Motions:
-    """The four motions of a bead of `BEADS`; seed: of the thermal ones."""
-    thesis, unscaled = thesis_scene(bead), unscaled_scene(bead)
+def motions(bead: str, seed: int = 1, theory: str = "rays") -> Motions:
+    """The four motions of a bead of `BEADS`; seed: of the thermal ones; theory: of `THEORIES`."""
+    thesis, unscaled = thesis_scene(bead, theory), unscaled_scene(bead, theory)
     noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
     return Motions(
         bead=bead,
+        theory=theory,
         thesis=simulate(_densely_sampled(thesis)),
         thesis_thermal=simulate(noisy, seed=seed),
         unscaled=simulate(_densely_sampled(unscaled), tolerance=_TOLERANCE),

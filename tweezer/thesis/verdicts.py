@@ -1,11 +1,11 @@
-"""The thesis's claims, each with a verdict computed from the motions."""
+"""The thesis's claims, each with a verdict computed from the motions: of rays, and of waves."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
@@ -20,14 +20,14 @@ from tweezer.errors import TweezerError
 from tweezer.io import scene_of
 from tweezer.optics import optical_force
 from tweezer.optics.rays.pupil import grid
-from tweezer.scene import load_scene
+from tweezer.scene import Scene, load_scene
 from tweezer.simulation import simulate
 from tweezer.thesis.runs import (
     BEADS,
-    INTEGRAL,
     Motions,
     closest_approach,
     crossings,
+    in_the_light,
     thesis_scene,
     unscaled_scene,
 )
@@ -64,6 +64,8 @@ class Claim:
     """whether it holds for the unscaled equations"""
     numbers: dict[str, float] = field(default_factory=dict)
     """the numbers in `computed`, in SI or the unit in the name"""
+    by_waves: Claim | str | None = None
+    """the same claim with light as waves, or why it has none; None if not computed"""
 
     @property
     def verdict(self) -> str:
@@ -77,18 +79,32 @@ class Claim:
             return "holds for the scaled model only"
         return "holds for the unscaled model only" if self.unscaled else "does not hold"
 
+    @property
+    def verdict_by_waves(self) -> str:
+        """The verdict with light as waves, or why there is none."""
+        return self.by_waves.verdict if isinstance(self.by_waves, Claim) else self.by_waves or ""
+
 
 class Evidence:
     """Motions of the three beads, and quantities that several claims use."""
 
     def __init__(self, by_bead: Mapping[str, Motions]) -> None:
         self.motions = by_bead
+        (self.theory,) = {motions.theory for motions in by_bead.values()}
         self._equilibria: dict[str, Equilibrium] = {}
 
     def run(self, which: str, bead: str) -> xr.Dataset:
         """The run `which`, a field of `Motions`, of a bead."""
         run: xr.Dataset = getattr(self.motions[bead], which)
         return run
+
+    def in_the_light(self, bead: str) -> Scene:
+        """Scene of a bead with the thesis's a2, in the light of the motions."""
+        return in_the_light(load_scene(f"thesis-{bead}"), self.theory)
+
+    def unscaled_scene(self, bead: str) -> Scene:
+        """Scene of the unscaled bead."""
+        return unscaled_scene(bead, self.theory)
 
     def each(self, which: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
         """A quantity of the run `which` for each bead."""
@@ -105,17 +121,29 @@ class Evidence:
     def equilibrium(self, bead: str) -> Equilibrium:
         """Stable equilibrium of light and weight in the unscaled scene."""
         if bead not in self._equilibria:
-            found = bound_once(unscaled_scene(bead)).equilibrium
+            found = bound_once(self.unscaled_scene(bead)).equilibrium
             if found is None:
                 raise TweezerError(f"thesis-{bead}: no stable equilibrium")
             self._equilibria[bead] = found
         return self._equilibria[bead]
 
 
-def claims(by_bead: Mapping[str, Motions]) -> list[Claim]:
-    """Every claim, with the verdict that the motions of the three beads give. Keys: `BEADS`."""
+def claims(
+    by_bead: Mapping[str, Motions], by_waves: Mapping[str, Motions] | None = None
+) -> list[Claim]:
+    """Every claim, with the verdict that the motions of the three beads give. Keys: `BEADS`.
+
+    by_waves: the motions in light as waves, for the verdicts that they give.
+    """
     evidence = Evidence(by_bead)
-    return [claim(evidence) for claim in _CLAIMS]
+    found = [claim(evidence) for claim in _CLAIMS]
+    if by_waves is None:
+        return found
+    in_waves = Evidence(by_waves)
+    return [
+        replace(of_rays, by_waves=_WITHOUT_WAVES.get(claim) or claim(in_waves))
+        for claim, of_rays in zip(_CLAIMS, found, strict=True)
+    ]
 
 
 def _list(values: Mapping[str, float], scale: float = 1.0, digits: int = 2) -> str:
@@ -255,11 +283,9 @@ def _size_decides(evidence: Evidence) -> Claim:
     """The three beads with the a2 that is printed for the middle one."""
     factor = load_scene("thesis-990nm").simulation.scaling_factor
     runs = {
-        bead: simulate(load_scene(f"thesis-{bead}").replace(
-            simulation={"scaling_factor": factor}, optics=INTEGRAL
-        ))
+        bead: simulate(evidence.in_the_light(bead).replace(simulation={"scaling_factor": factor}))
         for bead in BEADS
-    }  # fmt: skip
+    }
     overshoot = {bead: summarise(run).overshoot for bead, run in runs.items()}
     printed = {bead: evidence.motions[bead].scaling_factor for bead in BEADS}
     return _claim(
@@ -375,7 +401,7 @@ def _reynolds_blind(evidence: Evidence) -> Claim:
 def _force_vanishes(evidence: Evidence) -> Claim:
     where, part = {}, {}
     for bead in BEADS:
-        scene = unscaled_scene(bead)
+        scene = evidence.unscaled_scene(bead)
         where[bead] = evidence.equilibrium(bead).position[2] / scene.bead.radius
         at_focus = optical_force(scene, [0.0, 0.0, 0.0]) + bead_properties(scene).weight
         peak = float(
@@ -591,7 +617,9 @@ def _middle_is_faster(evidence: Evidence) -> Claim:
 def _overdamped_fails(evidence: Evidence) -> Claim:
     """5.3: (5.2) does not predict the 500 nm bead."""
     samples = evidence.run("unscaled", "500nm").sizes["time"]
-    scene = unscaled_scene("500nm").replace(simulation={"model": "overdamped", "samples": samples})
+    scene = evidence.unscaled_scene("500nm").replace(
+        simulation={"model": "overdamped", "samples": samples}
+    )
     overdamped = simulate(scene)["position"].values
     off = {}
     for which in _WHICH:
@@ -648,7 +676,7 @@ def _accurate(evidence: Evidence) -> Claim:
 def _first_guess(evidence: Evidence) -> Claim:
     ratio, off = {}, {}
     for bead in BEADS:
-        scene = load_scene(f"thesis-{bead}").replace(optics=INTEGRAL)
+        scene = evidence.in_the_light(bead)
         epsilon = evidence.motions[bead].properties.relaxation_time / 1e-3
         ratio[bead] = evidence.motions[bead].scaling_factor / epsilon
         deviation = tune(scene, [epsilon]).entries[0].deviation
@@ -672,7 +700,8 @@ def _hidden_start(evidence: Evidence) -> Claim:
     for bead in BEADS:
         true = evidence.motions[bead].scene.start_position[2]
         fits = [
-            fit_depth(track, unscaled_scene(bead)) for track in _tracks(evidence.motions[bead], rng)
+            fit_depth(track, evidence.unscaled_scene(bead))
+            for track in _tracks(evidence.motions[bead], rng)
         ]
         off[bead] = float(np.mean([abs(fit.z - true) for fit in fits]))
         lengths = [sum(high - low for low, high in fit.intervals) for fit in fits]
@@ -695,7 +724,7 @@ def _hidden_start(evidence: Evidence) -> Claim:
 
 def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
     """Track of the unscaled bead, seen by a camera from release to capture."""
-    scene = unscaled_scene(motions.bead).replace(
+    scene = unscaled_scene(motions.bead, motions.theory).replace(
         forces={"brownian": True},
         simulation={
             "duration": 1.2 * motions.summary("unscaled").outcome_time, "samples": _FRAMES,
@@ -798,3 +827,11 @@ _CLAIMS: tuple[Callable[[Evidence], Claim], ...] = (
     _rays,
     _light_turns,
 )
+
+#: Claims without a counterpart in light as waves, and why
+_WITHOUT_WAVES: dict[Callable[[Evidence], Claim], str] = {
+    _longer_steps: "about the method, with rotation",
+    _printed_numbers: "not about light",
+    _rays: "about rays",
+    _light_turns: "about rays: waves turn no lossless sphere either",
+}

@@ -1,4 +1,6 @@
-"""Write the thesis's figures, its claims with their verdicts, and the study of the lost bead."""
+"""Write the thesis's figures, its claims with their verdicts by rays and by waves, the captures of
+both, and the study of the lost bead.
+"""
 
 from __future__ import annotations
 
@@ -6,21 +8,23 @@ import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from tweezer.arguments import check_seed
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
-from tweezer.thesis.figures import FIGURES, figure, study_figure
+from tweezer.thesis.captures import Capture, captures
+from tweezer.thesis.figures import FIGURES, captures_figure, figure, study_figure
 from tweezer.thesis.lost_bead import Study, study
 from tweezer.thesis.runs import BEADS, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
 
 #: Names of what `reproduce` can write besides figures
-TABLES = ("claims", "study")
+TABLES = ("claims", "waves", "study")
 #: Approximate durations, in units of a figure
-_WORK = {"motions": 15.0, "claims": 15.0, "study": 60.0}
+_WORK = {"motions": 15.0, "waves": 2.0, "claims": 25.0, "study": 60.0}
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,8 @@ def reproduce(
     exists.
 
     what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
-    as claims.json and claims.md; "study", of the 500 nm bead, as study.png and study.json.
+    as claims.json and claims.md; "waves", the captures by rays and by waves, as waves.png,
+    waves.json and waves.md; "study", of the 500 nm bead, as study.png and study.json.
     Everything if empty. seed: of the thermal motions. progress: called with the finished part.
 
     Existing files are replaced one by one, each as a whole. Before any computation raises
@@ -64,10 +69,11 @@ def reproduce(
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise ResultError(f"{out}: cannot be made: {error.strerror}") from None
+    in_waves = "claims" in asked or "waves" in asked
     needed = [
         bead
         for bead in BEADS
-        if "claims" in asked or any(FIGURES[name][1] == bead for name in asked if name in FIGURES)
+        if in_waves or any(FIGURES[name][1] == bead for name in asked if name in FIGURES)
     ]
     total = sum(_WORK.get(name, 1) for name in asked) + _WORK["motions"] * len(needed)
     done = 0.0
@@ -87,10 +93,15 @@ def reproduce(
             if name in FIGURES and FIGURES[name][1] == bead:
                 files.append(_save(figure(name, by_bead[bead]), folder / f"figure-{name}.png"))
                 did(1)
-    decided = claims(by_bead) if "claims" in asked else []
+    by_waves = {bead: motions(bead, seed, "waves") for bead in BEADS} if in_waves else {}
+    decided = claims(by_bead, by_waves) if "claims" in asked else []
     if decided:
         files += _write_claims(decided, folder)
         did(_WORK["claims"])
+    if "waves" in asked:
+        files += _write_captures(captures((by_bead, by_waves)), folder)
+        files.append(_save(captures_figure((by_bead, by_waves)), folder / "waves.png"))
+        did(_WORK["waves"])
     if "study" in asked:
         files += _write_study(study(lambda part: did(part * _WORK["study"])), folder)
     return Reproduction(files, decided)
@@ -103,27 +114,61 @@ def _save(figure: Figure, path: Path) -> Path:
 
 
 def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
-    as_json, as_markdown = folder / "claims.json", folder / "claims.md"
-    entries = [dataclasses.asdict(claim) | {"verdict": claim.verdict} for claim in found]
-    write_json(entries, as_json)
-    lines = [
-        "| where | claim | taken as | computed | verdict |",
-        "| --- | --- | --- | --- | --- |",
-        *(
-            "| "
-            + " | ".join(
-                text.replace("|", "\\|")
-                for text in (
-                    claim.where, claim.text, claim.reading, claim.computed, f"**{claim.verdict}**",
-                )
-            )
-            + " |"
-            for claim in found
-        ),
+    as_json = folder / "claims.json"
+    write_json([_entry(claim) for claim in found], as_json)
+    rows = [
+        (
+            claim.where, claim.text, claim.reading, claim.computed, f"**{claim.verdict}**",
+            _by_waves(claim),
+        )
+        for claim in found
     ]  # fmt: skip
-    with replacing(as_markdown) as whole:
+    heading = ("where", "claim", "taken as", "computed", "verdict", "by waves")
+    return [as_json, _write_table(heading, rows, folder / "claims.md")]
+
+
+def _by_waves(claim: Claim) -> str:
+    if isinstance(claim.by_waves, Claim):
+        return f"{claim.by_waves.computed}: **{claim.verdict_by_waves}**"
+    return claim.verdict_by_waves
+
+
+def _entry(claim: Claim) -> dict[str, Any]:
+    """Entry of a claim; of the same by waves only what differs."""
+    entry = dataclasses.asdict(claim) | {"verdict": claim.verdict}
+    if isinstance(claim.by_waves, Claim):
+        of_waves = _entry(claim.by_waves)
+        differing = ("computed", "thesis", "unscaled", "numbers", "verdict")
+        return entry | {"by_waves": {name: of_waves[name] for name in differing}}
+    return entry
+
+
+def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
+    as_json = folder / "waves.json"
+    write_json([dataclasses.asdict(each) for each in found], as_json)
+    heading = (
+        "bead, light", "at rest to 20 nm after", "overshoot", "rests beyond the focus by",
+        "stiffness across", "stiffness along",
+    )  # fmt: skip
+    rows = [
+        (
+            f"{each.bead[:-2]} nm, {each.theory}", f"{each.arrival * 1e3:.1f} ms",
+            f"{each.overshoot * 1e6:.2g} µm", f"{each.rest * 1e6:.3f} µm",
+            f"{each.stiffness_across * 1e6:.0f} pN/µm", f"{each.stiffness_along * 1e6:.0f} pN/µm",
+        )
+        for each in found
+    ]  # fmt: skip
+    return [as_json, _write_table(heading, rows, folder / "waves.md")]
+
+
+def _write_table(heading: Sequence[str], rows: Sequence[Sequence[str]], path: Path) -> Path:
+    lines = [
+        "| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
+        for row in (heading, ["---"] * len(heading), *rows)
+    ]
+    with replacing(path) as whole:
         whole.write(("\n".join(lines) + "\n").encode())
-    return [as_json, as_markdown]
+    return path
 
 
 def _write_study(found: Study, folder: Path) -> list[Path]:
