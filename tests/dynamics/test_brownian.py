@@ -133,7 +133,7 @@ def stationary(M, G):
 
 def digits(weights):
     """The weights of the first coordinate, as `Weights` of exact numbers."""
-    return propagator.Weights(*(mp.mpf(float(each[0])) for each in weights))
+    return propagator.Weights(*(mp.mpf(float(each[0])) for each in weights if each.ndim == 1))
 
 
 def weights_of(h, tau, kappa):
@@ -223,6 +223,113 @@ def test_a_compiled_step_is_that_of_the_weights(model, method, field, sections):
     out = np.empty((70, 1, dims))
     one.advance(states, who, 0, out)
     np.testing.assert_allclose(out[:, 0], np.hstack(expected), rtol=1e-12, atol=1e-24)
+
+
+# --- a spring that couples the coordinates --------------------------------------------------------
+
+#: Stiffness of a trap that pushes round its axis by a share of it, over that along x
+ROUND = np.array([[1.0, 0.3, 0.0], [-0.3, 1.0, 0.0], [0.0, 0.0, 0.4]])
+
+
+def of_round_trap(damping, *, inertial):
+    """tau, rates and diffusion of `ROUND`, with rate times tau = `damping` along x."""
+    tau = np.full(3, TAU) if inertial else np.zeros(3)
+    return tau, damping / TAU * ROUND, np.full(3, DIFFUSION)
+
+
+def across(matrix, *, inertial):
+    """The part of x and y of a propagator as a complex matrix of x + iy, and of its velocity."""
+    parts = [0, 3] if inertial else [0]
+    return np.array([[matrix[i, j] + 1j * matrix[i + 1, j] for j in parts] for i in parts])
+
+
+@pytest.mark.parametrize("damping", [1e-4, 0.1, 3.0])
+def test_a_step_of_a_trap_that_pushes_round_is_that_of_its_complex_rates(damping):
+    """x + iy = e^(lambda t) with tau lambda^2 + lambda + kappa (1 - 0.3i) = 0; and so without."""
+    rate = damping / TAU * (1 - 0.3j)
+    slow, fast = np.roots([TAU, 1.0, rate])[::-1]
+    for h in np.geomspace(1e-3 * TAU, 3 * TAU / damping, 7):
+        left, _ = propagator.coupled(h, *of_round_trap(damping, inertial=False))
+        assert abs(across(left, inertial=False)[0, 0] - np.exp(-rate * h)) < 1e-13
+        left, _ = propagator.coupled(h, *of_round_trap(damping, inertial=True))
+        modes = np.array([[1, 1], [slow, fast]])
+        exact = modes @ np.diag(np.exp([slow * h, fast * h])) @ np.linalg.inv(modes)
+        scale = np.array([[1, TAU], [1 / TAU, 1]])
+        assert np.abs((across(left, inertial=True) - exact) / scale).max() < 1e-11
+
+
+@pytest.mark.parametrize("inertial", [False, True])
+@pytest.mark.parametrize("damping", [1e-4, 0.1, 3.0])
+def test_noise_of_a_trap_that_pushes_round_keeps_its_stationary_covariance(damping, inertial):
+    """kT/k without inertia; with it kT/(k - m (turn/beta)^2), <x vy> = turn/beta <x^2>, and
+    <v^2> = k/m <x^2>.
+    """
+    tau, rates, diffusion = of_round_trap(damping, inertial=inertial)
+    kappa, turn = rates[0, 0], rates[0, 1]
+    root = propagator.stationary_root(tau, rates, diffusion)
+    covariance = root @ root.T
+    variance = DIFFUSION / (kappa - TAU * turn**2 * inertial)
+    expected = np.diag([variance, variance, DIFFUSION / rates[2, 2]])
+    scale = np.full(3, math.sqrt(DIFFUSION / kappa))
+    if inertial:
+        crossed = np.zeros((3, 3))
+        crossed[0, 1], crossed[1, 0] = turn * variance, -turn * variance
+        speed = kappa / TAU * variance
+        of_v = np.diag([speed, speed, DIFFUSION / TAU])
+        expected = np.block([[expected, crossed], [crossed.T, of_v]])
+        scale = np.append(scale, np.full(3, math.sqrt(DIFFUSION / TAU)))
+    scale = np.outer(scale, scale)
+    np.testing.assert_allclose(covariance / scale, expected / scale, rtol=0, atol=1e-10)
+    for h in np.geomspace(1e-2 * TAU, 3 * TAU / damping, 5):
+        left, noise = propagator.coupled(h, tau, rates, diffusion)
+        after = left @ covariance @ left.T + noise @ noise.T
+        np.testing.assert_allclose(after / scale, expected / scale, rtol=0, atol=1e-9)
+
+
+def test_a_spring_that_couples_nothing_has_the_step_of_each_coordinate():
+    tau, rates, diffusion = np.full(3, TAU), np.diag([1.0, 2.0, 0.5]) / TRAP, np.full(3, DIFFUSION)
+    for h in (0.01 * TAU, TAU, 0.3 * TRAP):
+        w = propagator.exact(h, tau, np.diag(rates), diffusion)
+        left, noise = propagator.coupled(h, tau, rates, diffusion)
+        e_xx = np.diag(1 - w.by_u * np.diag(rates))
+        e_vx = np.diag(-w.v_by_u * np.diag(rates))
+        expected = np.block([[e_xx, np.diag(w.by_v)], [e_vx, np.diag(w.decay)]])
+        scale = np.repeat([1.0, 1 / TAU], 3)[:, None] / np.repeat([1.0, 1 / TAU], 3)
+        assert np.abs((left - expected) / scale).max() < 1e-11
+        spread = np.block([
+            [np.diag(w.noise_x), np.zeros((3, 3))], [np.diag(w.noise_xv), np.diag(w.noise_v)]
+        ])  # fmt: skip
+        np.testing.assert_allclose(noise @ noise.T, spread @ spread.T, rtol=1e-8, atol=1e-30)
+
+
+@pytest.mark.parametrize("model", ["full", "overdamped"])
+def test_harmonic_steps_take_the_whole_stiffness_of_circular_light(model):
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, start={"drawn": "boltzmann"},
+        simulation={"model": model, "method": "harmonic", "step": 1e-5, "duration": 1e-4,
+                    "samples": 11},
+    )  # fmt: skip
+    one = walk(scene, 3)
+    who, dims = np.arange(70), len(one.columns)
+    states = one.start(who)
+    place = np.append(one.equilibrium.position, np.zeros(dims - 3))
+    away = states[:, :-1] - place
+    tau = one.plan.tau if model == "full" else np.zeros(3)
+    rates = one.plan.mobility[:, None] * np.array(one.equilibrium.stiffness)
+    left, noise = propagator.coupled(1e-5, tau, rates, one.plan.diffusion)
+    assert abs(left[1, 0]) > 1e-3
+    out = np.empty((70, 1, dims))
+    one.advance(states, who, 0, out)
+    expected = place + away @ left.T + drawn_for(3, who, 0, dims) @ noise.T
+    scale = np.abs(expected).max(axis=0)
+    np.testing.assert_allclose(out[:, 0] / scale, expected / scale, rtol=0, atol=1e-9)
+
+
+def test_a_push_round_the_axis_drives_a_bead_of_weak_drag_out():
+    """Its circles grow once (turn/beta)^2 > kappa/tau."""
+    with pytest.raises(SceneError, match=r"start.drawn = 'boltzmann': .* circles grow by"):
+        propagator.stationary_root(*of_round_trap(12.0, inertial=True))
+    propagator.stationary_root(*of_round_trap(11.0, inertial=True))
 
 
 def test_scaled_model_keeps_boltzmann_in_position_and_has_velocities_of_a2_T():
@@ -523,7 +630,7 @@ def test_baoab_samples_a_harmonic_position_exactly():
 
 def test_euler_maruyama_errs_in_the_variance_as_known():
     """Overdamped and linear: kT/k / (1 - h/(2 trap times)), by the weights."""
-    linear = batch.Linear(np.zeros(1), np.zeros(1), np.array([DIFFUSION]), 0.0)
+    linear = batch.Linear(np.zeros(1), np.zeros(1), np.array([DIFFUSION]), 0.0, np.zeros((3, 3)))
     with mp.workdps(40):
         w = digits(euler.weights(0.5 * TRAP, linear))
         X = stationary(mp.matrix([[1 - w.by_u / TRAP]]), mp.matrix([[w.noise_x]]))

@@ -14,7 +14,7 @@ from scipy.constants import Boltzmann
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
-from tweezer.dynamics.brownian import march, noise
+from tweezer.dynamics.brownian import march, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -44,6 +44,8 @@ _PART_OF_CHANGE = 0.05
 _PART_OF_LENGTH = 0.05
 #: Number of points on each line from the trap at which the drag is evaluated
 _ON_A_LINE = 65
+#: Part of the largest stiffness below which an entry of it is rounding
+_ROUNDING = 1e-9
 #: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
 
@@ -99,13 +101,18 @@ class Walk:
             x += start.ball_radius * direction
         elif start.drawn != "no":
             x = np.tile(plan.centre[:3], (n, 1))
+        speed = np.sqrt(plan.diffusion / plan.tau)
+        v = drawn[:, 3:6] * speed[:3] if thermal else np.tile(start.velocity, (n, 1))
         if thermal and self.equilibrium is not None:
-            rate = plan.mobility[:3] * np.diag(self.equilibrium.stiffness)
-            x += drawn[:, :3] * np.sqrt(plan.diffusion[:3] / rate)
+            tau = plan.tau[:3] if inertial else np.zeros(3)
+            rates = _rates(self.equilibrium, plan.mobility)
+            root = propagator.stationary_root(tau, rates, plan.diffusion[:3])
+            apart = drawn[:, : len(root)] @ root.T
+            x += apart[:, :3]
+            v = apart[:, 3:]
         parts = [x]
         if inertial:
-            speed = np.sqrt(plan.diffusion / plan.tau)
-            parts.append(drawn[:, 3:6] * speed[:3] if thermal else np.tile(start.velocity, (n, 1)))
+            parts.append(v)
         if rotates:
             e = np.array(start.orientation)
             e /= np.linalg.norm(e)
@@ -228,9 +235,10 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         ):
             if needing:
                 raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
-    kappa, centre = np.zeros(dims), np.zeros(dims)
+    kappa, centre, rates = np.zeros(dims), np.zeros(dims), np.zeros((3, 3))
     if equilibrium is not None:
-        kappa[:3] = np.diag(equilibrium.stiffness) * mobility[:3]
+        rates = _rates(equilibrium, mobility)
+        kappa[:3] = np.diag(rates)
         centre[:3] = equilibrium.position
     diffusion = Boltzmann * scene.medium.temperature * mobility
     times = np.linspace(0.0, simulation.duration, simulation.samples)
@@ -247,7 +255,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     reasons.append(f"steps of {step:.3g} s: {reason}")
     # rotational diffusion without inertia is drawn by itself
     shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
-    linear = Linear(tau, kappa, shaken, problem.relaxation_time)
+    linear = Linear(tau, kappa, shaken, problem.relaxation_time, rates)
     weights = _scheme(simulation).weights(step, linear)
     if not inertial:
         tau = np.full(dims, problem.relaxation_time)
@@ -272,6 +280,13 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     return Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
     )  # fmt: skip
+
+
+def _rates(equilibrium: Equilibrium, mobility: Array) -> Array:
+    """Mobility times stiffness, (3, 3) 1/s; entries that are rounding are zero."""
+    stiffness = np.array(equilibrium.stiffness)
+    stiffness[np.abs(stiffness) < _ROUNDING * np.abs(stiffness).max()] = 0.0
+    return mobility[:3, None] * stiffness
 
 
 def _scheme(simulation: Simulation) -> Scheme:

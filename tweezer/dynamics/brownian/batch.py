@@ -137,7 +137,7 @@ PLAN = typeof(
         0, 0.0, 0, 0.0, 0.0, _empty, _empty, _empty, _empty, _empty, 0.0, True, Part(0, packed())
     )
 )  # fmt: skip
-WEIGHTS = typeof(Weights(*[_empty] * len(Weights._fields)))
+WEIGHTS = typeof(Weights(*[_empty] * (len(Weights._fields) - 2)))
 STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True, True)))
 """signature of a scheme's step"""
 
@@ -153,6 +153,8 @@ class Linear(NamedTuple):
     """m^2/s, and rad^2/s; 0 where the diffusion is drawn by itself"""
     epsilon: float
     """s, m/beta_v (4.6) of the bead, whatever the model"""
+    rates: Array
+    """(3, 3) 1/s, mobility times stiffness: what the spring does between the coordinates too"""
 
 
 class Scheme(NamedTuple):

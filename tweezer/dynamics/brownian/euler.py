@@ -53,7 +53,32 @@ def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def] 
         kappa, centre, x, u = weights.kappa[k], plan.centre[k], beads.x[k], beads.u[k]
         for i in range(n):
             u[i] = kappa * (centre - x[i])
+    coupled = weights.coupled.shape[0]
+    if coupled > 0:
+        _move_coupled(plan, weights, beads)
     _move(weights, beads)
+    if coupled > 0:
+        for k in range(3):
+            beads.x[k] = beads.ahead[k]
+            if coupled > 3:
+                beads.v[k] = beads.u_ahead[k]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
+    """Positions after the step, to `ahead`, and velocities, to `u_ahead`, of a full matrix."""
+    dims, n = beads.x.shape
+    size = weights.coupled.shape[0]
+    for k in range(size):
+        out = beads.ahead[k] if k < 3 else beads.u_ahead[k - 3]
+        out[:] = plan.centre[k] if k < 3 else 0.0
+        for j in range(size):
+            z, normal, centre = beads.x[j % 3], beads.normal[j % 3], plan.centre[j % 3]
+            if j >= 3:
+                z, normal, centre = beads.v[j - 3], beads.normal[dims + j - 3], 0.0
+            left, spread = weights.coupled[k, j], weights.coupled_noise[k, j]
+            for i in range(n):
+                out[i] += left * (z[i] - centre) + spread * normal[i]
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -93,8 +118,12 @@ def weights(step: float, linear: Linear) -> Weights:
 
 
 def harmonic_weights(step: float, linear: Linear) -> Weights:
-    """Drag, spring and noise, exactly."""
-    return propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    """Drag, spring and noise, exactly, of a stiffness with whatever entries."""
+    alone = propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
+        return alone
+    both = propagator.coupled(step, linear.tau[:3], linear.rates, linear.diffusion[:3])
+    return alone._replace(coupled=both[0], coupled_noise=both[1])
 
 
 EULER_MARUYAMA = Scheme(step, weights, force_calls=1, resolves_drag=True)

@@ -2,8 +2,9 @@
 
 Drag, the trap's own stiffness and the noise are taken exactly (`propagator`); what the force has
 beyond the spring is predicted by a step of order 1, and taken as growing in proportion to the time
-up to there. A harmonic trap is exact at any step. Without inertia it is stochastic Heun (Kloeden
-and Platen 1992, 15.1) with the spring exact.
+up to there. A harmonic trap of a diagonal stiffness is exact at any step; entries beside the
+diagonal are of weak order 2, as what the force has beyond the spring. Without inertia it is
+stochastic Heun (Kloeden and Platen 1992, 15.1) with the spring exact.
 """
 
 from __future__ import annotations

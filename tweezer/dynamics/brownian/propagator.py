@@ -1,4 +1,9 @@
-"""What a step of drag and thermal noise does to each coordinate, from the emitted block."""
+"""What a step of drag and thermal noise does to each coordinate, from the emitted block.
+
+A spring whose stiffness is not diagonal couples the coordinates. Their step is then the exponential
+of the matrix of the linear equations, and their noise what C. F. Van Loan's block matrix gives
+(IEEE Trans. Autom. Control 23, 395 (1978)).
+"""
 
 from __future__ import annotations
 
@@ -7,8 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.compiled import cache_functions
+from tweezer.errors import SceneError
 from tweezer.generated import langevin
 
 cache_functions(langevin)
@@ -44,6 +51,11 @@ class Weights(NamedTuple):
     """m/s, or rad/s: the part of the velocity's noise that goes with the position's"""
     noise_v: Array
     """m/s, or rad/s"""
+    coupled: Array = np.zeros((0, 0))
+    """(m, m) what the step leaves of position and velocity about the trap's centre, where its
+    spring couples the coordinates: m = 6, or 3 without inertia; empty where it does not"""
+    coupled_noise: Array = np.zeros((0, 0))
+    """(m, m) lower triangular, their noise; m and m/s"""
 
 
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
@@ -82,6 +94,76 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
         for each in zip(tau.tolist(), kappa.tolist(), diffusion.tolist(), strict=True)
     ]
     return Weights(*np.array(columns, dtype=np.float64).T.copy())
+
+
+def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
+    """What a step leaves of (position, velocity), and a lower root of their noise's covariance.
+
+    tau: (3,) s; zeros without inertia, and then of the position alone. rates: (3, 3) 1/s, mobility
+    times stiffness. diffusion: (3,) m^2/s.
+
+    A short step is doubled, which adds covariances up and keeps their digits.
+    """
+    size = float(np.linalg.norm(rates, 2))
+    sizes = [size * h]
+    if tau[0] > 0:
+        sizes += [h / tau.min(), math.sqrt(size / tau.min()) * h]
+    halvings = _halvings(*sizes)
+    h = math.ldexp(h, -halvings)
+    A, noise = _linear_motion(tau, rates, diffusion)
+    unit = np.ones(len(A))
+    if tau[0] > 0:
+        unit[:3] = h  # the way of a short step
+    A, noise = A * unit / unit[:, None], noise / unit**2
+    n = len(A)
+    block = expm(h * np.block([[-A, np.diag(noise)], [np.zeros_like(A), A.T]]))
+    change, covariance = block[n:, n:].T - np.eye(n), block[n:, n:].T @ block[:n, n:]
+    for _ in range(halvings):
+        left = np.eye(n) + change
+        covariance = covariance + left @ covariance @ left.T
+        change = 2 * change + change @ change
+    return (np.eye(n) + change) * unit[:, None] / unit, unit[:, None] * _root(covariance)
+
+
+def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
+    """Lower root of the covariance of (position, velocity) in the trap, of the position without
+    inertia: as `coupled`. It solves the Lyapunov equation of the linear motion.
+
+    Raises `SceneError` if there is none: light that pushes a bead round the axis drives it out of a
+    trap whose drag is too weak.
+    """
+    tau_or_none = tau if tau[0] > 0 else tau[:0]
+    if np.array_equal(rates, np.diag(np.diag(rates))):
+        of_x = np.sqrt(diffusion / np.diag(rates))
+        return np.diag(np.concatenate([of_x, np.sqrt(diffusion[: len(tau_or_none)] / tau_or_none)]))
+    A, noise = _linear_motion(tau, rates, diffusion)
+    if (growing := float(np.linalg.eigvals(A).real.max())) >= 0:
+        raise SceneError(
+            "start.drawn = 'boltzmann': there is no stationary motion, as the light pushes the "
+            f"bead round the axis, and its circles grow by {growing:.3g}/s"
+        )
+    unit = np.sqrt(np.concatenate([
+        diffusion / np.diag(rates), diffusion[: len(tau_or_none)] / tau_or_none,
+    ]))  # fmt: skip
+    A, noise = A * unit / unit[:, None], noise / unit**2
+    return unit[:, None] * _root(solve_continuous_lyapunov(A, -np.diag(noise)))
+
+
+def _linear_motion(tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
+    """A and q of dz = A z dt + sqrt(q) dW, z the position and, with inertia, the velocity."""
+    if tau[0] == 0:
+        return -rates, 2 * diffusion
+    none, one = np.zeros((3, 3)), np.eye(3)
+    A = np.block([[none, one], [-rates / tau[:, None], -one / tau]])
+    return A, np.concatenate([np.zeros(3), 2 * diffusion / tau**2])
+
+
+def _root(covariance: Array) -> Array:
+    """Lower root of a covariance whose variances may be of any size."""
+    spread = np.sqrt(np.diag(covariance))
+    correlation = (covariance + covariance.T) / (2 * np.outer(spread, spread))
+    root: Array = cholesky(correlation, lower=True) * spread[:, None]
+    return np.ascontiguousarray(root)
 
 
 def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
