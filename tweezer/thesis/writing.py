@@ -61,7 +61,7 @@ def reproduce(
     for name in asked:
         if name not in FIGURES and name not in TABLES:
             raise SceneError(
-                f"{name}: no such figure; 5.1 to 5.15, C.1 to C.12, {' or '.join(TABLES)}"
+                f"{name}: no such figure; 5.1 to 5.15, C.1 to C.12, {', '.join(TABLES)}"
             )
     check_seed(seed)
     folder = Path(out)
