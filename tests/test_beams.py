@@ -278,17 +278,18 @@ def test_two_beams_that_face_each_other_hold_a_bead_between_them():
 
 
 def test_a_bead_lags_behind_a_trap_by_its_drag():
-    """v beta/k, for small v."""
+    """k^-1 v beta, for small v."""
     v = 2e-5
     scene = ONE.replace(
         beam={"motion": {"kind": "ramp", "velocity": [v, 0, 0]}},
         start={"position": [0, 0, 0]},
         simulation={"duration": "5 ms", "samples": 11, "position_tolerance": 1e-15},
     )  # fmt: skip
-    stiffness = tweezer.characterise(ONE).equilibrium.stiffness[0][0]
+    stiffness = np.array(tweezer.characterise(ONE).equilibrium.stiffness)
     run = tweezer.simulate(scene)
     lag = v * run["time"].values[-1] - run["position"].values[-1, 0]
-    assert lag == pytest.approx(v * BEAD.drag / stiffness, rel=1e-3)
+    lags = np.linalg.solve(stiffness, [v * BEAD.drag, 0, 0])
+    assert lag == pytest.approx(lags[0], rel=1e-3)
     np.testing.assert_allclose(run["optical_force"].values[-1, 0], v * BEAD.drag, rtol=1e-3)
 
 
@@ -307,7 +308,7 @@ def test_a_bead_falls_while_the_light_is_off(method):
     falling = (t > 2.01e-3) & (t <= 4e-3)
     off = z[falling] - speed * (t[falling] - 2e-3 - BEAD.relaxation_time)
     assert np.abs(off).max() < 1e-11
-    assert abs(z[-1]) < 1e-3 * np.abs(z).max()
+    assert abs(z[-1]) < 1e-11  # the tolerance
     if method == "exponential":  # a step ends at each kink, and none is taken across
         assert run.attrs["rejected_steps"] <= 4
 
@@ -410,7 +411,7 @@ def test_the_error_of_the_grid_is_told_of_several_beams_too():
         **{"beam[1]": {"motion": {"kind": "ramp", "velocity": [1e-4, 0, 0]}}},
     )  # fmt: skip
     run = tweezer.simulate(scene)
-    exact = scene.replace(optics={"evaluator": "quadrature"})
+    exact = scene.replace(optics={"evaluator": "quadrature", "theory": "rays"})
     for place, time, force, error in zip(
         run["position"].values, run["time"].values, run["optical_force"].values,
         run["force_error"].values, strict=True,

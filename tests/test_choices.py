@@ -28,7 +28,8 @@ from tweezer.analysis.depth import _Likelihood
 from tweezer.analysis.recording import Track
 from tweezer.dynamics.brownian.euler import EULER_MARUYAMA as SCHEME
 from tweezer.dynamics.integrators.dop853 import DOP853 as METHOD
-from tweezer.optics.light import LightForce, light_on_bead
+from tweezer.optics.light import LightForce
+from tweezer.optics.rays.light import light_on_bead
 
 
 class Mine(LightForce):

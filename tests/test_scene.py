@@ -509,6 +509,8 @@ THEORIES = {
                                     {"diameter": "1 um", "refractive_index": 1.5}]}},
                "waves", "bead.layers of 2 has no meaning as rays"),
     "cover": ({"lens": COVER}, "waves", "lens.cover has no meaning as rays"),
+    "far": ({"simulation": {"loss_distance": "200 um"}},
+            "rays", "k times simulation.loss_distance = 1.57e+03 is above 1000"),
     "map of linear light": ({"beam": {"polarisation": "linear"}, "optics": {"evaluator": "map"}},
                             "waves", "the size parameter k a = 3.92 is at most 120"),
 }  # fmt: skip

@@ -117,8 +117,12 @@ class Scene(Section):
         still = beam.motion is None and beam.modulation is None
         return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
 
-    def with_one_beam(self, beam: Beam) -> Scene:
-        """The scene with that beam alone, along z through the origin, always the same."""
+    def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
+        """The scene with that beam alone, along z through the origin, always the same.
+
+        offset: largest distance, m, from the origin at which the beam's focus was; the bead may be
+        farther from it by that.
+        """
         at_rest = {
             "position": (0.0, 0.0, 0.0),
             "direction": "up",
@@ -126,8 +130,11 @@ class Scene(Section):
             "modulation": None,
         }
         update = {"beam": beam.model_copy(update=at_rest), "more_beams": ()}
-        if self.more_beams:  # all are of one theory
+        if self.more_beams or offset:  # all are of one theory
             update["optics"] = self.optics.model_copy(update={"theory": self.theory})
+        if offset:
+            far = self.simulation.loss_distance + offset
+            update["simulation"] = self.simulation.model_copy(update={"loss_distance": far})
         return self.model_copy(update=update)
 
     @model_validator(mode="after")
@@ -318,7 +325,14 @@ class Scene(Section):
     def _theory(self) -> Choice:
         if not self.lit:
             return Choice("rays", "no light")
-        return chosen_theory(self.optics, self.bead, self.medium, self.lens, self.beams)
+        return chosen_theory(
+            self.optics,
+            self.bead,
+            self.medium,
+            self.lens,
+            self.beams,
+            self.simulation.loss_distance,
+        )
 
     @property
     def table_radii(self) -> float:

@@ -12,6 +12,8 @@ from tweezer.sections import Bead, Beam, Lens, Medium, Optics
 
 #: Largest size parameter k a that auto takes as waves; 120 is a 30 um bead in water at 1064 nm
 LARGEST_SIZE = 120.0
+#: Largest k times `simulation.loss_distance` that auto takes as waves: 130 um in water at 1064 nm
+FARTHEST = 1000.0
 
 #: why the light of a scene has no map of rays
 NO_MAP = (
@@ -29,7 +31,12 @@ class Choice(NamedTuple):
 
 
 def chosen_theory(
-    optics: Optics, bead: Bead, medium: Medium, lens: Lens, beams: Sequence[Beam]
+    optics: Optics,
+    bead: Bead,
+    medium: Medium,
+    lens: Lens,
+    beams: Sequence[Beam],
+    loss_distance: float,
 ) -> Choice:
     """The theory that a lit scene names, or else waves where they have a meaning and are cheap.
 
@@ -48,16 +55,19 @@ def chosen_theory(
         return Choice("rays", reason)
     if reason := without["rays"]:
         return Choice("waves", reason)
-    size = size_parameter(bead, medium, beams)
+    size = largest_wavenumber(medium, beams) * bead.radius
     if size > LARGEST_SIZE:
         return Choice("rays", f"the size parameter k a = {size:.3g} is above {LARGEST_SIZE:g}")
+    far = largest_wavenumber(medium, beams) * loss_distance
+    if far > FARTHEST:
+        return Choice("rays", f"k times simulation.loss_distance = {far:.3g} is above {FARTHEST:g}")
     return Choice("waves", f"the size parameter k a = {size:.3g} is at most {LARGEST_SIZE:g}")
 
 
-def size_parameter(bead: Bead, medium: Medium, beams: Sequence[Beam]) -> float:
-    """k a = 2 pi n_m a/lambda, of the shortest of the wavelengths."""
+def largest_wavenumber(medium: Medium, beams: Sequence[Beam]) -> float:
+    """k = 2 pi n_m/lambda, 1/m, of the shortest of the wavelengths."""
     wavelength = min(beam.wavelength for beam in beams)
-    return 2 * math.pi * medium.refractive_index * bead.radius / wavelength
+    return 2 * math.pi * medium.refractive_index / wavelength
 
 
 def no_waves(optics: Optics, beams: Sequence[Beam]) -> str | None:

@@ -146,6 +146,13 @@ class Course:
         swing = 1 / self.frequency if self.frequency and self.amplitude.any() else 0.0
         return _shortest((between, swing))
 
+    def farthest(self, end: float) -> float:
+        """Bound on its distance from zero up to a time, s."""
+        last = [np.interp(end, self.times, column) for column in self.values.T]
+        reached = np.vstack([self.values[self.times < end], last])
+        largest = np.linalg.norm(reached, axis=1).max()
+        return float(largest + np.linalg.norm(self.amplitude))
+
     def at(self, time: float) -> Array:
         """Value at a time (s), (m,)."""
         out = np.empty(self.values.shape[1])

@@ -67,10 +67,12 @@ def light(scene: Scene) -> LightForce | Beams:
     """
     if scene.plain:
         return light_of_one_beam(scene)
-    lights = tuple(light_of_one_beam(scene.with_one_beam(beam)) for beam in scene.beams)
+    places = [_place(beam) for beam in scene.beams]
+    offset = max(place.farthest(scene.simulation.duration) for place in places)
+    lights = tuple(light_of_one_beam(scene.with_one_beam(beam, offset)) for beam in scene.beams)
     moved = tuple(
-        Moved(each, _place(beam), _factor(beam), down=beam.direction == "down")
-        for each, beam in zip(lights, scene.beams, strict=True)
+        Moved(each, place, _factor(beam), down=beam.direction == "down")
+        for each, place, beam in zip(lights, places, scene.beams, strict=True)
     )
     return Beams(moved, lights)
 

@@ -86,7 +86,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         _of_states(light.states), guarded_elements(np.stack(elements(highest))),
         _of_sphere(a, b, light.states, stride),
         light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
-        2 * math.sin(half_angle / 2) ** 2, math.sqrt(small), of_rules, of_nodes,
+        np.array(nodes.variable.phases), math.sqrt(small), of_rules, of_nodes,
         np.concatenate(tables),
         np.array([
             (at, part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
@@ -99,11 +99,10 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
     """Rules for beads up to `reach`, m, from the focus."""
-    angle = light.focus.half_angle
-    least = light.size_parameter * angle
-    sine, versine = math.sin(angle), 2 * math.sin(angle / 2) ** 2
-    most = least + light.wavenumber * reach * math.hypot(sine, versine)
-    most += abs(nodes.shift) * versine
+    least = light.size_parameter * light.focus.half_angle
+    across, along = nodes.variable.phases
+    most = least + light.wavenumber * reach * math.hypot(across, along)
+    most += abs(nodes.shift) * along
     return [rule for rule in nodes.up_to(most) if rule.largest_phase >= least]
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.errors import SceneError
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.light import LightForce
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 _MISSED = 2.0
 #: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
 _BEYOND_LOSS = 1.25
+#: Largest distance at which a bead may be lost, in 1/k
+_FARTHEST = 10_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,5 +95,11 @@ class WavesByQuadrature(LightForce):
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
     """The force of the light of `scene` as waves, to `optics.tolerance`."""
     light = waves_on_bead(scene)
-    reach = _BEYOND_LOSS * scene.simulation.loss_distance
+    loss = scene.simulation.loss_distance
+    if light.wavenumber * loss > _FARTHEST:
+        raise SceneError(
+            f"simulation.loss_distance = {loss:.3g}: waves are computed up to "
+            f"{_FARTHEST / light.wavenumber:.3g} m from the focus; for more, optics.theory = 'rays'"
+        )
+    reach = _BEYOND_LOSS * loss
     return WavesByQuadrature(light, scene.optics.tolerance, reach)

@@ -123,10 +123,11 @@ def build(
     itself, is the certified error. Raises `SceneError` for a range of too many pieces.
     """
     began = time.perf_counter()
+    half_width = _HALF_WIDTH * (tolerance / 1e-7) ** (1 / ORDER)
+    _pieces(band, reach, half_width)
     values, largest = _sampled(evaluate, band, reach, tolerance, symmetric, moment)
     if progress:
         progress(0.5)
-    half_width = _HALF_WIDTH * (tolerance / 1e-7) ** (1 / ORDER)
     for _ in range(_TRIALS):
         lattice = _divided(values, band, reach, half_width, moment)
         error, biggest = _compared(evaluate, lattice)
@@ -207,6 +208,16 @@ def _divided(
     series: Array, band: tuple[float, float], reach: float, half_width: float, moment: bool
 ) -> Lattice:
     """The lattice of a Chebyshev series."""
+    counts = _pieces(band, reach, half_width)
+    across = _to_pieces(counts[0], 0.0, 1.0, 2 * series.shape[2] - 2)[:, :, ::2]
+    along = _to_pieces(counts[1], -1.0, 1.0, series.shape[1] - 1)
+    pieces = np.einsum("fij,zai,rbj->zrfab", series, along, across, optimize=True)
+    width = np.array([reach / counts[0], 2 * reach / counts[1]])
+    return Lattice(reach, width, np.ascontiguousarray(pieces), moment, 0.0, 0.0, 0.0)
+
+
+def _pieces(band: tuple[float, float], reach: float, half_width: float) -> list[int]:
+    """Numbers of pieces along rho and z. Raises `SceneError` if they are too many."""
     counts = [
         max(1, math.ceil(edge * length / (2 * half_width)))
         for edge, length in zip(band, (reach, 2 * reach), strict=True)
@@ -216,11 +227,7 @@ def _divided(
             f"optics.table_range: {math.prod(counts):.2g} pieces are too many for a map, allowed: "
             f"{_MOST_PIECES:g}; take a smaller range, or optics.evaluator = 'quadrature'"
         )
-    across = _to_pieces(counts[0], 0.0, 1.0, 2 * series.shape[2] - 2)[:, :, ::2]
-    along = _to_pieces(counts[1], -1.0, 1.0, series.shape[1] - 1)
-    pieces = np.einsum("fij,zai,rbj->zrfab", series, along, across, optimize=True)
-    width = np.array([reach / counts[0], 2 * reach / counts[1]])
-    return Lattice(reach, width, np.ascontiguousarray(pieces), moment, 0.0, 0.0, 0.0)
+    return counts
 
 
 def _to_pieces(count: int, begin: float, end: float, degree: int) -> Array:

@@ -41,6 +41,18 @@ class Variable:
     of_angle: bool
     """whether it is theta"""
 
+    @property
+    def phases(self) -> tuple[float, float]:
+        """Largest phase over the cone by 1/k across and by 1/k along the light, rad.
+
+        It is the largest slope of k r.s times the interval's length, as if all of it were as steep;
+        over 1 - cos(theta), the phase itself.
+        """
+        sine = math.sin(self.half_angle)
+        if self.of_angle:
+            return self.half_angle, sine * self.half_angle
+        return sine, 2 * math.sin(self.half_angle / 2) ** 2
+
     def at(self, x: Array) -> tuple[Array, Array]:
         """1 - cos(theta) and its derivative, at x from -1, the rim, to 1, the axis."""
         if self.of_angle:

@@ -50,8 +50,8 @@ class Source(NamedTuple):
     """theta_m, rad"""
     sine: float
     """sin(theta_m), or 1 if the cone reaches beyond a right angle to the axis"""
-    versine: float
-    """1 - cos(theta_m)"""
+    phases: Array
+    """(2,) phase over the cone by 1/k across and by 1/k along the light, rad"""
     dropped: float
     """bound on the Bessel functions of the orders m that are left out, if the bead is in the light.
     They enter squared; else the bound is its square"""
@@ -75,7 +75,7 @@ def source_of(data, first):  # type: ignore[no-untyped-def]
     """The `Source` whose fields are the entries of a force's data from `first` on."""
     return Source(
         number(data, first), number(data, first + 1), number(data, first + 2),
-        number(data, first + 3), number(data, first + 4), number(data, first + 5),
+        number(data, first + 3), number(data, first + 4), vector(data, first + 5),
         number(data, first + 6), matrix(data, first + 7), matrix(data, first + 8),
         vector(data, first + 9), matrix(data, first + 10), vector(data, first + 11),
         int(number(data, first + 12)),
@@ -85,8 +85,8 @@ def source_of(data, first):  # type: ignore[no-untyped-def]
 @named_njit(**OPTIONS)
 def rule_for(source, rho, z):  # type: ignore[no-untyped-def]
     """Number of the rule for a bead at (rho, z), m; -1 if none is for so large a phase."""
-    phase = source.wavenumber * (source.radius * source.half_angle + rho * source.sine)
-    phase += abs(source.wavenumber * z - source.shift) * source.versine
+    phase = source.wavenumber * (source.radius * source.half_angle + rho * source.phases[0])
+    phase += abs(source.wavenumber * z - source.shift) * source.phases[1]
     for at in range(source.rules.shape[0]):
         if phase <= source.rules[at, PHASE]:
             return at
