@@ -496,7 +496,7 @@ def fit_depth(
     ] = None,
     search: Annotated[
         tuple[str, str] | None,
-        typer.Option(help='Where the start may be: "-8 um" "2 um"; 15 radii around if not given.'),
+        typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
     ] = None,
     fit: Annotated[
         list[str] | None,

@@ -266,7 +266,8 @@ def _reach(scene: Scene, trap: Trap) -> float:
     """Half the width of the figure, m from the origin."""
     r = scene.bead.radius
     shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
-    return max(3.5 * r, float(np.abs(shown).max()) + 2 * r)
+    farthest = max((escape.force_at for escape in trap.escapes), default=0.0)
+    return max(3.5 * r, float(np.abs(shown).max()) + max(2 * r, 1.5 * farthest))
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:

@@ -154,7 +154,7 @@ def test_thermal_motion_is_captured_when_it_first_arrives():
     """
     scene = tweezer.load_scene("silica-1um").replace(
         forces={"brownian": True}, optics={"evaluator": "map"},
-        beam={"power_through_pupil": "10 mW"},
+        beam={"power_through_pupil": "4 mW"},
     )  # fmt: skip
     run = tweezer.simulate(scene, duration="100 ms", seed=3)
     radius = scene.bead.radius

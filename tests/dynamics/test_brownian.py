@@ -813,11 +813,11 @@ def test_another_seed_is_another_path(real):
 
 
 def test_evaluators_agree_along_a_path():
-    """Table, quadrature and thesis's grid drive the same bead by the same noise."""
+    """Table, quadrature and thesis's grid of rays drive the same bead by the same noise."""
     ends = {}
     for evaluator in ("map", "quadrature", "grid"):
         scene = REAL.replace(
-            optics={"evaluator": evaluator, "table_tolerance": 1e-6},
+            optics={"theory": "rays", "evaluator": evaluator, "table_tolerance": 1e-6},
             start={"drawn": "no", "position": [1e-7, 0, 0]},
             simulation={"model": "full", "duration": 2e-4, "samples": 3},
         )

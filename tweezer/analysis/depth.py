@@ -32,6 +32,7 @@ from tweezer.errors import IntegrationError, ResultError, SceneError
 from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene
+from tweezer.units import TABLE_RADII
 
 Array = NDArray[np.float64]
 
@@ -44,10 +45,9 @@ _NOISE = (1e-10, 1e-6)
 _LEAST_NOISE = 0.03
 #: Upper bound on the fitted noise, as a multiple of the guess
 _MOST_NOISE = 5.0
-#: Half-width of the search if none is given, in radii
-_SEARCH = 15.0
-#: Range of the map of the force, in radii
-_TABLE = 20.0
+#: Half-width of the search if none is given, as a part of the reach of the force's own search
+#: (`tweezer.equilibria.Search`), which is the range of its map
+_SEARCH = 0.75
 #: Number of values of one fitted quantity that a place of the scan is tried with; doubled by each
 #: further quantity
 _TRIALS = 16
@@ -155,7 +155,8 @@ def fit_depth(
 
     source: a track, or what `load_track` takes. scene: bead, medium and light; for a run of ours
     its own if not given. noise: standard deviation of a coordinate, m; fitted if not given. search:
-    where the start may be, m from the focus; 15 radii to both sides if not given. fit: what else is
+    where the start may be, m from the focus; three quarters of the map to both sides if not given:
+    15 radii, and by waves 4 radii and 7 wavelengths in the medium, about. fit: what else is
     not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release" (the time up
     to which the bead is held where it starts; the first frame if not fitted). progress: called with
     the part done, 0 to 1.
@@ -164,7 +165,8 @@ def fit_depth(
     is white and the same in both coordinates, and the scene is known but for what is fitted. The
     bead starts with the scene's velocity if the scene's model is `scaled` (4.17); with any other it
     goes without inertia (5.2), which moves it by less than a camera sees. The force is that of the
-    map, made to 20 radii; of the quadrature for linear polarisation.
+    map, made to 20 radii, or by waves to 5 radii and 10 wavelengths in the medium; of the
+    quadrature for linear polarisation.
 
     The likelihood is that of a Kalman filter (`tweezer.dynamics.filter`), for thermal motion adds
     up: residuals about the motion without it are not independent. The filter takes the force as
@@ -196,7 +198,8 @@ def fit_depth(
     if scene is None:
         raise ResultError(f"{track.name}: needs a scene")
     if search is None:
-        search = (-_SEARCH * scene.bead.radius, _SEARCH * scene.bead.radius)
+        half = _SEARCH * light_of_one_beam(scene).search.reach
+        search = (-half, half)
     _refuse(track, scene, noise, search, fit)
     likelihood = _Likelihood(track, scene, noise, fit)
 
@@ -276,7 +279,10 @@ class _Likelihood:
 
     def __init__(self, track: Track, scene: Scene, noise: float | None, fit: Sequence[str]) -> None:
         if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
-            scene = scene.replace(optics={"evaluator": "map", "table_range": _TABLE})
+            reach = light_of_one_beam(scene).search.reach
+            radii = round(reach / scene.bead.radius, 9)
+            range_ = radii if radii <= TABLE_RADII[1] else f"{reach:.12g} m"
+            scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
         if not scene.plain:
             raise SceneError("beam: the depth is fitted for one beam at rest, from below")
         self._light = light_of_one_beam(scene)
@@ -302,6 +308,11 @@ class _Likelihood:
     def names(self) -> tuple[str, ...]:
         """Of what is fitted besides z."""
         return self._fit if self._noise else ("noise", *self._fit)
+
+    @property
+    def reach(self) -> float:
+        """How far the force is mapped, m."""
+        return self._light.search.reach
 
     @functools.cached_property
     def unit(self) -> float:
@@ -458,7 +469,7 @@ def _doubts(
     inside = profile.nuisances[profile.values - profile.values.min() <= LEVEL]
     if ends := sorted({name for p in inside for name in likelihood.ends(p)}):
         doubts.append(_Doubt(f"{' and '.join(ends)} at an end of what was tried", True))
-    within = np.linalg.norm(path.predicted, axis=1) < _TABLE * radius
+    within = np.linalg.norm(path.predicted, axis=1) < likelihood.reach
     widest = float(path.deviations[within, 2].max(initial=0.0))
     if widest > radius:
         doubts.append(
