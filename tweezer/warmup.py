@@ -10,8 +10,7 @@ from tweezer.dynamics import bound_once, chosen, walk
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
 from tweezer.errors import PhysicsWarning
-from tweezer.optics import LightForce, light_of_one_beam
-from tweezer.optics.by_quadrature import by_quadrature
+from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene
 from tweezer.simulation import simulate
 
@@ -20,17 +19,14 @@ _MOMENT = 1e-8
 
 
 def usual_scenes(scene: Scene) -> list[Scene]:
-    """A shipped scene, and what users change in it: thermal motion by the map, a lighter bead.
+    """A shipped scene, and what users change in it: thermal motion by the map.
 
-    A bead of a lower index than the medium reflects all of some rays, which takes other kernels.
     A scene with the thesis's grid is the thesis's own: beside it is what `tweezer reproduce` runs,
     with the moment (3.25), which turns the bead.
     """
     if scene.optics.evaluator == "grid":
         return [scene, scene.replace(beam={"torque": "thesis"})]
-    thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
-    lower_index = 0.9 * scene.medium.refractive_index
-    return [scene, scene.replace(**thermal), scene.replace(bead={"refractive_index": lower_index})]
+    return [scene, scene.replace(forces={"brownian": True}, optics={"evaluator": "map"})]
 
 
 def warm_up(scene: Scene) -> None:
@@ -39,9 +35,10 @@ def warm_up(scene: Scene) -> None:
     Of a scene that reads its force from a map, also make that, unless it is made.
     """
     with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
-        lights: list[LightForce] = [light_of_one_beam(scene.with_one_beam(scene.beam))]
+        one_beam = scene.with_one_beam(scene.beam)
+        lights = [light_of_one_beam(one_beam)]
         if scene.lit:
-            lights.append(by_quadrature(scene))
+            lights.append(light_of_one_beam(one_beam.replace(optics={"evaluator": "quadrature"})))
         for bound in lights:
             for gradient in (False, True):
                 bound.field(np.zeros((1, 3)), gradient=gradient)

@@ -261,22 +261,19 @@ def test_every_scene_that_is_shipped_is_warmed_up_as_it_is():
         assert scene in usual_scenes(scene)
 
 
-def test_beads_of_a_lower_index_and_fits_of_the_depth_are_warmed_up(monkeypatch):
+def test_both_theories_and_fits_of_the_depth_are_warmed_up(monkeypatch):
     """All the kinds of light that a kernel or a loop is compiled for, without compiling them."""
     fields, filters = set(), set()
 
     class Seen:
-        def __init__(self, scene, evaluator):
-            denser = scene.bead.refractive_index < scene.medium.refractive_index
-            self.scene, self.kind = scene, (scene.beam.polarisation, evaluator, denser)
+        def __init__(self, scene):
+            beam = scene.beam.polarisation
+            self.scene, self.kind = scene, (scene.theory, beam, scene.optics.evaluator)
 
         def field(self, positions, *, gradient):
             fields.add((*self.kind, gradient))
 
-    monkeypatch.setattr(
-        warmup, "light_of_one_beam", lambda scene: Seen(scene, scene.optics.evaluator)
-    )
-    monkeypatch.setattr(warmup, "by_quadrature", lambda scene: Seen(scene, "quadrature"))
+    monkeypatch.setattr(warmup, "light_of_one_beam", Seen)
     monkeypatch.setattr(warmup, "bound_once", lambda scene: scene)
     monkeypatch.setattr(warmup, "bind_translation", lambda scene, model: scene)
     monkeypatch.setattr(warmup, "kalman_filter", lambda scene: filters.add(scene.optics.evaluator))
@@ -288,9 +285,11 @@ def test_beads_of_a_lower_index_and_fits_of_the_depth_are_warmed_up(monkeypatch)
             warmup.warm_up(scene)
     assert filters == {"grid", "auto", "map"}
     for gradient in (False, True):
-        assert ("circular", "quadrature", True, gradient) in fields
-        assert ("circular", "quadrature", False, gradient) in fields
-        assert ("averaged-reflectance", "grid", False, gradient) in fields
+        for evaluator in ("map", "quadrature"):
+            assert ("waves", "circular", evaluator, gradient) in fields
+            assert ("waves", "linear", evaluator, gradient) in fields
+        assert ("rays", "averaged-reflectance", "grid", gradient) in fields
+        assert ("rays", "averaged-reflectance", "quadrature", gradient) in fields
 
 
 def test_variants_kept_by_two_processes_are_each_their_own(tmp_path):
