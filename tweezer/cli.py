@@ -794,7 +794,7 @@ def _map_of(scene: Scene) -> Map:
 def _print_map(scene: Scene, made: Map) -> None:
     table = _table(scene.name, "")
     table.add_row("largest force", f"{1e12 * made.largest_force:.4g} pN")
-    part = made.certified_error / made.largest_force
+    part = made.certified_error / made.largest_force if made.largest_force else 0.0
     error = f"{1e12 * made.certified_error:.2g} pN, {part:.2g} of the largest force"
     table.add_row("certified error", error)
     table.add_row("range", f"{1e6 * made.range:.4g} um from the focus")

@@ -101,7 +101,7 @@ def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
 def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]:
     if len(bead.shells) > 1:
         yield f"bead.layers of {len(bead.shells)}"
-    if bead.absorbs or bead.index.imag:
+    if bead.absorbs:
         yield f"bead.refractive_index = {bead.index:.6g}"
     if lens.cover is not None:
         yield "lens.cover"

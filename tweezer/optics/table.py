@@ -115,7 +115,7 @@ def stored(
     if key in _in_memory:
         return _in_memory[key]
     made, path = _kept(key, kind, make)
-    reached = made.certified / made.largest
+    reached = made.certified / made.largest if made.largest else 0.0
     if reached > tolerance:
         warn(
             f"the table errs by up to {reached:.2g} of the largest force: it did not reach "
@@ -132,7 +132,7 @@ def sources(*modules: str) -> str:
 
     It is read on import, as a file may change while the program runs.
     """
-    own = ("beyond", "light", "mapped", "table", "turning")
+    own = ("beam", "beyond", "light", "mapped", "table", "turning")
     names = (*modules, "forces.data", "forces.force", *(f"optics.{name}" for name in own))
     found = (importlib.util.find_spec(f"tweezer.{name}") for name in names)
     return "".join(

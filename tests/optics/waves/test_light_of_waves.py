@@ -179,6 +179,7 @@ HARD = {
     "narrow beam": {"beam": {"waist": "0.3 mm"}},
     "bright axis": {"beam": {"polarisation": "radial"}},
     "phase plate": {"beam": {"profile": "uniform", "vortex": 3, "polarisation": "linear"}},
+    "beside a wide cone": {"lens": {"numerical_aperture": 1.3}, "beam": {"wavelength": "532 nm"}},
     "cover": {"lens": {"cover": {"refractive_index": 1.518, "depth": "15 um"}}},
 }
 
@@ -189,9 +190,9 @@ def test_no_error_is_above_its_estimate(changes):
     tolerance = 1e-8
     waves = waves_on_bead(SCENE.replace(**changes))
     near, far = places(30, 2 * waves.radius, 7), places(30, 9e-6, 8)
-    at = np.concatenate([near, far, [[0, 0, 0], [0, 0, 1e-6]]])
-    found = WavesByQuadrature(waves, tolerance, 10e-6).field(at)
-    exact = WavesByQuadrature(waves, 1e-12, 11e-6).field(at)
+    at = np.concatenate([near, far, [[0, 0, 0], [0, 0, 1e-6], [10e-6, 0, 0], [0, 20e-6, 0]]])
+    found = WavesByQuadrature(waves, tolerance, 20e-6).field(at)
+    exact = WavesByQuadrature(waves, 1e-12, 22e-6).field(at)
     assert np.isfinite(found.error).all()
     error = size(found.force - exact.force)
     assert (error <= found.error + exact.error).all()
@@ -291,6 +292,32 @@ def test_waves_farther_than_can_be_computed_are_refused():
     scene = SCENE.replace(optics={"theory": "waves"}, simulation={"loss_distance": "2 mm"})
     with pytest.raises(tweezer.SceneError, match=r"simulation\.loss_distance = 0\.002: waves are"):
         tweezer.optical_force(scene, [0, 0, 0])
+
+
+def test_light_that_nodes_do_not_describe_is_refused():
+    deep = SCENE.replace(lens={"cover": {"refractive_index": 1.518, "depth": "8 mm"}})
+    with pytest.raises(
+        tweezer.SceneError, match=r"lens\.cover\.depth: the light behind the lens is"
+    ):
+        tweezer.optical_force(deep, [0, 0, 0])
+
+
+def test_beads_too_large_for_waves_are_refused():
+    large = SCENE.replace(bead={"diameter": "60 um"}, optics={"theory": "waves"})
+    with pytest.raises(
+        tweezer.SceneError, match=r"bead\.radius = 3e-05: waves are computed for be"
+    ):
+        tweezer.optical_force(large, [0, 0, 0])
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_the_map_of_light_that_a_small_bead_does_not_see():
+    """A vortex so strong that no wave reaches the bead."""
+    dark = SCENE.replace(
+        bead={"diameter": "0.2 um"}, medium={"mean_free_path": "1e-12 m"},
+        beam={"vortex": 50}, optics={"evaluator": "map"},
+    )  # fmt: skip
+    assert not tweezer.optical_force(dark, [0, 0, 1e-7]).any()
 
 
 def test_places_out_of_reach_of_a_compiled_loop_are_marked():

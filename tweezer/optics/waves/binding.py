@@ -33,7 +33,9 @@ class Sums:
     data: Data
     """of `kernel.waves_kernel`"""
     floor: float
-    """allowed error of the force where it vanishes, N"""
+    """error of the force where it vanishes, N"""
+    allowed: float
+    """the same as it is wanted, N; below `floor` if the light's series does not converge so far"""
 
 
 def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
@@ -94,7 +96,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         ]),
         np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
-    return Sums(data, floor)
+    return Sums(data, floor, small * light.strength)
 
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:

@@ -24,8 +24,10 @@ Array = NDArray[np.float64]
 _MISSED = 2.0
 #: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
 _BEYOND_LOSS = 1.25
-#: Largest distance at which a bead may be lost, in 1/k
-_FARTHEST = 10_000.0
+#: Largest distance at which the force is computed, in 1/k: 250 um in water at 1064 nm
+_FARTHEST = 2000.0
+#: Largest size parameter k a: the tables of harmonics grow as its cube
+_LARGEST = 160.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ class WavesByQuadrature(LightForce):
     def _reaching(self, positions: Array) -> WavesByQuadrature:
         """The same up to the farthest of `positions` at least."""
         farthest = float(np.linalg.norm(positions, axis=1).max(initial=0.0))
+        if farthest > self.reach:
+            _not_too_far(self.light, "positions", farthest)
         force = self
         while farthest > force.reach:
             force = force._farther
@@ -85,21 +89,31 @@ class WavesByQuadrature(LightForce):
     def allowed_error(self, force: Array) -> Array:
         """See `LightForce.allowed_error`."""
         size = np.linalg.norm(force, axis=1)
-        return _MISSED * (self.tolerance * size + self.sums.floor)
+        return _MISSED * (self.tolerance * size + self.sums.allowed)
 
     def of_radius(self, radius: float) -> WavesByQuadrature:
         """See `LightForce.of_radius`."""
         return WavesByQuadrature(self.light.of_radius(radius), self.tolerance, self.reach)
 
 
+def _not_too_far(light: Waves, name: str, distance: float) -> None:
+    """Raise `SceneError` for a distance from the focus, m, that would take too many nodes."""
+    if light.wavenumber * distance > _FARTHEST:
+        raise SceneError(
+            f"{name} = {distance:.3g}: waves are computed up to "
+            f"{_FARTHEST / light.wavenumber:.3g} m from the focus"
+        )
+
+
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
     """The force of the light of `scene` as waves, to `optics.tolerance`."""
     light = waves_on_bead(scene)
-    loss = scene.simulation.loss_distance
-    if light.wavenumber * loss > _FARTHEST:
+    if light.size_parameter > _LARGEST:
         raise SceneError(
-            f"simulation.loss_distance = {loss:.3g}: waves are computed up to "
-            f"{_FARTHEST / light.wavenumber:.3g} m from the focus; for more, optics.theory = 'rays'"
+            f"bead.radius = {light.radius:.3g}: waves are computed for beads up to "
+            f"{_LARGEST / light.wavenumber:.3g} m"
         )
+    loss = scene.simulation.loss_distance
+    _not_too_far(light, "simulation.loss_distance", loss)
     reach = _BEYOND_LOSS * loss
     return WavesByQuadrature(light, scene.optics.tolerance, reach)

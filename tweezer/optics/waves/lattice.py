@@ -46,16 +46,16 @@ Progress = Callable[[float], None]
 ORDER = LANES
 #: Half-width of a piece, in 1/B, for the tolerance 1e-7
 _HALF_WIDTH = 1.6
-#: Largest number of pieces
-_MOST_PIECES = 400_000
+#: Largest number of polynomials: pieces times functions
+_MOST_POLYNOMIALS = 1_000_000
 #: Factor from the largest error found to the certified one
 _SAFETY = 2.0
 #: Smallest number of random places at which a table is compared with the force
 _COMPARED = 2000
 #: Number of times that the pieces are made smaller
 _TRIALS = 4
-#: Numbers of functions: of light that is the same all around, and of other light
-EVEN, ALL = 3, 9
+#: Number of functions of light that is the same all around its axis
+EVEN = 3
 
 _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 #: Matrix from values at the nodes to coefficients of powers
@@ -124,7 +124,8 @@ def build(
     """
     began = time.perf_counter()
     half_width = _HALF_WIDTH * (tolerance / 1e-7) ** (1 / ORDER)
-    _pieces(band, reach, half_width)
+    functions = (EVEN if symmetric else 3 * EVEN) * (2 if moment else 1)
+    _pieces(band, reach, half_width, functions)
     values, largest = _sampled(evaluate, band, reach, tolerance, symmetric, moment)
     if progress:
         progress(0.5)
@@ -132,7 +133,7 @@ def build(
         lattice = _divided(values, band, reach, half_width, moment)
         error, biggest = _compared(evaluate, lattice)
         largest = max(largest, biggest)
-        if error <= tolerance * largest:
+        if error <= tolerance * largest or not largest:
             break
         half_width *= min(0.9, 0.9 * (tolerance * largest / error) ** (1 / ORDER))
     if progress:
@@ -208,7 +209,7 @@ def _divided(
     series: Array, band: tuple[float, float], reach: float, half_width: float, moment: bool
 ) -> Lattice:
     """The lattice of a Chebyshev series."""
-    counts = _pieces(band, reach, half_width)
+    counts = _pieces(band, reach, half_width, series.shape[0])
     across = _to_pieces(counts[0], 0.0, 1.0, 2 * series.shape[2] - 2)[:, :, ::2]
     along = _to_pieces(counts[1], -1.0, 1.0, series.shape[1] - 1)
     pieces = np.einsum("fij,zai,rbj->zrfab", series, along, across, optimize=True)
@@ -216,16 +217,19 @@ def _divided(
     return Lattice(reach, width, np.ascontiguousarray(pieces), moment, 0.0, 0.0, 0.0)
 
 
-def _pieces(band: tuple[float, float], reach: float, half_width: float) -> list[int]:
+def _pieces(
+    band: tuple[float, float], reach: float, half_width: float, functions: int
+) -> list[int]:
     """Numbers of pieces along rho and z. Raises `SceneError` if they are too many."""
     counts = [
         max(1, math.ceil(edge * length / (2 * half_width)))
         for edge, length in zip(band, (reach, 2 * reach), strict=True)
     ]
-    if math.prod(counts) > _MOST_PIECES:
+    if math.prod(counts) * functions > _MOST_POLYNOMIALS:
         raise SceneError(
             f"optics.table_range: {math.prod(counts):.2g} pieces are too many for a map, allowed: "
-            f"{_MOST_PIECES:g}; take a smaller range, or optics.evaluator = 'quadrature'"
+            f"{_MOST_POLYNOMIALS // functions}; take a smaller range, or optics.evaluator = "
+            "'quadrature'"
         )
     return counts
 
@@ -284,7 +288,7 @@ def lattice_kernel(*, gradient: bool) -> Kernel:
                 powers, found,
             )  # fmt: skip
             if gradient:
-                slope, climb = 2.0 / width[0] / max(rho, 1e-300), 2.0 / width[1]
+                slope, climb = 2.0 / width[0] / max(rho, 1e-150), 2.0 / width[1]
                 for f in range(functions):
                     radial = slope * found[f, 1]
                     found[f, 1], found[f, 2] = radial * x, radial * y

@@ -26,8 +26,12 @@ ComplexArray = NDArray[np.complex128]
 
 #: Degree at which the light in the cone is sampled, and the largest that is used
 _MOST_DEGREES, _MOST_USED = 1024, 400
+#: Largest error of the light's series, as a part of its peak
+_LARGEST_ERROR = 1e-6
 #: Numbers of nodes: steps of 4 up to this number, of an eighth of the number above it
 _FINE = 24
+#: Largest number of phases at which a number of nodes is tried
+_MOST_ARGUMENTS = 256
 #: Largest number of nodes
 _MOST_NODES = 4096
 
@@ -45,13 +49,13 @@ class Variable:
     def phases(self) -> tuple[float, float]:
         """Largest phase over the cone by 1/k across and by 1/k along the light, rad.
 
-        It is the largest slope of k r.s times the interval's length, as if all of it were as steep;
-        over 1 - cos(theta), the phase itself.
+        It is that of a phase which is everywhere as steep as k r.s where it is steepest: across the
+        light on the axis. There sin(theta) is 2 sin(theta_m/2) y, y^2 = (1 - cos(theta))/(1 -
+        cos(theta_m)), and even functions of y are functions of y^2 of half the degree.
         """
-        sine = math.sin(self.half_angle)
         if self.of_angle:
-            return self.half_angle, sine * self.half_angle
-        return sine, 2 * math.sin(self.half_angle / 2) ** 2
+            return self.half_angle, math.sin(self.half_angle) * self.half_angle
+        return 2 * math.sin(self.half_angle / 2), 2 * math.sin(self.half_angle / 2) ** 2
 
     def at(self, x: Array) -> tuple[Array, Array]:
         """1 - cos(theta) and its derivative, at x from -1, the rim, to 1, the axis."""
@@ -130,6 +134,12 @@ class Nodes:
         sizes = np.abs(series).max(axis=0) / np.abs(values).max()
         tail = np.cumsum(sizes[::-1])[::-1]
         error = max(self.wanted, float(tail[_MOST_USED]))
+        if error > _LARGEST_ERROR and variable.of_angle:
+            cause = "beam.profile" if self.focus.face is None else "lens.cover.depth"
+            raise SceneError(
+                f"{cause}: the light behind the lens is too uneven for waves; a series of degree "
+                f"{_MOST_USED} misses it by {error:.2g} of its peak, allowed: {_LARGEST_ERROR:g}"
+            )
         return sizes[: max(1, int((tail > 0.1 * error).sum()))], error
 
     @functools.cached_property
@@ -177,7 +187,7 @@ def _tails(degree: int) -> tuple[Array, Array]:
 
     By Miller's recurrence from an order beyond all that count.
     """
-    x = np.linspace(0.0, degree, 2 * degree + 1)[1:]
+    x = np.linspace(0.0, degree, min(2 * degree, _MOST_ARGUMENTS) + 1)[1:]
     extra = degree + 30 + int(3 * degree ** (1 / 3))
     values = np.zeros((extra + 2, len(x)))
     values[extra] = 1e-300
