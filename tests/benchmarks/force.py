@@ -1,9 +1,10 @@
-"""Error against time of the optical force: grid, quadrature, map, and the sum written in NumPy.
+"""Error against time of the optical force: grid, quadrature, map, and the sum written in NumPy; of
+rays, and of waves.
 
 All meet in one run, at the same places, in turns. The results are plain data for JSON; keys end in
-their unit. Errors are differences to the quadrature at a tolerance of 1e-13, which the tests hold
-against an independent integral. They are relative to the force there, or to 1e-6 of the largest
-force where it is smaller.
+their unit. Errors are differences to the quadrature of the same theory at a tolerance of 1e-13,
+which the tests hold against an independent integral. They are relative to the force there, or to
+1e-6 of the largest force where it is smaller.
 """
 
 from __future__ import annotations
@@ -18,14 +19,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tweezer
-from tests.benchmarks import numpy_sum
-from tests.benchmarks.timing import Call, in_fresh_process, machine, per_item, roughly
+from tests.benchmarks import numpy_sum, waves
+from tests.benchmarks.timing import Call, calls_over, in_fresh_process, machine, per_item
 from tweezer.forces.force import Wrench
 from tweezer.optics import grid, light
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 Results = dict[str, Any]
+Sections = dict[str, dict[str, Any]]
 Evaluate = Callable[[Array], Array]
 Places = list[tuple[Scene, Array]]
 """scenes, and positions (n, 3) m from the focus in each"""
@@ -33,7 +35,19 @@ Places = list[tuple[Scene, Array]]
 #: the scene of all places but the thesis's starting points
 SCENE = "thesis-990nm"
 THESIS = ("thesis-500nm", "thesis-990nm", "thesis-1950nm")
-EVALUATORS = ("grid", "quadrature", "map")
+#: the light of a scene of rays as waves: its averaged reflectance is that of unpolarised light
+WAVES: Sections = {
+    "optics": {"theory": "waves", "evaluator": "quadrature"},
+    "beam": {"polarisation": "unpolarised"},
+}
+#: what each way to the force changes in the scene
+WAYS: dict[str, Sections] = {
+    "grid": {"optics": {"evaluator": "grid"}},
+    "quadrature": {"optics": {"evaluator": "quadrature"}},
+    "map": {"optics": {"evaluator": "map"}},
+    "waves": WAVES,
+    "waves' map": {**WAVES, "optics": {**WAVES["optics"], "evaluator": "map"}},
+}
 #: kinds of places: distance from the focus, radii of the bead
 BANDS = {"inside": (0.0, 0.9), "edge": (0.9, 1.1), "outside": (1.1, 3.0), "far": (3.0, 20.0)}
 STARTS = "starts"
@@ -43,8 +57,6 @@ MAPPED = ("inside", "edge", "outside")
 TRUTH = 1e-13
 #: part of the largest force below which errors are relative to it
 VANISHING = 1e-6
-#: shortest timed call, s
-CALL = 150e-6
 
 
 class Effort(NamedTuple):
@@ -57,21 +69,19 @@ class Effort(NamedTuple):
     rounds: int
     processes: int
     """with warm caches, of which the fastest counts"""
-    compiling: bool
-    """whether to time compilation too, in a cache of its own"""
     divisions: tuple[int, ...]
     tolerances: tuple[float, ...]
     table_tolerances: tuple[float, ...]
 
 
 FULL = Effort(
-    places=512, timed=16, rounds=20, processes=5, compiling=True,
+    places=128, timed=16, rounds=10, processes=3,
     divisions=(25, 50, 100, 200, 400, 800, 1600),
     tolerances=tuple(float(f"1e-{k}") for k in range(2, 13)),
     table_tolerances=(1e-5, 1e-6, 1e-7, 1e-8),
 )  # fmt: skip
 QUICK = Effort(
-    places=4, timed=2, rounds=2, processes=1, compiling=False,
+    places=4, timed=2, rounds=2, processes=1,
     divisions=(25, 100), tolerances=(1e-2, 1e-8), table_tolerances=(1e-7,),
 )  # fmt: skip
 
@@ -89,9 +99,9 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     """The whole benchmark; `say` is told what is being measured."""
     effort = QUICK if quick else FULL
     results: Results = {"machine": machine(), "quick": quick, "scene": SCENE, "fresh_process": {}}
-    for evaluator in EVALUATORS:
-        say(f"first force in fresh processes: {evaluator}")
-        results["fresh_process"][evaluator] = _fresh(evaluator, effort)
+    for way in WAYS:
+        say(f"first force in fresh processes: {way}")
+        results["fresh_process"][way] = _fresh(way, effort)
     say("single calls from Python")
     results["single_python_call_us"] = _single_calls(effort)
     kinds = _kinds(effort)
@@ -106,6 +116,7 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     }
     at_starts = _place_by_place(kinds[STARTS], {"evaluator": "grid"}, effort)
     results["grid_at_thesis_start_us"] = dict(zip(THESIS, at_starts, strict=True))
+    results["waves"] = waves.measure(quick=quick, say=say)
     results["headline"] = headline(results)
     rounded: Results = _to_four_digits(results)
     return rounded
@@ -118,6 +129,7 @@ def headline(results: Results) -> Results:
         by_numpy = _entry(entries["numpy"], divisions=100)
         by_grid = _entry(entries["grid"], divisions=100)
         quadrature = _entry(entries["quadrature"], tolerance=1e-8)
+        by_waves = _entry(entries["waves"], tolerance=1e-8)
         by_place[kind] = {
             "quadrature_us": quadrature["us"],
             "quadrature_at_the_slowest_place_us": results["quadrature_at_the_slowest_place_us"][
@@ -129,6 +141,8 @@ def headline(results: Results) -> Results:
             "grid_us": by_grid["us"],
             "grid_median_error": by_grid["median_error"],
             "grid_largest_error": by_grid["largest_error"],
+            "waves_us": by_waves["us"],
+            "waves_largest_error": by_waves["largest_error"],
         }
         if kind in MAPPED:
             by_map = _entry(entries["map"], tolerance=1e-7)
@@ -136,6 +150,14 @@ def headline(results: Results) -> Results:
                 "map_ns": 1e3 * by_map["us"],
                 "map_with_jacobian_ns": 1e3 * by_map["with_jacobian_us"],
                 "map_largest_error_over_largest_force": by_map["largest_error_over_largest_force"],
+            }
+            of_waves = _entry(entries["waves' map"], tolerance=1e-7)
+            by_place[kind] |= {
+                "waves_map_ns": 1e3 * of_waves["us"],
+                "waves_map_with_jacobian_ns": 1e3 * of_waves["with_jacobian_us"],
+                "waves_map_largest_error_over_largest_force": of_waves[
+                    "largest_error_over_largest_force"
+                ],
             }
     inside = _entry(results["places"]["inside"]["grid"], divisions=100)
     fresh = results["fresh_process"]
@@ -197,9 +219,15 @@ def _contestants(kind: str, effort: Effort) -> Iterator[Contestant]:
     for tolerance in effort.tolerances:
         optics = {"evaluator": "quadrature", "tolerance": tolerance}
         yield Contestant("quadrature", {"tolerance": tolerance}, {"optics": optics})
+        yield Contestant("waves", {"tolerance": tolerance}, _as_waves(optics))
     for tolerance in effort.table_tolerances if kind in MAPPED else ():
         optics = {"evaluator": "map", "table_tolerance": tolerance}
         yield Contestant("map", {"tolerance": tolerance}, {"optics": optics})
+        yield Contestant("waves' map", {"tolerance": tolerance}, _as_waves(optics))
+
+
+def _as_waves(optics: dict[str, Any]) -> Sections:
+    return {**WAVES, "optics": {**WAVES["optics"], **optics}}
 
 
 def _ways(family: str, scene: Scene) -> dict[str, Evaluate]:
@@ -216,10 +244,13 @@ def _ways(family: str, scene: Scene) -> dict[str, Evaluate]:
 
 def _compared(places: Places, contestants: Iterator[Contestant], effort: Effort) -> Results:
     """Errors, and times per position, of all contestants by family."""
-    truths = [
-        (_field(scene, positions, tolerance=TRUTH).force, _largest_force(scene))
-        for scene, positions in places
-    ]
+    truths = {
+        theory: [
+            (_field(of, positions, tolerance=TRUTH).force, _largest_force(of))
+            for of, positions in ((scene.replace(**sections), at) for scene, at in places)
+        ]
+        for theory, sections in (("rays", {}), ("waves", WAVES))
+    }
     results: Results = {}
     calls: list[list[Call]] = []
     timed: list[tuple[Results, str]] = []
@@ -229,7 +260,8 @@ def _compared(places: Places, contestants: Iterator[Contestant], effort: Effort)
         errors: list[float] = []
         over_largest: list[float] = []
         by_key: dict[str, list[Call]] = {}
-        for (scene, positions), (truth, largest) in zip(places, truths, strict=True):
+        theory = "waves" if family.startswith("waves") else "rays"
+        for (scene, positions), (truth, largest) in zip(places, truths[theory], strict=True):
             changed = scene.replace(**sections)
             if family == "grid":
                 entry["rays"] = len(grid(changed.lens, changed.beam, changed.medium).powers)
@@ -238,7 +270,7 @@ def _compared(places: Places, contestants: Iterator[Contestant], effort: Effort)
             errors += (missed / np.maximum(_lengths(truth), VANISHING * largest)).tolist()
             over_largest.append(float(missed.max()) / largest)
             for key, evaluate in ways.items():
-                by_key.setdefault(key, []).extend(_calls(evaluate, positions, effort.timed))
+                by_key.setdefault(key, []).extend(calls_over(evaluate, positions, effort.timed))
         entry["median_error"] = float(np.median(errors))
         entry["largest_error"] = max(errors)
         entry["largest_error_over_largest_force"] = max(over_largest)
@@ -250,23 +282,12 @@ def _compared(places: Places, contestants: Iterator[Contestant], effort: Effort)
     return results
 
 
-def _calls(evaluate: Evaluate, positions: Array, at_least: int) -> Iterator[Call]:
-    """Calls of `CALL` or longer over the positions, in turn and as often as that takes."""
-    a_call = 1
-    while roughly(partial(evaluate, np.resize(positions, (a_call, 3)))) < CALL:
-        a_call *= 2
-    count = max(at_least, a_call)
-    positions = np.resize(positions, (count, 3))
-    for part in np.array_split(positions, math.ceil(count / a_call)):
-        yield Call(partial(evaluate, part), len(part))
-
-
 def _place_by_place(places: Places, optics: dict[str, Any], effort: Effort) -> list[float]:
     """Time of a force at each place, us."""
     calls = []
     for scene, positions in places:
         force = _ways(optics["evaluator"], scene.replace(optics=optics))["us"]
-        calls += [list(_calls(force, position[None], 1)) for position in positions]
+        calls += [list(calls_over(force, position[None], 1)) for position in positions]
     return [1e6 * least for least, _ in per_item(calls, effort.rounds)]
 
 
@@ -275,14 +296,14 @@ def _single_calls(effort: Effort) -> Results:
     scene = tweezer.load_scene(SCENE)
     place = np.array([0.3, -0.4, 0.2]) * scene.bead.radius
     calls: dict[tuple[str, str], Call] = {}
-    for evaluator in EVALUATORS:
-        of = scene.replace(optics={"evaluator": evaluator})
-        calls[evaluator, "optical_force"] = Call(partial(tweezer.optical_force, of, place), 1)
-        calls[evaluator, "field"] = Call(partial(light(of).field, place[None]), 1)
+    for way, sections in WAYS.items():
+        of = scene.replace(**sections)
+        calls[way, "optical_force"] = Call(partial(tweezer.optical_force, of, place), 1)
+        calls[way, "field"] = Call(partial(light(of).field, place[None]), 1)
     times = per_item([[call] for call in calls.values()], 30 * effort.rounds)
     results: Results = {}
-    for (evaluator, name), (least, _) in zip(calls, times, strict=True):
-        results.setdefault(evaluator, {})[name] = 1e6 * least
+    for (way, name), (least, _) in zip(calls, times, strict=True):
+        results.setdefault(way, {})[name] = 1e6 * least
     return results
 
 
@@ -292,7 +313,7 @@ start = time.perf_counter()
 import numpy as np
 import tweezer
 from tweezer.optics import light
-scene = tweezer.load_scene("{scene}").replace(optics={{"evaluator": "{evaluator}"}})
+scene = tweezer.load_scene("{scene}").replace(**{sections})
 positions = np.array([[0.3, -0.4, 0.2]]) * scene.bead.radius
 imported = time.perf_counter()
 bound = light(scene)
@@ -306,23 +327,18 @@ print(json.dumps({{
 """
 
 
-def _fresh(evaluator: str, effort: Effort) -> Results:
+def _fresh(way: str, effort: Effort) -> Results:
     """Import, bind, first call, and the whole process until then, in processes of their own.
 
-    With the caches of compiled code and tables empty; for the map with that of tables empty; and
-    with both warm.
+    For a map with the cache of tables empty; and with it, and that of compiled code, warm.
     """
-    program = _FIRST_FORCE.format(scene=SCENE, evaluator=evaluator)
+    program = _FIRST_FORCE.format(scene=SCENE, sections=WAYS[way])
+    results: Results = {}
     with tempfile.TemporaryDirectory() as folder:
-        compiled = {"NUMBA_CACHE_DIR": f"{folder}/compiled"} if effort.compiling else {}
-        results: Results = {}
-        if effort.compiling:
-            first = {**compiled, "XDG_CACHE_HOME": f"{folder}/first"}
-            results["empty_caches"] = in_fresh_process(program, first)
-        second = {**compiled, "XDG_CACHE_HOME": f"{folder}/second"}
-        if evaluator == "map":
-            results["empty_table_cache"] = in_fresh_process(program, second)
-        warm = [in_fresh_process(program, second) for _ in range(effort.processes)]
+        cache = {"XDG_CACHE_HOME": folder}
+        if "map" in way:
+            results["empty_table_cache"] = in_fresh_process(program, cache)
+        warm = [in_fresh_process(program, cache) for _ in range(effort.processes)]
     results["warm_caches"] = {key: min(times[key] for times in warm) for key in warm[0]}
     return results
 

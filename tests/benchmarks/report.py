@@ -13,8 +13,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from tests.benchmarks import pages
+from tests.benchmarks import pages, waves_report
 from tests.benchmarks.force import BANDS, STARTS, Results
+from tests.benchmarks.waves import FULL
 
 KINDS = ("inside", "edge", "outside", "far", STARTS)
 _ROWS = (
@@ -29,6 +30,11 @@ _ROWS = (
     ("map at 1e-7, ns", "map_ns"),
     ("with the Jacobian, ns", "map_with_jacobian_ns"),
     ("error, of largest force", "map_largest_error_over_largest_force"),
+    ("waves at 1e-8, µs", "waves_us"),
+    ("its largest error", "waves_largest_error"),
+    ("waves' map at 1e-7, ns", "waves_map_ns"),
+    ("with the Jacobian, ns", "waves_map_with_jacobian_ns"),
+    ("error, of largest force", "waves_map_largest_error_over_largest_force"),
 )
 
 #: errors below this are drawn here
@@ -38,6 +44,8 @@ _STYLES = {
     "grid": ("#ddaa33", "o", "grid, 25 to 1600 squares across"),
     "quadrature": ("#004488", "s", "quadrature, tolerance 1e-2 to 1e-12"),
     "map": ("#228833", "D", "map, 1e-5 to 1e-8 of the largest force"),
+    "waves": ("#66aadd", "s", "waves by quadrature, 1e-2 to 1e-12"),
+    "waves' map": ("#aacc66", "D", "waves' map, 1e-5 to 1e-8 of the largest force"),
 }
 
 
@@ -51,7 +59,7 @@ def tables(results: Results) -> list[list[list[str]]]:
             for label, key in _ROWS
         ),
     ]
-    return [by_place, [["", ""], *_apart(results)]]
+    return [by_place, [["", ""], *_apart(results)], *waves_report.tables(results["waves"])]
 
 
 def _cell(key: str, value: float) -> str:
@@ -82,9 +90,12 @@ def rounded(value: float) -> str:
 
 
 def figure(results: Results) -> Figure:
-    """Largest and median error against time per position, a panel for each kind of place."""
-    drawn = Figure(figsize=(11.0, 6.6), layout="constrained")
-    panels = drawn.subplots(2, 3, sharex=True, sharey=True)
+    """Largest and median error against time per position, a panel for each kind of place; waves by
+    the size of the bead.
+    """
+    drawn = Figure(figsize=(11.0, 10.0), layout="constrained")
+    above, below = drawn.subfigures(2, 1, height_ratios=(2, 1))
+    panels = above.subplots(2, 3, sharex=True, sharey=True)
     for axes, kind in zip(panels.flat, results["places"], strict=False):
         _draw(axes, results["places"][kind])
         axes.set_title(_title(kind), fontsize=10)
@@ -94,6 +105,7 @@ def figure(results: Results) -> Figure:
         axes.set_xlabel("time per position, µs")
         axes.tick_params(labelbottom=True)
     _explain(panels[1, 2])
+    waves_report.draw(below.subplots(1, 3), results["waves"])
     return drawn
 
 
@@ -140,12 +152,24 @@ def block(results: Results) -> str:
         "largest force where it is smaller). Columns: distance from the focus in radii of the "
         f"990 nm bead ({bands}), and the thesis's three starting points. NumPy is the thesis's "
         "sum as a user would write it, grid the same sum in tweezer. Where the grid's largest "
-        "error is 1, none of its rays hits."
+        "error is 1, none of its rays hits. Waves are the exact force of unpolarised light, at the "
+        "same places."
+    )
+    of_waves = (
+        "Waves: the four beads at "
+        f"{FULL.beads} places to 20 radii, and silica in the light of `silica-1um` by "
+        "diameter (inside 0 to 0.7 radii, edge 0.7 to 1.6, outside 1.6 to 5, far 5 to 20), beside "
+        "rays, for which sizes are alike. NumPy is a sum of partial waves as a user would write "
+        f"it, one place after the other and in batches of {FULL.summed}, inside, beside ours of no "
+        f"larger error. {waves_report.of_fatcuda(results['waves'])}"
     )
     lines = [
         *textwrap.wrap(explained, 110),
         "",
-        *pages.tables(tables(results)),
+        *pages.tables(tables(results)[:2]),
+        *textwrap.wrap(of_waves, 110),
+        "",
+        *pages.tables(tables(results)[2:]),
         "![Error against time of the force](figures/bench-force.png)",
     ]
     return pages.block("force", lines, results["machine"])

@@ -25,6 +25,7 @@ def headline(force: Results, integration: Results, brownian: Results) -> str:
         max(of[key] for of in force["headline"]["by_place"].values() if key in of)
         for key in ("map_ns", "map_largest_error_over_largest_force")
     )
+    waves = force["waves"]["beads"]["silica-1um"]
     motion = integration["headline"]["thesis-990nm, map"]
     cheaper = [
         each["times_cheaper"]["table"]["numpy"]
@@ -35,7 +36,9 @@ def headline(force: Results, integration: Results, brownian: Results) -> str:
         each for each in brownian["rates"] if (each["model"], each["method"]) == ("full", "heun")
     )
     rows = [
-        ("force, integral over the lens, bead near the focus: time",
+        ("force of waves, 1 µm silica: time near the focus, largest relative error to 20 radii",
+         f"{rounded(waves['us'])} µs, {waves['largest_error']:.1e}"),
+        ("force of rays, integral over the lens, bead near the focus: time",
          f"{rounded(inside['quadrature_us'])} µs"),
         ("the same, at the hardest places: time, largest relative error",
          f"{rounded(edge['quadrature_at_the_slowest_place_us'])} µs, "

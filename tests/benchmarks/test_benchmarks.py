@@ -93,6 +93,17 @@ def test_quick_run(here, command_line, tmp_path, monkeypatch, committed):
         assert of["quadrature_largest_error"] < 1e-8, kind
         assert of["quadrature_largest_error"] < of["grid_largest_error"], kind
         assert of.get("map_largest_error_over_largest_force", 0) < 1e-7, kind
+        assert of["waves_largest_error"] < 1e-8, kind
+        assert of.get("waves_map_largest_error_over_largest_force", 0) < 1e-7, kind
+    waves = results["waves"]
+    for name, bead in waves["beads"].items():
+        assert bead["largest_error"] < 1e-8, name
+        assert bead["least_estimate_over_error"] > 0.1, name
+        assert bead["truth_off_plane_waves"] < 1e-11, name
+    for size in waves["sizes"]:
+        assert size["map"]["error_over_largest_force"] < 1e-7
+        assert size["numpy"]["largest_error"] < 1e-11
+        assert size["numpy"]["quadrature_largest_error"] < 1e-11
 
 
 @pytest.mark.parametrize("name", force.THESIS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import json
+import math
 import os
 import platform
 import subprocess
@@ -12,14 +13,20 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 ROOT = Path(__file__).parents[2]
+#: shortest timed call, s
+CALL = 150e-6
 
 
 class Call(NamedTuple):
@@ -83,6 +90,19 @@ def roughly(run: Callable[[], object]) -> float:
     """Time that a call takes, s, to plan by."""
     ((least, _),) = per_item([[Call(run, 1)]], 3)
     return least
+
+
+def calls_over(
+    evaluate: Callable[[Array], object], positions: Array, at_least: int
+) -> Iterator[Call]:
+    """Calls of `CALL` or longer over positions (n, 3), in turn and as often as that takes."""
+    a_call = 1
+    while roughly(partial(evaluate, np.resize(positions, (a_call, 3)))) < CALL:
+        a_call *= 2
+    count = max(at_least, a_call)
+    positions = np.resize(positions, (count, 3))
+    for part in np.array_split(positions, math.ceil(count / a_call)):
+        yield Call(partial(evaluate, part), len(part))
 
 
 @contextlib.contextmanager

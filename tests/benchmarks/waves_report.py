@@ -1,0 +1,208 @@
+"""The tables of the force benchmark about waves, and their part of its figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from matplotlib.axes import Axes
+
+from tests.benchmarks.waves import BANDS
+
+Results = dict[str, Any]
+
+#: (size of the bead in um, longest time in us inside) of the thesis's beads
+_WANTED = {"thesis-500nm": (0.5, 4), "thesis-990nm": (1, 5), "thesis-1950nm": (2, 10)}
+_BAND_STYLES = {"inside": "#004488", "edge": "#bb5566", "outside": "#ddaa33", "far": "#228833"}
+
+
+def tables(waves: Results) -> list[list[list[str]]]:
+    """Wanted and measured; the four beads; by size; maps; sums of others."""
+    return [_done(waves), _beads(waves), _by_size(waves), _maps(waves), _others(waves)]
+
+
+def _done(waves: Results) -> list[list[str]]:
+    beads, sizes = waves["beads"], waves["sizes"]
+    mapped = [size for size in sizes if size["map"]]
+    ratio = max(bead["with_jacobian_us"] / bead["us"] for bead in beads.values())
+    one, batches = (
+        [size["numpy"][key] for size in sizes if size["numpy"]]
+        for key in ("numpy_over_quadrature", "numpy_in_batches_over_quadrature")
+    )
+    rows = [
+        ["error at 1e-8, to 20 radii", "1e-8", _largest(beads.values(), "largest_error")],
+        [
+            "true error over estimated",
+            "10",
+            _two(1 / min(bead["least_estimate_over_error"] for bead in beads.values())),
+        ],
+        *(
+            [f"inside, {size:g} µm, µs", f"{wanted}", _two(beads[name]["us"])]
+            for name, (size, wanted) in _WANTED.items()
+        ),
+        ["with the Jacobian, times as long", "2", _two(ratio)],
+        ["map to 5 µm: read, ns", "60", _two(max(size["map"]["read_ns"] for size in mapped))],
+        [
+            "with the Jacobian, ns",
+            "80",
+            _two(max(size["map"]["with_jacobian_ns"] for size in mapped)),
+        ],
+        *(
+            [
+                f"made, to {largest:g} µm, s",
+                f"{wanted:g}",
+                _two(max(size["map"]["made_s"] for size in mapped if _between(size, *bounds))),
+            ]
+            for largest, wanted, bounds in ((2, 0.1, (0, 2)), (5, 0.5, (2, 5)))
+            if any(_between(size, *bounds) for size in mapped)
+        ),
+        [
+            "certified, of largest force",
+            "1e-7",
+            f"{max(size['map']['certified_over_largest_force'] for size in mapped):.1e}",
+        ],
+    ]
+    least = [
+        ["NumPy, place by place, times slower", "300", _two(min(one))],
+        ["NumPy, in batches, times slower", "300", _two(min(batches))],
+    ]
+    return [
+        ["waves", "wanted", "largest measured"],
+        *rows,
+        *([name, f"{wanted} or more", f"least {value}"] for name, wanted, value in least),
+    ]
+
+
+def _between(size: Results, low: float, high: float) -> bool:
+    return low < size["diameter_um"] <= high
+
+
+def _largest(entries: Iterable[Results], key: str) -> str:
+    return f"{max(entry[key] for entry in entries):.1e}"
+
+
+def _beads(waves: Results) -> list[list[str]]:
+    rows: list[tuple[str, Callable[[Results], str]]] = [
+        ("largest error, to 20 radii", lambda bead: f"{bead['largest_error']:.1e}"),
+        ("least estimate over error", lambda bead: _two(bead["least_estimate_over_error"])),
+        ("truth, off plane waves by", lambda bead: f"{bead['truth_off_plane_waves']:.0e}"),
+        ("inside, µs", lambda bead: _two(bead["us"])),
+        ("with the Jacobian, µs", lambda bead: _two(bead["with_jacobian_us"])),
+    ]
+    beads = waves["beads"]
+    return [
+        ["waves at 1e-8", *beads],
+        *([label, *map(value, beads.values())] for label, value in rows),
+    ]
+
+
+def _by_size(waves: Results) -> list[list[str]]:
+    headings = ["at 1e-8, µs", *(f"{size['diameter_um']:g} µm" for size in waves["sizes"]), "rays"]
+    each = [size["bands"] for size in waves["sizes"]] + [waves["rays"]]
+    rows = []
+    for band in BANDS:
+        rows.append([band, *(_two(of[band]["us"]) for of in each)])
+        rows.append(["with Jacobian", *(_two(of[band]["with_jacobian_us"]) for of in each)])
+        rows.append(["error", *(f"{of[band]['largest_error']:.0e}" for of in each)])
+    return [headings, *rows]
+
+
+def _maps(waves: Results) -> list[list[str]]:
+    rows: list[tuple[str, Callable[[Results], str]]] = [
+        ("made, ms", lambda of: _two(1e3 * of["made_s"])),
+        ("loaded, ms", lambda of: _two(1e3 * of["loaded_s"])),
+        ("read, ns", lambda of: _two(of["read_ns"])),
+        ("with Jacobian, ns", lambda of: _two(of["with_jacobian_ns"])),
+        ("reach, µm", lambda of: _two(of["reach_um"])),
+        ("pieces", lambda of: f"{of['pieces']}"),
+        ("certified", lambda of: f"{of['certified_over_largest_force']:.0e}"),
+        ("error", lambda of: f"{of['error_over_largest_force']:.0e}"),
+    ]
+    mapped = [size for size in waves["sizes"] if size["map"]]
+    return [
+        ["map at 1e-7", *(f"{size['diameter_um']:g} µm" for size in mapped)],
+        *([label, *(value(size["map"]) for size in mapped)] for label, value in rows),
+    ]
+
+
+def _others(waves: Results) -> list[list[str]]:
+    rows: list[tuple[str, Callable[[Results], str]]] = [
+        ("NumPy, µs", lambda of: _two(of["us"])),
+        ("in batches, µs", lambda of: _two(of["in_batches_us"])),
+        ("error", lambda of: f"{of['largest_error']:.0e}"),
+        ("ours, µs", lambda of: _two(of["quadrature_us"])),
+        ("error", lambda of: f"{of['quadrature_largest_error']:.0e}"),
+        ("times slower", lambda of: _two(of["numpy_over_quadrature"])),
+        ("in batches", lambda of: _two(of["numpy_in_batches_over_quadrature"])),
+    ]
+    summed = [size for size in waves["sizes"] if size["numpy"]]
+    return [
+        ["sum of partial waves", *(f"{size['diameter_um']:g} µm" for size in summed)],
+        *([label, *(value(size["numpy"]) for size in summed)] for label, value in rows),
+    ]
+
+
+def of_fatcuda(waves: Results) -> str:
+    """In one sentence."""
+    if (found := waves["fatcuda"]) is None:
+        return (
+            "fatcuda, another program of wave optics (the extra `fatcuda`), runs on Python 3.12 or "
+            "newer, and is left out here."
+        )
+    return (
+        f"fatcuda, another program of wave optics, takes {_two(found['us'])} µs a place in a batch "
+        f"for the 1 µm bead, with an error of {found['largest_error']:.0e}."
+    )
+
+
+def draw(panels: Iterable[Axes], waves: Results) -> None:
+    """Three panels: error against time by size, time against size, and the map's times."""
+    by_tolerance, by_size, of_map = panels
+    diameters = [size["diameter_um"] for size in waves["sizes"]]
+    for i, size in enumerate(waves["sizes"]):
+        shade = f"C{i}"
+        times, errors = (
+            [max(entry[key], 1e-16) for entry in size["inside"]] for key in ("us", "largest_error")
+        )
+        by_tolerance.plot(
+            times, errors, color=shade, marker="s", markersize=3, linewidth=1,
+            label=f"{size['diameter_um']:g} µm",
+        )  # fmt: skip
+    by_tolerance.set(xlabel="time per position, µs", ylabel="largest error inside, waves")
+    for band, colour in _BAND_STYLES.items():
+        times = [size["bands"][band]["us"] for size in waves["sizes"]]
+        by_size.plot(diameters, times, color=colour, marker="s", markersize=4, label=band)
+        rays = waves["rays"][band]["us"]
+        by_size.axhline(rays, color=colour, linewidth=1, linestyle=":")
+    summed = [size for size in waves["sizes"] if size["numpy"]]
+    for key, style in (("us", "-"), ("in_batches_us", "--")):
+        times = [size["numpy"][key] for size in summed]
+        name = "NumPy, one by one" if key == "us" else "NumPy, in batches"
+        by_size.plot(
+            [size["diameter_um"] for size in summed],
+            times,
+            color="0.5",
+            linestyle=style,
+            label=name,
+        )
+    by_size.plot([], [], color="0.3", linewidth=1, linestyle=":", label="rays, of any size")
+    by_size.set(xlabel="diameter, µm", ylabel="time at 1e-8, µs")
+    mapped = [size for size in waves["sizes"] if size["map"]]
+    for key, factor, label in (
+        ("made_s", 1.0, "made"), ("loaded_s", 1.0, "loaded"), ("read_ns", 1e-9, "read"),
+        ("with_jacobian_ns", 1e-9, "read with the Jacobian"),
+    ):  # fmt: skip
+        times = [factor * size["map"][key] for size in mapped]
+        diameters = [size["diameter_um"] for size in mapped]
+        of_map.plot(diameters, times, marker="D", markersize=4, label=label)
+    of_map.set(xlabel="diameter, µm", ylabel="time of the waves' map, s")
+    for axes in (by_tolerance, by_size, of_map):
+        axes.set(xscale="log", yscale="log")
+        axes.grid(color="0.9", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.legend(fontsize=7, frameon=False)
+
+
+def _two(value: float) -> str:
+    """Two digits."""
+    return f"{float(f'{value:.1e}'):g}"
