@@ -161,7 +161,8 @@ def block(results: Results) -> str:
         "diameter (inside 0 to 0.7 radii, edge 0.7 to 1.6, outside 1.6 to 5, far 5 to 20), beside "
         "rays, for which sizes are alike. NumPy is a sum of partial waves as a user would write "
         f"it, one place after the other and in batches of {FULL.summed}, inside, beside ours of no "
-        f"larger error. {waves_report.of_fatcuda(results['waves'])}"
+        f"larger error. The map is read in batches of {FULL.read}. "
+        f"{waves_report.beyond(results['waves'])}{waves_report.of_fatcuda(results['waves'])}"
     )
     lines = [
         *textwrap.wrap(explained, 110),

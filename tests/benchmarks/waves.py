@@ -119,7 +119,7 @@ def as_waves(scene: Scene) -> Scene:
 def of_size(diameter: float) -> Scene:
     """The bead of `SCENE` with another diameter, um."""
     scene = as_waves(tweezer.load_scene(SCENE))
-    loss = max(40 * diameter * 1e-6, scene.simulation.loss_distance)
+    loss = 10.5 * diameter * 1e-6  # beyond the farthest place
     return scene.replace(
         bead={"diameter": diameter * 1e-6}, simulation={"loss_distance": loss}, start={
             "position": [0.0, 0.0, 0.0]

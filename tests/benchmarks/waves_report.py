@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from tests.benchmarks.waves import BANDS
+from tests.benchmarks.waves import BANDS, TOLERANCE
 
 Results = dict[str, Any]
 
@@ -140,6 +140,17 @@ def _others(waves: Results) -> list[list[str]]:
         ["sum of partial waves", *(f"{size['diameter_um']:g} µm" for size in summed)],
         *([label, *(value(size["numpy"]) for size in summed)] for label, value in rows),
     ]
+
+
+def beyond(waves: Results) -> str:
+    """Where errors are larger than the tolerance, in one sentence; "" if nowhere."""
+    found = [
+        f"{size['diameter_um']:g} µm {band}"
+        for size in waves["sizes"]
+        for band, of in size["bands"].items()
+        if of["largest_error"] > TOLERANCE
+    ]
+    return f"Errors above the tolerance: {', '.join(found)}. " if found else ""
 
 
 def of_fatcuda(waves: Results) -> str:
