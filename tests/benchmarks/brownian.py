@@ -559,7 +559,7 @@ def numpy_euler_maruyama(
 def euler_maruyama_bias(trap: Trap, step: float) -> tuple[float, float]:
     """Relative bias of <x^2> and <v^2> of the inertial Euler-Maruyama, harmonic trap; step: tau."""
     diffusion = np.array([trap.kT / trap.drag])
-    linear = Linear(np.array([trap.tau]), np.zeros(1), diffusion, 0.0)
+    linear = Linear(np.array([trap.tau]), np.zeros(1), diffusion, 0.0, np.zeros((3, 3)))
     weights = euler.weights(step * trap.tau, linear)
     x2, v2 = linear_moments(weights._replace(kappa=np.array([trap.kappa])), [])
     return x2 / trap.variance - 1, v2 * trap.mass / trap.kT - 1

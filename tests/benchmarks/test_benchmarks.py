@@ -300,7 +300,7 @@ def test_moments_of_euler_maruyama(stiff_trap, step):
     x2, v2 = inertial_euler_maruyama(stiff_trap, step)
     biases = brownian.euler_maruyama_bias(stiff_trap, step)
     assert biases == pytest.approx((x2 - 1, v2 - 1), rel=1e-9)
-    linear = Linear(np.array([1.0]), np.zeros(1), np.array([2.0]), 0.0)
+    linear = Linear(np.array([1.0]), np.zeros(1), np.array([2.0]), 0.0, np.zeros((3, 3)))
     weights = euler.weights(step, linear)
     moments = brownian.linear_moments(weights._replace(kappa=np.array([0.1])), [0, 1])
     assert moments[1] == pytest.approx(2.0 * v2, rel=1e-9)
