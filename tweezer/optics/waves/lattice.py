@@ -62,6 +62,16 @@ _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 _TO_POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 
 
+def _digits(numbers: Array) -> Array:
+    """Binary digits of numbers up to 7, the lowest first, (3, n)."""
+    return np.array([(numbers >> digit) & 1 for digit in range(3)], dtype=np.float64)
+
+
+_K = np.arange(ORDER)
+#: Digits of k and of k - 1, and k: powers s^k, and their derivatives k s^(k-1)
+_EXPONENTS = np.concatenate([_digits(_K), _digits(np.maximum(_K - 1, 0)), _K[None]]).ravel()
+
+
 class Evaluate(Protocol):
     """The function that a table interpolates."""
 
@@ -102,6 +112,7 @@ class Lattice:
         return packed(
             1 / unit, strength, self.certified * strength, self.reach, self.width,
             np.array(self.pieces.shape[:3]), self.pieces.ravel(), float(self.moment), beyond,
+            _EXPONENTS,
         )  # fmt: skip
 
 
@@ -269,7 +280,9 @@ def lattice_kernel(*, gradient: bool) -> Kernel:
         moment = number(data, 7) > 0.0
         across, along, functions = int(shape[1]), int(shape[0]), int(shape[2])
         of_force = functions // 2 if moment else functions
-        powers = np.empty(2 * LANES)
+        exponents = vector(data, 9)
+        # of the local coordinates, from -1 to 1 on a piece, over rho and z
+        per_width, per_height = 2.0 / width[0], 2.0 / width[1]
         found = np.empty((functions, 4))
         for at in range(pose.position.shape[0]):
             x = wavenumber * pose.position[at, 0]
@@ -280,43 +293,40 @@ def lattice_kernel(*, gradient: bool) -> Kernel:
                 add_one(part(data, 8), pose, at, wrench)
                 continue
             rho = math.sqrt(square)
-            s, t = rho / width[0], (z + reach) / width[1]
+            s, t = 0.5 * per_width * rho, 0.5 * per_height * (z + reach)
             i, j = min(int(s), across - 1), min(int(t), along - 1)
             first = (j * across + i) * functions * ORDER * LANES
             _read(
                 pieces, first, 2.0 * (s - i) - 1.0, 2.0 * (t - j) - 1.0, functions, gradient,
-                powers, found,
+                exponents, found,
             )  # fmt: skip
             if gradient:
-                slope, climb = 2.0 / width[0] / max(rho, 1e-150), 2.0 / width[1]
+                slope = per_width / max(rho, 1e-150)
                 for f in range(functions):
                     radial = slope * found[f, 1]
                     found[f, 1], found[f, 2] = radial * x, radial * y
-                    found[f, 3] *= climb
-            _put(found[:of_force], x, y, strength, gradient, wavenumber, at,
-                 wrench.force, wrench.force_gradient)  # fmt: skip
+                    found[f, 3] *= per_height
+            _put(
+                found, 0, of_force, x, y, strength, gradient, wavenumber, at, wrench.force,
+                wrench.force_gradient,
+            )  # fmt: skip
             if moment:
-                _put(found[of_force:], x, y, strength / wavenumber, gradient, wavenumber, at,
-                     wrench.moment, wrench.moment_gradient)  # fmt: skip
+                _put(
+                    found, of_force, of_force, x, y, strength / wavenumber, gradient, wavenumber,
+                    at, wrench.moment, wrench.moment_gradient,
+                )  # fmt: skip
             wrench.error[at] += certified
 
     return read_lattice
 
 
 @named_njit(**OPTIONS)
-def _read(pieces, first, s, t, functions, gradient, powers, found):  # type: ignore[no-untyped-def]
+def _read(pieces, first, s, t, functions, gradient, exponents, found):  # type: ignore[no-untyped-def]
     """Value of each function of a piece, and its derivatives over s and t (columns 1 and 3)."""
-    power = 1.0
-    for k in range(LANES):
-        powers[k] = power
-        power *= s
-    value_of = lanes(powers, 0)
+    value_of = _powers(exponents, 0, s)
     slope_of = value_of
     if gradient:
-        powers[LANES] = 0.0
-        for k in range(1, LANES):
-            powers[LANES + k] = k * powers[k - 1]
-        slope_of = lanes(powers, LANES)
+        slope_of = _powers(exponents, 3 * LANES, s) * lanes(exponents, 6 * LANES)
     for f in range(functions):
         begin = first + f * ORDER * LANES
         row = lanes(pieces, begin + (ORDER - 1) * LANES)
@@ -332,45 +342,61 @@ def _read(pieces, first, s, t, functions, gradient, powers, found):  # type: ign
 
 
 @named_njit(**OPTIONS)
-def _put(found, x, y, unit, gradient, wavenumber, at, vectors, gradients):  # type: ignore[no-untyped-def]
+def _powers(exponents, first, s):  # type: ignore[no-untyped-def]
+    """Eight powers of s, from the binary digits of their exponents."""
+    square = s * s
+    fourth = square * square
+    one = spread(1.0)
+    low = one + lanes(exponents, first) * (s - 1.0)
+    middle = one + lanes(exponents, first + LANES) * (square - 1.0)
+    high = one + lanes(exponents, first + 2 * LANES) * (fourth - 1.0)
+    return low * middle * high
+
+
+@named_njit(**OPTIONS)
+def _put(found, f, functions, x, y, unit, gradient, wavenumber, at, vectors, gradients):  # type: ignore[no-untyped-def]
     """Add a vector and its gradient from the functions f, h, g (and U, V, W) at (x, y).
 
-    found: (functions, 4) values and derivatives over x, y, z.
+    found: (functions, 4) values and derivatives over x, y, z. f: row of the first of them. Entries
+    are read one by one: views of rows would cost more than all else.
     """
-    f, h, g = found[0], found[1], found[2]
-    vectors[at, 0] += unit * (f[0] * x - h[0] * y)
-    vectors[at, 1] += unit * (f[0] * y + h[0] * x)
-    vectors[at, 2] += unit * g[0]
-    more = found.shape[0] > EVEN
+    h, g = f + 1, f + 2
+    vectors[at, 0] += unit * (found[f, 0] * x - found[h, 0] * y)
+    vectors[at, 1] += unit * (found[f, 0] * y + found[h, 0] * x)
+    vectors[at, 2] += unit * found[g, 0]
+    scale = unit * wavenumber
+    if gradient:
+        for j in range(3):
+            gradients[at, 0, j] += scale * (found[f, j + 1] * x - found[h, j + 1] * y)
+            gradients[at, 1, j] += scale * (found[f, j + 1] * y + found[h, j + 1] * x)
+            gradients[at, 2, j] += scale * found[g, j + 1]
+        gradients[at, 0, 0] += scale * found[f, 0]
+        gradients[at, 0, 1] -= scale * found[h, 0]
+        gradients[at, 1, 0] += scale * found[h, 0]
+        gradients[at, 1, 1] += scale * found[f, 0]
+    if functions == EVEN:
+        return
     re_2, im_2 = x * x - y * y, 2.0 * x * y
     re_3, im_3 = x * re_2 - y * im_2, x * im_2 + y * re_2
-    if more:
-        U, u, V, v, W, w = found[3], found[4], found[5], found[6], found[7], found[8]
-        vectors[at, 0] += unit * (U[0] * x + u[0] * y + V[0] * re_3 - v[0] * im_3)
-        vectors[at, 1] += unit * (u[0] * x - U[0] * y + V[0] * im_3 + v[0] * re_3)
-        vectors[at, 2] += unit * (W[0] * re_2 + w[0] * im_2)
-    if not gradient:
-        return
-    scale = unit * wavenumber
-    out = gradients[at]
-    for j in range(3):
-        out[0, j] += scale * (f[1 + j] * x - h[1 + j] * y)
-        out[1, j] += scale * (f[1 + j] * y + h[1 + j] * x)
-        out[2, j] += scale * g[1 + j]
-    out[0, 0] += scale * f[0]
-    out[0, 1] -= scale * h[0]
-    out[1, 0] += scale * h[0]
-    out[1, 1] += scale * f[0]
-    if more:
-        for j in range(3):
-            k = 1 + j
-            out[0, j] += scale * (U[k] * x + u[k] * y + V[k] * re_3 - v[k] * im_3)
-            out[1, j] += scale * (u[k] * x - U[k] * y + V[k] * im_3 + v[k] * re_3)
-            out[2, j] += scale * (W[k] * re_2 + w[k] * im_2)
-        # d zeta^3 = 3 zeta^2 d zeta, d zeta^2 = 2 zeta d zeta
-        out[0, 0] += scale * (U[0] + 3.0 * (V[0] * re_2 - v[0] * im_2))
-        out[0, 1] += scale * (u[0] - 3.0 * (V[0] * im_2 + v[0] * re_2))
-        out[1, 0] += scale * (u[0] + 3.0 * (V[0] * im_2 + v[0] * re_2))
-        out[1, 1] += scale * (3.0 * (V[0] * re_2 - v[0] * im_2) - U[0])
-        out[2, 0] += scale * 2.0 * (W[0] * x + w[0] * y)
-        out[2, 1] += scale * 2.0 * (w[0] * x - W[0] * y)
+    U, u, V, v, W, w = f + 3, f + 4, f + 5, f + 6, f + 7, f + 8
+    for k in range(4 if gradient else 1):
+        a = found[U, k] * x + found[u, k] * y + found[V, k] * re_3 - found[v, k] * im_3
+        b = found[u, k] * x - found[U, k] * y + found[V, k] * im_3 + found[v, k] * re_3
+        c = found[W, k] * re_2 + found[w, k] * im_2
+        if k == 0:
+            vectors[at, 0] += unit * a
+            vectors[at, 1] += unit * b
+            vectors[at, 2] += unit * c
+        else:
+            gradients[at, 0, k - 1] += scale * a
+            gradients[at, 1, k - 1] += scale * b
+            gradients[at, 2, k - 1] += scale * c
+    if gradient:  # d zeta^3 = 3 zeta^2 d zeta, d zeta^2 = 2 zeta d zeta
+        along = 3.0 * (found[V, 0] * re_2 - found[v, 0] * im_2)
+        across = 3.0 * (found[V, 0] * im_2 + found[v, 0] * re_2)
+        gradients[at, 0, 0] += scale * (found[U, 0] + along)
+        gradients[at, 0, 1] += scale * (found[u, 0] - across)
+        gradients[at, 1, 0] += scale * (found[u, 0] + across)
+        gradients[at, 1, 1] += scale * (along - found[U, 0])
+        gradients[at, 2, 0] += scale * 2.0 * (found[W, 0] * x + found[w, 0] * y)
+        gradients[at, 2, 1] += scale * 2.0 * (found[w, 0] * x - found[W, 0] * y)
