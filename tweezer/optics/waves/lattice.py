@@ -62,12 +62,12 @@ _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 _TO_POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 
 
-def _digits(numbers: Array) -> Array:
+def _digits(numbers: NDArray[np.int64]) -> Array:
     """Binary digits of numbers up to 7, the lowest first, (3, n)."""
     return np.array([(numbers >> digit) & 1 for digit in range(3)], dtype=np.float64)
 
 
-_K = np.arange(ORDER)
+_K = np.arange(ORDER, dtype=np.int64)
 #: Digits of k and of k - 1, and k: powers s^k, and their derivatives k s^(k-1)
 _EXPONENTS = np.concatenate([_digits(_K), _digits(np.maximum(_K - 1, 0)), _K[None]]).ravel()
 
