@@ -140,7 +140,9 @@ class Nodes:
                 f"{cause}: the light behind the lens is too uneven for waves; a series of degree "
                 f"{_MOST_USED} misses it by {error:.2g} of its peak, allowed: {_LARGEST_ERROR:g}"
             )
-        return sizes[: max(1, int((tail > 0.1 * error).sum()))], error
+        # those of high degree are rounding
+        least = max(0.1 * error, 2 * float(tail[_MOST_USED]))
+        return sizes[: max(1, int((tail > least).sum()))], error
 
     @functools.cached_property
     def variable(self) -> Variable:
