@@ -9,6 +9,7 @@ import numpy as np
 
 from tweezer.compiled import cached_njit
 from tweezer.dynamics.brownian import propagator
+from tweezer.equilibria import Search
 from tweezer.forces.data import number, packed, vector
 from tweezer.forces.force import Force
 
@@ -55,6 +56,8 @@ class LinearTrap(Force):
 
     stiffness: float
     constant_moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    #: as the light of a bead of 1 um is searched
+    search = Search(reach=20e-6, spacing=2e-8, beside=2e-8)
 
     def compiled(self, *, gradient):
         return _spring, packed(self.stiffness, self.constant_moment)

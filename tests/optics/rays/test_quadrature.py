@@ -63,7 +63,7 @@ def trap(
             "beam": beam,
             "start": {"position": [0, 0, 0]},
             "simulation": {"duration": 1e-3},
-            "optics": {"evaluator": "quadrature", "tolerance": tolerance},
+            "optics": {"theory": "rays", "evaluator": "quadrature", "tolerance": tolerance},
         }
     )
 

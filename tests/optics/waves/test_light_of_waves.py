@@ -295,7 +295,7 @@ def test_waves_farther_than_can_be_computed_are_refused():
 
 
 def test_light_that_nodes_do_not_describe_is_refused():
-    deep = SCENE.replace(lens={"cover": {"refractive_index": 1.518, "depth": "8 mm"}})
+    deep = SCENE.replace(lens={"cover": {"refractive_index": 1.518, "depth": "1 cm"}})
     with pytest.raises(
         tweezer.SceneError, match=r"lens\.cover\.depth: the light behind the lens is"
     ):

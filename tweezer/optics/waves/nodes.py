@@ -27,7 +27,7 @@ ComplexArray = NDArray[np.complex128]
 #: Degree at which the light in the cone is sampled, and the largest that is used
 _MOST_DEGREES, _MOST_USED = 1024, 400
 #: Largest error of the light's series, as a part of its peak
-_LARGEST_ERROR = 1e-6
+_LARGEST_ERROR = 1e-2
 #: Numbers of nodes: steps of 4 up to this number, of an eighth of the number above it
 _FINE = 24
 #: Largest number of phases at which a number of nodes is tried
