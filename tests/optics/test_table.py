@@ -283,7 +283,7 @@ def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch)
 #: What a table does not depend on, but by the values of the light and the keys in its own key
 BY_VALUE = (
     "tweezer.scene", "tweezer.sections", "tweezer.theory", "tweezer.optics.beam", "tweezer.errors",
-    "tweezer.compiled", "tweezer.choices", "tweezer.courses", "tweezer.units",
+    "tweezer.compiled", "tweezer.choices", "tweezer.courses", "tweezer.units", "tweezer.equilibria",
 )  # fmt: skip
 
 

@@ -12,8 +12,8 @@ from tweezer.optics import table
 from tweezer.optics.by_quadrature import to_tolerance
 from tweezer.optics.mapped import Mapped
 from tweezer.optics.rays.light import RayLight, light_on_bead
-from tweezer.optics.table import Table, sources
-from tweezer.optics.tabulate import Made, Progress, build
+from tweezer.optics.table import Progress, Table, sources
+from tweezer.optics.tabulate import Made, build
 from tweezer.scene import Scene
 from tweezer.theory import NO_MAP
 

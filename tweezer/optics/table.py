@@ -13,15 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.errors import ResultError, warn
 from tweezer.forces.data import Data, Part
-from tweezer.forces.force import Kernel
+from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.beam import Cone
 
 if TYPE_CHECKING:
     from filelock import FileLock
 
+Array = NDArray[np.float64]
 Progress = Callable[[float], None]
 AnyMade = TypeVar("AnyMade", bound="Made")
 
@@ -35,6 +37,13 @@ _LONGEST_WAIT = 600.0
 _MOST_IN_MEMORY = 16
 
 _in_memory: dict[str, tuple[Any, Path | None]] = {}
+
+
+class Evaluate(Protocol):
+    """The function that a table interpolates: `field` of the quadrature, in the table's units."""
+
+    def __call__(self, positions: Array) -> Wrench:
+        """Force, moment and estimated error at positions (n, 3)."""
 
 
 class Made(Protocol):

@@ -16,10 +16,9 @@ import itertools
 import math
 import os
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -33,13 +32,13 @@ from tweezer.optics import charts
 from tweezer.optics.beyond import unreached
 from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
 from tweezer.optics.rays.quadrature import VANISHING
+from tweezer.optics.table import Evaluate, Progress
 
 if TYPE_CHECKING:
-    from tweezer.forces.force import Wrench
+    pass
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-Progress = Callable[[float], None]
 
 #: Accept a piece when its estimated error is below this fraction of the tolerance
 _DONE = 0.3
@@ -71,13 +70,6 @@ _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_NODES, ORDER - 1))
 _TO_POWERS = np.array(
     [np.pad(chebyshev.cheb2poly(row), (0, ORDER))[:ORDER] for row in np.eye(ORDER)]
 ).T
-
-
-class Evaluate(Protocol):
-    """The function that a table interpolates: `ByQuadrature.field` of a bead of radius 1."""
-
-    def __call__(self, positions: Array) -> Wrench:
-        """Force, moment and estimated error at positions (n, 3)."""
 
 
 @dataclass(frozen=True)

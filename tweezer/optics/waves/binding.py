@@ -73,7 +73,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         for rule, many, begin, entry in zip(rules, padded, begins, entries, strict=False)
     ])  # fmt: skip
     shift = nodes.shift
-    parts = [(at, part) for at, state in enumerate(light.states) for part in state.parts]
+    parts = [part for state in light.states for part in state.parts]
     of_nodes = np.concatenate(
         [
             _of_nodes(light.focus, rule, shift, parts, many)
@@ -91,8 +91,8 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         np.array(nodes.variable.phases), math.sqrt(small), of_rules, of_nodes,
         np.concatenate(tables),
         np.array([
-            (at, part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
-            for at, part in parts
+            (part.helicity, part.angular_momentum, part.coefficient.real, part.coefficient.imag)
+            for part in parts
         ]),
         np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
@@ -108,21 +108,20 @@ def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:
     return [rule for rule in nodes.up_to(most) if rule.largest_phase >= least]
 
 
-def _of_nodes(
-    focus: Focus, rule: Rule, shift: float, parts: list[tuple[int, Part]], many: int
-) -> Array:
+def _of_nodes(focus: Focus, rule: Rule, shift: float, parts: list[Part], many: int) -> Array:
     """1 - cos(theta), sin(theta), and the weighted amplitudes of each part, (rows, many)."""
     below = rule.below
     along, across = focus.amplitudes(below)
     turned = rule.weight * np.exp(-1j * shift * below)
     rows = [below, np.sqrt(below * (2 - below))]
-    for _, part in parts:
+    for part in parts:
         light = part.amplitude(along, across) * turned
         rows += [light.real, light.imag]
     return np.pad(np.stack(rows), ((0, 0), (0, many - len(below))))
 
 
 def _of_states(states: tuple[State, ...]) -> Array:
+    """The states by the columns that `kernel` names, (states, 7)."""
     rows, begin = [], 0
     for state in states:
         end = begin + len(state.parts)

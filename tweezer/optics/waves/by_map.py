@@ -11,10 +11,10 @@ from pathlib import Path
 from tweezer.optics import table
 from tweezer.optics.light import LightForce
 from tweezer.optics.mapped import Mapped
-from tweezer.optics.table import Table, sources
+from tweezer.optics.table import Progress, Table, sources
 from tweezer.optics.waves import by_quadrature
 from tweezer.optics.waves.by_quadrature import WavesByQuadrature
-from tweezer.optics.waves.lattice import Lattice, Progress, build
+from tweezer.optics.waves.lattice import Lattice, build
 from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
 

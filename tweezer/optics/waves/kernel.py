@@ -125,11 +125,45 @@ def force_sum(light, weights, found):  # type: ignore[no-untyped-def]
 
 
 @named_njit(**OPTIONS)
+def _neighbours(light, at, stride):  # type: ignore[no-untyped-def]
+    """P at (n - 1, n, n + 1) of the orders m - 1, m, m + 1, and the partner at n of each."""
+    P, partner, imaginary = light.own, light.partner, light.imaginary
+    down, up = at - stride, at + stride
+    return (
+        lanes(P, down - 1), lanes(P, down - 1 + imaginary),
+        lanes(P, down), lanes(P, down + imaginary),
+        lanes(P, down + 1), lanes(P, down + 1 + imaginary),
+        lanes(P, at - 1), lanes(P, at - 1 + imaginary),
+        lanes(P, at), lanes(P, at + imaginary),
+        lanes(P, at + 1), lanes(P, at + 1 + imaginary),
+        lanes(P, up - 1), lanes(P, up - 1 + imaginary),
+        lanes(P, up), lanes(P, up + imaginary),
+        lanes(P, up + 1), lanes(P, up + 1 + imaginary),
+        lanes(partner, down), lanes(partner, down + imaginary),
+        lanes(partner, at), lanes(partner, at + imaginary),
+        lanes(partner, up), lanes(partner, up + imaginary),
+    )  # fmt: skip
+
+
+@named_njit(**OPTIONS)
+def _elements_about(weights, of):  # type: ignore[no-untyped-def]
+    """Elements of the direction between (n, m), whose entry is `of`, and its neighbours."""
+    table, size, below = weights.elements, weights.size, of - weights.stride
+    return (
+        lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
+        lanes(table, _WITHIN * size + of),
+        lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
+        lanes(table, _LOWERED * size + below + 1),
+        lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
+        lanes(table, _LOWERED * size + of),
+    )  # fmt: skip
+
+
+@named_njit(**OPTIONS)
 def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-def]
     """Add the force on one component, and its gradient."""
-    P, partner, imaginary = light.own, light.partner, light.imaginary
-    table, sphere, stride, size = weights
-    middle = size // stride // 2
+    sphere, stride = weights.sphere, weights.stride
+    middle = weights.size // stride // 2
     x, y, z = spread(0.0), spread(0.0), spread(0.0)
     xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
     yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
@@ -138,31 +172,15 @@ def force_and_gradient_sum(light, weights, wavenumber, found):  # type: ignore[n
         row = light.begin + (m - light.first) * stride
         elements = stride + LANES + (m + middle) * stride
         for block in range(abs(m) // LANES * LANES, stride, LANES):
-            at, of, n = row + block, elements + block, LANES + block
-            down, up = at - stride, at + stride
-            below = of - stride
-            a, b, c, aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.force_and_gradient_summand(
-                lanes(P, down - 1), lanes(P, down - 1 + imaginary),
-                lanes(P, down), lanes(P, down + imaginary),
-                lanes(P, down + 1), lanes(P, down + 1 + imaginary),
-                lanes(P, at - 1), lanes(P, at - 1 + imaginary),
-                lanes(P, at), lanes(P, at + imaginary),
-                lanes(P, at + 1), lanes(P, at + 1 + imaginary),
-                lanes(P, up - 1), lanes(P, up - 1 + imaginary),
-                lanes(P, up), lanes(P, up + imaginary),
-                lanes(P, up + 1), lanes(P, up + 1 + imaginary),
-                lanes(partner, down), lanes(partner, down + imaginary),
-                lanes(partner, at), lanes(partner, at + imaginary),
-                lanes(partner, up), lanes(partner, up + imaginary),
+            n = LANES + block
+            at_n = (
                 lanes(sphere, _U_RE * stride + n), lanes(sphere, _U_IM * stride + n),
                 lanes(sphere, _U_RE * stride + n - 1), lanes(sphere, _U_IM * stride + n - 1),
                 lanes(sphere, _V_RE * stride + n), lanes(sphere, _V_IM * stride + n),
-                lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
-                lanes(table, _WITHIN * size + of),
-                lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
-                lanes(table, _LOWERED * size + below + 1),
-                lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
-                lanes(table, _LOWERED * size + of),
+            )  # fmt: skip
+            a, b, c, aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.force_and_gradient_summand(
+                *_neighbours(light, row + block, stride), *at_n,
+                *_elements_about(weights, elements + block),
             )  # fmt: skip
             x, y, z = x + a, y + b, z + c
             xx, xy, xz = xx + aa, xy + ab, xz + ac
@@ -203,8 +221,7 @@ def moment_sum(light, weights, wavenumber, found):  # type: ignore[no-untyped-de
 @named_njit(**OPTIONS)
 def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
     """Add the gradient of the moment on one component, times c/n_m."""
-    P, partner, imaginary = light.own, light.partner, light.imaginary
-    table, sphere, stride, size = weights
+    stride, size = weights.stride, weights.size
     middle = size // stride // 2
     xx, xy, xz = spread(0.0), spread(0.0), spread(0.0)
     yx, yy, yz = spread(0.0), spread(0.0), spread(0.0)
@@ -213,31 +230,15 @@ def moment_gradient_sum(light, weights, found):  # type: ignore[no-untyped-def]
         row = light.begin + (m - light.first) * stride
         elements = stride + LANES + (m + middle) * stride
         for block in range(abs(m) // LANES * LANES, stride, LANES):
-            at, of = row + block, elements + block
-            down, up = at - stride, at + stride
-            below = of - stride
-            aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.moment_gradient_summand(
-                lanes(P, down - 1), lanes(P, down - 1 + imaginary),
-                lanes(P, down), lanes(P, down + imaginary),
-                lanes(P, down + 1), lanes(P, down + 1 + imaginary),
-                lanes(P, at - 1), lanes(P, at - 1 + imaginary),
-                lanes(P, at), lanes(P, at + imaginary),
-                lanes(P, at + 1), lanes(P, at + 1 + imaginary),
-                lanes(P, up - 1), lanes(P, up - 1 + imaginary),
-                lanes(P, up), lanes(P, up + imaginary),
-                lanes(P, up + 1), lanes(P, up + 1 + imaginary),
-                lanes(partner, down), lanes(partner, down + imaginary),
-                lanes(partner, at), lanes(partner, at + imaginary),
-                lanes(partner, up), lanes(partner, up + imaginary),
-                lanes(sphere, _K * stride + LANES + block), float(m),
-                lanes(table, _LIFT * size + below), lanes(table, _LIFT * size + of),
-                lanes(table, _ALONG * size + of), lanes(table, _ALONG * size + of + 1),
-                lanes(table, _WITHIN * size + of),
-                lanes(table, _RAISED * size + below - 1), lanes(table, _TURNED * size + below),
-                lanes(table, _LOWERED * size + below + 1),
-                lanes(table, _RAISED * size + of), lanes(table, _TURNED * size + of),
-                lanes(table, _LOWERED * size + of),
+            of = elements + block
+            at_n = (
+                lanes(weights.sphere, _K * stride + LANES + block), float(m),
+                lanes(weights.elements, _LIFT * size + of - stride),
+                lanes(weights.elements, _LIFT * size + of),
             )  # fmt: skip
+            aa, ab, ac, ba, bb, bc, ca, cb, cc = waves.moment_gradient_summand(
+                *_neighbours(light, row + block, stride), *at_n, *_elements_about(weights, of)
+            )
             xx, xy, xz = xx + aa, xy + ab, xz + ac
             yx, yy, yz = yx + ba, yy + bb, yz + bc
             zx, zy, zz = zx + ca, zy + cb, zz + cc

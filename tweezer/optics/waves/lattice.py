@@ -23,9 +23,7 @@ from __future__ import annotations
 import functools
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -35,12 +33,12 @@ from tweezer.compiled import address, cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, spread, total
 from tweezer.errors import SceneError
 from tweezer.forces.data import Data, Part, number, packed, part, vector
-from tweezer.forces.force import KERNEL, Kernel, Wrench, evaluated
+from tweezer.forces.force import KERNEL, Kernel, evaluated
 from tweezer.optics.beyond import add_one, unreached
+from tweezer.optics.table import Evaluate, Progress
 from tweezer.optics.waves.partial_waves import OPTIONS
 
 Array = NDArray[np.float64]
-Progress = Callable[[float], None]
 
 #: Number of nodes of a piece along each axis
 ORDER = LANES
@@ -70,13 +68,6 @@ def _digits(numbers: NDArray[np.int64]) -> Array:
 _K = np.arange(ORDER, dtype=np.int64)
 #: Digits of k and of k - 1, and k: powers s^k, and their derivatives k s^(k-1)
 _EXPONENTS = np.concatenate([_digits(_K), _digits(np.maximum(_K - 1, 0)), _K[None]]).ravel()
-
-
-class Evaluate(Protocol):
-    """The function that a table interpolates."""
-
-    def __call__(self, positions: Array) -> Wrench:
-        """Force, moment and estimated error at positions (n, 3)."""
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,8 @@ _LEAST = 1e-30
 NODES, PADDED, PHASE, FIRST_NODE, FIRST_HARMONIC = range(5)
 # rows of the nodes: 1 - cos(theta), sin(theta), and the weighted amplitudes of each part
 BELOW, SINE, AMPLITUDE = range(3)
-# columns of a part: state, helicity, J_z, coefficient (re, im)
-STATE, HELICITY, MOMENTUM, RE, IM = range(5)
+# columns of a part: helicity, J_z, coefficient (re, im)
+HELICITY, MOMENTUM, RE, IM = range(4)
 
 
 class Source(NamedTuple):
@@ -49,7 +49,7 @@ class Source(NamedTuple):
     half_angle: float
     """theta_m, rad"""
     sine: float
-    """sin(theta_m), or 1 if the cone reaches beyond a right angle to the axis"""
+    """sin(theta_m)"""
     phases: Array
     """(2,) phase over the cone by 1/k across and by 1/k along the light, rad"""
     dropped: float
@@ -63,7 +63,7 @@ class Source(NamedTuple):
     """of all rules, one after the other: for each order (nodes, degrees), of the degrees from |m|
     down to a multiple of LANES"""
     parts: Array
-    """(parts, 5)"""
+    """(parts, 4)"""
     begins: Array
     """(orders,) first of the harmonics of each order, over the number of nodes"""
     highest: int
