@@ -107,8 +107,10 @@ def equilibria_about(
     """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
 
     They are sought by Newton's method (`scipy.optimize.root`) from the focus and from every change
-    of sign of the axial force on its axis.
+    of sign of the axial force on its axis, which is searched up to the other foci at least.
     """
+    apart = np.linalg.norm(foci[:, None] - foci, axis=2).max()
+    search = search._replace(reach=max(search.reach, float(apart)))
     found: list[Array] = []
     for focus in foci:
         zeros = [0.0, *_zeros_on_axis(point(focus), radius, search, net_force)]

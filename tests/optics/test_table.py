@@ -20,7 +20,7 @@ from filelock import FileLock
 
 import tweezer
 from tweezer.optics import evaluators_of, force_map, light, tabulate
-from tweezer.optics.table import _in_memory, _load
+from tweezer.optics.table import Made, _in_memory, _load
 
 #: a table of a few pieces, made in no time
 SMALL = {"table_range": 0.5, "table_tolerance": 1e-4}
@@ -358,9 +358,8 @@ def test_a_lock_that_is_held_for_ever_is_told_and_ends(scene, monkeypatch, caplo
     path = force_map(scene).path
     assert [each.suffix for each in path.parent.iterdir()] == [".table"]
     path.unlink()
-    module = importlib.import_module("tweezer.optics.by_map")
-    monkeypatch.setattr(module, "_PATIENCE", 0.01)
-    monkeypatch.setattr(module, "_LONGEST_WAIT", 0.02)
+    monkeypatch.setattr("tweezer.optics.table._PATIENCE", 0.01)
+    monkeypatch.setattr("tweezer.optics.table._LONGEST_WAIT", 0.02)
     with (
         FileLock(path.with_suffix(".lock")),
         pytest.warns(UserWarning, match="the table is not kept"),
@@ -371,6 +370,7 @@ def test_a_lock_that_is_held_for_ever_is_told_and_ends(scene, monkeypatch, caplo
 
 
 PROGRAM = """
+import importlib
 import sys
 import numpy as np
 import tweezer
@@ -411,7 +411,7 @@ def test_of_two_processes_one_makes_the_table(scene):
     assert sorted(built for built, _, _ in told) == ["0", "1"]
     assert third[:2] == ["0", "0"]
     assert {force for _, _, force in told} == {third[2]}
-    assert _load(force_map(scene).path, force_map(scene).path.stem) is not None
+    assert _load(force_map(scene).path, force_map(scene).path.stem, Made) is not None
 
 
 def test_no_map_of_the_dark_or_of_linear_light(scene):

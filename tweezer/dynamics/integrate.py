@@ -21,7 +21,7 @@ from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import Path
 from tweezer.dynamics.solution import BEFORE, Solver
-from tweezer.errors import IntegrationError
+from tweezer.errors import IntegrationError, SceneError
 
 Array = NDArray[np.float64]
 
@@ -255,9 +255,9 @@ class SciPySolver:
             return None, integrators.EXHAUSTED
         try:
             failure = solver.step()
-        except IntegrationError as error:
+        except (IntegrationError, SceneError) as error:  # or a place that is too far
             if self.steps:
-                raise
+                raise IntegrationError(str(error)) from None
             raise IntegrationError(
                 f"{error}: the first step, which {self._method} chooses by itself, is too long"
             ) from None
