@@ -20,7 +20,7 @@ from filelock import FileLock
 
 import tweezer
 from tweezer.optics import evaluators_of, force_map, light, tabulate
-from tweezer.optics.table import Made, _in_memory, _load
+from tweezer.optics.table import _in_memory, _load
 
 #: a table of a few pieces, made in no time
 SMALL = {"table_range": 0.5, "table_tolerance": 1e-4}
@@ -411,7 +411,7 @@ def test_of_two_processes_one_makes_the_table(scene):
     assert sorted(built for built, _, _ in told) == ["0", "1"]
     assert third[:2] == ["0", "0"]
     assert {force for _, _, force in told} == {third[2]}
-    assert _load(force_map(scene).path, force_map(scene).path.stem, Made) is not None
+    assert _load(force_map(scene).path, force_map(scene).path.stem, tabulate.Made) is not None
 
 
 def test_no_map_of_the_dark_or_of_linear_light(scene):
