@@ -7,7 +7,6 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,7 @@ from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.scene import Scene, checked_scene
 from tweezer.units import to_si
+from tweezer.version import versions
 
 AXES = ["x", "y", "z"]
 
@@ -105,8 +105,7 @@ def simulate(
         result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
     budget = error_budget(equations, result, motion.position, [approach])
-    run = _dataset(problem, result.times, motion)
-    run.attrs = {
+    attributes = {
         **_about_the_run(problem, why),
         **as_given,
         "emitted_module": equations.name,
@@ -126,6 +125,7 @@ def simulate(
         "integration_error": budget.integration_error,
         "model_error": budget.model_error,
     }
+    run = _dataset(problem, result.times, motion, attributes)
     if result.path is not None:
         with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
             run.attrs["summary"] = summary_of_path(run, result, budget)
@@ -165,8 +165,7 @@ def _thermal_run(
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    run = _dataset(bound.problem, bound.times[:reached], bound.motion(columns[0, :reached]))
-    run.attrs = {
+    attributes = {
         **_about_the_run(bound.problem, bound.why),
         "emitted_module": "langevin",
         "method": scene.simulation.method,
@@ -182,34 +181,37 @@ def _thermal_run(
         "integration_error": math.nan,
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
     }
+    motion = bound.motion(columns[0, :reached])
+    run = _dataset(bound.problem, bound.times[:reached], motion, attributes)
     if status == "failed":
         warn(f"{scene.name}: {message}")
     return run
 
 
-def _dataset(problem: Problem, times: NDArray[np.float64], motion: Motion) -> xr.Dataset:
+def _dataset(
+    problem: Problem, times: NDArray[np.float64], motion: Motion, attributes: dict[str, Any]
+) -> xr.Dataset:
     """Motion and derived quantities at `times`."""
-    run = xr.Dataset(
-        {
-            "position": (("time", "axis"), motion.position,
-                         _about("m", "position of the bead's centre from the focus")),
-        },
-        coords={
-            "time": ("time", times, _about("s", "time since release")),
-            "axis": ("axis", AXES, {"long_name": "axis, z along the light"}),
-        },
-    )  # fmt: skip
+    variables: dict[str, Any] = {
+        "position": (("time", "axis"), motion.position,
+                     _about("m", "position of the bead's centre from the focus")),
+    }  # fmt: skip
+    coordinates: dict[str, Any] = {
+        "time": ("time", times, _about("s", "time since release")),
+        "axis": ("axis", AXES, {"long_name": "axis, z along the light"}),
+    }
     if motion.velocity is not None:
-        run["velocity"] = (("time", "axis"), motion.velocity, _about("m/s", "velocity"))
+        variables["velocity"] = (("time", "axis"), motion.velocity, _about("m/s", "velocity"))
     if motion.orientation is not None:
-        run["orientation"] = (("time", "euler_parameter"), motion.orientation,
-                              _about("1", "Euler parameters"))  # fmt: skip
-        run = run.assign_coords(euler_parameter=["e0", "e1", "e2", "e3"])
+        variables["orientation"] = (("time", "euler_parameter"), motion.orientation,
+                                    _about("1", "Euler parameters"))  # fmt: skip
+        coordinates["euler_parameter"] = ["e0", "e1", "e2", "e3"]
     if motion.angular_velocity is not None:
-        run["angular_velocity"] = (("time", "body_axis"), motion.angular_velocity,
-                                   _about("rad/s", "angular velocity, body frame"))  # fmt: skip
-        run = run.assign_coords(body_axis=["P1", "P2", "P3"])
-    return run.merge(derived_quantities(problem, run))
+        about = _about("rad/s", "angular velocity, body frame")
+        variables["angular_velocity"] = ("time", "body_axis"), motion.angular_velocity, about
+        coordinates["body_axis"] = ["P1", "P2", "P3"]
+    variables |= derived_quantities(problem, times, motion)
+    return xr.Dataset(variables, coordinates, attributes)
 
 
 @contextlib.contextmanager
@@ -235,10 +237,7 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         **others,
         **worth_attributes(scene),
         "chosen": why,
-        "tweezer_version": version("tweezer"),
-        "numpy_version": version("numpy"),
-        "scipy_version": version("scipy"),
-        "numba_version": version("numba"),
+        **versions(),
     }
 
 

@@ -13,7 +13,7 @@ from tests.reference.fields import LinearTrap, in_place
 from tests.reference.rigid_body import Body
 from tweezer.analysis.derived import derived_quantities
 from tweezer.compiled import cached_njit
-from tweezer.dynamics import bind, bound_once, choose, integrate, walk
+from tweezer.dynamics import Motion, bind, bound_once, choose, integrate, walk
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
 from tweezer.dynamics.walk import rotation_matrices
@@ -191,13 +191,16 @@ def test_what_follows_from_the_drag_is_of_the_place(dark):
     rates = 1e-6 * growing().values[0] * (1 + places[:, 2] / 2e-6)
     np.testing.assert_allclose(choose.rates_of_force(problem), rates, rtol=1e-12)
     run = tweezer.simulate(dark, "1 us")
+    times = run["time"].values
+    motion = Motion(run["position"].values, None, None, None)
     weighed = problem_of(dark, growing())
-    speed = derived_quantities(weighed, run)["terminal_speed"].values
-    heights = run["position"].values[:, 2]
+    _, speed, _ = derived_quantities(weighed, times, motion)["terminal_speed"]
+    heights = motion.position[:, 2]
     expected = weight * growing().values[1] * (1 + heights / 2e-6)
     np.testing.assert_allclose(speed, expected, rtol=1e-12)
-    timed = derived_quantities(problem_of(dark, Slowing()), run)["terminal_speed"].values
-    np.testing.assert_allclose(timed * (1 + run["time"].values / 1e-6), timed[0], rtol=1e-12)
+    slowed = problem_of(dark, Slowing())
+    _, timed, _ = derived_quantities(slowed, times, motion)["terminal_speed"]
+    np.testing.assert_allclose(timed * (1 + times / 1e-6), timed[0], rtol=1e-12)
 
 
 def test_thermal_motion_is_boltzmanns_whatever_the_drag(dark):

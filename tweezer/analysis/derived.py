@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
+from numpy.typing import NDArray
 
-from tweezer.dynamics import Problem
+from tweezer.dynamics import Motion, Problem
+
+Array = NDArray[np.float64]
+
+#: Dimensions, values and attributes, as `xarray.Dataset` takes a variable
+Variable = tuple[tuple[str, ...], Array, dict[str, str]]
 
 
-def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
-    """Derived variables over the `time` of `run`, which holds position and perhaps velocity.
+def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
+    """Variables that follow from a motion at `times` (n,) s.
 
     * optical_force: force of the light (3.26), N
     * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
@@ -24,54 +29,52 @@ def derived_quantities(problem: Problem, run: xr.Dataset) -> xr.Dataset:
 
     Without a velocity there is no speed, Reynolds number, kinetic and total energy.
     """
-    scene, bead = problem.scene, problem.bead
-    weight = xr.DataArray(np.array(bead.weight), dims="axis")
-    position = run["position"]
-    places = np.ascontiguousarray(position.values)
-    times = run["time"].values
-    bound = problem.light
-    field = bound.field(places, time=times)
-    optical_force = position.copy(data=field.force)
-    force_error = position.isel(axis=0, drop=True).copy(data=bound.error_of(places, field, times))
-    net_force = optical_force + weight
-    orientations = run["orientation"].values if "orientation" in run else None
+    scene, bead, places = problem.scene, problem.bead, motion.position
+    weight = np.array(bead.weight)
+    light = problem.light.field(places, time=times)
+    net_force = light.force + weight
     for each in problem.others:
-        pushed = each.field(places, time=times, orientations=orientations)
-        net_force = net_force + position.copy(data=pushed.force)
+        pushed = each.field(places, time=times, orientations=motion.orientation)
+        net_force += pushed.force
     terminal = net_force * problem.mobilities(places, times)[:, :3]
-    potential = -(weight * position).sum("axis")
-    quantities = {
-        "optical_force": (optical_force, "N", "force of the light"),
-        "force_error": (force_error, "N", "error of the force of the light"),
-        "net_force": (net_force, "N", "net motion force, all forces but drag"),
-        "terminal_speed": (_length(terminal), "m/s", "terminal speed"),
-        "distance": (_length(position), "m", "distance to the focus"),
-        "potential_energy": (potential, "J", "energy of gravity and buoyancy, zero at the focus"),
+    potential = -places @ weight
+    variables = {
+        "optical_force": _vector(light.force, "N", "force of the light"),
+        "force_error": _number(
+            problem.light.error_of(places, light, times), "N", "error of the force of the light"
+        ),
+        "net_force": _vector(net_force, "N", "net motion force, all forces but drag"),
+        "terminal_speed": _number(_length(terminal), "m/s", "terminal speed"),
+        "distance": _number(_length(places), "m", "distance to the focus"),
+        "potential_energy": _number(
+            potential, "J", "energy of gravity and buoyancy, zero at the focus"
+        ),
     }
-    if "velocity" in run:
-        speed = _length(run["velocity"])
+    if motion.velocity is not None:
+        speed = _length(motion.velocity)
         kinetic = 0.5 * bead.mass * speed**2
-        if "angular_velocity" in run:
-            moments = xr.DataArray(np.array(bead.moments_of_inertia), dims="body_axis")
-            kinetic = kinetic + 0.5 * (moments * run["angular_velocity"] ** 2).sum("body_axis")
-        medium, r = scene.medium, scene.bead.radius
-        quantities |= {
-            "speed": (speed, "m/s", "speed"),
-            "reynolds_number": (
-                2 * medium.density * r / medium.viscosity * speed, "1", "Reynolds number",
+        if motion.angular_velocity is not None:
+            kinetic += 0.5 * motion.angular_velocity**2 @ np.array(bead.moments_of_inertia)
+        medium = scene.medium
+        number = 2 * medium.density * scene.bead.radius / medium.viscosity * speed
+        variables |= {
+            "speed": _number(speed, "m/s", "speed"),
+            "reynolds_number": _number(number, "1", "Reynolds number"),
+            "kinetic_energy": _number(kinetic, "J", "kinetic energy"),
+            "total_energy": _number(
+                kinetic + potential, "J", "energy of motion and weight, without the light"
             ),
-            "kinetic_energy": (kinetic, "J", "kinetic energy"),
-            "total_energy": (
-                kinetic + potential, "J", "energy of motion and weight, without the light",
-            ),
-        }  # fmt: skip
-    return xr.Dataset(
-        {
-            name: values.drop_attrs().assign_attrs(units=units, long_name=long_name)
-            for name, (values, units, long_name) in quantities.items()
         }
-    )
+    return variables
 
 
-def _length(vectors: xr.DataArray) -> xr.DataArray:
-    return (vectors**2).sum("axis") ** 0.5
+def _vector(values: Array, units: str, long_name: str) -> Variable:
+    return ("time", "axis"), values, {"units": units, "long_name": long_name}
+
+
+def _number(values: Array, units: str, long_name: str) -> Variable:
+    return ("time",), values, {"units": units, "long_name": long_name}
+
+
+def _length(vectors: Array) -> Array:
+    return np.sqrt((vectors**2).sum(axis=1))

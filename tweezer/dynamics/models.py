@@ -127,12 +127,17 @@ class EquationsOfMotion:
 
         Of the model's own inertia, scaled or not.
         """
-        bead, mobility = self.bead, self.problem.mobility
-        inertias = bead.mass * mobility[:3]
-        if self._rotates:
-            inertias = np.append(inertias, np.array(bead.moments_of_inertia) * mobility[3:])
         factor = self.scene.simulation.scaling_factor if "a2" in self.module.PARAMS else None
-        return float(inertias.min()) / (factor or 1.0)
+        return float(self._relaxation_times.min()) / (factor or 1.0)
+
+    @property
+    def _relaxation_times(self) -> Array:
+        """s, of the velocities at the start: of translation and, with a rotation, of rotation."""
+        bead, mobility = self.bead, self.problem.mobility
+        translation = bead.mass * mobility[:3]
+        if not self._rotates:
+            return translation
+        return np.append(translation, np.array(bead.moments_of_inertia) * mobility[3:])
 
     @property
     def rotates(self) -> bool:
@@ -176,17 +181,20 @@ class EquationsOfMotion:
 
         Raises `IntegrationError` where it is not finite.
         """
-        return self._rates(np.array([t]), y[None])[0]
+        inputs = (each[0] for each in self._rhs_inputs(np.array([t]), y[None]))
+        rates = np.empty(self._size)
+        self.module.rhs(t, y, *inputs, self.params, rates)
+        return _finite(rates)
 
     def _rates(self, times: Array, states: Array) -> Array:
-        """Rates of change of `states`, (n, state), at `times` (n,) s."""
-        inputs = self._rhs_inputs(times, states)
+        """Rates of change of `states`, (n, state), at `times` (n,) s, all at once.
+
+        The emitted function as Python: it holds arithmetic alone, which arrays have too.
+        """
+        inputs = [np.moveaxis(np.asarray(each), 0, -1) for each in self._rhs_inputs(times, states)]
         rates = np.empty((len(states), self._size))
-        for i, (time, state) in enumerate(zip(times, states, strict=True)):
-            self.module.rhs(time, state, *(each[i] for each in inputs), self.params, rates[i])
-        if not np.isfinite(rates).all():
-            raise IntegrationError("the rate of change of the state is not finite")
-        return rates
+        self.module.rhs.py_func(times, states.T, *inputs, self.params, rates.T)
+        return _finite(rates)
 
     def jacobian(self, t: float, y: Array) -> Array:
         """d(rate i)/d(state j), as implicit solvers call it."""
@@ -195,21 +203,22 @@ class EquationsOfMotion:
         self.module.jacobian(t, y, *inputs, self.params, derivative)
         return derivative
 
-    def on_constraints(self, y: Array) -> Array:
-        """The state with e of length 1 (A.21) and, where it holds e', e' orthogonal to it (A.22).
+    def on_constraints(self, states: Array) -> Array:
+        """States (..., state) with e of length 1 (A.21) and, of e', e' orthogonal to it (A.22).
 
         Takes the place of (A.26). It changes no orientation and no angular velocity.
         """
         if not self._rotates:
-            return y
-        y = np.array(y)
+            return states
+        states = np.array(states, order="C")
         if self._constrained:
             projected = np.empty(8)
-            kinematics.project(y[3:7], y[10:14], projected)
-            y[3:7], y[10:14] = projected[:4], projected[4:]
+            for y in states.reshape(-1, self._size):
+                kinematics.project(y[3:7], y[10:14], projected)
+                y[3:7], y[10:14] = projected[:4], projected[4:]
         else:
-            y[3:7] /= np.linalg.norm(y[3:7])
-        return y
+            states[..., 3:7] /= np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
+        return states
 
     def motion(self, times: Array, states: Array) -> Motion:
         """Positions, velocities and orientations of `states` (n, state) at `times` (n,).
@@ -218,7 +227,7 @@ class EquationsOfMotion:
         first-order model adds what its initial layer still contributes, so that its position
         begins where the bead is released, and its velocity there to leading order.
         """
-        states = np.array([self.on_constraints(state) for state in states])
+        states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
         rates = None if self._inertial else self._rates(times, states)
         position = states[:, :3].copy()
@@ -345,8 +354,8 @@ class EquationsOfMotion:
         """Add what the initial layer still contributes to the slow motion, in place."""
         remains = np.empty(6 if orientation is None else 12)
         inputs = self._release_inputs()
-        for i, t in enumerate(times):
-            self.module.initial_layer(t, *inputs, remains)
+        for i in np.flatnonzero(times < _LAYER * self._relaxation_times.max()):
+            self.module.initial_layer(times[i], *inputs, remains)
             position[i] += remains[:3]
             velocity[i] += remains[3:6]
             if orientation is not None and angular_velocity is not None:
@@ -437,8 +446,13 @@ def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[st
     }
 
 
+def _finite(rates: Array) -> Array:
+    if not np.isfinite(rates).all():
+        raise IntegrationError("the rate of change of the state is not finite")
+    return rates
+
+
 def _angular_velocities(orientation: Array, edot: Array) -> Array:
     result = np.empty((len(orientation), 3))
-    for i in range(len(orientation)):
-        kinematics.angular_velocity(orientation[i], np.ascontiguousarray(edot[i]), result[i])
+    kinematics.angular_velocity.py_func(orientation.T, edot.T, result.T)
     return result

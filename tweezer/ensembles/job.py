@@ -7,7 +7,6 @@ import itertools
 import json
 import math
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.optics import worth_attributes
+from tweezer.version import versions
 
 Array = NDArray[np.float64]
 Attributes = dict[str, Any]
@@ -171,7 +171,7 @@ def found_of(bound: Walk) -> Attributes:
     return {
         "step": float(bound.step),
         "steps_per_sample": int(bound.per_sample),
-        **{f"{name}_version": version(name) for name in ("tweezer", "numpy", "scipy", "numba")},
+        **versions(),
         "coefficients": hashlib.sha256(coefficients).hexdigest()[:16],
     }
 

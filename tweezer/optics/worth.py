@@ -113,6 +113,7 @@ class RayOpticsWorth:
         return f"waves give {across} times its stiffness across, {along} times along"
 
 
+@functools.lru_cache(maxsize=16)
 def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     """Validity of ray optics for the bead and the light of `scene`.
 
@@ -239,10 +240,16 @@ def _effective_aperture(scene: Scene) -> float:
     """sqrt(2 <sin^2 theta>), weighted by power: sin(theta_m) if the pupil is evenly lit."""
     light = cone(scene)
     versine = 2 * math.sin(light.half_angle / 2) ** 2
-    x, weight = leggauss(100)
+    x, weight = _nodes()
     below = versine * (1 + x) / 2  # 1 - cos(theta)
     power = weight * light.radiance(1 - below)
     return math.sqrt(2 * float(power @ (below * (2 - below))) / float(power.sum()))
+
+
+@functools.cache
+def _nodes() -> tuple[Array, Array]:
+    """Nodes and weights of the average over the light's cone."""
+    return leggauss(100)
 
 
 def _range(values: Array, margin: float = 1.0) -> Range | None:
