@@ -11,7 +11,7 @@ QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$e
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
-	$(BIN)/tweezer run thesis-990nm
+	$(BIN)/tweezer run thesis-990nm --plot thesis-990nm.png
 
 test: .venv/.dev  ## every test, under a hash seed that emitted code must not depend on
 	PYTHONHASHSEED=4711 $(BIN)/python -m pytest -n logical --dist loadfile --no-loadscope-reorder

@@ -9,7 +9,8 @@ import pytest
 
 import tweezer
 from tests.reference.fields import GaussianWell, LinearTrap
-from tweezer.dynamics import bound_once, walk
+from tweezer.dynamics import bound_once
+from tweezer.dynamics.walk import walk
 from tweezer.errors import SceneError, UnitWarning
 from tweezer.forces import Course, Moved, Sum
 from tweezer.optics import light

@@ -29,6 +29,11 @@ SHORT = ["thesis-990nm", "--duration", "0.2 ms", "--set", "simulation.samples=11
 LONG = ["thesis-990nm", "--duration", "5 ms", "--set", "simulation.samples=101",
         "--set", "simulation.relative_tolerance=1e-12",
         "--set", "simulation.position_tolerance=1e-16"]  # fmt: skip
+#: in no time: a bead that nothing but its drag acts on
+FREE = ["silica-1um", "--duration", "1 us", "--set", "simulation.samples=3",
+        "--set", "forces.optical=false"]  # fmt: skip
+#: the figure of `SHORT`
+DRAWN = ["--plot", "thesis-990nm.png"]
 
 
 def without_the_compiler(told):
@@ -62,6 +67,24 @@ for names in ((), *((name,) for name in commands), *benches):
     imported = [line for line in done.stdout.splitlines() if line.startswith("imported:")]
     assert imported == ["imported: []", *["imported: ['pydantic']"] * (len(ended) - 1)]
     assert not done.stderr
+
+
+def test_run_and_trap_import_what_they_use(tmp_path):
+    program = """
+import sys
+from tweezer import cli
+try:
+    cli.main()
+except SystemExit:
+    unused = {"dask", "matplotlib", "pandas", "pint", "scipy.stats", "xarray"}
+    print(sorted(sys.modules.keys() & unused))
+"""
+    for arguments in (["run", *FREE], ["trap", FREE[0]]):
+        done = subprocess.run(
+            [sys.executable, "-c", program, *arguments],
+            cwd=tmp_path, capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        assert done.stdout.splitlines()[-1] == "[]"
 
 
 @pytest.mark.parametrize(
@@ -131,7 +154,7 @@ def test_scenes_lists_all(command_line):
 
 
 def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
-    outcome = command_line("run", *SHORT)
+    outcome = command_line("run", *SHORT, *DRAWN)
     assert (outcome.code, outcome.err) == (0, "")
     assert sorted(path.name for path in Path().iterdir()) == [
         "thesis-990nm.nc", "thesis-990nm.png",
@@ -190,7 +213,7 @@ def test_a_scene_file_names_its_results(command_line):
         options = ["--duration", "10 us", "--set", "simulation.samples=3"]
         assert command_line("run", scene, *options).code == 0
     assert {path.name for path in Path().iterdir()} == {
-        "mine.toml", "mine.nc", "mine.png", "other.toml", "my bead.nc", "my bead.png",
+        "mine.toml", "mine.nc", "other.toml", "my bead.nc",
     }  # fmt: skip
 
 
@@ -239,21 +262,17 @@ def test_a_rerun_replaces_the_files(command_line):
     assert command_line("run", *SHORT).code == 0
     Path("thesis-990nm.png").write_text("an old figure")
     first = Path("thesis-990nm.nc").stat().st_ino
-    assert command_line("run", *SHORT).code == 0
+    assert command_line("run", *SHORT, *DRAWN).code == 0
     assert Path("thesis-990nm.nc").stat().st_ino != first
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     assert len(list(Path().iterdir())) == 2
 
 
-#: in no time: a bead that nothing but its drag acts on
-FREE = ["silica-1um", "--duration", "1 us", "--set", "simulation.samples=3",
-        "--set", "forces.optical=false"]  # fmt: skip
-
-
 def test_a_run_of_other_settings_is_not_replaced(command_line):
-    assert command_line("run", *FREE, "--out", "a.nc").code == 0
+    to = ["--out", "a.nc", "--plot", "a.png"]
+    assert command_line("run", *FREE, *to).code == 0
     before = content("a.nc", "a.png")
-    other = ["run", *FREE, "--duration", "2 us", "--out", "a.nc"]
+    other = ["run", *FREE, "--duration", "2 us", *to]
     refused = command_line(*other)
     assert (refused.code, refused.out) == (2, "")
     assert refused.err == (
@@ -272,25 +291,19 @@ def test_a_file_that_is_no_run_is_not_replaced(command_line):
     assert (refused.code, refused.out) == (2, "")
     assert refused.err.startswith("a.nc: is there, and is no run that can be compared; name ")
     assert Path("a.nc").read_text() == "an old file"
-    Path("silica-1um.png").write_text("an old figure")
-    refused = command_line("run", *FREE)
-    assert (refused.code, len(refused.err.splitlines())) == (2, 1)
-    assert refused.err.startswith("silica-1um.png: is there without silica-1um.nc; ")
-    assert Path("silica-1um.png").read_text() == "an old figure"
-    assert command_line("run", *FREE, "--overwrite").code == 0
-    assert tweezer.load_run("silica-1um.nc").sizes["time"] == 3
-    assert Path("silica-1um.png").read_bytes().startswith(b"\x89PNG")
+    assert command_line("run", *FREE, "--out", "a.nc", "--overwrite").code == 0
+    assert tweezer.load_run("a.nc").sizes["time"] == 3
 
 
 def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, monkeypatch):
-    sound = cli._simulate_with_progress
+    sound = cli._followed_with_progress
 
     def while_another_runs(scene, seed):
         Path("a.nc").write_text("of another process")
         return sound(scene, seed)
 
-    monkeypatch.setattr(cli, "_simulate_with_progress", while_another_runs)
-    outcome = command_line("run", *FREE, "--out", "a.nc")
+    monkeypatch.setattr(cli, "_followed_with_progress", while_another_runs)
+    outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")
     assert outcome.code == 0
     assert outcome.out.splitlines()[-2:] == ["wrote a-2.nc", "wrote a-2.png"]
     assert Path("a.nc").read_text() == "of another process"
@@ -324,7 +337,7 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
             raise KeyboardInterrupt
 
     monkeypatch.setattr("rich.progress.Progress.update", interrupt_after)
-    outcome = command_line("run", *LONG)
+    outcome = command_line("run", *LONG, *DRAWN)
     assert outcome.code == 130
     (line,) = outcome.err.splitlines()
     assert re.fullmatch(
@@ -338,7 +351,7 @@ def test_an_interrupted_run_keeps_what_it_reached(command_line, monkeypatch):
     assert re.search(r"interrupted, \d\.?\d* ms", outcome.out)
     before = content("thesis-990nm.nc", "thesis-990nm.png")
     for number in (2, 3):  # a run that has not ended replaces none, though it may be asked to
-        again = command_line("run", *LONG, "--overwrite")
+        again = command_line("run", *LONG, *DRAWN, "--overwrite")
         assert again.code == 130
         assert again.err.endswith(f"; what was reached is in thesis-990nm-{number}.nc\n")
         assert tweezer.load_run(f"thesis-990nm-{number}.nc").attrs["status"] == "interrupted"
@@ -375,7 +388,7 @@ def test_an_interrupt_before_the_first_step_writes_nothing(command_line, monkeyp
     def interrupted(scene, seed):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "_simulate_with_progress", interrupted)
+    monkeypatch.setattr(cli, "_followed_with_progress", interrupted)
     outcome = command_line("run", *SHORT)
     assert (outcome.code, outcome.out, outcome.err) == (130, "", "")
     assert not list(Path().iterdir())
@@ -400,7 +413,7 @@ def test_a_failed_run_keeps_what_it_reached(command_line, monkeypatch, method):
 
     monkeypatch.setattr(EquationsOfMotion, "_inputs", inputs_that_fail_near_the_focus)
     outcome = command_line(
-        "run", "thesis-990nm", "--method", method, "--set", "simulation.samples=1201",
+        "run", "thesis-990nm", "--method", method, "--set", "simulation.samples=1201", *DRAWN,
     )  # fmt: skip
     assert outcome.code == 1
     (line,) = outcome.err.splitlines()
@@ -420,12 +433,13 @@ def test_a_failed_run_keeps_what_it_reached(command_line, monkeypatch, method):
 @pytest.mark.parametrize(("largest", "name"), [(4096, "a.nc"), (49152, "a.png")])
 def test_a_full_disk_leaves_the_old_files(command_line, largest, name):
     """A run is of 46 kB, a figure of more; what is not written is told, and the run's summary."""
-    assert command_line("run", *SHORT, "--out", "a.nc").code == 0
+    written = ["--out", "a.nc", "--plot", "a.png"]
+    assert command_line("run", *SHORT, *written).code == 0
     before = content("a.nc", "a.png")
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (largest, limits[1]))
     try:
-        outcome = command_line("run", *SHORT, "--out", "a.nc")
+        outcome = command_line("run", *SHORT, *written)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert (outcome.code, outcome.err) == (2, f"{name}: cannot be written: File too large\n")
@@ -456,7 +470,7 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
     os.close(writing)
     assert done.returncode == 1
     assert len(without_the_compiler(done.stderr)) <= 1
-    assert {path.name for path in tmp_path.iterdir()} == {"silica-1um.nc", "silica-1um.png"}
+    assert {path.name for path in tmp_path.iterdir()} == {"silica-1um.nc"}
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ NOT_RUN = {
     "make test": "this is it",
     "python3 -m venv .venv": "make demo",
     ".venv/bin/python -m pip install --editable .": "make demo",
-    ".venv/bin/tweezer run thesis-990nm": "make demo",
+    ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
     "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
     "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from tweezer.compiled import Compilation
     from tweezer.equilibria import Equilibrium
     from tweezer.optics import Table as Map
+    from tweezer.run import Run
     from tweezer.scene import Scene
 
 app = typer.Typer(
@@ -157,19 +158,16 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
     ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(help="Figure to write (png, pdf, svg); as OUT, with .png, if not given."),
-    ] = None,
+    plot: FigureFile = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
     ] = False,
 ) -> None:
     """Follow the bead of SCENE.
 
-    Writes the trajectory and a figure. An OUT that is there is replaced by a run of the same scene,
-    settings and seed, and by no other without --overwrite. A run that is interrupted, or fails,
-    replaces none: it is written beside.
+    Writes the trajectory. An OUT that is there is replaced by a run of the same scene, settings and
+    seed, and by no other without --overwrite. A run that is interrupted, or fails, replaces none:
+    it is written beside.
     """
     from tweezer.arguments import check_run
 
@@ -177,32 +175,32 @@ def run(
     described = _described(scene, settings)
     check_run(described, seed)
     out = _writable(out or Path(f"{described.name}.nc"), ("nc",))
-    figure = _writable(plot or out.with_suffix(".png"), _FIGURE_FORMATS)
-    if not overwrite:
-        if reason := _not_replaced(out, described, seed):
-            raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
-        if plot is None and figure.exists() and not out.exists():
-            raise ResultError(f"{figure}: is there without {out}; name a --plot, or --overwrite it")
+    plot = plot and _writable(plot, _FIGURE_FORMATS)
+    if not overwrite and (reason := _not_replaced(out, described, seed)):
+        raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
     _bind_light(described)
-    result = _simulate_with_progress(described, seed)
-    ended = result.attrs["status"] not in ("failed", "interrupted")
+    result = _followed_with_progress(described, seed)
+    status = result.attributes["status"]
+    ended = status not in ("failed", "interrupted")
     if out.exists() and not (ended and (overwrite or not _not_replaced(out, described, seed))):
-        out, figure = _beside(out, figure)
+        out, plot = _beside(out, plot)
 
-    from tweezer.io import save_run
+    from tweezer.io import write_run
 
-    save_run(result, out)
+    write_run(result, out)
     try:
-        from tweezer.plots import run_figure
+        if plot:
+            from tweezer.plots import run_figure
 
-        _write_figure(run_figure(result), figure)
+            _write_figure(run_figure(result.dataset()), plot)
     finally:
         _print_summary(described, result)
         _tell_written(out)
-    _tell_written(figure)
+    _tell_written(plot)
     if not ended:
-        _complain(f"{described.name}: {result.attrs['message']}; what was reached is in {out}")
-        failed = result.attrs["status"] == "failed"
+        message = result.attributes["message"]
+        _complain(f"{described.name}: {message}; what was reached is in {out}")
+        failed = status == "failed"
         raise typer.Exit(_FAILED if failed else _INTERRUPTED)
 
 
@@ -266,8 +264,8 @@ def tune(
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
 
-    from tweezer.analysis.tune import scaled_scenes
-    from tweezer.analysis.tune import tune as compared
+    from tweezer.analysis.tuning import scaled_scenes
+    from tweezer.analysis.tuning import tune as compared
 
     scaled_scenes(described, factor, method)  # errors before the light is bound
     _bind_light(described)
@@ -714,13 +712,17 @@ def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
     return reason and f"is there, and is {reason}"
 
 
-def _beside(out: Path, figure: Path) -> tuple[Path, Path]:
+def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
     """The same names with the first number that makes them unused."""
     for number in itertools.count(2):
-        new = [path.with_stem(f"{path.stem}-{number}") for path in (out, figure)]
-        if not any(path.exists() for path in new):
+        new = _numbered(out, number), figure and _numbered(figure, number)
+        if not any(path and path.exists() for path in new):
             break
-    return new[0], new[1]
+    return new
+
+
+def _numbered(path: Path, number: int) -> Path:
+    return path.with_stem(f"{path.stem}-{number}")
 
 
 @contextlib.contextmanager
@@ -761,14 +763,14 @@ def _progress(
             yield reach
 
 
-def _simulate_with_progress(scene: Scene, seed: int | None) -> xr.Dataset:
+def _followed_with_progress(scene: Scene, seed: int | None) -> Run:
     with (
         _progress(scene.name, scene.simulation.duration, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
-        from tweezer.simulation import simulate
+        from tweezer.simulation import followed
 
-        return simulate(scene, seed=seed, progress=progress)
+        return followed(scene, seed, progress=progress)
 
 
 def _bind_light(scene: Scene) -> None:
@@ -808,11 +810,11 @@ def _print_map(scene: Scene, made: Map) -> None:
         _out.print(f"kept in {made.path}", highlight=False, soft_wrap=True)
 
 
-def _print_summary(scene: Scene, result: xr.Dataset) -> None:
-    from tweezer.analysis import summarise
+def _print_summary(scene: Scene, result: Run) -> None:
+    from tweezer.analysis.summary import summary_of
 
-    summary = summarise(result)
-    attributes = result.attrs
+    summary = summary_of(result)
+    attributes = result.attributes
     x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in summary.end)  # no -0.0
     model: str = attributes["model"]
     if model == "scaled":

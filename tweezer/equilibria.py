@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import bisect, root
 
 from tweezer.forces.force import Force
 
@@ -141,6 +140,8 @@ def _vanishing(
     start: Array, radius: float, search: Search, force: Force, net_force: NetForce
 ) -> Array | None:
     """The place near `start` where the net force vanishes; None if there is none."""
+    from scipy.optimize import root
+
     size = float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
     if size == 0.0:
         return None
@@ -189,6 +190,7 @@ def opposite(component: Component) -> Component:
 
 def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
     """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
+    from scipy.optimize import bisect
 
     def pulls(distance: float) -> float:
         return 1.0 if distance == start or pull(np.array([distance]))[0] > 0 else -1.0

@@ -7,17 +7,21 @@ import hashlib
 import json
 import secrets
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
 import pydantic_core
-import xarray as xr
 from pydantic import ValidationError
 
 from tweezer.errors import ResultError
+from tweezer.run import Run
 from tweezer.scene import Scene, by_key
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _ENGINE: Literal["h5netcdf"] = "h5netcdf"
 
@@ -35,10 +39,33 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
     path = Path(path)
     with _no_cluster():
         content = run.to_netcdf(engine=_ENGINE)
+    _write_sealed(content, path)
+    return path
+
+
+def write_run(run: Run, path: Path) -> None:
+    """Write a run that is no dataset yet; see `save_run`."""
+    import h5netcdf
+    import h5py
+
+    content = BytesIO()
+    with h5netcdf.File(content, "w") as file:
+        file.attrs.update(run.attributes)
+        for name, (dimensions, values, attributes) in (run.coordinates | run.variables).items():
+            for dimension, length in zip(dimensions, values.shape, strict=True):
+                file.dimensions.setdefault(dimension, length)
+            text = values.dtype.kind == "U"
+            stored = values.astype(h5py.string_dtype()) if text else values
+            fill = None if text else np.nan
+            made = file.create_variable(name, dimensions, data=stored, fillvalue=fill)
+            made.attrs.update(attributes)
+    _write_sealed(content.getbuffer(), path)
+
+
+def _write_sealed(content: memoryview, path: Path) -> None:
     with replacing(path) as whole:
         whole.write(content)
         whole.write(_SEAL + hashlib.sha256(content).digest())
-    return path
 
 
 def _no_cluster() -> contextlib.AbstractContextManager[object]:
@@ -96,9 +123,21 @@ def load_run(path: str | Path) -> xr.Dataset:
     Raises `ResultError` for a file that is not one, or is damaged: what `save_run` wrote and is
     not as it was, is never read.
     """
-    try:
-        check_seal(Path(path))
+    import xarray as xr
+
+    with _reading(Path(path)):
         run = xr.load_dataset(path, engine=_ENGINE)
+    if "scene" not in run.attrs:
+        raise ResultError(f"{path}: not a saved run: it names no scene")
+    return run
+
+
+@contextlib.contextmanager
+def _reading(path: Path) -> Iterator[None]:
+    """A context in which the file of a run is read. Raises `ResultError` if it is not sound."""
+    try:
+        check_seal(path)
+        yield
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except ResultError:
@@ -106,9 +145,6 @@ def load_run(path: str | Path) -> xr.Dataset:
     except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged
         reason = " ".join(str(error).split())
         raise ResultError(f"{path}: not a saved run: {reason}") from None
-    if "scene" not in run.attrs:
-        raise ResultError(f"{path}: not a saved run: it names no scene")
-    return run
 
 
 def check_seal(path: Path) -> None:
@@ -130,8 +166,13 @@ def check_seal(path: Path) -> None:
 
 def scene_of(run: xr.Dataset) -> Scene:
     """The scene that `run` was made from. Raises `ResultError` if it names none that is valid."""
+    return scene_in(run.attrs)
+
+
+def scene_in(attributes: Mapping[str, Any]) -> Scene:
+    """The scene in the attributes of a run; see `scene_of`."""
     try:
-        return Scene.model_validate_json(run.attrs["scene"])
+        return Scene.model_validate_json(attributes["scene"])
     except (KeyError, ValidationError):
         raise ResultError("not a run: it names no valid scene") from None
 
@@ -141,8 +182,11 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
 
     In words that follow "is". What only names a run, and how it was computed, does not count.
     """
+    import h5netcdf
+
     try:
-        made = load_run(path).attrs
+        with _reading(path), h5netcdf.File(path, "r") as file:
+            made = dict(file.attrs)
         there = by_key(json.loads(made["scene_as_given"]))
     except (ResultError, KeyError, ValueError, AttributeError):
         return "no run that can be compared"

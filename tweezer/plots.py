@@ -8,28 +8,12 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.constants import Boltzmann
 
-from tweezer.analysis import (
-    Calibration,
-    DepthFit,
-    Escape,
-    Finding,
-    Recording,
-    Track,
-    Trap,
-    Tuning,
-    mean_squared_displacement,
-    potential,
-    power_spectrum,
-    standard_error,
-    summarise,
-)
-from tweezer.analysis.profile import LEVEL
+from tweezer import analysis
 from tweezer.bead import bead_properties
 from tweezer.fluid import drag
 from tweezer.io import scene_of
@@ -38,7 +22,19 @@ from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
+
+    from tweezer.analysis import (
+        Calibration,
+        DepthFit,
+        Escape,
+        Finding,
+        Recording,
+        Track,
+        Trap,
+        Tuning,
+    )
 
 _MICRO, _MILLI, _PICO, _NANO = 1e6, 1e3, 1e12, 1e9
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
@@ -219,7 +215,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
-    time = summarise(run).closest_approach_time
+    time = analysis.summarise(run).closest_approach_time
     if time is None or _thermal(run):  # thermal motion comes close many times
         return
     axes.axvline(time * _MILLI, color=_MUTED, lw=0.8, ls=":")
@@ -463,7 +459,7 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
 
 def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
-        frequencies, density = power_spectrum(positions, recording.step)
+        frequencies, density = analysis.power_spectrum(positions, recording.step)
         edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
         bins = np.digitize(frequencies, edges)
         counts = np.bincount(bins)
@@ -498,8 +494,10 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
         lags = np.unique(np.geomspace(1, max(longest, 10), 24).astype(int))
-        values = mean_squared_displacement(positions)[lags]
-        errors = [standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags]
+        values = analysis.mean_squared_displacement(positions)[lags]
+        errors = [
+            analysis.standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags
+        ]
         colour, estimate = _COLOURS[found.axis], found["displacement"]
         axes.errorbar(
             lags * step, values * _NANO**2, np.array(errors) * _NANO**2,
@@ -525,7 +523,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
 def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:
     kT = Boltzmann * calibration.temperature
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
-        well = potential(positions, calibration.temperature)
+        well = analysis.potential(positions, calibration.temperature)
         colour = _COLOURS[found.axis]
         label = "too few independent samples"
         if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:
@@ -591,6 +589,8 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 
 
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
+    from tweezer.analysis.profile import LEVEL
+
     """Misfit as a function of the start, with interval and minima."""
     z, misfit = np.array(found.profile).T
     axes.plot(z * _MICRO, misfit, color=_PATH, lw=1.2)

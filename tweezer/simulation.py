@@ -7,10 +7,9 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.analysis.derived import derived_quantities
@@ -29,16 +28,17 @@ from tweezer.dynamics import (
     integrate,
     lens_touched,
     loss,
-    walk,
 )
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
+from tweezer.run import Run, Variable, variable
 from tweezer.scene import Scene, checked_scene
 from tweezer.units import to_si
 from tweezer.version import versions
 
-AXES = ["x", "y", "z"]
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: steps of thermal motion between two looks at the clock and the keyboard
 _STEPS_AT_ONCE = 100_000
@@ -82,15 +82,25 @@ def simulate(
     events or a tolerance with thermal motion, or a seed without.
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
+    if scene.forces.brownian and tolerance:
+        raise SceneError("tolerance: not with forces.brownian = true")
+    return followed(scene, seed, forces, events, progress).dataset()
+
+
+def followed(
+    scene: Scene,
+    seed: int | None = None,
+    forces: Sequence[Force] = (),
+    events: Sequence[Event] = (),
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """The run of `scene`, see `simulate`, before it is a dataset."""
     check_run(scene, seed)
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     if scene.forces.brownian:
-        for name, given in (("events", events), ("tolerance", tolerance)):
-            if given:
-                raise SceneError(f"{name}: not with forces.brownian = true")
-        problem = bound_once(scene, forces)
-        run = _thermal_run(problem, 0 if seed is None else seed, progress)
-        return run.assign_attrs(as_given)
+        if events:
+            raise SceneError("events: not with forces.brownian = true")
+        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given)
     problem, why = decided(bound_once(scene, forces))
     scene, simulation = problem.scene, problem.scene.simulation
     times = np.linspace(0.0, simulation.duration, simulation.samples)
@@ -125,19 +135,24 @@ def simulate(
         "integration_error": budget.integration_error,
         "model_error": budget.model_error,
     }
-    run = _dataset(problem, result.times, motion, attributes)
+    run = _run(problem, result.times, motion, attributes)
     if result.path is not None:
         with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
-            run.attrs["summary"] = summary_of_path(run, result, budget)
+            attributes["summary"] = summary_of_path(run, result, budget)
     if result.status == "failed":
         warn(f"{scene.name}: {result.message}")
     return run
 
 
 def _thermal_run(
-    problem: Problem, seed: int, progress: Callable[[float], None] | None
-) -> xr.Dataset:
+    problem: Problem,
+    seed: int,
+    progress: Callable[[float], None] | None,
+    as_given: dict[str, str],
+) -> Run:
     """Trajectory 0 of the ensemble of that seed."""
+    from tweezer.dynamics.walk import walk
+
     with _timed() as seconds:
         bound = walk(problem, seed)
         scene, samples = bound.scene, len(bound.times)
@@ -167,6 +182,7 @@ def _thermal_run(
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
     attributes = {
         **_about_the_run(bound.problem, bound.why),
+        **as_given,
         "emitted_module": "langevin",
         "method": scene.simulation.method,
         "seed": seed,
@@ -181,37 +197,43 @@ def _thermal_run(
         "integration_error": math.nan,
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
     }
-    motion = bound.motion(columns[0, :reached])
-    run = _dataset(bound.problem, bound.times[:reached], motion, attributes)
     if status == "failed":
         warn(f"{scene.name}: {message}")
-    return run
+    motion = bound.motion(columns[0, :reached])
+    return _run(bound.problem, bound.times[:reached], motion, attributes)
 
 
-def _dataset(
+def _run(
     problem: Problem, times: NDArray[np.float64], motion: Motion, attributes: dict[str, Any]
-) -> xr.Dataset:
+) -> Run:
     """Motion and derived quantities at `times`."""
-    variables: dict[str, Any] = {
-        "position": (("time", "axis"), motion.position,
-                     _about("m", "position of the bead's centre from the focus")),
-    }  # fmt: skip
-    coordinates: dict[str, Any] = {
-        "time": ("time", times, _about("s", "time since release")),
-        "axis": ("axis", AXES, {"long_name": "axis, z along the light"}),
+    coordinates: dict[str, Variable] = {
+        "time": variable(("time",), times, "s", "time since release"),
+        "axis": (("axis",), np.array(["x", "y", "z"]), {"long_name": "axis, z along the light"}),
+    }
+    variables = {
+        "position": variable(
+            ("time", "axis"), motion.position, "m", "position of the bead's centre from the focus"
+        )
     }
     if motion.velocity is not None:
-        variables["velocity"] = (("time", "axis"), motion.velocity, _about("m/s", "velocity"))
+        variables["velocity"] = variable(("time", "axis"), motion.velocity, "m/s", "velocity")
     if motion.orientation is not None:
-        variables["orientation"] = (("time", "euler_parameter"), motion.orientation,
-                                    _about("1", "Euler parameters"))  # fmt: skip
-        coordinates["euler_parameter"] = ["e0", "e1", "e2", "e3"]
+        coordinates["euler_parameter"] = (
+            ("euler_parameter",),
+            np.array(["e0", "e1", "e2", "e3"]),
+            {},
+        )
+        variables["orientation"] = variable(
+            ("time", "euler_parameter"), motion.orientation, "1", "Euler parameters"
+        )
     if motion.angular_velocity is not None:
-        about = _about("rad/s", "angular velocity, body frame")
-        variables["angular_velocity"] = ("time", "body_axis"), motion.angular_velocity, about
-        coordinates["body_axis"] = ["P1", "P2", "P3"]
+        coordinates["body_axis"] = ("body_axis",), np.array(["P1", "P2", "P3"]), {}
+        variables["angular_velocity"] = variable(
+            ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
+        )
     variables |= derived_quantities(problem, times, motion)
-    return xr.Dataset(variables, coordinates, attributes)
+    return Run(coordinates, variables, attributes)
 
 
 @contextlib.contextmanager
@@ -265,7 +287,3 @@ def _adjusted(
             "orientation_tolerance": simulation.orientation_tolerance * ratio,
         }
     return scene.replace(simulation=changes) if changes else scene
-
-
-def _about(units: str, long_name: str) -> dict[str, str]:
-    return {"units": units, "long_name": long_name}

@@ -6,9 +6,10 @@ import warnings
 
 import numpy as np
 
-from tweezer.dynamics import bound_once, chosen, walk
+from tweezer.dynamics import bound_once, chosen
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
+from tweezer.dynamics.walk import walk
 from tweezer.errors import PhysicsWarning
 from tweezer.optics import light_of_one_beam
 from tweezer.scene import Scene

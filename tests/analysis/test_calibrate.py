@@ -23,7 +23,7 @@ from tweezer.analysis import (
     standard_error,
     statistical_inefficiency,
 )
-from tweezer.analysis.calibrate import (
+from tweezer.analysis.calibration import (
     _covariance_of_averages,
     _of_products,
     _of_squared_displacements,

@@ -18,8 +18,9 @@ import tweezer
 from tests.reference import memory
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_field, walk_in
 from tweezer.compiled import cached_njit
-from tweezer.dynamics import bind, integrate, walk
+from tweezer.dynamics import bind, integrate
 from tweezer.dynamics.brownian import batch, euler, heun, noise, propagator
+from tweezer.dynamics.walk import walk
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.forces.data import packed
 from tweezer.forces.force import Force

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 import tweezer
 from tweezer.cli import app
-from tweezer.dynamics import walk
+from tweezer.dynamics.walk import Walk, walk
 
 SCENE = tweezer.load_scene("silica-1um").replace(
     forces={"brownian": True},
@@ -103,13 +103,12 @@ def test_an_interrupt_keeps_what_was_reached():
 
 
 def test_a_force_that_is_not_finite_fails_the_run(monkeypatch):
-    from tweezer.dynamics import walk as module
     from tweezer.errors import IntegrationError
 
     def fail(self, states, trajectories, sample, out):
         raise IntegrationError("trajectory 0: not finite")
 
-    monkeypatch.setattr(module.__globals__["Walk"], "advance", fail)
+    monkeypatch.setattr(Walk, "advance", fail)
     with pytest.warns(tweezer.PhysicsWarning, match="not finite"):
         run = tweezer.simulate(SCENE)
     assert run.attrs["status"] == "failed"

@@ -13,10 +13,10 @@ from tests.reference.fields import LinearTrap, in_place
 from tests.reference.rigid_body import Body
 from tweezer.analysis.derived import derived_quantities
 from tweezer.compiled import cached_njit
-from tweezer.dynamics import Motion, bind, bound_once, choose, integrate, walk
+from tweezer.dynamics import Motion, bind, bound_once, choose, integrate
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
-from tweezer.dynamics.walk import rotation_matrices
+from tweezer.dynamics.walk import rotation_matrices, walk
 from tweezer.errors import SceneError
 from tweezer.fluid import Drag, stokes
 from tweezer.forces.data import number, packed, vector

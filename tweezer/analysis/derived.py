@@ -6,11 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
+from tweezer.run import Variable, variable
 
 Array = NDArray[np.float64]
-
-#: Dimensions, values and attributes, as `xarray.Dataset` takes a variable
-Variable = tuple[tuple[str, ...], Array, dict[str, str]]
 
 
 def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
@@ -69,11 +67,11 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
 
 
 def _vector(values: Array, units: str, long_name: str) -> Variable:
-    return ("time", "axis"), values, {"units": units, "long_name": long_name}
+    return variable(("time", "axis"), values, units, long_name)
 
 
 def _number(values: Array, units: str, long_name: str) -> Variable:
-    return ("time",), values, {"units": units, "long_name": long_name}
+    return variable(("time",), values, units, long_name)
 
 
 def _length(vectors: Array) -> Array:

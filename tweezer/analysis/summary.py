@@ -6,18 +6,22 @@ import dataclasses
 import json
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.bead import bead_properties
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
-from tweezer.io import scene_of
+from tweezer.io import scene_in
 from tweezer.optics import optical_force, optical_jacobian
+from tweezer.run import Run
 from tweezer.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -84,10 +88,14 @@ def summarise(run: xr.Dataset) -> Summary:
     A run stores the summary of its motion between the samples. For a run without it, or a part of a
     run, the summary is from the samples alone, and marked so.
     """
-    times = run["time"].values
-    position = run["position"].values
-    if "summary" in run.attrs:
-        summary = _read(run.attrs["summary"])
+    return summary_of(Run.of(run))
+
+
+def summary_of(run: Run) -> Summary:
+    """Summary of a run: see `summarise`."""
+    times, position = run["time"], run["position"]
+    if "summary" in run.attributes:
+        summary = _read(run.attributes["summary"])
         if times[0] == 0 and summary.end == _point(position[-1]):  # the whole run, not a part
             return summary
     outcome, outcome_time, _ = _outcome(run, times, position)
@@ -101,22 +109,22 @@ def summarise(run: xr.Dataset) -> Summary:
         largest_reynolds_number=(
             float(run["reynolds_number"].max()) if "reynolds_number" in run else None
         ),
-        largest_force=_largest(run["optical_force"].values) if "optical_force" in run else math.nan,
+        largest_force=_largest(run["optical_force"]) if "optical_force" in run else math.nan,
         force_error=float(run["force_error"].max()) if "force_error" in run else math.nan,
         end=_point(position[-1]),
         by_samples=True,
     )
 
 
-def summary_of_path(run: xr.Dataset, integrated: Integration, budget: ErrorBudget) -> str:
+def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> str:
     """The attribute `summary` of a run, which `summarise` reads.
 
-    run: the dataset without it. integrated: the run, with its path.
+    run: the run without it. integrated: the run, with its path.
     """
     path = integrated.path
     assert path is not None
     scene = path.equations.scene
-    times, position = run["time"].values, run["position"].values
+    times, position = run["time"], run["position"]
     nearby = CAPTURE_RADII * scene.bead.radius
     outcome, outcome_time, rest = _outcome(run, times, position)
     here, located = passage(path, integrated.events, rest, nearby)
@@ -126,9 +134,7 @@ def summary_of_path(run: xr.Dataset, integrated: Integration, budget: ErrorBudge
         outcome_time, outcome_time_error = here.settled, errors.settled
     elif outcome == "lost":
         away = position[-1] / np.linalg.norm(position[-1])
-        outcome_time_error = budget.integration_error / abs(
-            float(run["velocity"].values[-1] @ away)
-        )
+        outcome_time_error = budget.integration_error / abs(float(run["velocity"][-1] @ away))
     elif outcome == "ended":
         outcome_time_error = math.nan
     number = float(2 * scene.medium.density * scene.bead.radius / scene.medium.viscosity)  # (5.1)
@@ -196,12 +202,12 @@ def _known(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float, Array]:
+def _outcome(run: Run, times: Array, position: Array) -> tuple[str, float, Array]:
     """Outcome, its time by the samples, s, and where the bead settled, (3,) m."""
-    status = run.attrs["status"]
-    if status != "complete" or run.attrs.get("other_forces"):
+    status = run.attributes["status"]
+    if status != "complete" or run.attributes.get("other_forces"):
         return status, float(times[-1]), position[-1]
-    scene = scene_of(run)
+    scene = scene_in(run.attributes)
     nearby = CAPTURE_RADII * scene.bead.radius
     if scene.forces.brownian:
         settled = position[-max(1, len(position) // 10) :].mean(axis=0)
@@ -212,7 +218,7 @@ def _outcome(run: xr.Dataset, times: Array, position: Array) -> tuple[str, float
         if not (np.linalg.norm(step) < scene.bead.radius and near.any()):
             return "not captured", float(times[-1]), settled
         return "captured", float(times[near.argmax()]), settled + step
-    last = run["net_force"].values[-1]
+    last = run["net_force"][-1]
     step = _to_stable_equilibrium(scene, position[-1], times[-1], last)
     if not np.linalg.norm(step) < nearby:
         return "not captured", float(times[-1]), position[-1]
@@ -242,14 +248,14 @@ def _overshoot(position: Array) -> float:
     return max(0.0, -float((lateral @ lateral[0]).min() / distance))
 
 
-def _closest_approach(run: xr.Dataset) -> tuple[float, float] | tuple[None, None]:
+def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
     """Distance, m, and time, s, of the first closest approach; None where there is none."""
-    for event in json.loads(run.attrs.get("events", "[]")):
+    for event in json.loads(run.attributes.get("events", "[]")):
         if event["name"] == "closest approach":
             return float(np.linalg.norm(event["position"])), event["time"]
-    distance = run["distance"].values
+    distance = run["distance"]
     change = np.diff(distance)
     minima = np.flatnonzero((change[:-1] < 0) & (change[1:] >= 0)) + 1
     if not minima.size:
         return None, None
-    return float(distance[minima[0]]), float(run["time"].values[minima[0]])
+    return float(distance[minima[0]]), float(run["time"][minima[0]])

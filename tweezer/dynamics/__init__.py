@@ -7,7 +7,6 @@ from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach
 from tweezer.dynamics.integrate import Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, Motion, bind
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.dynamics.walk import Walk, walk
 
 __all__ = [
     "EquationsOfMotion",
@@ -16,7 +15,6 @@ __all__ = [
     "Motion",
     "Occurrence",
     "Problem",
-    "Walk",
     "bind",
     "bound_once",
     "capture",
@@ -27,5 +25,4 @@ __all__ = [
     "integrate",
     "lens_touched",
     "loss",
-    "walk",
 ]

@@ -1,0 +1,53 @@
+"""A run as arrays, with what `xarray.Dataset` and a NetCDF file say of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+#: Dimensions, values and attributes
+Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run before it is an `xarray.Dataset`: importing xarray takes longer than a run."""
+
+    coordinates: dict[str, Variable]
+    variables: dict[str, Variable]
+    attributes: dict[str, Any]
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Run:
+        """The run of a dataset."""
+        parts: dict[Any, Any] = {
+            name: (each.dims, each.values, each.attrs) for name, each in dataset.variables.items()
+        }
+        coordinates: dict[Any, Any] = {name: parts.pop(name) for name in dataset.coords}
+        return cls(coordinates, parts, dataset.attrs)
+
+    def dataset(self) -> xr.Dataset:
+        """The same as a dataset."""
+        import xarray as xr
+
+        return xr.Dataset(self.variables, self.coordinates, self.attributes)
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.variables or name in self.coordinates
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of a variable or a coordinate."""
+        _, values, _ = self.variables.get(name) or self.coordinates[name]
+        return values
+
+
+def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> Variable:
+    """A variable with its unit and name."""
+    return dimensions, values, {"units": units, "long_name": long_name}
