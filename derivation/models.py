@@ -362,33 +362,30 @@ def _ray() -> Module:
     efficiencies = {
         "circular": (
             "circular or unpolarised light: Q averaged over s and p",
-            ray.circular(ray.scattering),
-            ray.circular(ray.gradient),
+            ray.CIRCULAR,
+            _parts_of_light(ray.CIRCULAR_PARTS, sy.OF_CIRCULAR, ray.CIRCULAR),
         ),
         "averaged_reflectance": (
             "the thesis's: R averaged over s and p (3.17)",
-            ray.scattering(ray.AVERAGED),
-            ray.gradient(ray.AVERAGED),
+            ray.AVERAGED,
+            _parts_of_light(ray.AVERAGED_PARTS, sy.OF_AVERAGED, ray.AVERAGED),
         ),
     }
-    cosines = (
-        (sy.COS_ALPHA, ray.cos_alpha),
-        (sy.COS_BETA, ray.cos_beta),
+    cosines = tuple(
+        zip((sy.COS_SQUARED, sy.COS_ALPHA, sy.COS_BETA), ray.COSINES.values(), strict=True)
     )
-    parts = (*cosines, *zip(sy.FRESNEL, ray.FRESNEL_PARTS.values(), strict=True))
-    rates = tuple(
-        (quantity, ray.rate_in_S(expression))
-        for quantity, expression in zip(sy.FRESNEL_RATES, ray.FRESNEL_PARTS.values(), strict=True)
-    )
+    surface = tuple(zip(sy.SURFACE, ray.SURFACE_PARTS.values(), strict=True))
     functions = []
-    for name, (meaning, scattering, gradient) in efficiencies.items():
+    for name, (meaning, light, of_light) in efficiencies.items():
+        scattering, gradient = ray.shared_scattering(light), ray.shared_gradient(light)
+        parts = (*surface, *of_light)
         functions.append(
             Function(
                 name,
                 f"Efficiencies of a ray (3.19-3.22), {meaning}.",
                 arguments,
                 sp.Matrix([scattering, gradient]),
-                parts,
+                (*cosines, *parts),
                 ("Q_sc", "G"),
             )
         )
@@ -405,7 +402,7 @@ def _ray() -> Module:
                         ray.rate_in_S(gradient),
                     ]
                 ),
-                (*parts, *rates),
+                (*cosines, *parts, *_with_rates(parts)),
                 ("Q_sc", "dQ_sc", "G", "dG"),
             )
         )
@@ -416,15 +413,17 @@ def _ray() -> Module:
             "Efficiencies of a totally reflected ray: S >= 1/n_mP^2, n_mP > 1.",
             arguments[:1],
             sp.Matrix(total),
-            cosines[:1],
+            cosines[:2],
             ("Q_sc", "G"),
         ),
         Function(
             "total_reflection_rates",
             "Efficiencies of a totally reflected ray and their derivatives over S.",
             arguments[:1],
-            sp.Matrix([total[0], ray.rate_in_S(total[0]), total[1], ray.rate_in_S(total[1])]),
-            cosines[:1],
+            sp.Matrix([total[0], ray.rate_in_S(total[0]), total[1], ray.rate_in_S(total[1])]).subs(
+                ray.h, 1 / (2 * ray.c * ray.b)
+            ),
+            cosines[:2],
             ("Q_sc", "dQ_sc", "G", "dG"),
         ),
     ]
@@ -441,7 +440,7 @@ def _ray() -> Module:
                 "cos_squared_beta",
                 "cos^2 of the angle of refraction (3.15); negative where all is reflected.",
                 arguments,
-                sp.Matrix([(ray.cos_beta**2).subs(ray.c, ray.cos_alpha)]),
+                sp.Matrix([ray.cos_squared_beta]),
                 output_names=("cos_squared",),
             ),
             Function(
@@ -458,6 +457,22 @@ def _ray() -> Module:
                 "Force of the ray on the bead (3.24).",
                 (*ray_and_impact, radius, q_sc, g),
                 ray.force,
+                output_names=("F1", "F2", "F3"),
+            ),
+            Function(
+                "passage",
+                "s = u.p, the centre's place along the ray, and S = |p|^2 - s^2 by (3.12).\n"
+                "p is in radii; the digits of |p|^2 are lost.",
+                (*_scalars(sy.RAY), *_scalars(sy.PLACE)),
+                sp.Matrix([sy.ALONG_RAY.symbol, ray.S_by_place]),
+                ((sy.ALONG_RAY, ray.along_ray),),
+                ("s", "S"),
+            ),
+            Function(
+                "force_along_ray",
+                "F + G p, along the ray, of its force F (3.24) on the bead: p in radii.",
+                (*_scalars(sy.RAY), *_scalars((sy.ALONG_RAY,)), q_sc, g),
+                ray.force_along_ray,
                 output_names=("F1", "F2", "F3"),
             ),
             Function(
@@ -481,14 +496,33 @@ def _ray() -> Module:
                 sp.Matrix(list(ray.moment_gradient)),
                 output_names=jacobian,
             ),
-            *_polarised(arguments, parts, rates),
+            *_polarised(arguments, cosines),
         ),
         ("ray.py",),
         'cache=True, error_model="numpy", forceinline=True',
     )
 
 
-def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> tuple[Function, ...]:
+def _parts_of_light(
+    parts: Mapping[sp.Symbol, sp.Expr], names: tuple[Quantity, ...], light: ray.Light
+) -> Named:
+    """Named parts of the efficiencies of one kind of light."""
+    shared = ray.efficiency_parts(light)
+    return (
+        *zip(names, parts.values(), strict=True),
+        *zip(sy.EFFICIENCIES, shared.values(), strict=True),
+    )
+
+
+def _with_rates(parts: Named) -> Named:
+    """1/(2 q) and the derivatives over S of named parts."""
+    return (
+        (sy.PER_COSINES, ray.per_cosines),
+        *((sy.over_S(part), ray.rate_of_part(part.symbol, value)) for part, value in parts),
+    )
+
+
+def _polarised(arguments: tuple[Argument, ...], cosines: Named) -> tuple[Function, ...]:
     """What linearly or elliptically polarised light adds to light that is not."""
     u, n = _scalars(sy.RAY), _scalars(sy.IMPACT)
     radius = Argument("r", (sy.RADIUS,))
@@ -497,6 +531,8 @@ def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> t
     x, y = _scalars((sy.SPLIT_SCATTERING, sy.SPLIT_GRADIENT))
     dsigma = _scalars(sy.POLARISATION_RATES)
     scattering, gradient = ray.split(ray.scattering), ray.split(ray.gradient)
+    surface = zip(sy.SURFACE, ray.SURFACE_PARTS.values(), strict=True)
+    parts = (*surface, *zip(sy.OF_CIRCULAR, ray.CIRCULAR_PARTS.values(), strict=True))
     jacobian = tuple(f"J{i}{j}" for i in "123" for j in "123")
     return (
         Function(
@@ -525,7 +561,7 @@ def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> t
             "Half the differences of the efficiencies of s and p, over S: what sigma multiplies.",
             arguments,
             sp.Matrix([scattering, gradient]),
-            parts,
+            (*cosines, *parts),
             ("X", "Y"),
         ),
         Function(
@@ -533,7 +569,7 @@ def _polarised(arguments: tuple[Argument, ...], parts: Named, rates: Named) -> t
             "The same and their derivatives over S.",
             arguments,
             sp.Matrix([scattering, ray.rate_in_S(scattering), gradient, ray.rate_in_S(gradient)]),
-            (*parts, *rates),
+            (*cosines, *parts, *_with_rates(parts)),
             ("X", "dX", "Y", "dY"),
         ),
         Function(

@@ -28,17 +28,22 @@ import sympy as sp
 
 from .equations import Equation
 from .symbols import (
+    ALONG_RAY,
     COS_ALPHA,
     COS_BETA,
+    COS_SQUARED,
+    EFFICIENCIES,
     FIELD_IMAGINARY,
     FIELD_REAL,
-    FRESNEL,
-    FRESNEL_RATES,
     GRADIENT,
     GRADIENT_RATE,
     IMPACT,
     INDEX_RATIO,
     JONES,
+    OF_AVERAGED,
+    OF_CIRCULAR,
+    PER_COSINES,
+    PLACE,
     POLARISATION_RATES,
     POSITION,
     RADIUS,
@@ -48,6 +53,8 @@ from .symbols import (
     SINE_SQUARED,
     SPLIT_GRADIENT,
     SPLIT_SCATTERING,
+    SURFACE,
+    over_S,
     vector,
 )
 
@@ -105,156 +112,181 @@ def absorbed_angular_momentum() -> sp.Expr:
 S, mu = SINE_SQUARED.symbol, INDEX_RATIO.symbol
 r = RADIUS.symbol
 
-#: cos(alpha), and cos(beta) by Snell's law (3.14): 1 - mu^2 S, written so that nothing cancels
-#: as the ray grazes
-cos_alpha = sp.sqrt(1 - S)
-c, ct = COS_ALPHA.symbol, COS_BETA.symbol
-cos_beta = sp.sqrt((1 - mu) * (1 + mu) + mu**2 * c**2)
-
+C, c, b = COS_SQUARED.symbol, COS_ALPHA.symbol, COS_BETA.symbol
 _contrast = (1 - mu) * (1 + mu)
+#: Cosines: C = cos^2(alpha), cos(alpha), and b = cos(beta)/mu by Snell's law (3.14). There
+#: mu^2 b^2 = 1 - mu^2 S is written so that nothing cancels where the ray grazes
+COSINES: dict[sp.Symbol, sp.Expr] = {C: 1 - S, c: sp.sqrt(C), b: sp.sqrt(C + _contrast / mu**2)}
+cos_squared_beta = _contrast + mu**2 * (1 - S)
 
-#: Named parts of the efficiencies, as functions of S, cos(alpha), cos(beta) and of the parts
-#: before them. Fresnel's transmittances have the factor 4 mu q, q = cos(alpha) cos(beta), and his
-#: reflected amplitudes the factor 1 - mu^2: they vanish exactly at equal indices, and T is not
-#: 1 - R, which would cancel. One division serves both polarisations.
-q, w_s, w_p, y, V_s, V_p, a, rho2_s, rho2_p, g = vector(FRESNEL)
-FRESNEL_PARTS: dict[sp.Symbol, sp.Expr] = {
-    q: c * ct,
-    w_s: mu * c + ct,
-    w_p: mu * ct + c,
-    y: 1 / (w_s**2 * w_p**2),
-    V_s: w_p**2 * y,
-    V_p: w_s**2 * y,
-    a: 1 - S * (1 + mu**2),
-    rho2_s: _contrast**2,
-    rho2_p: _contrast**2 * a**2,
-    g: _contrast * w_s * V_s,
+#: Named parts of the efficiencies, as functions of S, the cosines and the parts before them.
+#: X = q R/T of each polarisation, and g, have the factor 1 - mu^2 and so vanish exactly at equal
+#: indices; 1 - T, which would cancel, does not occur. One division serves both polarisations.
+q, w_s, w_p, y, y_s, y_p, g, a, X_s, X_p = vector(SURFACE)
+SURFACE_PARTS: dict[sp.Symbol, sp.Expr] = {
+    q: c * b,
+    w_s: c + b,
+    w_p: c + mu**2 * b,
+    y: 1 / (w_s * w_p),
+    y_s: w_p * y,
+    y_p: w_s * y,
+    g: _contrast / (2 * mu**2) * y_s,
+    a: _contrast / (2 * mu) * (1 - (1 + mu**2) * S),
+    X_s: g**2,
+    X_p: (a * y_p) ** 2,
+}
+
+
+def denominator(X: sp.Expr) -> sp.Expr:
+    """|1 + R exp(-2 i beta)|^2 of (3.19)-(3.22), up to a factor, by X = q R/T."""
+    return C + 4 * mu**2 * X * (q + X)
+
+
+D_s, D_p, t_s, t_p = vector(OF_CIRCULAR)
+CIRCULAR_PARTS: dict[sp.Symbol, sp.Expr] = {
+    D_s: C + (_contrast / (2 * mu)) ** 2,
+    D_p: C + a**2,
+    t_s: X_s * D_p,
+    t_p: X_p * D_s,
+}
+V_s, V_p, V, N = vector(OF_AVERAGED)
+AVERAGED_PARTS: dict[sp.Symbol, sp.Expr] = {
+    V_s: y_s**2,
+    V_p: (mu * y_p) ** 2,
+    V: V_s + V_p,
+    N: X_s * V_s + X_p * V_p,
 }
 
 
 @dataclass(frozen=True)
-class Polarisation:
-    """Power reflected and transmitted at the surface, by V = T/(4 mu q) and rho2 = R/V^2."""
+class Light:
+    """What the efficiencies are made of: sums over polarisations, and their common factor.
 
-    rho2: sp.Expr
-    V: sp.Expr
+    For one polarisation zeroth, first, second = 1, X, X^2 and scale = 4 mu^2/denominator(X). Others
+    are brought to one fraction, as divisions are what a ray costs most.
+    """
 
-    @property
-    def reflectance(self) -> sp.Expr:
-        """R of (3.17)."""
-        return self.rho2 * self.V**2
-
-    @property
-    def transmittance(self) -> sp.Expr:
-        """T of (3.18)."""
-        return 4 * mu * q * self.V
+    zeroth: sp.Expr
+    first: sp.Expr
+    second: sp.Expr
+    scale: sp.Expr
 
 
-S_POLARISED = Polarisation(rho2_s, V_s)
-P_POLARISED = Polarisation(rho2_p, V_p)
-#: (3.17): R averaged over both before it enters (3.19)-(3.22)
-AVERAGED = Polarisation(2 * (rho2_s * V_s**2 + rho2_p * V_p**2) / (V_s + V_p) ** 2, (V_s + V_p) / 2)
+def polarised(X: sp.Expr, D: sp.Expr | None = None) -> Light:
+    """Light of one polarisation, of X = q R/T; D: its denominator."""
+    return Light(sp.Integer(1), X, X**2, 4 * mu**2 / (denominator(X) if D is None else D))
 
 
-def _scattering_parts(light: Polarisation) -> tuple[sp.Expr, sp.Expr]:
-    rho2, V = light.rho2, light.V
-    return (
-        rho2 * V * (4 * mu * q + 2 * rho2 * V * c**2) + 8 * mu**2 * c**2 * S * g**2,
-        4 * mu**2 * c**2 + rho2,
-    )
+S_POLARISED, P_POLARISED = polarised(X_s, D_s), polarised(X_p, D_p)
+#: circular or unpolarised light: the mean of Q over s and p, not Q of the mean R
+CIRCULAR = Light(D_s + D_p, t_s + t_p, X_s * t_s + X_p * t_p, 2 * mu**2 / (D_s * D_p))
+#: (3.17): R averaged over both before it enters (3.19)-(3.22); X = N/V
+AVERAGED = Light(V**2, N * V, N**2, 4 * mu**2 / (C * V**2 + 2 * mu**2 * N))
 
 
-def _gradient_parts(light: Polarisation) -> tuple[sp.Expr, sp.Expr]:
-    rho2, V = light.rho2, light.V
-    return (
-        2 * (4 * mu**2 * c**2 * g * (q + mu * S) - rho2**2 * V**2 * c),
-        4 * mu**2 * c**2 + rho2,
-    )
+def reflectance(X: sp.Expr) -> sp.Expr:
+    """R of (3.17): T = q/(q + X) is 1 - R."""
+    return X / (q + X)
 
 
-def scattering(light: Polarisation) -> sp.Expr:
-    """Q_sc (3.19) without trigonometry and without cancellation.
+def scattering(light: Light) -> sp.Expr:
+    """Q_sc (3.19) without trigonometry and without cancellation, for one polarisation
 
-    T^2 = 16 mu^2 cos^2(alpha) cos^2(beta) V^2, so that cos^2(beta) leaves the fraction:
-
-    Q_sc = [rho2 V (4 mu q + 2 rho2 V cos^2(alpha)) + 8 mu^2 cos^2(alpha) sin^2(alpha - beta)]
-           / (4 mu^2 cos^2(alpha) + rho2).
+    Q_sc = 4 mu^2 [q X + 2 cos^2(alpha) (X^2 + S g^2)]/denominator(X).
     Every term is positive, and vanishes with R and 1 - mu.
     """
-    numerator, denominator = _scattering_parts(light)
-    return numerator / denominator
+    refracted = S * g**2 * light.zeroth
+    return light.scale * (q * light.first + 2 * C * (light.second + refracted))
 
 
-def gradient(light: Polarisation) -> sp.Expr:
+def gradient(light: Light) -> sp.Expr:
     """G = -Q_gr/sqrt(S), (3.21), likewise; positive where the ray attracts."""
-    numerator, denominator = _gradient_parts(light)
-    return numerator / denominator
+    return light.scale * (C * g * (q + S) * light.zeroth - 2 * c * light.second)
+
+
+#: The same for the compiler: what both efficiencies share is computed once
+scale, e, z = vector(EFFICIENCIES)
+
+
+def efficiency_parts(light: Light) -> dict[sp.Symbol, sp.Expr]:
+    """Parts that Q_sc and G share."""
+    return {scale: light.scale, e: 2 * c * light.second, z: C * g * light.zeroth}
+
+
+def shared_scattering(light: Light) -> sp.Expr:
+    """Q_sc of `scattering` by these parts."""
+    return scale * (q * light.first + c * e + 2 * S * g * z)
+
+
+def shared_gradient(light: Light) -> sp.Expr:  # noqa: ARG001
+    """G of `gradient` by these parts."""
+    return scale * (z * (q + S) - e)
 
 
 #: efficiencies of a totally reflected ray, R = 1 and T = 0: n_P < n_m, sin(alpha) >= n_P/n_m
-TOTAL_SCATTERING = 2 * c**2
+TOTAL_SCATTERING = 2 * C
 TOTAL_GRADIENT = -2 * c
 
 
-Efficiency = Callable[[Polarisation], sp.Expr]
-_PARTS: dict[Efficiency, Callable[[Polarisation], tuple[sp.Expr, sp.Expr]]] = {
-    scattering: _scattering_parts,
-    gradient: _gradient_parts,
-}
-
-
-def circular(efficiency: Efficiency) -> sp.Expr:
-    """Q for circular or unpolarised light: the mean of Q over s and p, not Q of the mean R.
-
-    Over one common denominator, as divisions are what a ray costs most.
-    """
-    n_s, d_s = _PARTS[efficiency](S_POLARISED)
-    n_p, d_p = _PARTS[efficiency](P_POLARISED)
-    return (n_s * d_p + n_p * d_s) / (2 * d_s * d_p)
+Efficiency = Callable[[Light], sp.Expr]
 
 
 def split(efficiency: Efficiency) -> sp.Expr:
     """(Q_s - Q_p)/(2 S), without the cancellation of the difference as S goes to 0.
 
-    With K = 1 - mu^2, rho2_s - rho2_p = S K^2 (1 + mu^2) (1 + a) and V_s - V_p = -S K^2 y. So
-    N_s D_p - N_p D_s, a polynomial in these two steps, has the factor S.
+    With K = 1 - mu^2 and f = (1 + mu^2) (2 - S (1 + mu^2)), X_s - X_p and D_s - D_p are S times
+    K^2 y^2 (mu^2 f w_s^2 - K^2)/(4 mu^4) and K^2 f/(4 mu^2). So N_s D_p - N_p D_s, a polynomial in
+    these two steps, has the factor S.
     """
-    rho2, V, step_rho2, step_V, s = sp.symbols("rho2 V step_rho2 step_V s")
-    n_p, d_p = _PARTS[efficiency](Polarisation(rho2, V))
-    n_s, d_s = _PARTS[efficiency](Polarisation(rho2 + s * step_rho2, V + s * step_V))
-    divided = sp.cancel(sp.expand(n_s * d_p - n_p * d_s) / s)
+    X, D, step_X, step_D, s = sp.symbols("X D step_X step_D s")
+    n_p = sp.expand(efficiency(polarised(X, D)) * D)
+    n_s = n_p.subs(X, X + s * step_X)
+    divided = sp.cancel(sp.expand(n_s * D - n_p * (D + s * step_D)) / s)
+    f = (1 + mu**2) * (2 - (1 + mu**2) * S)
+    k = (_contrast / (2 * mu)) ** 2
     values = {
         s: S,
-        rho2: P_POLARISED.rho2,
-        V: P_POLARISED.V,
-        step_rho2: rho2_s * (1 + mu**2) * (1 + a),
-        step_V: -rho2_s * y,
+        X: X_p,
+        D: D_p,
+        step_X: k * (f * y_p**2 - (_contrast / mu * y) ** 2),
+        step_D: k * f,
     }
-    denominator = _PARTS[efficiency](S_POLARISED)[1] * d_p.subs(values)
-    return sp.collect(sp.expand(divided), (step_rho2, step_V), sp.factor).subs(values) / (
-        2 * denominator
-    )
+    return sp.collect(divided, (step_X, step_D), sp.factor).subs(values) / (2 * D_s * D_p)
 
 
-#: d/dS of the named parts, by name
-FRESNEL_PART_RATES = dict(zip(FRESNEL_PARTS, vector(FRESNEL_RATES), strict=True))
+#: all named parts, and d/dS of each by its name
+PARTS = {**SURFACE_PARTS, **CIRCULAR_PARTS, **AVERAGED_PARTS, **efficiency_parts(CIRCULAR)}
+PART_RATES = {
+    each.symbol: over_S(each).symbol
+    for each in (*SURFACE, *OF_CIRCULAR, *OF_AVERAGED, *EFFICIENCIES)
+}
+#: 1/(2 q): d cos(alpha)/dS = -1/(2 cos(alpha)) = -h b and db/dS = -1/(2 b) = -h cos(alpha)
+h = PER_COSINES.symbol
+per_cosines = 1 / (2 * q)
 
 
 def rate_in_S(expression: sp.Expr) -> sp.Expr:
-    """d/dS by the chain rule through cos(alpha), cos(beta) and the named parts.
+    """d/dS by the chain rule through the cosines and the named parts."""
+    through_parts = sum(expression.diff(part) * rate for part, rate in PART_RATES.items())
+    through_cosines = -h * (expression.diff(c) * b + expression.diff(b) * c)
+    return expression.diff(S) - expression.diff(C) + through_cosines + through_parts
 
-    d cos(alpha)/dS = -1/(2 cos(alpha)) and d cos(beta)/dS = -mu^2/(2 cos(beta)).
-    """
-    through_parts = sum(expression.diff(part) * rate for part, rate in FRESNEL_PART_RATES.items())
-    through_cosines = -expression.diff(c) / (2 * c) - expression.diff(ct) * mu**2 / (2 * ct)
-    return expression.diff(S) + through_cosines + through_parts
+
+def rate_of_part(part: sp.Symbol, value: sp.Expr) -> sp.Expr:
+    """d/dS of a named part; of k/D as -(k/D)^2 D'/k, without another division."""
+    if part in (y_s, y_p):
+        return -(part**2) * PART_RATES[w_s if part == y_s else w_p]
+    numerator, divisor = sp.fraction(value)
+    if rate_in_S(divisor) == 0 or rate_in_S(numerator) != 0:
+        return rate_in_S(value)
+    return -(part**2) * rate_in_S(divisor) / numerator
 
 
 def in_S(expression: sp.Expr) -> sp.Expr:
     """An efficiency as a function of S alone."""
-    for part, value in reversed(FRESNEL_PARTS.items()):
+    for part, value in reversed({**COSINES, **PARTS}.items()):
         expression = expression.subs(part, value)
-    return expression.subs(ct, cos_beta).subs(c, cos_alpha)
+    return expression
 
 
 # --- the ray in space ------------------------------------------------------------------------
@@ -271,6 +303,14 @@ Qs, dQs, G, dG = vector((SCATTERING, SCATTERING_RATE, GRADIENT, GRADIENT_RATE))
 
 #: force in units of n_m P/c (3.24)
 force = Qs * u + G * n / r
+
+#: the same by p/r: with s = u.p/r the ray passes the centre at n/r = s u - p/r, so that S is
+#: |p/r|^2 - s^2, and the force is (Q_sc + s G) u - G p/r, whose second term has one direction for
+#: all rays
+place, s = sp.Matrix(vector(PLACE)), ALONG_RAY.symbol
+along_ray = (u.T * place)[0]
+S_by_place = (place.T * place)[0] - s**2
+force_along_ray = (Qs + s * G) * u
 
 
 def _gradient_over_position(
@@ -346,7 +386,7 @@ turning_moment = (X + c * Y) * n.cross(u) * dsigma.T
 EMERGENT_RAYS = Equation("-", "sum over the emergent rays", r"Q_{sc} + i Q_{gr}", emergent_series())
 SCATTERING_FORCE = Equation("3.19", "scattering efficiency", r"Q_{sc}", Q_sc)
 GRADIENT_FORCE = Equation("3.21", "gradient efficiency", r"Q_{gr}", Q_gr)
-REFLECTANCE = Equation("3.17", "averaged reflectance", r"R", in_S(AVERAGED.reflectance))
+REFLECTANCE = Equation("3.17", "averaged reflectance", r"R", in_S(reflectance(N / V)))
 SCATTERING_REDUCED = Equation(
     "3.19", "without trigonometry", r"Q_{sc}",
     scattering(S_POLARISED),

@@ -141,8 +141,13 @@ RAY = _vector("u1 u2 u3", "1", "unit direction of the ray", "3.2", INERTIAL)
 IMPACT = _vector(
     "n1 n2 n3", "m", "from the bead's centre to the nearest point of the ray,", "3.23", INERTIAL
 )
+PLACE = _vector("p1 p2 p3", "1", "position of the bead's centre over its radius", "3.12", INERTIAL)
+ALONG_RAY = _quantity("s", "1", "the centre's place along the ray, u.p", "3.12")
 COS_ALPHA = _quantity("cos_alpha", "1", "cosine of the angle of incidence", "3.11", positive=True)
-COS_BETA = _quantity("cos_beta", "1", "cosine of the angle of refraction", "3.15", positive=True)
+COS_SQUARED = _quantity("C", "1", "cos^2(alpha)", "3.11", positive=True)
+COS_BETA = _quantity(
+    "b", "1", "cos(beta)/n_mP, of the angle of refraction beta", "3.15", positive=True
+)
 SCATTERING = _quantity("Q_sc", "1", "scattering efficiency", "3.19")
 SCATTERING_RATE = _quantity("dQ_sc", "1", "dQ_sc/dS", "3.19")
 GRADIENT = _quantity("G", "1", "gradient efficiency, -Q_gr/sqrt(S)", "3.21")
@@ -163,24 +168,52 @@ SPLIT_SCATTERING_RATE = _quantity("dX", "1", "dX/dS", "3.19")
 SPLIT_GRADIENT = _quantity("Y", "1", "(G of s less that of p)/(2 S)", "3.21")
 SPLIT_GRADIENT_RATE = _quantity("dY", "1", "dY/dS", "3.21")
 
-# Intermediates of the efficiencies, and their derivatives over S.
-_FRESNEL = (
-    ("q", "cos(alpha) cos(beta)", "3.17"),
-    ("w_s", "n_mP cos(alpha) + cos(beta)", "3.17"),
-    ("w_p", "n_mP cos(beta) + cos(alpha)", "3.17"),
-    ("y", "1/(w_s w_p)^2", "3.17"),
-    ("V_s", "transmittance over 4 n_mP q, s", "3.18"),
-    ("V_p", "transmittance over 4 n_mP q, p", "3.18"),
-    ("a", "1 - S (1 + n_mP^2), factor of the reflected amplitude, p", "3.17"),
-    ("rho2_s", "reflectance over V_s^2, s", "3.17"),
-    ("rho2_p", "reflectance over V_p^2, p", "3.17"),
-    ("g", "sin(alpha - beta)/sqrt(S)", "3.20"),
+# Intermediates of the efficiencies. T, R: power transmitted and reflected at the surface.
+_SURFACE = (
+    ("q", "cos(alpha) b", "3.17"),
+    ("w_s", "cos(alpha) + b", "3.17"),
+    ("w_p", "cos(alpha) + n_mP^2 b", "3.17"),
+    ("y", "1/(w_s w_p)", "3.17"),
+    ("y_s", "1/w_s", "3.17"),
+    ("y_p", "1/w_p", "3.17"),
+    ("g", "sin(alpha - beta)/(2 n_mP sqrt(S))", "3.20"),
+    ("a", "(1 - n_mP^2) (1 - S (1 + n_mP^2))/(2 n_mP)", "3.17"),
+    ("X_s", "q R/T, s", "3.17"),
+    ("X_p", "q R/T, p", "3.17"),
 )
-FRESNEL = tuple(_quantity(name, "1", meaning, number) for name, meaning, number in _FRESNEL)
-FRESNEL_RATES = tuple(
-    _quantity(f"d{name}", "1", f"derivative over S of the {meaning}", number)
-    for name, meaning, number in _FRESNEL
+_CIRCULAR = (
+    ("D_s", "denominator of the efficiencies, s", "3.19"),
+    ("D_p", "denominator of the efficiencies, p", "3.19"),
+    ("t_s", "X_s D_p", "3.19"),
+    ("t_p", "X_p D_s", "3.19"),
 )
+_AVERAGED = (
+    ("V_s", "T/(4 q), s", "3.18"),
+    ("V_p", "T/(4 q), p", "3.18"),
+    ("V", "V_s + V_p", "3.18"),
+    ("N", "X_s V_s + X_p V_p", "3.17"),
+)
+_EFFICIENCIES = (
+    ("scale", "factor of both efficiencies", "3.19"),
+    ("e", "what reflection takes from G/scale", "3.21"),
+    ("z", "part of G/scale by refraction, over q + S", "3.21"),
+)
+
+
+def _named(table: tuple[tuple[str, str, str], ...]) -> tuple[Quantity, ...]:
+    return tuple(_quantity(name, "1", meaning, number) for name, meaning, number in table)
+
+
+def over_S(quantity: Quantity) -> Quantity:
+    """Its derivative over S."""
+    meaning = f"derivative over S of the {quantity.meaning}"
+    return _quantity(f"d{quantity.name}", quantity.unit, meaning, quantity.equation)
+
+
+SURFACE, OF_CIRCULAR, OF_AVERAGED, EFFICIENCIES = map(
+    _named, (_SURFACE, _CIRCULAR, _AVERAGED, _EFFICIENCIES)
+)
+PER_COSINES = _quantity("h", "1", "1/(2 q)")
 
 
 # --- light as waves ------------------------------------------------------------------------------

@@ -247,12 +247,13 @@ def _in_angles(expression):
     """Trigonometry-free expression back in alpha and beta, with mu from Snell's law (3.14)."""
     mu = sp.sin(ray.beta) / sp.sin(ray.alpha)
     values = {
+        ray.C: sp.cos(ray.alpha) ** 2,
         ray.c: sp.cos(ray.alpha),
-        ray.ct: sp.cos(ray.beta),
+        ray.b: sp.cos(ray.beta) / mu,
         ray.S: sp.sin(ray.alpha) ** 2,
         ray.mu: mu,
     }
-    for part, value in reversed(ray.FRESNEL_PARTS.items()):
+    for part, value in reversed(ray.PARTS.items()):
         expression = expression.subs(part, value)
     return expression.subs(values)
 
@@ -269,8 +270,7 @@ def _vanishes_on_angles(expression):
 
 
 def test_efficiencies_without_trigonometry_are_the_printed_ones():
-    V = (1 - ray.R_i) / (4 * ray.mu * ray.q)  # T = 1 - R
-    light = ray.Polarisation(ray.R_i / V**2, V)
+    light = ray.polarised(ray.q * ray.R_i / (1 - ray.R_i))  # T = 1 - R
     printed_sc = ray.Q_sc.subs(ray.T_i, 1 - ray.R_i)
     printed_gr = ray.Q_gr.subs(ray.T_i, 1 - ray.R_i)
     assert _vanishes_on_angles(_in_angles(ray.scattering(light)) - printed_sc)
@@ -301,9 +301,32 @@ def test_fresnel_coefficients_are_the_printed_ones():
     s = ((n_m * ca - n_p * cb) / (n_m * ca + n_p * cb)) ** 2
     p = ((n_m * cb - n_p * ca) / (n_m * cb + n_p * ca)) ** 2
     snell = {n_p: n_m * sp.sin(ray.alpha) / sp.sin(ray.beta)}
-    for light, printed in ((ray.S_POLARISED, s), (ray.P_POLARISED, p), (ray.AVERAGED, (s + p) / 2)):
-        assert _vanishes_on_angles(_in_angles(light.reflectance) - printed.subs(snell))
-        assert _vanishes_on_angles(_in_angles(light.reflectance + light.transmittance) - 1)
+    for X, printed in ((ray.X_s, s), (ray.X_p, p), (ray.N / ray.V, (s + p) / 2)):
+        assert _vanishes_on_angles(_in_angles(ray.reflectance(X)) - printed.subs(snell))
+
+
+def test_denominators_are_those_of_the_reflectance():
+    """Of s and p; and T = 2 q V of light whose R is averaged, with T = q/(q + X)."""
+    for X, D in ((ray.X_s, ray.D_s), (ray.X_p, ray.D_p)):
+        assert _vanishes_on_angles(_in_angles(D - ray.denominator(X)))
+    assert _vanishes_on_angles(_in_angles(2 * ray.q * ray.V + 2 * ray.N - 1))
+
+
+@pytest.mark.parametrize("efficiency", [ray.scattering, ray.gradient])
+def test_lights_are_brought_to_one_fraction(efficiency):
+    """The mean of s and p; R averaged; and both by the parts that the efficiencies share."""
+    of_one_fraction = efficiency(ray.CIRCULAR).subs(
+        {ray.t_s: ray.X_s * ray.D_p, ray.t_p: ray.X_p * ray.D_s}
+    )
+    mean = (efficiency(ray.S_POLARISED) + efficiency(ray.P_POLARISED)) / 2
+    assert is_zero(of_one_fraction - mean)
+    X = ray.N / ray.V
+    averaged = efficiency(ray.polarised(X)).subs(ray.q, 1 / (2 * ray.V) - X)
+    assert is_zero(efficiency(ray.AVERAGED).subs(ray.q, 1 / (2 * ray.V) - X) - averaged)
+    shared = {ray.scattering: ray.shared_scattering, ray.gradient: ray.shared_gradient}[efficiency]
+    for light in (ray.CIRCULAR, ray.AVERAGED):
+        off = shared(light).subs(ray.efficiency_parts(light)) - efficiency(light)
+        assert is_zero(off.subs(ray.C, ray.c**2))
 
 
 def test_total_reflection_is_the_limit_of_full_reflectance():
@@ -314,16 +337,19 @@ def test_total_reflection_is_the_limit_of_full_reflectance():
     assert _vanishes_on_angles(ray.Q_gr.subs(total) + minus_gr)
 
 
-@pytest.mark.parametrize("efficiency", [ray.scattering, ray.gradient])
+@pytest.mark.parametrize("efficiency", [ray.shared_scattering, ray.shared_gradient])
 def test_rates_over_S_are_derivatives(efficiency):
     """The chain rule through the named parts against a derivative of the whole, at 60 digits."""
     S0, mu0 = sp.Rational(37, 100), sp.Rational(5, 6)
-    whole = ray.in_S(ray.circular(efficiency))
-    by_parts = ray.rate_in_S(ray.circular(efficiency))
-    for part, rate in ray.FRESNEL_PART_RATES.items():
-        by_parts = by_parts.subs(rate, ray.in_S(ray.FRESNEL_PARTS[part]).diff(ray.S))
-    difference = ray.in_S(by_parts) - whole.diff(ray.S)
-    assert abs(sp.N(difference.subs({ray.S: S0, ray.mu: mu0}), 60)) < sp.Float("1e-55", 60)
+    at = {ray.S: S0, ray.mu: mu0}
+    for light in (ray.CIRCULAR, ray.AVERAGED):
+        parts = {**ray.PARTS, **ray.efficiency_parts(light)}
+        by_parts = ray.rate_in_S(efficiency(light))
+        for part, value in reversed(parts.items()):
+            by_parts = by_parts.subs(ray.PART_RATES[part], ray.rate_of_part(part, value))
+        by_parts = ray.in_S(by_parts.subs(ray.h, ray.per_cosines).subs(parts))
+        difference = by_parts - ray.in_S(efficiency(light).subs(parts)).diff(ray.S)
+        assert abs(sp.N(difference.subs(at), 60)) < sp.Float("1e-55", 60)
 
 
 def test_gradients_in_space_are_derivatives_of_force_and_moment():
@@ -343,6 +369,18 @@ def test_gradients_in_space_are_derivatives_of_force_and_moment():
         over_p = quantity.subs(values).subs(n_values)
         difference = over_p.jacobian(ray.p) - gradient.subs(values).subs(n_values)
         assert difference.subs(at).evalf(40).norm() < 1e-35
+
+
+def test_force_by_the_place_along_the_ray_is_that_by_the_nearest_point():
+    """S and force (3.24) of a unit ray, by s = u.p/r in place of n."""
+    along = dict(zip(ray.place, ray.p / ray.r, strict=True))
+    s = {ray.s: ray.along_ray}
+    unit = {ray.u[2]: sp.sqrt(1 - ray.u[0] ** 2 - ray.u[1] ** 2)}
+    n = dict(zip(ray.n, ray.n_of_p, strict=True))
+    S = ray.S_by_place.subs(s).subs(along)
+    assert is_zero((S - ray.S_of_p).subs(unit))
+    force = (ray.force_along_ray.subs(s) - ray.G * ray.place).subs(along)
+    assert is_zero((force - ray.force.subs(n)).subs(unit))
 
 
 def test_split_is_the_difference_of_s_and_p():

@@ -12,8 +12,7 @@ from tests.reference.raytracer import trace
 from tweezer.generated import ray
 from tweezer.optics import evaluators_of, fraction_through_pupil, grid, light, total_power
 from tweezer.optics.binding import _warn_once
-from tweezer.optics.rays.grid import TILES_AT_ONCE, rays_near, tiles
-from tweezer.optics.rays.nodes import scratch
+from tweezer.optics.rays.grid import TILE, near, tiles
 from tweezer.optics.rays.ray_sum import TOTAL_REFLECTION
 
 BEADS = ["thesis-500nm", "thesis-990nm", "thesis-1950nm"]
@@ -219,16 +218,14 @@ def test_no_tile_with_a_ray_that_hits_is_left_out(divisions):
         beam={"divisions": divisions}, optics={"evaluator": "grid"}
     )
     rays = grid(scene.lens, scene.beam, scene.medium)
-    source, room = tiles(rays.directions, rays.powers), scratch()
+    source = tiles(rays.directions, rays.powers)
     rng = np.random.default_rng(52)
     seen = np.empty((0, 3))
     for position in rng.normal(size=(300, 3)) * rng.uniform(0.2, 8, (300, 1)):
         hits = np.linalg.norm(np.cross(rays.directions.T, position), axis=1) < 1
-        looked_at = []
-        for first in range(0, source.spread_cos.size, TILES_AT_ONCE):
-            count = rays_near(source, first, *position, 1.0, room)
-            looked_at += list(room[[0, 1, 3], :count].T.tolist())
-        lit = {(u1, u2) for u1, u2, weight in looked_at if weight > 0}
+        looked_at = [near(source, tile, *position, 1.0) for tile in range(source.spread_cos.size)]
+        u1, u2, _, weight = source.rays[:, np.repeat(looked_at, TILE)]
+        lit = set(zip(u1[weight > 0], u2[weight > 0], strict=True))
         assert {(u1, u2) for u1, u2, _ in rays.directions.T[hits]} <= lit
         seen = np.vstack([seen, [hits.sum(), len(lit), hits.size]])
     if divisions == 100:

@@ -16,27 +16,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
-from tweezer.forces.data import Data, matrix, number, packed, tensor, vector
+from tweezer.forces.data import Data, matrix, number, packed, vector
 from tweezer.forces.force import KERNEL, Kernel
-from tweezer.optics.rays.nodes import scratch
-from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, gather, ray_sum
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, ray_sum
 from tweezer.optics.turning import put
 
 Array = NDArray[np.float64]
 
 #: Rays in a tile; a multiple of the vector length of processors
 TILE = 32
-#: Tiles tested in one batch
-TILES_AT_ONCE = 64
 
 
 class Tiles(NamedTuple):
     """Rays through the focus in tiles of neighbours; incomplete tiles are padded with dark rays."""
 
-    directions: Array
-    """(3, tile, ray) unit vectors u_i"""
-    strengths: Array
-    """(tile, ray) n_m P_i/c, N"""
+    rays: Array
+    """(4, ray) unit vectors u_i and n_m P_i/c, N: rows U1, U2, U3, WEIGHT; tile after tile"""
     centres: Array
     """(3, tile) mean directions, unit vectors"""
     spread_cos: Array
@@ -62,37 +57,24 @@ def tiles(directions: Array, strengths: Array) -> Tiles:
     # from the chord, as the cosine loses digits at small angles
     chord = np.linalg.norm(in_tiles - centres[:, :, None], axis=0).max(axis=1)
     spread = 2 * np.arcsin(np.minimum(chord / 2, 1.0)) * (1 + 1e-9) + 1e-12
-    return Tiles(
-        in_tiles, np.where(filled, strengths[index], 0.0), centres, np.cos(spread), np.sin(spread)
-    )
+    strengths = np.where(filled, strengths[index], 0.0)
+    rays = np.concatenate([in_tiles, strengths[None]]).reshape(4, -1)
+    return Tiles(rays, centres, np.cos(spread), np.sin(spread))
 
 
 @cached_njit(error_model="numpy", nogil=True)
-def rays_near(tiles, first, p1, p2, p3, radius, rays):  # type: ignore[no-untyped-def]
-    """Copy to `rays` the tiles from `first` that may hold a ray that hits; returns its count."""
+def near(tiles, tile, p1, p2, p3, radius):  # type: ignore[no-untyped-def]
+    """Whether a ray of a tile may hit a bead at p."""
     squared = p1 * p1 + p2 * p2 + p3 * p3
-    # d times cosine and sine of asin(r/d), the angle of a tangent; inside the bead all rays hit
-    tangent = math.sqrt(max(squared - radius * radius, 0.0))
-    inside = squared <= radius * radius
-    count = 0
-    for tile in range(first, min(first + TILES_AT_ONCE, tiles.spread_cos.size)):
-        if not inside:
-            along = abs(
-                tiles.centres[0, tile] * p1
-                + tiles.centres[1, tile] * p2
-                + tiles.centres[2, tile] * p3
-            )
-            # d cos(asin(r/d) + w); no test beyond a right angle
-            least = tangent * tiles.spread_cos[tile] - radius * tiles.spread_sin[tile]
-            if along < least * (1.0 - 1e-12):
-                continue
-        for i in range(TILE):
-            rays[0, count + i] = tiles.directions[0, tile, i]
-            rays[1, count + i] = tiles.directions[1, tile, i]
-            rays[2, count + i] = tiles.directions[2, tile, i]
-            rays[3, count + i] = tiles.strengths[tile, i]
-        count += TILE
-    return count
+    if squared <= radius * radius:
+        return True
+    # d times cosine and sine of asin(r/d), the angle of a tangent
+    tangent = math.sqrt(squared - radius * radius)
+    centres = tiles.centres
+    along = abs(centres[0, tile] * p1 + centres[1, tile] * p2 + centres[2, tile] * p3)
+    # d cos(asin(r/d) + w); no test beyond a right angle
+    least = tangent * tiles.spread_cos[tile] - radius * tiles.spread_sin[tile]
+    return along >= least * (1.0 - 1e-12)
 
 
 def grid_data(tiles: Tiles, sphere: Sphere, jones: Any) -> Data:
@@ -109,22 +91,23 @@ def grid_kernel(rays: Rays) -> Kernel:
     @cached_njit(KERNEL, **SUMS)
     def sum_over_grid(pose, data, wrench):  # type: ignore[no-untyped-def]
         radius, n_mP, jones = number(data, 0), number(data, 1), vector(data, 2)
-        tiles = Tiles(
-            tensor(data, 3), matrix(data, 4), matrix(data, 5), vector(data, 6), vector(data, 7)
-        )
-        room = scratch()
+        tiles = Tiles(matrix(data, 3), matrix(data, 4), vector(data, 5), vector(data, 6))
         found = np.empty(24)
         for at in range(pose.position.shape[0]):
             p1, p2, p3 = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
             found[:] = 0.0
-            for first in range(0, tiles.spread_cos.size, TILES_AT_ONCE):
-                count = rays_near(tiles, first, p1, p2, p3, radius, room)
-                if count == 0:
-                    continue
-                sums = add_up(
-                    room, count, p1, p2, p3, radius, n_mP, jones[0], jones[1], jones[2], jones[3]
-                )
-                gather(sums, gradient, moment, found)
+            first = count = tiles.spread_cos.size
+            # the sum runs over each row of tiles without a gap
+            for tile in range(count + 1):
+                hit = tile < count and near(tiles, tile, p1, p2, p3, radius)
+                if hit and first == count:
+                    first = tile
+                elif not hit and first < count:
+                    add_up(
+                        tiles.rays, first * TILE, tile * TILE, p1, p2, p3, radius, n_mP,
+                        jones[0], jones[1], jones[2], jones[3], found,
+                    )  # fmt: skip
+                    first = count
             put(found, 1.0, 0.0, gradient, moment, at, wrench)
             wrench.error[at] = np.nan
 

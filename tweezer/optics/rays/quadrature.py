@@ -38,7 +38,7 @@ from tweezer.optics.rays.panels import (
     rules_of,
     unknown_light,
 )
-from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, gather, ray_sum
+from tweezer.optics.rays.ray_sum import SUMS, Rays, Sphere, efficiencies_of, ray_sum
 from tweezer.optics.rays.rule import LEVELS, Rule
 from tweezer.optics.turning import put
 
@@ -137,18 +137,20 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     due[k] = False
                     count = rays_of(place, source, rules, k, full, room, linear, gradient)
                     kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
+                    found[k] = 0.0
                     if linear or kind == DISC:
-                        sums = add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im)
+                        size = add_up(
+                            room, 0, count, p1, p2, p3, radius, n_mP,
+                            a_re, a_im, b_re, b_im, found[k],
+                        )  # fmt: skip
                     else:
                         efficiencies(room, LEVELS[level], count, n_mP)
-                        sums = add_up_rings(
-                            room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im
-                        )
-                    found[k] = 0.0
-                    gather(sums, gradient, moment, found[k])
+                        size = add_up_rings(
+                            room, 0, count, p1, p2, p3, radius, n_mP,
+                            a_re, a_im, b_re, b_im, found[k],
+                        )  # fmt: skip
                     if not linear:
                         found[k, 3] = found[k, 5] = 0.0  # cancelled by the other half of the rays
-                    size = sums[3]
                     sizes[k] = size
                     errors[k, 0] = errors[k, 1] = 0.0
                     if size > 0.0:

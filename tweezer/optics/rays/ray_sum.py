@@ -89,31 +89,37 @@ def efficiencies_of(rays: Rays) -> Any:
 
 @functools.cache
 def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
-    """Compiled function: force, size, moment and gradients of the first `count` rays of `room`.
+    """Compiled function: adds force, moment and gradients of the rays from `first` up to `last`.
 
-    It is separate because the compiler does not vectorise its loop inside a large function.
-    in_rings: whether `room` already holds the efficiencies.
+    It returns the size of the forces. It is separate because the compiler does not vectorise its
+    loop inside a large function. in_rings: whether `room` already holds the efficiencies.
     """
     averaged, linear = rays.polarisation == "averaged-reflectance", rays.polarisation == "linear"
     denser_medium, gradient, moment = rays.denser_medium, rays.gradient, rays.moment
+    # whether the nearest point to the centre is needed, not only the place along the ray
+    nearest = linear or gradient or moment
 
     @named_njit(**SUMS, inner=True)
-    def add_up(room, count, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im):  # type: ignore[no-untyped-def]
-        Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
-        u1_of, u2_of, u3_of, weight, force_of = (
-            room[U1],
-            room[U2],
-            room[U3],
-            room[WEIGHT],
-            room[FORCE],
-        )
-        f1 = f2 = f3 = size = 0.0
+    def add_up(  # type: ignore[no-untyped-def]
+        room, first, last, p1, p2, p3, radius, n_mP, a_re, a_im, b_re, b_im, found
+    ):
+        u1_of, u2_of, u3_of = room[U1][first:last], room[U2][first:last], room[U3][first:last]
+        weight = room[WEIGHT][first:last]
+        if in_rings:
+            Q_of, dQ_of, G_of, dG_of = room[Q_OF], room[DQ_OF], room[G_OF], room[DG_OF]
+        if not by_grid:
+            force_of = room[FORCE]
+        place_1, place_2, place_3 = p1 / radius, p2 / radius, p3 / radius
+        f1 = f2 = f3 = size = attraction = 0.0
         m1 = m2 = m3 = 0.0
         j11 = j12 = j13 = j21 = j22 = j23 = j31 = j32 = j33 = 0.0
         k11 = k12 = k13 = k21 = k22 = k23 = k31 = k32 = k33 = 0.0
-        for i in range(count):
+        for i in range(weight.size):
             u1, u2, u3 = u1_of[i], u2_of[i], u3_of[i]
-            n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
+            if nearest:
+                n1, n2, n3, S = ray.impact(u1, u2, u3, p1, p2, p3, radius)
+            else:
+                s, S = ray.passage(u1, u2, u3, place_1, place_2, place_3)
             w = weight[i] if S < 1.0 else 0.0
             S = min(S, _GRAZING)
             dQ_sc = dG = 0.0
@@ -150,15 +156,21 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
                 if gradient:
                     dQ_sc += sigma * dX
                     dG += sigma * dY
-            F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
-            F1 *= w
-            F2 *= w
-            F3 *= w
+            Q_sc *= w
+            G *= w
+            if nearest:
+                F1, F2, F3 = ray.force(u1, u2, u3, n1, n2, n3, radius, Q_sc, G)
+            else:
+                F1, F2, F3 = ray.force_along_ray(u1, u2, u3, s, Q_sc, G)
+                attraction += G
             f1 += F1
             f3 += F3
             if by_grid or linear:
                 f2 += F2
             if not by_grid:
+                if not nearest:
+                    F1 -= G * place_1
+                    F3 -= G * place_3
                 # scalar whose expansion estimates the error: a combination that no symmetry cancels
                 F = F1 + 0.6180339887498949 * F3
                 if linear:
@@ -168,14 +180,18 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
             if moment:
                 cos_alpha = math.sqrt(1.0 - S)
                 M1, M2, M3 = ray.moment(u1, u2, u3, n1, n2, n3, cos_alpha, Q_sc, G)
-                m1 += w * M1
-                m2 += w * M2
-                m3 += w * M3
+                m1 += M1
+                m2 += M2
+                m3 += M3
             if gradient:
+                dQ_sc *= w
+                dG *= w
                 J11, J12, J13, J21, J22, J23, J31, J32, J33 = ray.gradient_of_force(
                     u1, u2, u3, n1, n2, n3, radius, Q_sc, dQ_sc, G, dG
                 )
                 if linear:
+                    X *= w
+                    Y *= w
                     d1, d2, d3 = ray.gradient_of_polarisation(
                         u1, u2, u3, n1, n2, n3, radius, E1, E2, E3, H1, H2, H3
                     )
@@ -191,16 +207,16 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
                     J31 += T31
                     J32 += T32
                     J33 += T33
-                j11 += w * J11
-                j13 += w * J13
-                j22 += w * J22
-                j31 += w * J31
-                j33 += w * J33
+                j11 += J11
+                j13 += J13
+                j22 += J22
+                j31 += J31
+                j33 += J33
                 if by_grid or linear:
-                    j12 += w * J12
-                    j21 += w * J21
-                    j23 += w * J23
-                    j32 += w * J32
+                    j12 += J12
+                    j21 += J21
+                    j23 += J23
+                    j32 += J32
                 if moment:
                     K11, K12, K13, K21, K22, K23, K31, K32, K33 = (
                         ray.gradient_of_moment(
@@ -221,43 +237,31 @@ def ray_sum(rays: Rays, *, by_grid: bool, in_rings: bool) -> Any:
                         K31 += T31
                         K32 += T32
                         K33 += T33
-                    k12 += w * K12
-                    k21 += w * K21
-                    k23 += w * K23
-                    k32 += w * K32
+                    k12 += K12
+                    k21 += K21
+                    k23 += K23
+                    k32 += K32
                     if by_grid or linear:
-                        k11 += w * K11
-                        k13 += w * K13
-                        k22 += w * K22
-                        k31 += w * K31
-                        k33 += w * K33
-        return (
-            f1, f2, f3, size, m1, m2, m3,
-            j11, j12, j13, j21, j22, j23, j31, j32, j33,
-            k11, k12, k13, k21, k22, k23, k31, k32, k33,
-        )  # fmt: skip
+                        k11 += K11
+                        k13 += K13
+                        k22 += K22
+                        k31 += K31
+                        k33 += K33
+        found[0] += f1 - attraction * place_1
+        found[1] += f2
+        found[2] += f3 - attraction * place_3
+        if by_grid:
+            found[1] -= attraction * place_2
+        if moment:
+            found[3] += m1
+            found[4] += m2
+            found[5] += m3
+        if gradient:
+            for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
+                found[6 + c] += value
+        if gradient and moment:
+            for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
+                found[15 + c] += value
+        return size
 
     return add_up
-
-
-@named_njit(error_model="numpy", inner=True)
-def gather(sums, gradient, moment, found):  # type: ignore[no-untyped-def]
-    """Add the sums over some rays to `found` (24,): force, moment, and their gradients."""
-    (
-        f1, f2, f3, _, m1, m2, m3,
-        j11, j12, j13, j21, j22, j23, j31, j32, j33,
-        k11, k12, k13, k21, k22, k23, k31, k32, k33,
-    ) = sums  # fmt: skip
-    found[0] += f1
-    found[1] += f2
-    found[2] += f3
-    if moment:
-        found[3] += m1
-        found[4] += m2
-        found[5] += m3
-    if gradient:
-        for c, value in enumerate((j11, j12, j13, j21, j22, j23, j31, j32, j33)):
-            found[6 + c] += value
-    if gradient and moment:
-        for c, value in enumerate((k11, k12, k13, k21, k22, k23, k31, k32, k33)):
-            found[15 + c] += value
