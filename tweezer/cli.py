@@ -91,6 +91,8 @@ def main() -> None:
     SIGTERM and SIGHUP are treated as an interruption: results so far are written.
     """
     warnings.showwarning = _show_warning  # type: ignore[assignment]
+    # matrices are small here: threads for them take longer to start than they save
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)

@@ -16,9 +16,8 @@ from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
 from tweezer.io import scene_in
-from tweezer.optics import optical_force, optical_jacobian
+from tweezer.optics import Beams, LightForce, light
 from tweezer.run import Run
-from tweezer.scene import Scene
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -126,7 +125,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     scene = path.equations.scene
     times, position = run["time"], run["position"]
     nearby = CAPTURE_RADII * scene.bead.radius
-    outcome, outcome_time, rest = _outcome(run, times, position)
+    outcome, outcome_time, rest = _outcome(run, times, position, path.equations.problem.light)
     here, located = passage(path, integrated.events, rest, nearby)
     errors = _errors(here, located, budget, rest, nearby)
     outcome_time_error = 0.0
@@ -202,24 +201,30 @@ def _known(value: float) -> float | None:
     return None if math.isnan(value) else value
 
 
-def _outcome(run: Run, times: Array, position: Array) -> tuple[str, float, Array]:
-    """Outcome, its time by the samples, s, and where the bead settled, (3,) m."""
+def _outcome(
+    run: Run, times: Array, position: Array, bound: LightForce | Beams | None = None
+) -> tuple[str, float, Array]:
+    """Outcome, its time by the samples, s, and where the bead settled, (3,) m.
+
+    bound: the light, if it is bound already.
+    """
     status = run.attributes["status"]
     if status != "complete" or run.attributes.get("other_forces"):
         return status, float(times[-1]), position[-1]
     scene = scene_in(run.attributes)
+    light_force = bound or light(scene)
     nearby = CAPTURE_RADII * scene.bead.radius
     if scene.forces.brownian:
         settled = position[-max(1, len(position) // 10) :].mean(axis=0)
-        light_force = optical_force(scene, settled, time=times[-1])
-        force = light_force + bead_properties(scene).weight
-        step = _to_stable_equilibrium(scene, settled, times[-1], force)
+        force = light_force.field(settled[None], time=times[-1]).force[0]
+        force += bead_properties(scene).weight
+        step = _to_stable_equilibrium(light_force, settled, times[-1], force)
         near = np.linalg.norm(position - (settled + step), axis=1) < nearby
         if not (np.linalg.norm(step) < scene.bead.radius and near.any()):
             return "not captured", float(times[-1]), settled
         return "captured", float(times[near.argmax()]), settled + step
     last = run["net_force"][-1]
-    step = _to_stable_equilibrium(scene, position[-1], times[-1], last)
+    step = _to_stable_equilibrium(light_force, position[-1], times[-1], last)
     if not np.linalg.norm(step) < nearby:
         return "not captured", float(times[-1]), position[-1]
     rest = position[-1] + step
@@ -228,12 +233,14 @@ def _outcome(run: Run, times: Array, position: Array) -> tuple[str, float, Array
     return "captured", float(times[last_away + 1]), rest
 
 
-def _to_stable_equilibrium(scene: Scene, place: Array, time: float, force: Array) -> Array:
+def _to_stable_equilibrium(
+    light_force: LightForce | Beams, place: Array, time: float, force: Array
+) -> Array:
     """The Newton step from a position with net force `force` to the equilibrium.
 
     time: s. Infinite if a bead beside it would not return.
     """
-    gradient = optical_jacobian(scene, place, time=time)
+    gradient = light_force.field(place[None], gradient=True, time=time).force_gradient[0]
     if np.linalg.eigvals(gradient).real.max() >= 0:
         return np.full(3, math.inf)
     return np.linalg.solve(gradient, -force).astype(float)

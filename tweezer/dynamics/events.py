@@ -8,12 +8,14 @@ from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
+
+#: Number of parts into which a time with a change of sign is divided
+_PARTS = 64
 
 
 class Piece(Protocol):
@@ -141,14 +143,23 @@ class Event:
 
     def _root(self, piece: Piece, begin: float, end: float) -> float:
         """Where the value is 0 between two times at which its signs differ."""
-
-        def value(time: float) -> float:
-            return float(self._values(piece, np.array([time]))[0])
-
-        first, last = value(begin), value(end)
+        first, last = self._values(piece, np.array([begin, end]))
         if first * last >= 0:  # a value of rounding alone need not have its sign a second time
             return begin if abs(first) < abs(last) else end
-        return float(brentq(value, begin, end, xtol=1e-15 * max(end, 1e-300)))
+        return crossing(lambda times: self._values(piece, times), begin, end, 1e-15 * end)
+
+
+def crossing(value: Callable[[Array], Array], begin: float, end: float, tolerance: float) -> float:
+    """Where a function of time that differs in sign at two times is 0, to `tolerance`, s.
+
+    By division into equal parts, because a function costs as much at all their ends as at one.
+    """
+    while end - begin > tolerance:
+        times = np.linspace(begin, end, _PARTS + 1)
+        signs = np.sign(value(times[:-1]))
+        after = int((signs == signs[0]).argmin()) or _PARTS
+        begin, end = float(times[after - 1]), float(times[after])
+    return (begin + end) / 2
 
 
 @dataclass

@@ -9,9 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
-from tweezer.dynamics.events import Occurrence, Piece
+from tweezer.dynamics.events import Occurrence, Piece, crossing
 from tweezer.dynamics.models import EquationsOfMotion
 
 Array = NDArray[np.float64]
@@ -136,9 +135,7 @@ def last_fall(value: Value, times: Array) -> float:
                 break
             latest = peak.time
         times = times[times > latest]
-        fell = brentq(
-            lambda at: float(value(np.array([at]))[0]), latest, times[0], xtol=_CROSSING * times[-1]
-        )
+        fell = crossing(value, latest, float(times[0]), _CROSSING * float(times[-1]))
     return fell
 
 

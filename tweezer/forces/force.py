@@ -120,11 +120,8 @@ def evaluated(
     orientations: Array | None = None,
 ) -> Wrench:
     """Force and moment of a bound force at `positions` (n, 3) m; time: s, one or (n,)."""
-    # the compiled code reads the memory as C-contiguous float64
-    places = np.require(positions, np.float64, ["C", "W"])
-    turned = _NOT_TURNED
-    if orientations is not None:
-        turned = np.require(orientations, np.float64, ["C", "W"])
+    places = _in_memory(positions)
+    turned = _NOT_TURNED if orientations is None else _in_memory(orientations)
     times = np.full(len(places), time, np.float64)
     wrench = no_wrench(len(places), gradient=gradient)
     _entry()(part.kernel, *part.data, times, places, turned, *wrench)
@@ -132,6 +129,13 @@ def evaluated(
 
 
 _NOT_TURNED = np.zeros((0, 4))
+
+
+def _in_memory(values: Array) -> Array:
+    """The values as compiled code reads memory: float64, C-contiguous, and it may be written."""
+    if values.dtype == np.float64 and values.flags.carray:
+        return values  # `np.require` takes as long as a force
+    return np.require(values, np.float64, ["C", "W"])
 
 
 @functools.cache

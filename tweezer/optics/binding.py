@@ -16,7 +16,6 @@ from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, packed
 from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by
-from tweezer.optics.rays.light import light_on_bead
 from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene, checked_scene
@@ -137,6 +136,8 @@ def light_of_one_beam(scene: Scene) -> LightForce:
     if scene.theory == "rays" and (caveat := ray_optics_caveat(scene)) is not None:
         _warn_once(caveat)
     if not scene.lit:
+        from tweezer.optics.rays.light import light_on_bead
+
         return Dark(light_on_bead(scene))
     force: LightForce = evaluator(scene.optics.evaluator).load(scene.theory)(scene)
     if (off := force.light.cone.deviation) > _UNEVEN:

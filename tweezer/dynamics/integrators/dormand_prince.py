@@ -1,13 +1,12 @@
 """Dormand-Prince 5(4): the thesis's `ode45`.
 
 J. R. Dormand, P. J. Prince, J. Comput. Appl. Math. 6:19 (1980); the dense output of order 4 is
-Shampine's, Math. Comp. 46:135 (1986). The coefficients are read from SciPy's solver.
+Shampine's, Math. Comp. 46:135 (1986).
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.integrate import RK45
 
 from tweezer.dynamics.integrators.explicit import Explicit, Tableau
 
@@ -15,12 +14,29 @@ DORMAND_PRINCE = Explicit(
     Tableau(
         order=5,
         estimate=5,
-        c=np.append(RK45.C, 1.0),
-        a=np.pad(RK45.A, ((0, 0), (0, 1))),
-        b=np.ascontiguousarray(RK45.B),
-        error=np.ascontiguousarray(RK45.E),
+        c=np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0]),
+        a=np.array([
+            [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
+            [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
+            [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
+            [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
+        ]),
+        b=np.array([35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84]),
+        error=np.array(
+            [-71 / 57600, 0.0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40]
+        ),
         damping=np.zeros(0),
         extra=np.zeros((0, 7)),
-        dense=np.ascontiguousarray(RK45.P.T),
+        dense=np.array([
+            [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            [-8048581381 / 2820520608, 0.0, 131558114200 / 32700410799, -1754552775 / 470086768,
+             127303824393 / 49829197408, -282668133 / 205662961, 40617522 / 29380423],
+            [8663915743 / 2820520608, 0.0, -68118460800 / 10900136933, 14199869525 / 1410260304,
+             -318862633887 / 49829197408, 2019193451 / 616988883, -110615467 / 29380423],
+            [-12715105075 / 11282082432, 0.0, 87487479700 / 32700410799, -10690763975 / 1880347072,
+             701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423],
+        ]),
     )
-)
+)  # fmt: skip
