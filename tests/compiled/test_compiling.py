@@ -376,7 +376,7 @@ twice = made(2)
 
 @njit
 def loop(x):
-    return step(twice(x)) + noise._END
+    return step(twice(x)) + noise._LN_2
 """
 
 
@@ -388,7 +388,7 @@ CHANGES = [
     ('"nnan", ', ""),
     ("step(twice(x))", "twice(step(x))"),
     ("factor * x", "factor + x"),
-    ("noise._END", "noise._AREA"),
+    ("noise._LN_2", "noise._BIAS"),
 ]
 
 

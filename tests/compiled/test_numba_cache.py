@@ -80,8 +80,8 @@ VELOCITY_TRIPLED = ("generated/overdamped_translation.py", "out[2] = ", "out[2] 
 SCATTERING_DOUBLED = ("generated/ray.py", "return Q_sc, G\n", "return 2.0 * Q_sc, G\n")
 NOISE_TURNED = (
     "tweezer/dynamics/brownian/noise.py",
-    "        return float(fraction) * _WIDTH[layer]",
-    "        return -float(fraction) * _WIDTH[layer]",
+    "    r = root(-2.0 * _logarithm(u))",
+    "    r = -root(-2.0 * _logarithm(u))",
 )
 ERROR_DOUBLED = ("tweezer/optics/rays/panels.py", "ERROR_OF_ARCS = ((6.0", "ERROR_OF_ARCS = ((12.0")
 ROTATION_DOUBLED = ("generated/kinematics.py", "out[0, 1] = ", "out[0, 1] = 2.0 * ")

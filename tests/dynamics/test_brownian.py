@@ -79,25 +79,83 @@ def drawn_for(seed, trajectories, step, many, purpose=noise.NOISE):
 # --- random numbers ------------------------------------------------------------------------------
 
 
-def test_words_are_those_of_numpys_philox():
+#: Rotations of Threefry-4x64 by round, modulo 8 (Salmon et al., SC'11, table 2)
+ROTATIONS = ((14, 16), (52, 57), (23, 40), (5, 37), (25, 33), (46, 12), (58, 22), (32, 32))
+WORD = 2**64
+#: counter, key and words of Random123's known answers (its kat_vectors, threefry4x64 20)
+ANSWERS = [
+    ([0] * 4, [0] * 4, "09218ebde6c85537 55941f5266d86105 4bd25e16282434dc ee29ec846bd2e40b"),
+    (
+        [WORD - 1] * 4, [WORD - 1] * 4,
+        "29c24097942bba1b 0371bbfb0f6f4e11 3c231ffa33f83a1c cd29113fde32d168",
+    ),
+    (
+        [0x243F6A8885A308D3, 0x13198A2E03707344, 0xA4093822299F31D0, 0x082EFA98EC4E6C89],
+        [0x452821E638D01377, 0xBE5466CF34E90C6C, 0xBE5466CF34E90C6C, 0xC0AC29B7C97C50DD],
+        "a7e8fde591651bd9 baafd0c30138319b 84a5c1a729e685b9 901d406ccebc1ba4",
+    ),
+]  # fmt: skip
+
+
+def threefry(counter, key):
+    """Words of Threefry-4x64 with 20 rounds, as the paper has it."""
+    schedule = [*key, 0x1BD11BDAA9FC1A22 ^ key[0] ^ key[1] ^ key[2] ^ key[3]]
+    words = [(c + k) % WORD for c, k in zip(counter, key, strict=True)]
+    for number in range(20):
+        for i, bits in zip((0, 2), ROTATIONS[number % 8], strict=True):
+            j = (i + 1) % 4 if number % 2 == 0 else (i + 3) % 4
+            words[i] = (words[i] + words[j]) % WORD
+            words[j] = (words[j] << bits | words[j] >> (64 - bits)) % WORD ^ words[i]
+        if number % 4 == 3:
+            at = number // 4 + 1
+            words = [(word + schedule[(at + i) % 5]) % WORD for i, word in enumerate(words)]
+            words[3] = (words[3] + at) % WORD
+    return words
+
+
+@pytest.mark.parametrize(("counter", "key", "answer"), ANSWERS)
+def test_words_are_the_published_ones_of_threefry(counter, key, answer):
+    assert " ".join(f"{word:016x}" for word in threefry(counter, key)) == answer
+
+
+def test_numbers_are_the_pairs_of_box_and_muller():
+    """Of words of Threefry; 52 bits for a radius and 32 for an angle, in other functions."""
     rng = np.random.default_rng(3)
-    for _ in range(50):
-        key, *counter = (int(word) for word in rng.integers(0, 2**64, 5, dtype=np.uint64))
-        words = noise.philox(np.uint64(key), *map(np.uint64, counter))
-        whole = sum(word << (64 * i) for i, word in enumerate(counter))
-        before = (whole - 1) % 2**256  # it counts on before it draws
-        assert list(words) == list(np.random.Philox(key=key, counter=before).random_raw(4))
+    who = np.append(rng.integers(0, 2**63, 9), 0)
+    for seed, step, purpose in (*rng.integers(0, 2**62, (3, 3)).tolist(), (0, 0, 0)):
+        drawn = drawn_for(seed, who, step, 12, purpose)
+        for trajectory, row in zip(who.tolist(), drawn, strict=True):
+            for block in range(2):
+                *radii, last = threefry([block, trajectory, step, purpose], [seed, 0, 0, 0])
+                ends = [radius % 2**11 for radius in radii]
+                rest = ends[0] + 2**11 * ends[1] + 2**22 * (ends[2] % 2**10)
+                angles = last % 2**32, last >> 32, rest
+                for k, (radius, angle) in enumerate(zip(radii, angles, strict=True)):
+                    length = math.sqrt(-2 * math.log(((radius >> 12) + 0.5) / 2**52))
+                    turn = math.pi / 2 * ((angle % 2**30 + 0.5) / 2**30 - 0.5)
+                    pair = [length * math.cos(turn), length * math.sin(turn)]
+                    if angle & 2**30:
+                        pair.reverse()
+                    if angle & 2**31:
+                        pair = [-pair[0], -pair[1]]
+                    at = 6 * block + 2 * k
+                    np.testing.assert_allclose(row[at : at + 2], pair, rtol=1e-14, atol=1e-15)
 
 
 def test_numbers_are_normal():
-    """Kolmogorov-Smirnov, and the tails: each fails for one seed in a million."""
-    drawn = drawn_for(5, np.arange(200_000), 0, 5)
-    assert stats.kstest(drawn.ravel(), "norm").pvalue > 1e-6
-    for edge in (3.0, 3.6541528853610088, 4.2):  # the last but one is where the ziggurat ends
+    """Kolmogorov-Smirnov, tails and moments: each fails for one seed in a million or fewer."""
+    n = 200_000
+    drawn = drawn_for(5, np.arange(n), 0, 6)
+    for row in drawn.T:
+        assert stats.kstest(row, "norm").pvalue > 1e-6
+    for edge in (0.01, 3.0, 4.2):
         for beyond in ((drawn > edge).sum(), (drawn < -edge).sum()):
             assert stats.binomtest(int(beyond), drawn.size, stats.norm.sf(edge)).pvalue > 1e-6
-    tail = np.abs(drawn[np.abs(drawn) > 3.6541528853610088])
-    assert stats.kstest(tail, stats.truncnorm(3.6541528853610088, np.inf).cdf).pvalue > 1e-6
+    tail = np.abs(drawn[np.abs(drawn) > 3.0])
+    assert stats.kstest(tail, stats.truncnorm(3.0, np.inf).cdf).pvalue > 1e-6
+    for power, mean, second in ((1, 0, 1), (2, 1, 3), (3, 0, 15), (4, 3, 105), (6, 15, 10395)):
+        spread = math.sqrt((second - mean**2) / drawn.size)
+        assert abs((drawn**power).mean() - mean) < FAR * spread
 
 
 def test_numbers_of_other_columns_trajectories_steps_and_seeds_are_independent():
@@ -107,8 +165,9 @@ def test_numbers_of_other_columns_trajectories_steps_and_seeds_are_independent()
     for seed, shift, step, purpose in ((6, 0, 7, 0), (5, 1, 7, 0), (5, 0, 8, 0), (5, 0, 7, 1)):
         other = drawn_for(seed, np.arange(n) + shift, step, 1, purpose)
         assert abs((base[:, 0] * other[:, 0]).mean()) < FAR / math.sqrt(n)
-    correlation = np.corrcoef(base.T) - np.eye(8)
-    assert np.abs(correlation).max() < FAR / math.sqrt(n)
+    for numbers in (base, base**2):  # the numbers of a pair share their radius
+        correlation = np.corrcoef(numbers.T) - np.eye(8)
+        assert np.abs(correlation).max() < FAR / math.sqrt(n)
 
 
 def test_a_number_does_not_depend_on_what_is_drawn_beside_it():
@@ -954,16 +1013,16 @@ def _rising(pose, data, wrench):
 def test_the_light_turns_beads_about_every_axis():
     """u and omega are force and moment times their own mobilities."""
     one = batch.beads(2, 6, False, False, True)
-    place = np.arange(12.0).reshape(6, 2)
+    place = np.arange(48.0).reshape(6, 8)  # a row has room for eight
 
     class Field(Force):
         def compiled(self, *, gradient):
             return _rising, packed()
 
     plan = walk(DARK).plan._replace(mobility=np.arange(1.0, 7.0), load=np.full(6, 0.5))
-    out = np.empty((6, 2))
+    out = np.empty((6, 8))
     force = bound_force(Field(), gradient=False)
     batch.slow_velocities(force, plan, one, 0.0, place, out)
-    x = place[:3]
+    x, out = place[:3, :2], out[:, :2]
     np.testing.assert_allclose(out[:3], plan.mobility[:3, None] * (x + 1.5))
     np.testing.assert_allclose(out[3:], plan.mobility[3:, None] * (10 * x + [[1], [2], [3]]))

@@ -267,7 +267,7 @@ def test_statistics_are_numpys_of_the_trajectories(scene, small, monkeypatch):
         np.testing.assert_array_equal(found["counts"][:, axis], expected[at])
         assert expected[at].sum() == len(samples)
     width = edges[1] - edges[0]
-    np.testing.assert_allclose(found["density"].sum("bin") * width, 1, rtol=1e-12)
+    np.testing.assert_allclose(found["density"].sum("bin") * width, 1, rtol=1e-11)
 
 
 @pytest.mark.parametrize("trajectories", [1, 8, 9])

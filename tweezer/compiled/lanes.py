@@ -1,8 +1,14 @@
 """Eight numbers that the processor adds and multiplies at once, as a type of compiled functions.
 
 `lanes(array, i)` reads eight consecutive numbers, `store` writes them, `spread` repeats one number,
-`total` adds them up; +, - and * act on each of the eight. A product and a sum may be rounded
-once (fused). So short loops are fast without the compiler having to find out how.
+`total` adds them up, `root` is the square root; +, -, * and / act on each of the eight. A product
+and a sum may be rounded once (fused). So short loops are fast without the compiler having to find
+out how. `transposed` reads the columns of eight rows of eight numbers; `columns`, `store_columns`
+and `add_columns` read and write those of eight rows of three.
+
+`words(array, i)` reads eight words of 64 bits, with +, ^, &, |, << and >> (zeros come in), and
+`rotated`. `as_words` and `as_lanes` take the bits of a number as a word and back. `below` compares
+numbers, `anywhere` asks whether any word is set, and `chosen` takes each number from one of two.
 """
 
 from __future__ import annotations
@@ -22,13 +28,13 @@ from tweezer.compiled.fingerprint import fingerprint
 LANES = 8
 
 
-def _vector() -> Any:
-    """Type of eight numbers in the processor."""
-    return ir.VectorType(ir.DoubleType(), LANES)
+def _vector(element: Any) -> Any:
+    """Type of eight numbers, or words, in the processor."""
+    return ir.VectorType(element, LANES)
 
 
 def _repeated(builder: Any, number: Any) -> Any:
-    zeros = ir.Constant(_vector(), [0.0] * LANES)
+    zeros = ir.Constant(_vector(number.type), None)
     first = builder.insert_element(zeros, number, ir.Constant(ir.IntType(32), 0))
     return builder.shuffle_vector(first, zeros, _mask([0] * LANES))
 
@@ -39,20 +45,26 @@ def _mask(entries: Iterable[int]) -> Any:
 
 
 def _combined(builder: Any, instruction: str, kinds: Any, values: Any) -> Any:
-    """Two lanes, or lanes and a number, combined. A product may be fused with a sum it enters."""
+    """Two lanes, or lanes and a number, combined; or words. A product may be fused with a sum."""
     a, b = (
         value if isinstance(kind, Lanes) else _repeated(builder, value)
         for kind, value in zip(kinds, values, strict=True)
     )
-    return getattr(builder, instruction)(a, b, flags=("contract",))
+    flags = ("contract",) if instruction.startswith("f") else ()
+    return getattr(builder, instruction)(a, b, flags=flags)
 
 
 class Lanes(types.Type):
-    """Numba's type of eight numbers."""
+    """Numba's type of eight numbers, or words."""
 
 
-#: The name holds the digest of the arithmetic: the cache of compiled code knows a type by its name
-_LANES = Lanes(f"Lanes {fingerprint(_combined, _repeated, _mask)}")
+_DIGEST = fingerprint(_combined, _repeated, _mask)
+#: A name holds the digest of the arithmetic: the cache of compiled code knows a type by its name
+_LANES, _WORDS = Lanes(f"Lanes {_DIGEST}"), Lanes(f"Words {_DIGEST}")
+
+
+def _element(kind: Any) -> Any:
+    return ir.DoubleType() if kind is _LANES else ir.IntType(64)
 
 
 @register_model(Lanes)
@@ -60,45 +72,77 @@ class _Model(models.PrimitiveModel):
     """Eight numbers in a register."""
 
     def __init__(self, manager: Any, numba_type: Any) -> None:
-        super().__init__(manager, numba_type, _vector())
+        super().__init__(manager, numba_type, _vector(_element(numba_type)))
 
 
-def _place(context: Any, builder: Any, array_type: Any, array: Any, at: Any) -> Any:
-    """Address of eight numbers of a contiguous array, from its entry `at` on."""
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [at]), _vector().as_pointer())
+def _place(context: Any, builder: Any, kinds: Any, array: Any, at: Any) -> Any:
+    """Address of eight entries of a contiguous array, from its entry `at` on."""
+    data = context.make_array(kinds[0])(context, builder, array).data
+    vector = _vector(context.get_value_type(kinds[0].dtype))
+    return builder.bitcast(builder.gep(data, [at]), vector.as_pointer())
+
+
+def _load(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+    return builder.load(_place(context, builder, signature.args, *values), align=8)
 
 
 @intrinsic
 def lanes(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
-    """Eight numbers of a contiguous array of one axis, from its entry `at` on."""
+    """Eight numbers of a contiguous array, from its entry `at` on; all axes count as one."""
+    return _LANES(array, types.intp), _load
 
-    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = _place(context, builder, signature.args[0], *values)
-        return builder.load(place, align=8)
 
-    return _LANES(array, types.intp), emitted
+@intrinsic
+def words(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
+    """Eight words of a contiguous array of one axis of integers, from its entry `at` on."""
+    return _WORDS(array, types.intp), _load
 
 
 @intrinsic
 def store(typing: Any, array: Any, at: Any, value: Any) -> Any:  # noqa: ARG001
-    """Write eight numbers into a contiguous array of one axis, from its entry `at` on."""
+    """Write eight numbers, or words, into a contiguous array, as they are read."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = _place(context, builder, signature.args[0], *values[:2])
+        place = _place(context, builder, signature.args, *values[:2])
         builder.store(values[2], place, align=8)
         return context.get_dummy_value()
 
-    return types.none(array, types.intp, _LANES), emitted
+    return types.none(array, types.intp, value), emitted
+
+
+@intrinsic
+def transposed(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
+    """Columns of eight rows of eight numbers of a contiguous array, from its entry `at` on."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        array, at = values
+        rows = [
+            _load(context, builder, signature, (array, builder.add(at, _at(i))))
+            for i in range(LANES)
+        ]
+        step = 1
+        while step < LANES:
+            ends = [at + LANES - step if at & step else at for at in range(LANES)]
+            for i in range(LANES):
+                if not i & step:
+                    a, b = rows[i], rows[i + step]
+                    rows[i] = builder.shuffle_vector(a, b, _mask(ends))
+                    rows[i + step] = builder.shuffle_vector(a, b, _mask(e + step for e in ends))
+            step *= 2
+        return context.make_tuple(builder, signature.return_type, rows)
+
+    return types.UniTuple(_LANES, LANES)(array, types.intp), emitted
 
 
 @intrinsic
 def spread(typing: Any, number: Any) -> Any:  # noqa: ARG001
-    """One number eight times."""
+    """One number, or word, eight times."""
 
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _repeated(builder, values[0])
 
+    if number is types.uint64:
+        return _WORDS(types.uint64), emitted
     return _LANES(types.float64), emitted
 
 
@@ -120,16 +164,152 @@ def total(typing: Any, value: Any) -> Any:  # noqa: ARG001
     return types.float64(_LANES), emitted
 
 
-def _give(operation: Any, instruction: str) -> None:
-    """Give lanes an operation with each other and with numbers."""
+def _of_llvm(builder: Any, name: str, values: Any) -> Any:
+    """What a function of LLVM's makes of lanes."""
+    kind = ir.FunctionType(values[0].type, [value.type for value in values])
+    function = builder.module.globals.get(name) or ir.Function(builder.module, kind, name)
+    return builder.call(function, values)
+
+
+@intrinsic
+def root(typing: Any, value: Any) -> Any:  # noqa: ARG001
+    """The square root of each."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        return _of_llvm(builder, f"llvm.sqrt.v{LANES}f64", values)
+
+    return _LANES(_LANES), emitted
+
+
+@intrinsic
+def rotated(typing: Any, value: Any, bits: Any) -> Any:  # noqa: ARG001
+    """Words rotated to the left."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        by = _repeated(builder, values[1])
+        return _of_llvm(builder, f"llvm.fshl.v{LANES}i64", [values[0], values[0], by])
+
+    return _WORDS(_WORDS, types.uint64), emitted
+
+
+def _same_bits(kind: Any) -> Any:
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        return builder.bitcast(values[0], _vector(_element(kind)))
+
+    return emitted
+
+
+@intrinsic
+def as_lanes(typing: Any, value: Any) -> Any:  # noqa: ARG001
+    """The numbers whose bits are these words."""
+    return _LANES(_WORDS), _same_bits(_LANES)
+
+
+@intrinsic
+def as_words(typing: Any, value: Any) -> Any:  # noqa: ARG001
+    """The bits of numbers."""
+    return _WORDS(_LANES), _same_bits(_WORDS)
+
+
+@intrinsic
+def chosen(typing: Any, which: Any, some: Any, others: Any) -> Any:  # noqa: ARG001
+    """Where a word is not 0 the number of `some`, elsewhere that of `others`."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        zeros = ir.Constant(values[0].type, None)
+        return builder.select(builder.icmp_unsigned("!=", values[0], zeros), *values[1:])
+
+    return _LANES(_WORDS, _LANES, _LANES), emitted
+
+
+@intrinsic
+def below(typing: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
+    """Words whose bits are set where a number of `a` is below that of `b`, and not elsewhere."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        return builder.sext(builder.fcmp_ordered("<", *values), _vector(ir.IntType(64)))
+
+    return _WORDS(_LANES, _LANES), emitted
+
+
+@intrinsic
+def anywhere(typing: Any, value: Any) -> Any:  # noqa: ARG001
+    """Whether any of the words is not 0."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
+        zeros = ir.Constant(values[0].type, None)
+        some = builder.icmp_unsigned("!=", values[0], zeros)
+        bits = builder.bitcast(some, ir.IntType(LANES))
+        return builder.icmp_unsigned("!=", bits, bits.type(0))
+
+    return types.boolean(_WORDS), emitted
+
+
+@intrinsic
+def columns(typing: Any, array: Any, at: Any) -> Any:  # noqa: ARG001
+    """The three columns of eight rows of a contiguous array (n, 3), from its entry `at` on."""
+
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        a, b, c = (
+            _load(context, builder, signature, (values[0], builder.add(values[1], _at(i))))
+            for i in range(3)
+        )
+        found = []
+        for k in range(3):
+            entries = [3 * i + k for i in range(LANES)]
+            early = [entry % (2 * LANES) for entry in entries]
+            late = [i if entries[i] < 2 * LANES else entries[i] - LANES for i in range(LANES)]
+            first = builder.shuffle_vector(a, b, _mask(early))
+            found.append(builder.shuffle_vector(first, c, _mask(late)))
+        return context.make_tuple(builder, signature.return_type, found)
+
+    return types.UniTuple(_LANES, 3)(array, types.intp), emitted
+
+
+@intrinsic
+def add_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
+    """Add three columns to eight rows of a contiguous array (n, 3), from its entry `at` on."""
+    return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=True)
+
+
+@intrinsic
+def store_columns(typing: Any, array: Any, at: Any, x: Any, y: Any, z: Any) -> Any:  # noqa: ARG001
+    """Write three columns as eight rows of a contiguous array (n, 3), from its entry `at` on."""
+    return types.none(array, types.intp, _LANES, _LANES, _LANES), _rows_stored(add=False)
+
+
+def _rows_stored(*, add: bool) -> Any:
+    def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        array, at, *column = values
+        for i in range(3):
+            entries = [divmod(LANES * i + k, 3) for k in range(LANES)]
+            pair = [row + LANES * (k == 1) for row, k in entries]
+            rest = [LANES + row if k == 2 else j for j, (row, k) in enumerate(entries)]
+            part = builder.shuffle_vector(column[0], column[1], _mask(pair))
+            part = builder.shuffle_vector(part, column[2], _mask(rest))
+            where = array, builder.add(at, _at(i))
+            if add:
+                part = builder.fadd(_load(context, builder, signature, where), part)
+            builder.store(part, _place(context, builder, signature.args, *where), align=8)
+        return context.get_dummy_value()
+
+    return emitted
+
+
+def _at(i: int) -> Any:
+    return ir.Constant(ir.IntType(64), LANES * i)
+
+
+def _give(operation: Any, instruction: str, lanes: Any, number: Any) -> None:
+    """Give lanes, or words, an operation with each other and with numbers of a type."""
 
     @type_callable(operation)
     def typed(context: Any) -> Any:  # noqa: ARG001
         def of(a: Any, b: Any) -> Any:
-            kinds = isinstance(a, Lanes), isinstance(b, Lanes)
+            kinds = a is lanes, b is lanes
             others = [kind for kind, own in zip((a, b), kinds, strict=True) if not own]
-            if any(kinds) and all(isinstance(kind, types.Float) for kind in others):
-                return _LANES
+            if any(kinds) and all(isinstance(kind, number) for kind in others):
+                return lanes
             return None
 
         return of
@@ -137,21 +317,27 @@ def _give(operation: Any, instruction: str) -> None:
     def emitted(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
         return _combined(builder, instruction, signature.args, values)
 
-    for kinds in ((Lanes, Lanes), (Lanes, types.Float), (types.Float, Lanes)):
+    for kinds in ((lanes, lanes), (lanes, number), (number, lanes)):
         lower_builtin(operation, *kinds)(emitted)
 
 
 for _operation, _instruction in (
     (operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul"),
+    (operator.truediv, "fdiv"),
 ):  # fmt: skip
-    _give(_operation, _instruction)
+    _give(_operation, _instruction, _LANES, types.Float)
+for _operation, _instruction in (
+    (operator.add, "add"), (operator.xor, "xor"), (operator.and_, "and_"), (operator.or_, "or_"),
+    (operator.lshift, "shl"), (operator.rshift, "lshr"),
+):  # fmt: skip
+    _give(_operation, _instruction, _WORDS, types.Integer)
 
 
 @type_callable(operator.neg)
 def _negated_type(context: Any) -> Any:  # noqa: ARG001
-    return lambda a: _LANES if isinstance(a, Lanes) else None
+    return lambda a: _LANES if a is _LANES else None
 
 
-@lower_builtin(operator.neg, Lanes)
+@lower_builtin(operator.neg, _LANES)
 def _negated(context: Any, builder: Any, signature: Any, values: Any) -> Any:  # noqa: ARG001
     return builder.fneg(values[0])

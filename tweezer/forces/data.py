@@ -13,13 +13,15 @@ Integers = NDArray[np.int64]
 
 #: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part
 _COLUMNS = 6
+#: Numbers in a line of the processor's cache; every entry begins with one
+_LINE = 8
 
 
 class Data(NamedTuple):
     """Entries one after the other: numbers, arrays of up to four axes, data of other forces."""
 
     numbers: Array
-    """all arrays, flattened and concatenated, (n,)"""
+    """all arrays, flattened and concatenated, each from a multiple of 8 on, (n,)"""
     shapes: Integers
     """one row for each entry, (entries, 6). For an array: its begin in `numbers` and its lengths.
     For a part: begin and count of its numbers, begin and count of its rows of `shapes`, 0, and the
@@ -54,9 +56,20 @@ def packed(*entries: Any) -> Data:
                 numbers = np.append(whole, np.zeros(whole.size % 2, np.int32)).view(np.float64)
             else:
                 numbers = array.astype(np.float64).ravel()
-        flat.append(numbers)
-        begin += numbers.size
-    return Data(np.concatenate([*flat, np.zeros(0)]), np.concatenate(rows))
+        flat += [numbers, np.zeros(-numbers.size % _LINE)]
+        begin += numbers.size + flat[-1].size
+    # the processor reads numbers by lines of its cache
+    memory = np.empty(begin + _LINE)
+    first = -(memory.ctypes.data // memory.itemsize) % _LINE
+    aligned = memory[first : first + begin]
+    np.concatenate([*flat, np.zeros(0)], out=aligned)
+    return Data(aligned, np.concatenate(rows))
+
+
+@njit(error_model="numpy")
+def begin_of(data, entry):  # type: ignore[no-untyped-def]
+    """Where an array begins in `data.numbers`."""
+    return data.shapes[entry, 0]
 
 
 @njit(error_model="numpy")

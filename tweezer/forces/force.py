@@ -169,11 +169,14 @@ def add(part, pose, wrench):  # type: ignore[no-untyped-def]
 @named_njit(inner=True, error_model="numpy")
 def clear(wrench):  # type: ignore[no-untyped-def]
     """Set everything to zero."""
-    wrench.force[:] = 0.0
-    wrench.moment[:] = 0.0
-    wrench.force_gradient[:] = 0.0
-    wrench.moment_gradient[:] = 0.0
-    wrench.error[:] = 0.0
+    for i in range(len(wrench.error)):
+        wrench.error[i] = 0.0
+        for k in range(3):
+            wrench.force[i, k] = wrench.moment[i, k] = 0.0
+    for i in range(len(wrench.force_gradient)):
+        for k in range(3):
+            for l in range(3):
+                wrench.force_gradient[i, k, l] = wrench.moment_gradient[i, k, l] = 0.0
 
 
 POSE = typeof(Pose(np.zeros(0), np.zeros((0, 3)), np.zeros((0, 4))))

@@ -21,7 +21,8 @@ from tweezer.theory import NO_MAP
 _FINER = 0.03
 
 _SOURCES = sources(
-    "generated.ray", "optics.by_map", "optics.by_quadrature", "optics.charts", "optics.tabulate",
+    "generated.ray", "optics.by_map", "optics.by_quadrature", "optics.charts",
+    "optics.polynomials", "optics.tabulate",
     *(
         f"optics.rays.{name}"
         for name in ("light", "nodes", "panels", "quadrature", "ray_sum", "rule")

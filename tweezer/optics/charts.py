@@ -39,36 +39,78 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import int64, uint64
 from numpy.typing import NDArray
 
-from tweezer.compiled import cached_njit
-from tweezer.forces.data import integers, matrix, number, part
+from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled.lanes import (
+    LANES,
+    anywhere,
+    as_lanes,
+    as_words,
+    below,
+    chosen,
+    lanes,
+    root,
+    spread,
+    store,
+    words,
+)
+from tweezer.compiled.stack import borrowed, on_stack
+from tweezer.forces.data import begin_of, part
 from tweezer.forces.force import KERNEL, Kernel
 from tweezer.optics.beyond import add_one
+from tweezer.optics.polynomials import (
+    COEFFICIENTS,
+    INNER,
+    PARTS,
+    ROWS,
+    add_up,
+    clear,
+    coordinates,
+    put,
+    read,
+)
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Coefficients of a polynomial along x and along y; the kernel's loops are unrolled for this number
-ORDER = 8
 #: Radius of the core, in bead radii
 CORE = 0.6
-#: Numbers at the head of a piece: centre and 1/half-width along x, then along y
+#: Numbers of the head of a piece: centre and 1/half-width along x, then along y
 HEAD = 4
 
 (CORE_CHART, RING, OUTER, TRIANGLE) = range(4)
 
 #: Blocks of the triangle, y < 0 and y > 0
 _TRIANGLES = (4, 17)
+_LOWER, _UPPER = map(float, _TRIANGLES)
+#: First block of the outer chart
+_OUTER = 5
+#: Numbers of a block's frame
+_FRAME = 4
 
-#: Positions whose pieces the kernel finds in one batch
-_BATCH = 64
 #: Lower bound on w. Keeps dw/dd finite at d = 1; changes the force by less than 1e-14
 _LEAST_W = 1e-8
 #: Lower bound on 1/d at nodes outside the table's range
 _LEAST_COSINE = 1e-3
 #: Index entry without a piece
 NO_PIECE = -1
+#: Binary digits of a part of a block's width, and the largest number below 1 of so many
+_DIGITS, _BELOW_1 = 52, 1.0 - 2.0**-52
+#: Bits of a number from 1 to 2 that hold these digits
+_FRACTION = np.uint64(2**52 - 1)
+
+#: What the kernel finds of eight beads: x1 and x2, the place on the piece and its derivatives
+(_X1, _X2, _RHO, _BLOCK, _U, _V, _U_RHO, _U_Z, _V_RHO, _V_Z, _FOUND) = (
+    LANES * k for k in range(11)
+)
+#: Digits of the two parts of blocks' widths, of eight beads
+_OF_DIGITS = 2 * LANES
+#: Words that are all set
+_EVERYWHERE = np.uint64(2**64 - 1)
+#: Largest squares of the distance within the core, and within the circle d = 1
+_WITHIN_CORE, _WITHIN_CIRCLE = CORE * CORE, 1.0 - 2.0**-53
 
 
 class Blocks(NamedTuple):
@@ -146,25 +188,37 @@ def beyond(chart: Integers, bounds: Array, reach: float) -> NDArray[np.bool_]:
     )
 
 
-@cached_njit(
-    error_model="numpy",
-    nogil=True,
-    inline="always",
-    fastmath={"reassoc", "contract", "nsz"},
-)
-def _chart_of(rho, z, dd, sine, tau):  # type: ignore[no-untyped-def]
-    """Block of a position, its coordinates there, and dx/drho, dx/dz, dy/drho, dy/dz."""
-    if dd < CORE * CORE:
-        return 0, rho * rho, z, 2.0 * rho, 0.0, 0.0, 1.0
-    if dd < 1.0:
-        w = max(math.sqrt(1.0 - dd), _LEAST_W)
-        over_d = 1.0 / math.sqrt(dd)
-        y = z * over_d
-        cube = over_d * over_d * over_d
-        block = 1 + (y >= -sine) + (y >= sine)
-        per_w = 1.0 / w
-        return block, w, y, -rho * per_w, -z * per_w, -rho * z * cube, rho * rho * cube
-    w = max(math.sqrt(dd - 1.0), _LEAST_W)
+@named_njit(**INNER)
+def _core(rho, squared, z, numbers, frames):  # type: ignore[no-untyped-def]
+    """Of eight positions block, coordinates x and y, their parts of the block's width, and dx/drho,
+    dx/dz, dy/drho, dy/dz.
+    """
+    zero = spread(0.0)
+    _, part_x = _interval(squared, numbers, frames, 0, 1)
+    _, part_y = _interval(z, numbers, frames + 2, 0, 1)
+    return zero, squared, z, part_x, part_y, 2.0 * rho, zero, zero, spread(1.0)
+
+
+@named_njit(**INNER)
+def _ring(rho, z, dd, numbers, frames):  # type: ignore[no-untyped-def]
+    """See `_core`."""
+    w = _largest(root(1.0 - dd), spread(_LEAST_W))
+    over_d, per_w = 1.0 / root(dd), 1.0 / w
+    y = z * over_d
+    cube = over_d * over_d * over_d
+    first = frames + _FRAME
+    _, part_x = _interval(w, numbers, first, 0, 1)
+    i, part_y = _interval(y, numbers, first + 2, _FRAME, 3)
+    return (
+        1.0 + i, w, y, part_x, part_y, -(rho * per_w), -(z * per_w), -(rho * z * cube),
+        rho * rho * cube,
+    )  # fmt: skip
+
+
+@named_njit(**INNER)
+def _outside(rho, z, dd, tau, numbers, frames):  # type: ignore[no-untyped-def]
+    """See `_core`."""
+    w = _largest(root(dd - 1.0), spread(_LEAST_W))
     below_p, below_q = dd + rho - z * w, dd + rho + z * w
     shared = -1.0 / (below_p * below_q)
     P = (z + rho * w) * below_q * shared
@@ -172,205 +226,240 @@ def _chart_of(rho, z, dd, sine, tau):  # type: ignore[no-untyped-def]
     # dP = (1 + P^2)/2 dp, where p = gamma - eta and q = gamma + eta
     half_dd, per_w = 0.5 / dd, 1.0 / w
     by_p, by_q = (1.0 + P * P) * half_dd, (1.0 + Q * Q) * half_dd
-    P_rho, P_z = by_p * (z - rho * per_w), by_p * (-rho - z * per_w)
-    Q_rho, Q_z = by_q * (z + rho * per_w), by_q * (-rho + z * per_w)
-    if max(abs(P), abs(Q)) < tau:
-        y = P + Q
-        per_width = 1.0 / (2.0 * tau - abs(y))
-        x = min((Q - P) * per_width, 1.0)
-        turn = x if y >= 0.0 else -x
-        y_rho, y_z = P_rho + Q_rho, P_z + Q_z
-        x_rho = (Q_rho - P_rho + turn * y_rho) * per_width
-        x_z = (Q_z - P_z + turn * y_z) * per_width
-        return _TRIANGLES[1] if y >= 0.0 else _TRIANGLES[0], x, y, x_rho, x_z, y_rho, y_z
-    i = j = 0
-    for line in (-1.0 / tau, -tau, tau, 1.0 / tau):
-        i += line <= P
-        j += line <= Q
-    return 5 + 5 * i + j, P, Q, P_rho, P_z, Q_rho, Q_z
+    P_rho, P_z = by_p * (z - rho * per_w), by_p * (-(z * per_w) - rho)
+    Q_rho, Q_z = by_q * (z + rho * per_w), by_q * (z * per_w - rho)
+    first = frames + _OUTER * _FRAME
+    i, part_p = _interval(P, numbers, first, 5 * _FRAME, 5)
+    j, part_q = _interval(Q, numbers, first + 2, _FRAME, 5)
+    block = float(_OUTER) + 5.0 * i + j
+    inner = below(_largest(_size(P), _size(Q)), spread(tau))
+    if not anywhere(inner):
+        return block, P, Q, part_p, part_q, P_rho, P_z, Q_rho, Q_z
+    y = P + Q
+    per_width = 1.0 / (2.0 * tau - _size(y))
+    x = (Q - P) * per_width
+    x = chosen(below(x, spread(1.0)), x, spread(1.0))
+    between = (_TRIANGLES[1] - _TRIANGLES[0]) * _FRAME
+    half, part_y = _interval(y, numbers, frames + _TRIANGLES[0] * _FRAME + 2, between, 2)
+    turn = x * (2.0 * half - 1.0)
+    y_rho, y_z = P_rho + Q_rho, P_z + Q_z
+    x_rho = (Q_rho - P_rho + turn * y_rho) * per_width
+    x_z = (Q_z - P_z + turn * y_z) * per_width
+    triangle = _LOWER + half * (_UPPER - _LOWER)
+    return (
+        chosen(inner, triangle, block), chosen(inner, x, P), chosen(inner, y, Q),
+        chosen(inner, x, part_p), chosen(inner, part_y, part_q), chosen(inner, x_rho, P_rho),
+        chosen(inner, x_z, P_z), chosen(inner, y_rho, Q_rho), chosen(inner, y_z, Q_z),
+    )  # fmt: skip
 
 
-@cached_njit(
-    error_model="numpy",
-    nogil=True,
-    inline="always",
-    fastmath={"reassoc", "contract", "nsz"},
-)
-def _piece_of(block, x, y, frames, roots, index):  # type: ignore[no-untyped-def]
-    """Number of the piece at (x, y), or `NO_PIECE`.
+@named_njit(**INNER)
+def _interval(a, numbers, first, apart, count):  # type: ignore[no-untyped-def]
+    """Number of the interval that holds `a`, and the part of its width below it.
+
+    The begin of interval k and 1/width are in `numbers` from first + k apart on.
+    """
+    number, begin, per_width = spread(0.0), spread(numbers[first]), spread(numbers[first + 1])
+    for k in range(1, count):
+        at = first + k * apart
+        before = below(a, spread(numbers[at]))
+        number = chosen(before, number, number + 1.0)
+        begin = chosen(before, begin, spread(numbers[at]))
+        per_width = chosen(before, per_width, spread(numbers[at + 1]))
+    return number, (a - begin) * per_width
+
+
+@named_njit(**INNER)
+def _largest(a, b):  # type: ignore[no-untyped-def]
+    return chosen(below(a, b), b, a)
+
+
+@named_njit(**INNER)
+def _smallest(a, b):  # type: ignore[no-untyped-def]
+    return chosen(below(b, a), b, a)
+
+
+@named_njit(**INNER)
+def _size(a):  # type: ignore[no-untyped-def]
+    return _largest(a, -a)
+
+
+@named_njit(**INNER)
+def _put_chart(chart, which, gradient, found, digits):  # type: ignore[no-untyped-def]
+    """Block, coordinates and digits of eight positions, where the words `which` are set."""
+    for k in range(3):
+        at = _BLOCK + k * LANES
+        store(found, at, chosen(which, chart[k], lanes(found, at)))
+    for k in range(2):
+        within = as_words(1.0 + _largest(spread(0.0), _smallest(chart[3 + k], spread(_BELOW_1))))
+        before = as_lanes(words(digits, k * LANES))
+        now = as_lanes(within & _FRACTION)
+        store(digits, k * LANES, as_words(chosen(which, now, before)))
+    if gradient:
+        for k in range(4):
+            at = _U_RHO + k * LANES
+            store(found, at, chosen(which, chart[5 + k], lanes(found, at)))
+
+
+@named_njit(**INNER)
+def _put_charts(x1, x2, z, data, gradient, found, digits):  # type: ignore[no-untyped-def]
+    """What follows from eight positions, in radii, to `found`, and digits of their parts of blocks.
+
+    Block and coordinates; beyond the range the block is -1.
+    """
+    numbers, shape, frames = data.numbers, begin_of(data, 0), begin_of(data, 1)
+    tau, reach = numbers[shape + 1], numbers[shape + 2]
+    squared = x1 * x1 + x2 * x2
+    dd, rho = squared + z * z, root(squared)
+    store(found, _X1, x1)
+    store(found, _X2, x2)
+    store(found, _RHO, rho)
+    past_core, past_circle = below(spread(_WITHIN_CORE), dd), below(spread(_WITHIN_CIRCLE), dd)
+    inside = below(dd, spread(reach * reach))
+    everywhere = spread(_EVERYWHERE)
+    _put_chart(_core(rho, squared, z, numbers, frames), everywhere, gradient, found, digits)
+    if anywhere(past_core):
+        chart = _ring(rho, z, dd, numbers, frames)
+        _put_chart(chart, past_core, gradient, found, digits)
+        if anywhere(past_circle):
+            chart = _outside(rho, z, dd, tau, numbers, frames)
+            _put_chart(chart, past_circle, gradient, found, digits)
+    store(found, _BLOCK, chosen(inside, lanes(found, _BLOCK), spread(-1.0)))
+
+
+@named_njit(**INNER)
+def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[no-untyped-def]
+    """Number of the piece in a block, or `NO_PIECE`.
+
+    along_x, along_y: digits of the part of the block's width. roots, index: begins in `integers`.
 
     An index entry is the number of a piece, or -2 - (64 start + 8 bits_x + bits_y) for a page: a
-    grid of 2^bits_x by 2^bits_y entries over the same rectangle.
+    grid of 2^bits_x by 2^bits_y entries over the same rectangle. So the digits lead to the piece.
     """
-    along_x = (x - frames[block, 0]) * frames[block, 1]
-    along_y = (y - frames[block, 2]) * frames[block, 3]
-    entry = np.int64(roots[block])
+    entry = int64(integers[uint64(roots + block)])
+    left_x = left_y = _DIGITS
     while entry < NO_PIECE:
         page = -2 - entry
-        cells_x, cells_y = 1 << ((page >> 3) & 7), 1 << (page & 7)
-        along_x *= cells_x
-        along_y *= cells_y
-        i = min(max(np.int64(along_x), 0), cells_x - 1)
-        j = min(max(np.int64(along_y), 0), cells_y - 1)
-        along_x -= i
-        along_y -= j
-        entry = np.int64(index[(page >> 6) + i * cells_y + j])
+        bits_x, bits_y = (page >> 3) & 7, page & 7
+        left_x -= bits_x
+        left_y -= bits_y
+        i = (along_x >> left_x) & ((1 << bits_x) - 1)
+        j = (along_y >> left_y) & ((1 << bits_y) - 1)
+        entry = int64(integers[uint64(index + (page >> 6) + (i << bits_y) + j)])
     return entry
 
 
-@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def find(positions, half_angle, reach, frames, roots, index, piece_out, place_out):  # type: ignore[no-untyped-def]
-    """Pieces and coordinates of positions (n, 3), in radii, in a table.
+@named_njit(**INNER)
+def _find(position, at, many, data, gradient, first, there, found):  # type: ignore[no-untyped-def]
+    """Pieces of up to eight beads, from `at` on, to `first`, coordinates there to `found`.
 
-    piece_out: (n,) number of the piece, or `NO_PIECE`. place_out: (n, 7) rho, x, y, and dx/drho,
-    dx/dz, dy/drho, dy/dz.
+    there: filled with 0 where there is no piece, else 1. Returns whether all of eight have one.
     """
-    sine, tau = math.sin(half_angle), math.tan(half_angle / 2.0)
-    for at in range(positions.shape[0]):
-        x1, x2, z = positions[at, 0], positions[at, 1], positions[at, 2]
-        squared = x1 * x1 + x2 * x2
-        dd = squared + z * z
-        piece_out[at] = NO_PIECE
-        if dd <= reach * reach:
-            rho = math.sqrt(squared)
-            block, x, y, x_rho, x_z, y_rho, y_z = _chart_of(rho, z, dd, sine, tau)
-            piece_out[at] = _piece_of(block, x, y, frames, roots, index)
-            place_out[at, 0], place_out[at, 1], place_out[at, 2] = rho, x, y
-            place_out[at, 3], place_out[at, 4] = x_rho, x_z
-            place_out[at, 5], place_out[at, 6] = y_rho, y_z
+    numbers, integers = data.numbers, data.numbers.view(np.int32)
+    roots, index, heads = 2 * begin_of(data, 2), 2 * begin_of(data, 3), uint64(begin_of(data, 4))
+    digits = on_stack(_OF_DIGITS, np.int64)
+    x1, x2, z = coordinates(position, at, many, found)
+    per_radius = 1.0 / numbers[begin_of(data, 0)]
+    _put_charts(per_radius * x1, per_radius * x2, per_radius * z, data, gradient, found, digits)
+    whole = many == LANES
+    for i in range(many):
+        block, piece = int64(found[_BLOCK + i]), NO_PIECE
+        if block >= 0:
+            piece = _piece_of(block, digits[i], digits[LANES + i], integers, roots, index)
+        there[i] = int64(piece != NO_PIECE)
+        first[i] = piece = max(piece, 0)
+        whole = whole and there[i] != 0
+        head = heads + uint64(HEAD * piece)
+        per_x, per_y = numbers[head + uint64(1)], numbers[head + uint64(3)]
+        found[_U + i] = (found[_U + i] - numbers[head]) * per_x
+        found[_V + i] = (found[_V + i] - numbers[head + uint64(2)]) * per_y
+        if gradient:
+            found[_U_RHO + i] *= per_x
+            found[_U_Z + i] *= per_x
+            found[_V_RHO + i] *= per_y
+            found[_V_Z + i] *= per_y
+    return whole
 
 
-@cached_njit(
-    error_model="numpy",
-    nogil=True,
-    inline="always",
-    fastmath={"reassoc", "contract", "nsz"},
-)
-def _sum(c, i, y):  # type: ignore[no-untyped-def]
-    """c[i] + c[i + 1] y + ... + c[i + 7] y^7."""
-    yy = y * y
-    low = (c[i] + c[i + 1] * y) + (c[i + 2] + c[i + 3] * y) * yy
-    return low + ((c[i + 4] + c[i + 5] * y) + (c[i + 6] + c[i + 7] * y) * yy) * (yy * yy)
+@cached_njit(error_model="numpy", nogil=True)
+def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
+    """Numbers of the pieces (n,) of positions (n, 3), or `NO_PIECE`, in a table of these data."""
+    first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
+    found = on_stack(_FOUND, np.float64)
+    n = positions.shape[0]
+    for at in range(0, n, LANES):
+        many = min(LANES, n - at)
+        _find(positions, at, many, data, False, first, there, found)
+        for i in range(many):
+            piece_out[at + i] = first[i] if there[i] != 0 else NO_PIECE
 
 
-@cached_njit(
-    error_model="numpy",
-    nogil=True,
-    inline="always",
-    fastmath={"reassoc", "contract", "nsz"},
-)
-def _slope(c, i, y):  # type: ignore[no-untyped-def]
-    """Derivative of `_sum` over y."""
-    yy = y * y
-    low = (c[i + 1] + 2.0 * c[i + 2] * y) + (3.0 * c[i + 3] + 4.0 * c[i + 4] * y) * yy
-    return low + (5.0 * c[i + 5] + 6.0 * c[i + 6] * y + 7.0 * c[i + 7] * yy) * (yy * yy)
+@named_njit(**INNER)
+def _function(values, at, gradient, found):  # type: ignore[no-untyped-def]
+    """A function of rho and z, and its derivatives over x1, x2 and z, of eight beads."""
+    value = lanes(values, at)
+    if not gradient:
+        return value, value, value, value
+    by_u, by_v = lanes(values, at + LANES), lanes(values, at + 2 * LANES)
+    rho = lanes(found, _RHO)
+    over_rho = chosen(as_words(rho), 1.0 / rho, spread(0.0))
+    radial = over_rho * (by_u * lanes(found, _U_RHO) + by_v * lanes(found, _V_RHO))
+    along = by_u * lanes(found, _U_Z) + by_v * lanes(found, _V_Z)
+    return value, radial * lanes(found, _X1), radial * lanes(found, _X2), along
 
 
 @functools.cache
 def kernel(*, gradient: bool, moment: bool) -> Kernel:
     """The kernel that reads a table, compiled without the parts that a scene does not need.
 
-    Its data are the radius (m); the cone's half angle (rad); the range (radii); n_m P/c (N), the
-    unit of force; the bound on the error of the force (N); `frames`, `roots`, `index` and `pieces`
-    of `tweezer.optics.tabulate.Made`; and the force outside the range.
+    Its data are the radius (m), the tangent of half of the cone's half angle, the range (radii),
+    n_m P/c (N), which is the unit of force, and the bound on the error of the force (N);
+    `frames`, `roots`, `index`, `heads` and `pieces` of `tweezer.optics.tabulate.Made`; and the
+    force outside the range.
     """
-    components = 3 if moment else 2
-    width = ORDER * components
+    components, kinds = 3 if moment else 2, 3 if gradient else 1
+    of_values, of_piece = components * kinds * LANES, components * COEFFICIENTS
 
-    @cached_njit(KERNEL, error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "nsz"})
-    def read(pose, data, wrench):  # type: ignore[no-untyped-def]
-        radius, half_angle, reach = number(data, 0), number(data, 1), number(data, 2)
-        strength, certified = number(data, 3), number(data, 4)
-        frames, roots, index = matrix(data, 5), integers(data, 6), integers(data, 7)
-        pieces = matrix(data, 8)
-        positions = pose.position
-        force_out, moment_out = wrench.force, wrench.moment
-        force_gradient_out, moment_gradient_out = wrench.force_gradient, wrench.moment_gradient
-        per_radius, stiffness = 1.0 / radius, strength / radius
-        # a length known at run time only: a loop of known length would be unrolled, not vectorised
-        columns = (pieces.shape[1] - HEAD) // ORDER
-        # one array for each shape, as an allocation costs as much as a polynomial
-        rows = np.empty((5, max(columns, 3)))
-        row, row_x, value, by_x, by_y = rows[0], rows[1], rows[2], rows[3], rows[4]
-        # all pieces of a batch are found first: branches that are hard to predict stay apart from
-        # the polynomials
-        size = min(_BATCH, positions.shape[0])
-        batch, place = np.empty((size, 3)), np.empty((size, 7))
-        piece_of = np.empty(size, np.int64)
-        for at in range(positions.shape[0]):
-            within = at % _BATCH
-            if within == 0:
-                many = min(_BATCH, positions.shape[0] - at)
+    @cached_njit(KERNEL, error_model="numpy", nogil=True)
+    def read_charts(pose, data, wrench):  # type: ignore[no-untyped-def]
+        pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
+        numbers, shape = data.numbers, begin_of(data, 0)
+        radius, strength, certified = numbers[shape], numbers[shape + 3], numbers[shape + 4]
+        per_radius, pieces = 1.0 / radius, begin_of(data, 5)
+        first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
+        found = on_stack(_FOUND, np.float64)
+        rows, values = on_stack(ROWS, np.float64), on_stack(of_values, np.float64)
+        parts, zero = on_stack(PARTS, np.float64), spread(0.0)
+        none = zero, zero, zero, zero
+        clear(rows)
+        n = pose.position.shape[0]
+        for at in range(0, n, LANES):
+            many = min(LANES, n - at)
+            whole = _find(pose.position, at, many, data, gradient, first, there, found)
+            if whole:
+                store(wrench.error, at, lanes(wrench.error, at) + certified)
+            else:
                 for i in range(many):
-                    for k in range(3):
-                        batch[i, k] = positions[at + i, k] * per_radius
-                find(batch[:many], half_angle, reach, frames, roots, index, piece_of, place)
-            piece = piece_of[within]
-            if piece == NO_PIECE:
-                add_one(part(data, 9), pose, at, wrench)
-                continue
-            wrench.error[at] += certified
-            x1, x2, rho = batch[within, 0], batch[within, 1], place[within, 0]
-            x, y = place[within, 1], place[within, 2]
-            c = pieces[piece]
-            u, v = (x - c[0]) * c[1], (y - c[2]) * c[3]
-            for j in range(columns):
-                i = HEAD + j
-                term = c[i + 7 * width]
-                slope = term
-                term = term * u + c[i + 6 * width]
-                slope = slope * u + term
-                term = term * u + c[i + 5 * width]
-                slope = slope * u + term
-                term = term * u + c[i + 4 * width]
-                slope = slope * u + term
-                term = term * u + c[i + 3 * width]
-                slope = slope * u + term
-                term = term * u + c[i + 2 * width]
-                slope = slope * u + term
-                term = term * u + c[i + width]
-                if gradient:
-                    row_x[j] = slope * u + term
-                row[j] = term * u + c[i]
+                    if there[i] != 0:
+                        wrench.error[at + i] += certified
+                    else:
+                        add_one(part(data, 6), pose, at + i, wrench)
+            for i in range(many):
+                first[i] = pieces + of_piece * first[i]
             for k in range(components):
-                value[k] = _sum(row, ORDER * k, v)
-                if gradient:
-                    by_x[k] = _sum(row_x, ORDER * k, v) * c[1]
-                    by_y[k] = _slope(row, ORDER * k, v) * c[3]
-            force_out[at, 0] += strength * value[0] * x1
-            force_out[at, 1] += strength * value[0] * x2
-            force_out[at, 2] += strength * value[1]
+                begin = k * kinds * LANES
+                read(numbers, first, k, many, found, _U, _V, gradient, rows, values, begin)
+            x1, x2 = lanes(found, _X1), lanes(found, _X2)
+            f = _function(values, 0, gradient, found)
+            g = _function(values, kinds * LANES, gradient, found)
+            put(f, none, g, x1, x2, strength, per_radius, gradient, parts)
+            add_up(parts, there, at, many, whole, gradient, wrench.force, wrench.force_gradient)
             if moment:
-                moment_out[at, 0] += -strength * radius * value[2] * x2
-                moment_out[at, 1] += strength * radius * value[2] * x1
-            if not gradient:
-                continue
-            x_rho, x_z = place[within, 3], place[within, 4]
-            y_rho, y_z = place[within, 5], place[within, 6]
-            per_rho = 1.0 / rho if rho > 0.0 else 0.0
-            cos_phi, sin_phi = x1 * per_rho, x2 * per_rho
-            f = stiffness * value[0]
-            f_rho = stiffness * (by_x[0] * x_rho + by_y[0] * y_rho)
-            f_z = stiffness * (by_x[0] * x_z + by_y[0] * y_z)
-            g_rho = stiffness * (by_x[1] * x_rho + by_y[1] * y_rho)
-            force_gradient_out[at, 0, 0] += f + x1 * cos_phi * f_rho
-            force_gradient_out[at, 0, 1] += x1 * sin_phi * f_rho
-            force_gradient_out[at, 0, 2] += x1 * f_z
-            force_gradient_out[at, 1, 0] += x2 * cos_phi * f_rho
-            force_gradient_out[at, 1, 1] += f + x2 * sin_phi * f_rho
-            force_gradient_out[at, 1, 2] += x2 * f_z
-            force_gradient_out[at, 2, 0] += cos_phi * g_rho
-            force_gradient_out[at, 2, 1] += sin_phi * g_rho
-            force_gradient_out[at, 2, 2] += stiffness * (by_x[1] * x_z + by_y[1] * y_z)
-            if moment:
-                m = strength * value[2]
-                m_rho = strength * (by_x[2] * x_rho + by_y[2] * y_rho)
-                m_z = strength * (by_x[2] * x_z + by_y[2] * y_z)
-                moment_gradient_out[at, 0, 0] += -x2 * cos_phi * m_rho
-                moment_gradient_out[at, 0, 1] += -m - x2 * sin_phi * m_rho
-                moment_gradient_out[at, 0, 2] += -x2 * m_z
-                moment_gradient_out[at, 1, 0] += m + x1 * cos_phi * m_rho
-                moment_gradient_out[at, 1, 1] += x1 * sin_phi * m_rho
-                moment_gradient_out[at, 1, 2] += x1 * m_z
+                m = _function(values, 2 * kinds * LANES, gradient, found)
+                put(none, m, none, x1, x2, strength * radius, per_radius, gradient, parts)
+                add_up(
+                    parts, there, at, many, whole, gradient, wrench.moment,
+                    wrench.moment_gradient,
+                )  # fmt: skip
 
-    return read
+    return read_charts

@@ -30,7 +30,8 @@ from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import KERNEL, Kernel, evaluated
 from tweezer.optics import charts
 from tweezer.optics.beyond import unreached
-from tweezer.optics.charts import HEAD, NO_PIECE, ORDER, Blocks
+from tweezer.optics.charts import HEAD, NO_PIECE, Blocks
+from tweezer.optics.polynomials import ORDER
 from tweezer.optics.rays.quadrature import VANISHING
 from tweezer.optics.table import Evaluate, Progress
 
@@ -86,8 +87,10 @@ class Made:
     """(blocks,) first entry of each block's index"""
     index: NDArray[np.int32]
     """pages of entries, see `charts`"""
+    heads: Array
+    """(n, HEAD), see `charts`"""
     pieces: Array
-    """(n, HEAD + ORDER^2 components): head, then the coefficients of F_rho/rho, F_z, M_phi/rho"""
+    """(n, components, ORDER powers of x, ORDER powers of y): F_rho/rho, F_z, M_phi/rho"""
     certified: float
     """bound on the error of the force"""
     largest: float
@@ -98,7 +101,7 @@ class Made:
     @property
     def moment(self) -> bool:
         """Whether the moment (3.25) is tabled."""
-        return self.pieces.shape[1] > HEAD + 2 * ORDER**2
+        return self.pieces.shape[1] > 2
 
     @property
     def count(self) -> int:
@@ -114,10 +117,11 @@ class Made:
 
         beyond: the force outside the range.
         """
-        return packed(
-            unit, self.half_angle, self.reach, strength, self.certified * strength, self.frames,
-            self.roots, self.index, self.pieces, beyond,
+        shape = np.array(
+            [unit, math.tan(self.half_angle / 2), self.reach, strength, self.certified * strength]
         )  # fmt: skip
+        pieces = self.pieces.ravel()
+        return packed(shape, self.frames, self.roots, self.index, self.heads, pieces, beyond)
 
 
 @dataclass(frozen=True)
@@ -355,7 +359,8 @@ def _packed(draft: _Draft, task: _Task) -> Made:
         frames=np.stack([low, 1 / (high - low)], axis=2).reshape(-1, 4),
         roots=roots,
         index=index,
-        pieces=np.concatenate([draft.head, powers.swapaxes(1, 2).reshape(len(powers), -1)], axis=1),
+        heads=draft.head,
+        pieces=powers,
         certified=math.nan,
         largest=0.0,
         seconds=0.0,
@@ -428,10 +433,8 @@ def _worst(made: Made, samples: list[_Sample]) -> Array:
     kernel = address(charts.kernel(gradient=False, moment=made.moment), KERNEL)
     data = made.data(1.0, 1.0, unreached())
     read = evaluated(Part(kernel, data), positions, gradient=False)
-    at, places = np.empty(len(rho), np.int64), np.empty((len(rho), 7))
-    charts.find(
-        positions, made.half_angle, made.reach, made.frames, made.roots, made.index, at, places
-    )
+    at = np.empty(len(rho), np.int64)
+    charts.find(positions, data, at)
     off, inside = np.hypot(*(read.force[:, [0, 2]] - exact).T), at != NO_PIECE
     worst = np.zeros(len(made.pieces))
     np.maximum.at(worst, at[inside], off[inside])

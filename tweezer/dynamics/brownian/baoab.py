@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from tweezer.compiled import cached_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
 from tweezer.dynamics.brownian.propagator import Weights
 
@@ -16,20 +18,22 @@ from tweezer.dynamics.brownian.propagator import Weights
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; u is that at x, before and after."""
-    dims, n = beads.x.shape
+    force, plan, weights, beads = borrowed((force, plan, weights, beads))
+    dims, width = beads.x.shape
+    x, v, u = beads.x, beads.v, beads.u
     for k in range(dims):
         drift, kick = weights.by_v[k], weights.v_by_u[k]
         decay, spread = weights.decay[k], weights.noise_v[k]
-        x, v, u, normal = beads.x[k], beads.v[k], beads.u[k], beads.normal[k]
-        for i in range(n):
-            half = v[i] + kick * u[i]
-            v[i] = decay * half + spread * normal[i]
-            x[i] += drift * (half + v[i])
-    slow_velocities(force, plan, beads, beads.now[0] + plan.step, beads.x, beads.u)
+        for i in range(k * width, (k + 1) * width, LANES):
+            half = lanes(v, i) + kick * lanes(u, i)
+            after = decay * half + spread * lanes(beads.normal, i)
+            store(v, i, after)
+            store(x, i, lanes(x, i) + drift * (half + after))
+    slow_velocities(force, plan, beads, beads.now[0] + plan.step, x, u)
     for k in range(dims):
-        kick, v, u = weights.v_by_u[k], beads.v[k], beads.u[k]
-        for i in range(n):
-            v[i] += kick * u[i]
+        kick = weights.v_by_u[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            store(v, i, lanes(v, i) + kick * lanes(u, i))
 
 
 def weights(step: float, linear: Linear) -> Weights:

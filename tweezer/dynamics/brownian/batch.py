@@ -10,6 +10,7 @@ from numba import njit, typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
+from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
@@ -50,28 +51,30 @@ class Beads(NamedTuple):
     """n beads, and room to move them in. Coordinates are three, and with a rotation three angles.
 
     The angles are those turned in a step, about the inertial axes; e says what came before. Beads
-    are along the last axis, so that a step is the same arithmetic on a row of numbers.
+    are along the last axis, so that a step is the same arithmetic on a row of numbers, eight at a
+    time: a row has room for w beads, n rounded up to a multiple of eight.
     """
 
     x: Array
-    """(dims, n) m, and rad"""
+    """(dims, w) m, and rad"""
     v: Array
-    """(dims, n); (0, n) without inertia"""
+    """(dims, w); (0, w) without inertia"""
     e: Array
     """(n, 4); (0, 4) without rotation"""
     u: Array
-    """(dims, n) slow velocities"""
+    """(dims, w) slow velocities"""
     ahead: Array
-    """(dims, n) where a step of lower order leads"""
+    """(dims, w) where a step of lower order leads"""
     u_ahead: Array
     kick: Array
-    """(dims, n) of the noise, where it depends on the place"""
+    """(dims, w) of the noise, where it depends on the place"""
     normal: Array
-    """(dims or twice that, n)"""
+    """(dims or twice that, w)"""
     now: Array
     """(1,) s, the begin of the step"""
     pose: Pose
     wrench: Wrench
+    """both of n beads, in memory that has room for w"""
     resisted: Mobility
     """at the position that the force was last evaluated at; empty for a uniform drag"""
 
@@ -81,14 +84,15 @@ def beads(n, dims, inertial, gradient, uniform):  # type: ignore[no-untyped-def]
     """Room for n beads."""
     gradients = n if gradient else 0
     places = 0 if uniform else n
+    width = -(-n // LANES) * LANES
     e = np.zeros((n if dims == 6 else 0, 4))
     return Beads(
-        np.zeros((dims, n)), np.zeros((dims if inertial else 0, n)), e, np.zeros((dims, n)),
-        np.zeros((dims, n)), np.zeros((dims, n)), np.zeros((dims, n)),
-        np.zeros((2 * dims if inertial else dims, n)), np.zeros(1),
-        Pose(np.zeros(n), np.zeros((n, 3)), e),
+        np.zeros((dims, width)), np.zeros((dims if inertial else 0, width)), e,
+        np.zeros((dims, width)), np.zeros((dims, width)), np.zeros((dims, width)),
+        np.zeros((dims, width)), np.zeros((2 * dims if inertial else dims, width)), np.zeros(1),
+        Pose(np.zeros(n), np.zeros((width, 3))[:n], e),
         Wrench(
-            np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((gradients, 3, 3)),
+            np.zeros((width, 3))[:n], np.zeros((width, 3))[:n], np.zeros((gradients, 3, 3)),
             np.zeros((gradients, 3, 3)), np.zeros(n),
         ),
         Mobility(np.zeros((places, 5)), np.zeros((places, 5, 3))),
@@ -97,37 +101,39 @@ def beads(n, dims, inertial, gradient, uniform):  # type: ignore[no-untyped-def]
 
 @njit(error_model="numpy")
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
-    """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, n)."""
+    """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, w)."""
     pose, wrench = beads.pose, beads.wrench
-    dims, n = place.shape
-    pose.time[:] = time
-    for k in range(3):
-        for i in range(n):
-            pose.position[i, k] = place[k, i]
+    dims, width = place.shape
+    for i in range(len(pose.time)):
+        pose.time[i] = time
+    for i in range(0, width, LANES):
+        x, y, z = lanes(place, i), lanes(place, width + i), lanes(place, 2 * width + i)
+        store_columns(pose.position, 3 * i, x, y, z)
     clear(wrench)
     add(force, pose, wrench)
-    for k in range(3):
-        mobility, load = plan.mobility[k], plan.load[k]
-        for i in range(n):
-            out[k, i] = mobility * (wrench.force[i, k] + load)
-    for k in range(3, dims):
-        for i in range(n):
-            out[k, i] = plan.mobility[k] * wrench.moment[i, k - 3]
+    for i in range(0, width, LANES):
+        pulls = columns(wrench.force, 3 * i)
+        for k in range(3):
+            store(out, k * width + i, plan.mobility[k] * (pulls[k] + plan.load[k]))
+        if dims > 3:
+            turns = columns(wrench.moment, 3 * i)
+            for k in range(3):
+                store(out, (3 + k) * width + i, plan.mobility[3 + k] * turns[k])
 
 
 @named_njit(inner=True, error_model="numpy")
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
     """What drag, u and noise make of the velocities, in place."""
-    dims, n = beads.x.shape
-    if beads.v.shape[0] == 0:
+    dims, width = beads.x.shape
+    v, u, normal = beads.v, beads.u, beads.normal
+    if v.shape[0] == 0:
         return
     for k in range(dims):
         decay, by_u = weights.decay[k], weights.v_by_u[k]
         shared, own = weights.noise_xv[k], weights.noise_v[k]
-        v, u = beads.v[k], beads.u[k]
-        with_x, alone = beads.normal[k], beads.normal[dims + k]
-        for i in range(n):
-            v[i] = decay * v[i] + by_u * u[i] + shared * with_x[i] + own * alone[i]
+        for i in range(k * width, (k + 1) * width, LANES):
+            drawn = shared * lanes(normal, i) + own * lanes(normal, i + dims * width)
+            store(v, i, decay * lanes(v, i) + by_u * lanes(u, i) + drawn)
 
 
 _empty, _row = np.zeros(0), np.zeros((0, 0))

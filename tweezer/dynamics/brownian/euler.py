@@ -15,6 +15,9 @@ import math
 import numpy as np
 
 from tweezer.compiled import cached_njit, call, named_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.lanes import spread as spread_out
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
 from tweezer.dynamics.brownian.propagator import Weights
@@ -23,6 +26,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads under the light."""
+    force, plan, weights, beads = borrowed((force, plan, weights, beads))
     slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
     if plan.uniform:
         _move(weights, beads)
@@ -38,7 +42,7 @@ def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
     for k in range(3):
         entry = 1 if k == 2 else 0
         x, force, normal = beads.x[k], beads.wrench.force, beads.normal[k]
-        for i in range(x.shape[0]):
+        for i in range(force.shape[0]):
             mobility = value[i, entry]
             drift = mobility * (force[i, k] + plan.load[k]) + plan.kT * gradient[i, entry, k]
             spread = math.sqrt(2.0 * plan.kT * mobility * plan.step)
@@ -48,11 +52,12 @@ def _move_by_place(plan, beads):  # type: ignore[no-untyped-def]
 @cached_njit(error_model="numpy", nogil=True)
 def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """One step of all beads on the spring of the weights."""
-    dims, n = beads.x.shape
+    plan, weights, beads = borrowed((plan, weights, beads))
+    dims, width = beads.x.shape
     for k in range(dims):
-        kappa, centre, x, u = weights.kappa[k], plan.centre[k], beads.x[k], beads.u[k]
-        for i in range(n):
-            u[i] = kappa * (centre - x[i])
+        kappa, centre = weights.kappa[k], plan.centre[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            store(beads.u, i, kappa * (centre - lanes(beads.x, i)))
     coupled = weights.coupled.shape[0]
     if coupled > 0:
         _move_coupled(plan, weights, beads)
@@ -67,32 +72,35 @@ def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def] 
 @named_njit(inner=True, error_model="numpy")
 def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
     """Positions after the step, to `ahead`, and velocities, to `u_ahead`, of a full matrix."""
-    dims, n = beads.x.shape
+    dims, width = beads.x.shape
+    x, v, normal = beads.x, beads.v, beads.normal
     size = weights.coupled.shape[0]
     for k in range(size):
-        out = beads.ahead[k] if k < 3 else beads.u_ahead[k - 3]
-        out[:] = plan.centre[k] if k < 3 else 0.0
-        for j in range(size):
-            z, normal, centre = beads.x[j % 3], beads.normal[j % 3], plan.centre[j % 3]
-            if j >= 3:
-                z, normal, centre = beads.v[j - 3], beads.normal[dims + j - 3], 0.0
-            left, spread = weights.coupled[k, j], weights.coupled_noise[k, j]
-            for i in range(n):
-                out[i] += left * (z[i] - centre) + spread * normal[i]
+        out = beads.ahead if k < 3 else beads.u_ahead
+        for i in range(0, width, LANES):
+            led = spread_out(plan.centre[k]) if k < 3 else spread_out(0.0)
+            for j in range(3):
+                at = j * width + i
+                left, spread = weights.coupled[k, j], weights.coupled_noise[k, j]
+                led = led + left * (lanes(x, at) - plan.centre[j]) + spread * lanes(normal, at)
+            for j in range(3, size):
+                at = (j - 3) * width + i
+                left, spread = weights.coupled[k, j], weights.coupled_noise[k, j]
+                led = led + left * lanes(v, at) + spread * lanes(normal, at + dims * width)
+            store(out, (k % 3) * width + i, led)
 
 
 @named_njit(inner=True, error_model="numpy")
 def _move(weights, beads):  # type: ignore[no-untyped-def]
-    dims, n = beads.x.shape
+    dims, width = beads.x.shape
+    x, v = beads.x, beads.v
     for k in range(dims):
-        by_u, spread = weights.by_u[k], weights.noise_x[k]
-        x, u, normal = beads.x[k], beads.u[k], beads.normal[k]
-        for i in range(n):
-            x[i] += by_u * u[i] + spread * normal[i]
-        if beads.v.shape[0] > 0:
-            by_v, v = weights.by_v[k], beads.v[k]
-            for i in range(n):
-                x[i] += by_v * v[i]
+        by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            led = lanes(x, i) + by_u * lanes(beads.u, i) + spread * lanes(beads.normal, i)
+            if v.shape[0] > 0:
+                led = led + by_v * lanes(v, i)
+            store(x, i, led)
     velocities_after(weights, beads)
 
 

@@ -12,6 +12,8 @@ drift D div(1 - tau Du) which the flux implies.
 from __future__ import annotations
 
 from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
 from tweezer.dynamics.brownian.propagator import Weights
@@ -20,7 +22,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 @named_njit(inner=True, error_model="numpy")
 def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
     """out = (1 - part dF_i/dx_j) vectors, (3, n); out may be `vectors`."""
-    for i in range(vectors.shape[1]):
+    for i in range(gradient.shape[0]):
         x, y, z = vectors[0, i], vectors[1, i], vectors[2, i]
         for k in range(3):
             change = gradient[i, k, 0] * x + gradient[i, k, 1] * y + gradient[i, k, 2] * z
@@ -30,25 +32,27 @@ def _reduced(part, gradient, vectors, out):  # type: ignore[no-untyped-def]
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
+    force, plan, weights, beads = borrowed((force, plan, weights, beads))
     x, u, ahead, u_ahead, kick = beads.x, beads.u, beads.ahead, beads.u_ahead, beads.kick
     part, gradient = plan.tau[0] * plan.mobility[0], beads.wrench.force_gradient
-    n = x.shape[1]
+    width = x.shape[1]
     slow_velocities(force, plan, beads, beads.now[0], x, u)
     _reduced(part, gradient, u, u)
     _reduced(0.5 * part, gradient, beads.normal, kick)
     for k in range(3):
-        for i in range(n):
-            ahead[k, i] = x[k, i] + weights.by_u[k] * u[k, i] + weights.noise_x[k] * kick[k, i]
+        by_u, spread = weights.by_u[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            store(ahead, i, lanes(x, i) + by_u * lanes(u, i) + spread * lanes(kick, i))
     slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
     _reduced(part, gradient, u_ahead, u_ahead)
     _reduced(0.5 * part, gradient, beads.normal, kick)
     for k in range(3):
-        for i in range(n):
-            rise = u_ahead[k, i] - u[k, i] + weights.kappa[k] * (ahead[k, i] - x[k, i])
-            x[k, i] += (
-                weights.by_u[k] * u[k, i] + weights.by_rise[k] * rise
-                + weights.noise_x[k] * kick[k, i]
-            )  # fmt: skip
+        kappa, by_rise = weights.kappa[k], weights.by_rise[k]
+        by_u, spread = weights.by_u[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            rise = lanes(u_ahead, i) - lanes(u, i) + kappa * (lanes(ahead, i) - lanes(x, i))
+            way = by_u * lanes(u, i) + by_rise * rise + spread * lanes(kick, i)
+            store(x, i, lanes(x, i) + way)
 
 
 def weights(step: float, linear: Linear) -> Weights:

@@ -10,6 +10,8 @@ stochastic Heun (Kloeden and Platen 1992, 15.1) with the spring exact.
 from __future__ import annotations
 
 from tweezer.compiled import cached_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import (
     Linear,
@@ -23,32 +25,28 @@ from tweezer.dynamics.brownian.propagator import Weights
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads."""
-    dims, n = beads.x.shape
-    inertial = beads.v.shape[0] > 0
-    slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
+    force, plan, weights, beads = borrowed((force, plan, weights, beads))
+    dims, width = beads.x.shape
+    x, v, u, ahead, u_ahead = beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead
+    inertial = v.shape[0] > 0
+    slow_velocities(force, plan, beads, beads.now[0], x, u)
     for k in range(dims):
-        by_u, spread = weights.by_u[k], weights.noise_x[k]
-        x, u, ahead, normal = beads.x[k], beads.u[k], beads.ahead[k], beads.normal[k]
-        for i in range(n):
-            ahead[i] = x[i] + by_u * u[i] + spread * normal[i]
-        if inertial:
-            by_v, v = weights.by_v[k], beads.v[k]
-            for i in range(n):
-                ahead[i] += by_v * v[i]
+        by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            led = lanes(x, i) + by_u * lanes(u, i) + spread * lanes(beads.normal, i)
+            if inertial:
+                led = led + by_v * lanes(v, i)
+            store(ahead, i, led)
     velocities_after(weights, beads)
-    after = beads.now[0] + plan.step
-    slow_velocities(force, plan, beads, after, beads.ahead, beads.u_ahead)
+    slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
     for k in range(dims):
-        kappa, by_rise = weights.kappa[k], weights.by_rise[k]
-        x, u, ahead, u_ahead = beads.x[k], beads.u[k], beads.ahead[k], beads.u_ahead[k]
-        for i in range(n):
+        kappa, by_rise, v_by_rise = weights.kappa[k], weights.by_rise[k], weights.v_by_rise[k]
+        for i in range(k * width, (k + 1) * width, LANES):
             # of the force beyond the spring
-            u_ahead[i] += kappa * (ahead[i] - x[i]) - u[i]
-            x[i] = ahead[i] + by_rise * u_ahead[i]
-        if inertial:
-            v_by_rise, v = weights.v_by_rise[k], beads.v[k]
-            for i in range(n):
-                v[i] += v_by_rise * u_ahead[i]
+            rise = lanes(u_ahead, i) - lanes(u, i) + kappa * (lanes(ahead, i) - lanes(x, i))
+            store(x, i, lanes(ahead, i) + by_rise * rise)
+            if inertial:
+                store(v, i, lanes(v, i) + v_by_rise * rise)
 
 
 def weights(step: float, linear: Linear) -> Weights:

@@ -21,8 +21,8 @@ from tweezer.dynamics.brownian.noise import NOISE, normals
 
 Array = NDArray[np.float64]
 
-#: beads side by side: what they need stays in the first cache
-_BATCH = 64
+#: Beads side by side: calls by address cost little for so many, and what they need stays in cache
+_BATCH = 128
 
 
 class Steps(NamedTuple):
@@ -71,8 +71,9 @@ def loop() -> Any:
         dims = 6 if rotates else 3
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
-            who = trajectories[begin : begin + n]
             beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform)
+            who = np.zeros(beads.x.shape[1], np.int64)
+            who[:n] = trajectories[begin : begin + n]
             x, normal = beads.x, beads.normal[: steps.draws]
             for i in range(n):
                 _load(steps, states[begin + i], beads, i)
@@ -89,14 +90,14 @@ def loop() -> Any:
                         rotation.turn_by_steps(beads)
                         if not inertial:
                             rotation.diffuse(plan, who, at, beads)
-                    for i in range(n):
-                        squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
-                        if not squared < plan.loss * plan.loss or x[2, i] <= plan.lens:
-                            if not math.isfinite(squared):
-                                return begin + i
-                            if states[begin + i, last] == np.inf:
-                                states[begin + i, last] = (at + 1) * plan.step
-                            _park(beads, i)
+                    if not _all_there(plan, x, n):
+                        for i in range(n):
+                            if not _there(plan, x, i):
+                                if not math.isfinite(_squared(x, i)):
+                                    return begin + i
+                                if states[begin + i, last] == np.inf:
+                                    states[begin + i, last] = (at + 1) * plan.step
+                                _park(beads, i)
                 for i in range(n):
                     if states[begin + i, last] < np.inf:
                         out[begin + i, number] = np.nan
@@ -113,6 +114,25 @@ def loop() -> Any:
         types.float64[:, ::1], types.int64, types.float64[:, :, :],
     )  # fmt: skip
     return cached_njit(signature, error_model="numpy", nogil=True)(advance)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _there(plan, x, i):  # type: ignore[no-untyped-def]
+    """Whether a bead is neither lost nor at a place that is not finite."""
+    return (_squared(x, i) < plan.loss * plan.loss) & (x[2, i] > plan.lens)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _squared(x, i):  # type: ignore[no-untyped-def]
+    return x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _all_there(plan, x, n):  # type: ignore[no-untyped-def]
+    there = True
+    for i in range(n):
+        there &= _there(plan, x, i)
+    return there
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -1,10 +1,12 @@
-"""Normal random numbers by counter: a function of (seed, trajectory, step, place) and nothing else.
+"""Normal random numbers by counter: a function of (seed, trajectory, step, row) and nothing else.
 
-Philox4x64-10 (Salmon, Moraes, Dror, Shaw, SC'11) turns a key and a counter into four words; there
-is no state, so a trajectory is the same however trajectories are batched, spread over threads or
-machines, and begun again in the middle. A word becomes a normal number by the ziggurat of
-Marsaglia and Tsang (J. Stat. Softw. 5:8 (2000)) with 256 layers. One word in 80 is not enough:
-further ones come from counters of their own.
+Threefry-4x64 with 20 rounds (Salmon, Moraes, Dror, Shaw, SC'11) turns a key and a counter into four
+words. There is no state, so a trajectory is the same however trajectories are batched, spread over
+threads or machines, and begun again in the middle.
+
+Four words are three pairs of normal numbers (Box and Muller, Ann. Math. Stat. 29:610 (1958)): the
+radius of a pair takes 52 bits, so that it ends at 8.57, and the angle 32. The logarithm, the sine
+and the cosine are series without a branch, for eight trajectories at once.
 """
 
 from __future__ import annotations
@@ -13,120 +15,120 @@ import math
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import int64, njit, types, uint64
-from numba.extending import intrinsic
-from numpy.typing import NDArray
+from numba import uint64
 
-from tweezer.compiled import cached_njit
+from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled.lanes import (
+    LANES,
+    as_lanes,
+    as_words,
+    chosen,
+    lanes,
+    root,
+    rotated,
+    spread,
+    store,
+    words,
+)
+from tweezer.compiled.stack import on_stack
 
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2
 
-#: multipliers and increments of the key of Philox4x64, and its rounds
-_M0, _M1 = np.uint64(0xD2E7470EE14C6C93), np.uint64(0xCA5A826395121157)
-_W0, _W1 = np.uint64(0x9E3779B97F4A7C15), np.uint64(0xBB67AE8584CAA73B)
-_ROUNDS = 10
+#: Parity of the key of Threefry
+_PARITY = np.uint64(0x1BD11BDAA9FC1A22)
+#: Rotations of four rounds of Threefry-4x64, of the next four, and so on in turn
+_ODD = tuple(map(np.uint64, (14, 16, 52, 57, 23, 40, 5, 37)))
+_EVEN = tuple(map(np.uint64, (25, 33, 46, 12, 58, 22, 32, 32)))
 
-#: layers of the ziggurat, where its base ends, and the area of a layer
-_LAYERS = 256
-_END = 3.6541528853610088
-_AREA = _END * math.exp(-0.5 * _END**2) + math.sqrt(math.pi / 2) * math.erfc(_END / math.sqrt(2))
+#: Rows of numbers that one block of four words makes
+_ROWS = 6
+#: Numbers of one block of eight trajectories
+_NUMBERS = _ROWS * LANES
+#: Bits of the number 1, and of the numbers from 1 to 2 what distinguishes them
+_ONE, _FRACTION = np.uint64(0x3FF0000000000000), np.uint64(0x000FFFFFFFFFFFFF)
+#: Bits of sqrt(1/2)
+_ROOT_HALF = np.uint64(np.float64(math.sqrt(0.5)).view(np.uint64))
+#: Bits of 2^52, whose last bits are a whole number, and its value with the bias of exponents
+_WHOLE, _BIAS = np.uint64(0x4330000000000000), 2.0**52 + 1023.0
+_SIGN = np.uint64(1 << 63)
+_LN_2 = math.log(2.0)
+
+#: Coefficients of atanh(s)/s, sin(x)/x and cos(x), over powers of the square: to 1e-15
+_ATANH = tuple(1 / (2 * k + 1) for k in range(9))
+_SINE = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(9))
+_COSINE = tuple((-1) ** k / math.factorial(2 * k) for k in range(9))
+#: Bits of a word that its radius leaves
+_LAST_11 = np.uint64(0x7FF)
+
+_INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": True}
 
 
-def _ziggurat() -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64]]:
-    """Of each layer, first those of the numbers above 0, then those below: width over 2^52; first
-    fraction not within the layer above. And the density at the edges of the layers.
+@named_njit(**_INNER)
+def _four_rounds(a, b, c, d, by):  # type: ignore[no-untyped-def]
+    a = a + b
+    b = rotated(b, by[0]) ^ a
+    c = c + d
+    d = rotated(d, by[1]) ^ c
+    a = a + d
+    d = rotated(d, by[2]) ^ a
+    c = c + b
+    b = rotated(b, by[3]) ^ c
+    a = a + b
+    b = rotated(b, by[4]) ^ a
+    c = c + d
+    d = rotated(d, by[5]) ^ c
+    a = a + d
+    d = rotated(d, by[6]) ^ a
+    c = c + b
+    b = rotated(b, by[7]) ^ c
+    return a, b, c, d
+
+
+@named_njit(**_INNER)
+def threefry(key, a, b, c, d):  # type: ignore[no-untyped-def]
+    """Four times eight words of a counter (a, b, c, d), each eight words, and a key of four."""
+    k, l, m, n = key
+    o = _PARITY ^ k ^ l ^ m ^ n
+    a, b, c, d = _four_rounds(a + k, b + l, c + m, d + n, _ODD)
+    a, b, c, d = _four_rounds(a + l, b + m, c + n, d + (o + uint64(1)), _EVEN)
+    a, b, c, d = _four_rounds(a + m, b + n, c + o, d + (k + uint64(2)), _ODD)
+    a, b, c, d = _four_rounds(a + n, b + o, c + k, d + (l + uint64(3)), _EVEN)
+    a, b, c, d = _four_rounds(a + o, b + k, c + l, d + (m + uint64(4)), _ODD)
+    return a + k, b + l, c + m, d + (n + uint64(5))
+
+
+@named_njit(**_INNER)
+def _series(c, z):  # type: ignore[no-untyped-def]
+    """c[0] + c[1] z + ... + c[8] z^8."""
+    last = c[5] + z * (c[6] + z * (c[7] + z * c[8]))
+    return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * last))))
+
+
+@named_njit(**_INNER)
+def _logarithm(u):  # type: ignore[no-untyped-def]
+    """log(u) of u = 2^e m, m from sqrt(1/2) to sqrt(2), by 2 atanh((m - 1)/(m + 1))."""
+    above = as_words(u) + (_ONE - _ROOT_HALF)
+    e = as_lanes((above >> uint64(52)) | _WHOLE) - _BIAS
+    m = as_lanes((above & _FRACTION) + _ROOT_HALF)
+    s = (m - 1.0) / (m + 1.0)
+    return (s + s) * _series(_ATANH, s * s) + e * _LN_2
+
+
+@named_njit(**_INNER)
+def _pair(radius, angle):  # type: ignore[no-untyped-def]
+    """Two normal numbers of the upper 52 bits of one word and the lower 32 of another.
+
+    30 of the 32 give a place in a quarter of the circle; two choose the quarter.
     """
-    edges = np.empty(_LAYERS + 1)
-    edges[0] = _AREA / math.exp(-0.5 * _END**2)
-    edges[1] = _END
-    for i in range(2, _LAYERS):
-        density = _AREA / edges[i - 1] + math.exp(-0.5 * edges[i - 1] ** 2)
-        edges[i] = math.sqrt(-2.0 * math.log(density))
-    edges[_LAYERS] = 0.0
-    width = edges[:-1] / 2.0**52
-    within = (edges[1:] / edges[:-1] * 2.0**52).astype(np.int64)
-    return np.append(width, -width), np.append(within, within), np.exp(-0.5 * edges**2)
-
-
-_WIDTH, _WITHIN, _DENSITY = _ziggurat()
-
-
-@intrinsic
-def _high_product(typing_context: Any, a: Any, b: Any) -> Any:  # noqa: ARG001
-    """The upper 64 bits of the product of two words."""
-
-    def codegen(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:  # noqa: ARG001
-        wide = ir.IntType(128)
-        first, second = (builder.zext(argument, wide) for argument in arguments)
-        high = builder.lshr(builder.mul(first, second), ir.Constant(wide, 64))
-        return builder.trunc(high, ir.IntType(64))
-
-    return types.uint64(types.uint64, types.uint64), codegen
-
-
-@njit(inline="always")
-def philox(seed, c0, c1, c2, c3):  # type: ignore[no-untyped-def]
-    """Four words of the key (seed, 0) and the counter (c0, c1, c2, c3); all are uint64."""
-    k0, k1 = seed, uint64(0)
-    for _ in range(_ROUNDS):
-        high0, low0 = _high_product(_M0, c0), _M0 * c0
-        high1, low1 = _high_product(_M1, c2), _M1 * c2
-        c0, c1, c2, c3 = high1 ^ c1 ^ k0, low1, high0 ^ c3 ^ k1, low0
-        k0 += _W0
-        k1 += _W1
-    return c0, c1, c2, c3
-
-
-@njit(inline="always")
-def _uniform(word):  # type: ignore[no-untyped-def]
-    """In (0, 1)."""
-    return (float(word >> uint64(11)) + 0.5) * 2.0**-53
-
-
-@njit(inline="always")
-def _layer_and_fraction(word):  # type: ignore[no-untyped-def]
-    """The lowest nine bits of a word, sign and layer, and the next 52."""
-    return int64(word & uint64(0x1FF)), int64((word >> uint64(9)) & uint64(0x000FFFFFFFFFFFFF))
-
-
-@njit
-def _at_the_edge(word, key, place, step, trajectory, purpose):  # type: ignore[no-untyped-def]
-    """A normal number of a word that does not fall well within its layer."""
-    attempt = uint64(0)
-    while True:
-        layer, fraction = _layer_and_fraction(word)
-        x = float(fraction) * _WIDTH[layer]
-        if fraction < _WITHIN[layer]:
-            return x
-        attempt += uint64(1)
-        first, second, word, _ = philox(
-            key, (place << uint64(32)) + attempt, step, trajectory, purpose
-        )
-        below = layer % _LAYERS
-        if below > 0:
-            low, high = _DENSITY[below], _DENSITY[below + 1]
-            if low + _uniform(first) * (high - low) < math.exp(-0.5 * x * x):
-                return x
-            continue
-        while True:  # the tail, of the sign drawn
-            over = -math.log(_uniform(first)) / _END
-            if -2.0 * math.log(_uniform(second)) > over * over:
-                return math.copysign(_END + over, _WIDTH[layer])
-            attempt += uint64(1)
-            first, second, _, _ = philox(
-                key, (place << uint64(32)) + attempt, step, trajectory, purpose
-            )
-
-
-@njit(inline="always")
-def _normal(word, key, place, step, trajectory, purpose):  # type: ignore[no-untyped-def]
-    """place: not 0, for further words; which number of the row it is."""
-    layer, fraction = _layer_and_fraction(word)
-    if fraction < _WITHIN[layer]:
-        return float(fraction) * _WIDTH[layer]
-    return _at_the_edge(word, key, place, step, trajectory, purpose)
+    u = as_lanes((radius >> uint64(12)) | _ONE) - (1.0 - 2.0**-53)  # between 0 and 1
+    r = root(-2.0 * _logarithm(u))
+    r = as_lanes(as_words(r) ^ ((angle << uint64(32)) & _SIGN))
+    part = as_lanes(((angle & uint64(0x3FFFFFFF)) << uint64(22)) | _ONE) - (1.5 - 2.0**-31)
+    x = (0.5 * math.pi) * part
+    sine, cosine = x * _series(_SINE, x * x), _series(_COSINE, x * x)
+    other = angle & uint64(0x40000000)
+    return r * chosen(other, sine, cosine), r * chosen(other, cosine, sine)
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -135,17 +137,38 @@ def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-
 
     seed, step, purpose: int64. A number depends on its row, but not on how many there are.
     """
-    key, at, why = uint64(seed), uint64(step), uint64(purpose)
-    rows = out.shape[0]
-    for first in range(0, rows, 4):
-        place = uint64(first)
-        for i in range(out.shape[1]):
-            trajectory = uint64(trajectories[i])
-            a, b, c, d = philox(key, place, at, trajectory, why)
-            out[first, i] = _normal(a, key, place + uint64(1), at, trajectory, why)
-            if first + 1 < rows:
-                out[first + 1, i] = _normal(b, key, place + uint64(2), at, trajectory, why)
-            if first + 2 < rows:
-                out[first + 2, i] = _normal(c, key, place + uint64(3), at, trajectory, why)
-            if first + 3 < rows:
-                out[first + 3, i] = _normal(d, key, place + uint64(4), at, trajectory, why)
+    zero = uint64(0)
+    key = uint64(seed), zero, zero, zero
+    rows, n = out.shape
+    drawn, who = on_stack(_NUMBERS, np.float64), on_stack(LANES, np.int64)
+    for i in range(0, n, LANES):
+        many = min(LANES, n - i)
+        if many < LANES:
+            for j in range(LANES):
+                who[j] = trajectories[i + min(j, many - 1)]
+            whose = words(who, 0)
+        else:
+            whose = words(trajectories, i)
+        for first in range(0, rows, _ROWS):
+            block = spread(uint64(first // _ROWS))
+            a, b, c, d = threefry(key, block, whose, spread(uint64(step)), spread(uint64(purpose)))
+            left = (a & _LAST_11) | ((b & _LAST_11) << uint64(11)) | (c << uint64(22))
+            count = min(_ROWS, rows - first)
+            _store_pair(drawn, 0, a, d)
+            if count > 2:
+                _store_pair(drawn, 2, b, d >> uint64(32))
+            if count > 4:
+                _store_pair(drawn, 4, c, left)
+            for row in range(count):
+                if many == LANES:
+                    store(out, (first + row) * n + i, lanes(drawn, row * LANES))
+                else:
+                    for j in range(many):
+                        out[first + row, i + j] = drawn[row * LANES + j]
+
+
+@named_njit(**_INNER)
+def _store_pair(drawn, row, radius, angle):  # type: ignore[no-untyped-def]
+    first, second = _pair(radius, angle)
+    store(drawn, row * LANES, first)
+    store(drawn, (row + 1) * LANES, second)

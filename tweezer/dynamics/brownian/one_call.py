@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from tweezer.compiled import cached_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
 from tweezer.dynamics.brownian.propagator import Weights
@@ -19,24 +21,22 @@ from tweezer.dynamics.brownian.propagator import Weights
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     """One step of all beads; `ahead` is left at x*."""
-    dims, n = beads.x.shape
+    force, plan, weights, beads = borrowed((force, plan, weights, beads))
+    dims, width = beads.x.shape
+    x, v, u, ahead = beads.x, beads.v, beads.u, beads.ahead
     for k in range(dims):
-        spread = weights.noise_x[k]
-        x, ahead, normal = beads.x[k], beads.ahead[k], beads.normal[k]
-        for i in range(n):
-            ahead[i] = x[i] + 0.5 * spread * normal[i]
-            x[i] += spread * normal[i]
-        if beads.v.shape[0] > 0:
-            by_v, v = weights.by_v[k], beads.v[k]
-            for i in range(n):
-                ahead[i] += 0.5 * by_v * v[i]
-                x[i] += by_v * v[i]
-    middle = beads.now[0] + 0.5 * plan.step
-    slow_velocities(force, plan, beads, middle, beads.ahead, beads.u)
+        by_v, spread = weights.by_v[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            way = spread * lanes(beads.normal, i)
+            if v.shape[0] > 0:
+                way = way + by_v * lanes(v, i)
+            store(ahead, i, lanes(x, i) + 0.5 * way)
+            store(x, i, lanes(x, i) + way)
+    slow_velocities(force, plan, beads, beads.now[0] + 0.5 * plan.step, ahead, u)
     for k in range(dims):
-        by_u, x, u = weights.by_u[k], beads.x[k], beads.u[k]
-        for i in range(n):
-            x[i] += by_u * u[i]
+        by_u = weights.by_u[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            store(x, i, lanes(x, i) + by_u * lanes(u, i))
     velocities_after(weights, beads)
 
 

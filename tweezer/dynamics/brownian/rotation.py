@@ -29,7 +29,7 @@ LONGEST_WITH_INERTIA = 0.002
 @named_njit(inner=True, error_model="numpy")
 def turn_by_steps(beads):  # type: ignore[no-untyped-def]
     """Turn every bead by the angles of its step, and put these back to 0."""
-    for i in range(beads.x.shape[1]):
+    for i in range(beads.e.shape[0]):
         turn(beads.x[3, i], beads.x[4, i], beads.x[5, i], beads.e[i], beads.e[i])
         for k in range(3, 6):
             beads.x[k, i] = 0.0
@@ -39,16 +39,19 @@ def turn_by_steps(beads):  # type: ignore[no-untyped-def]
 def diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     """Turn every bead by a step, the one of that number, of free rotational diffusion."""
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)
-    drawn = np.empty((4, 1))
-    for i in range(beads.x.shape[1]):
-        attempt = 0
-        while True:
-            normals(plan.seed, trajectories[i : i + 1], at, TURN + attempt, drawn)
-            w1, w2, w3 = spread * drawn[0, 0], spread * drawn[1, 0], spread * drawn[2, 0]
+    drawn = np.empty((4, trajectories.size))
+    left = np.ones(beads.e.shape[0], np.bool_)
+    attempt = 0
+    while left.any():
+        normals(plan.seed, trajectories, at, TURN + attempt, drawn)
+        for i in range(left.size):
+            if not left[i]:
+                continue
+            w1, w2, w3 = spread * drawn[0, i], spread * drawn[1, i], spread * drawn[2, i]
             half = 0.5 * math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
             # the distribution function of a number is uniform
-            chance = 0.5 * math.erfc(drawn[3, 0] / math.sqrt(2.0))
+            chance = 0.5 * math.erfc(drawn[3, i] / math.sqrt(2.0))
             if half < 1e-8 or chance * half < math.sin(half):
-                break
-            attempt += 1
-        turn(w1, w2, w3, beads.e[i], beads.e[i])
+                left[i] = False
+                turn(w1, w2, w3, beads.e[i], beads.e[i])
+        attempt += 1

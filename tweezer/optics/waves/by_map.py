@@ -22,7 +22,7 @@ from tweezer.scene import Scene
 _FINER = 0.01
 
 _SOURCES = sources(
-    "compiled.lanes", "generated.waves",
+    "compiled.lanes", "generated.waves", "optics.polynomials",
     *(
         f"optics.waves.{name}"
         for name in (

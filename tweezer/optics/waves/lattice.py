@@ -26,22 +26,42 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
+from numba import int64
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, named_njit
-from tweezer.compiled.lanes import LANES, lanes, spread, total
+from tweezer.compiled.lanes import (
+    LANES,
+    as_words,
+    below,
+    chosen,
+    lanes,
+    root,
+    spread,
+    store,
+)
+from tweezer.compiled.stack import borrowed, on_stack
 from tweezer.errors import SceneError
-from tweezer.forces.data import Data, Part, number, packed, part, vector
+from tweezer.forces.data import Data, Part, begin_of, packed, part
 from tweezer.forces.force import KERNEL, Kernel, evaluated
 from tweezer.optics.beyond import add_one, unreached
+from tweezer.optics.polynomials import (
+    COEFFICIENTS,
+    INNER,
+    ORDER,
+    PARTS,
+    ROWS,
+    add_up,
+    clear,
+    coordinates,
+    put,
+    read,
+)
 from tweezer.optics.table import Evaluate, Progress
-from tweezer.optics.waves.partial_waves import OPTIONS
 
 Array = NDArray[np.float64]
 
-#: Number of nodes of a piece along each axis
-ORDER = LANES
 #: Half-width of a piece, in 1/B, for the tolerance 1e-7
 _HALF_WIDTH = 1.6
 #: Largest number of polynomials: pieces times functions
@@ -60,14 +80,10 @@ _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 _TO_POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 
 
-def _digits(numbers: NDArray[np.int64]) -> Array:
-    """Binary digits of numbers up to 7, the lowest first, (3, n)."""
-    return np.array([(numbers >> digit) & 1 for digit in range(3)], dtype=np.float64)
-
-
-_K = np.arange(ORDER, dtype=np.int64)
-#: Digits of k and of k - 1, and k: powers s^k, and their derivatives k s^(k-1)
-_EXPONENTS = np.concatenate([_digits(_K), _digits(np.maximum(_K - 1, 0)), _K[None]]).ravel()
+#: What the kernel finds of eight beads: the place on the piece, its number (-1 outside)
+_S, _T, _PIECE, _FOUND = (LANES * k for k in range(4))
+#: A number so large that a sum with it is whole
+_ROUNDED = 1.5 * 2.0**52
 
 
 @dataclass(frozen=True)
@@ -96,15 +112,17 @@ class Lattice:
 
     def kernel(self, *, gradient: bool) -> Kernel:
         """Kernel that reads it."""
-        return lattice_kernel(gradient=gradient)
+        functions = self.pieces.shape[2] // (2 if self.moment else 1)
+        return lattice_kernel(gradient=gradient, functions=functions, moment=self.moment)
 
     def data(self, unit: float, strength: float, beyond: Part) -> Data:
         """Data of the kernel. unit: 1/k, m. strength: n_m P/c, N. beyond: force out of range."""
-        return packed(
-            1 / unit, strength, self.certified * strength, self.reach, self.width,
-            np.array(self.pieces.shape[:3]), self.pieces.ravel(), float(self.moment), beyond,
-            _EXPONENTS,
+        along, across = self.pieces.shape[:2]
+        shape = np.array(
+            [1 / unit, strength, self.certified * strength, self.reach, across, along,
+             *(2 / self.width)]
         )  # fmt: skip
+        return packed(shape, self.pieces.ravel(), beyond)
 
 
 def build(
@@ -259,135 +277,142 @@ def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
 
 
 @functools.cache
-def lattice_kernel(*, gradient: bool) -> Kernel:
-    """Reads a lattice; another force where it ends."""
+def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
+    """Reads a lattice of so many functions of force; another force where it ends."""
+    kinds, all_functions = 3 if gradient else 1, 2 * functions if moment else functions
+    of_values, of_piece = kinds * all_functions * LANES, all_functions * COEFFICIENTS
+    second = kinds * functions * LANES
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def read_lattice(pose, data, wrench):  # type: ignore[no-untyped-def]
+        pose, data, wrench = borrowed(pose), borrowed(data), borrowed(wrench)
+        numbers, shape = data.numbers, begin_of(data, 0)
         wavenumber, strength, certified, reach = (
-            number(data, 0), number(data, 1), number(data, 2), number(data, 3),
+            numbers[shape], numbers[shape + 1], numbers[shape + 2], numbers[shape + 3],
         )  # fmt: skip
-        width, shape, pieces = vector(data, 4), vector(data, 5), vector(data, 6)
-        moment = number(data, 7) > 0.0
-        across, along, functions = int(shape[1]), int(shape[0]), int(shape[2])
-        of_force = functions // 2 if moment else functions
-        exponents = vector(data, 9)
+        across, along = numbers[shape + 4], numbers[shape + 5]
         # of the local coordinates, from -1 to 1 on a piece, over rho and z
-        per_width, per_height = 2.0 / width[0], 2.0 / width[1]
-        found = np.empty((functions, 4))
-        for at in range(pose.position.shape[0]):
-            x = wavenumber * pose.position[at, 0]
-            y = wavenumber * pose.position[at, 1]
-            z = wavenumber * pose.position[at, 2]
+        per_width, per_height = numbers[shape + 6], numbers[shape + 7]
+        pieces = begin_of(data, 1)
+        first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
+        found, rows = on_stack(_FOUND, np.float64), on_stack(ROWS, np.float64)
+        values, parts = on_stack(of_values, np.float64), on_stack(PARTS, np.float64)
+        clear(rows)
+        n = pose.position.shape[0]
+        for at in range(0, n, LANES):
+            many = min(LANES, n - at)
+            x, y, z = coordinates(pose.position, at, many, found)
+            x, y, z = wavenumber * x, wavenumber * y, wavenumber * z
             square = x * x + y * y
-            if square + z * z > reach * reach:
-                add_one(part(data, 8), pose, at, wrench)
-                continue
-            rho = math.sqrt(square)
-            s, t = 0.5 * per_width * rho, 0.5 * per_height * (z + reach)
-            i, j = min(int(s), across - 1), min(int(t), along - 1)
-            first = (j * across + i) * functions * ORDER * LANES
-            _read(
-                pieces, first, 2.0 * (s - i) - 1.0, 2.0 * (t - j) - 1.0, functions, gradient,
-                exponents, found,
-            )  # fmt: skip
-            if gradient:
-                slope = per_width / max(rho, 1e-150)
-                for f in range(functions):
-                    radial = slope * found[f, 1]
-                    found[f, 1], found[f, 2] = radial * x, radial * y
-                    found[f, 3] *= per_height
+            rho = root(square)
+            s, t = (0.5 * per_width) * rho, (0.5 * per_height) * (z + reach)
+            i, j = _piece(s, across), _piece(t, along)
+            store(found, _S, 2.0 * (s - i) - 1.0)
+            store(found, _T, 2.0 * (t - j) - 1.0)
+            inside = below(square + z * z, spread(reach * reach))
+            store(found, _PIECE, chosen(inside, j * across + i, spread(-1.0)))
+            whole = many == LANES
+            for k in range(many):
+                piece = int64(found[_PIECE + k])
+                there[k] = int64(piece >= 0)
+                whole = whole and piece >= 0
+                first[k] = pieces + of_piece * max(piece, 0)
+            if whole:
+                store(wrench.error, at, lanes(wrench.error, at) + certified)
+            else:
+                for k in range(many):
+                    if there[k] != 0:
+                        wrench.error[at + k] += certified
+                    else:
+                        add_one(part(data, 2), pose, at + k, wrench)
+            for f in range(all_functions):
+                begin = f * kinds * LANES
+                read(numbers, first, f, many, found, _T, _S, gradient, rows, values, begin)
+            slope = per_width / rho
+            slope = chosen(as_words(rho), slope, spread(0.0))
             _put(
-                found, 0, of_force, x, y, strength, gradient, wavenumber, at, wrench.force,
-                wrench.force_gradient,
+                values, 0, functions, x, y, slope, per_height, strength, wavenumber, gradient,
+                parts,
             )  # fmt: skip
+            add_up(parts, there, at, many, whole, gradient, wrench.force, wrench.force_gradient)
             if moment:
                 _put(
-                    found, of_force, of_force, x, y, strength / wavenumber, gradient, wavenumber,
-                    at, wrench.moment, wrench.moment_gradient,
+                    values, second, functions, x, y, slope, per_height, strength / wavenumber,
+                    wavenumber, gradient, parts,
                 )  # fmt: skip
-            wrench.error[at] += certified
+                add_up(
+                    parts, there, at, many, whole, gradient, wrench.moment,
+                    wrench.moment_gradient,
+                )  # fmt: skip
 
     return read_lattice
 
 
-@named_njit(**OPTIONS)
-def _read(pieces, first, s, t, functions, gradient, exponents, found):  # type: ignore[no-untyped-def]
-    """Value of each function of a piece, and its derivatives over s and t (columns 1 and 3)."""
-    value_of = _powers(exponents, 0, s)
-    slope_of = value_of
-    if gradient:
-        slope_of = _powers(exponents, 3 * LANES, s) * lanes(exponents, 6 * LANES)
-    for f in range(functions):
-        begin = first + f * ORDER * LANES
-        row = lanes(pieces, begin + (ORDER - 1) * LANES)
-        climb = spread(0.0)
-        for k in range(ORDER - 2, -1, -1):
-            if gradient:
-                climb = climb * t + row
-            row = row * t + lanes(pieces, begin + k * LANES)
-        found[f, 0] = total(row * value_of)
-        if gradient:
-            found[f, 1] = total(row * slope_of)
-            found[f, 3] = total(climb * value_of)
+@named_njit(**INNER)
+def _piece(place, count):  # type: ignore[no-untyped-def]
+    """Numbers of the pieces along an axis at places in widths of a piece, below `count`."""
+    rounded = ((place - 0.5) + _ROUNDED) - _ROUNDED
+    last = spread(count - 1.0)
+    within = chosen(below(last, rounded), last, rounded)
+    return chosen(below(within, spread(0.0)), spread(0.0), within)
 
 
-@named_njit(**OPTIONS)
-def _powers(exponents, first, s):  # type: ignore[no-untyped-def]
-    """Eight powers of s, from the binary digits of their exponents."""
-    square = s * s
-    fourth = square * square
-    one = spread(1.0)
-    low = one + lanes(exponents, first) * (s - 1.0)
-    middle = one + lanes(exponents, first + LANES) * (square - 1.0)
-    high = one + lanes(exponents, first + 2 * LANES) * (fourth - 1.0)
-    return low * middle * high
+@named_njit(**INNER)
+def _function(values, at, slope, per_height, x, y, gradient):  # type: ignore[no-untyped-def]
+    """A function and its derivatives over x, y and z, of eight beads."""
+    value = lanes(values, at)
+    if not gradient:
+        return value, value, value, value
+    radial = slope * lanes(values, at + 2 * LANES)
+    return value, radial * x, radial * y, per_height * lanes(values, at + LANES)
 
 
-@named_njit(**OPTIONS)
-def _put(found, f, functions, x, y, unit, gradient, wavenumber, at, vectors, gradients):  # type: ignore[no-untyped-def]
-    """Add a vector and its gradient from the functions f, h, g (and U, V, W) at (x, y).
+@named_njit(**INNER)
+def _put(values, at, functions, x, y, slope, per_height, unit, wavenumber, gradient, parts):  # type: ignore[no-untyped-def]
+    """Fill `parts` with a vector and its gradient from the functions f, h, g (and U, V, W).
 
-    found: (functions, 4) values and derivatives over x, y, z. f: row of the first of them. Entries
-    are read one by one: views of rows would cost more than all else.
+    values: those of the functions from `at` on, as `read` leaves them.
     """
-    h, g = f + 1, f + 2
-    vectors[at, 0] += unit * (found[f, 0] * x - found[h, 0] * y)
-    vectors[at, 1] += unit * (found[f, 0] * y + found[h, 0] * x)
-    vectors[at, 2] += unit * found[g, 0]
-    scale = unit * wavenumber
-    if gradient:
-        for j in range(3):
-            gradients[at, 0, j] += scale * (found[f, j + 1] * x - found[h, j + 1] * y)
-            gradients[at, 1, j] += scale * (found[f, j + 1] * y + found[h, j + 1] * x)
-            gradients[at, 2, j] += scale * found[g, j + 1]
-        gradients[at, 0, 0] += scale * found[f, 0]
-        gradients[at, 0, 1] -= scale * found[h, 0]
-        gradients[at, 1, 0] += scale * found[h, 0]
-        gradients[at, 1, 1] += scale * found[f, 0]
+    each = 3 * LANES if gradient else LANES
+    f = _function(values, at, slope, per_height, x, y, gradient)
+    h = _function(values, at + each, slope, per_height, x, y, gradient)
+    g = _function(values, at + 2 * each, slope, per_height, x, y, gradient)
+    put(f, h, g, x, y, unit, wavenumber, gradient, parts)
     if functions == EVEN:
         return
+    U = _function(values, at + 3 * each, slope, per_height, x, y, gradient)
+    u = _function(values, at + 4 * each, slope, per_height, x, y, gradient)
+    V = _function(values, at + 5 * each, slope, per_height, x, y, gradient)
+    v = _function(values, at + 6 * each, slope, per_height, x, y, gradient)
+    W = _function(values, at + 7 * each, slope, per_height, x, y, gradient)
+    w = _function(values, at + 8 * each, slope, per_height, x, y, gradient)
+    scale = unit * wavenumber
     re_2, im_2 = x * x - y * y, 2.0 * x * y
     re_3, im_3 = x * re_2 - y * im_2, x * im_2 + y * re_2
-    U, u, V, v, W, w = f + 3, f + 4, f + 5, f + 6, f + 7, f + 8
     for k in range(4 if gradient else 1):
-        a = found[U, k] * x + found[u, k] * y + found[V, k] * re_3 - found[v, k] * im_3
-        b = found[u, k] * x - found[U, k] * y + found[V, k] * im_3 + found[v, k] * re_3
-        c = found[W, k] * re_2 + found[w, k] * im_2
+        size = unit if k == 0 else scale
+        a = U[k] * x + u[k] * y + V[k] * re_3 - v[k] * im_3
+        b = u[k] * x - U[k] * y + V[k] * im_3 + v[k] * re_3
+        c = W[k] * re_2 + w[k] * im_2
         if k == 0:
-            vectors[at, 0] += unit * a
-            vectors[at, 1] += unit * b
-            vectors[at, 2] += unit * c
+            _add(parts, 0, size * a)
+            _add(parts, LANES, size * b)
+            _add(parts, 2 * LANES, size * c)
         else:
-            gradients[at, 0, k - 1] += scale * a
-            gradients[at, 1, k - 1] += scale * b
-            gradients[at, 2, k - 1] += scale * c
+            _add(parts, (2 + k) * LANES, size * a)
+            _add(parts, (5 + k) * LANES, size * b)
+            _add(parts, (8 + k) * LANES, size * c)
     if gradient:  # d zeta^3 = 3 zeta^2 d zeta, d zeta^2 = 2 zeta d zeta
-        along = 3.0 * (found[V, 0] * re_2 - found[v, 0] * im_2)
-        across = 3.0 * (found[V, 0] * im_2 + found[v, 0] * re_2)
-        gradients[at, 0, 0] += scale * (found[U, 0] + along)
-        gradients[at, 0, 1] += scale * (found[u, 0] - across)
-        gradients[at, 1, 0] += scale * (found[u, 0] + across)
-        gradients[at, 1, 1] += scale * (along - found[U, 0])
-        gradients[at, 2, 0] += scale * 2.0 * (found[W, 0] * x + found[w, 0] * y)
-        gradients[at, 2, 1] += scale * 2.0 * (found[w, 0] * x - found[W, 0] * y)
+        down = 3.0 * (V[0] * re_2 - v[0] * im_2)
+        over = 3.0 * (V[0] * im_2 + v[0] * re_2)
+        _add(parts, 3 * LANES, scale * (U[0] + down))
+        _add(parts, 4 * LANES, scale * (u[0] - over))
+        _add(parts, 6 * LANES, scale * (u[0] + over))
+        _add(parts, 7 * LANES, scale * (down - U[0]))
+        _add(parts, 9 * LANES, scale * 2.0 * (W[0] * x + w[0] * y))
+        _add(parts, 10 * LANES, scale * 2.0 * (w[0] * x - W[0] * y))
+
+
+@named_njit(**INNER)
+def _add(parts, at, value):  # type: ignore[no-untyped-def]
+    store(parts, at, lanes(parts, at) + value)

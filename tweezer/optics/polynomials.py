@@ -1,0 +1,137 @@
+"""Polynomials of two variables on pieces of a table, for eight beads at a time.
+
+A function is a polynomial of degree 7 in u and in v on each piece. Its 64 coefficients are one row
+of the eight powers of v for each power of u. A row is summed over u for one bead after the other,
+all its powers of v at once, and then over v for all eight beads at once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tweezer.compiled import named_njit
+from tweezer.compiled.lanes import LANES, add_columns, columns, lanes, spread, store, transposed
+
+#: Count of coefficients along u and along v
+ORDER = LANES
+#: Coefficients of one function on one piece
+COEFFICIENTS = ORDER * ORDER
+#: Numbers that `read` works with
+ROWS = 2 * COEFFICIENTS
+
+#: Coordinates of eight beads
+PLACES = 3 * LANES
+#: Numbers of the vectors of eight beads and their gradients
+PARTS = 12 * LANES
+
+#: Compiler options of functions of lanes, which are to stay in registers
+INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": True}
+
+
+@named_njit(**INNER)
+def clear(rows):  # type: ignore[no-untyped-def]
+    """Set the numbers that `read` works with to 0, so that beads that are missing have some."""
+    for i in range(0, ROWS, LANES):
+        store(rows, i, spread(0.0))
+
+
+@named_njit(**INNER)
+def read(numbers, first, function, many, found, u, v, gradient, rows, out, at):  # type: ignore[no-untyped-def]
+    """Values of a function, by its number, for up to eight beads, to `out` from `at` on.
+
+    numbers: with the coefficients of all functions of bead i from first[i] on. found: with the
+    coordinates of the beads from u and from v on. gradient: whether the derivatives over u and
+    over v are wanted too, to the next two eights of `out`. rows: `ROWS` numbers to work with, see
+    `clear`.
+    """
+    for i in range(many):
+        begin, along = first[i] + function * COEFFICIENTS, found[u + i]
+        row, slope = lanes(numbers, begin + (ORDER - 1) * LANES), spread(0.0)
+        for k in range(ORDER - 2, -1, -1):
+            if gradient:
+                slope = slope * along + row
+            row = row * along + lanes(numbers, begin + k * LANES)
+        store(rows, i * LANES, row)
+        if gradient:
+            store(rows, COEFFICIENTS + i * LANES, slope)
+    across = lanes(found, v)
+    c = transposed(rows, 0)
+    store(out, at, _sum(c, across))
+    if gradient:
+        store(out, at + LANES, _sum(transposed(rows, COEFFICIENTS), across))
+        store(out, at + 2 * LANES, _slope(c, across))
+
+
+@named_njit(**INNER)
+def _sum(c, v):  # type: ignore[no-untyped-def]
+    """c[0] + c[1] v + ... + c[7] v^7."""
+    return c[0] + v * (
+        c[1] + v * (c[2] + v * (c[3] + v * (c[4] + v * (c[5] + v * (c[6] + v * c[7])))))
+    )
+
+
+@named_njit(**INNER)
+def _slope(c, v):  # type: ignore[no-untyped-def]
+    """Derivative of `_sum` over v."""
+    last = 5.0 * c[5] + v * (6.0 * c[6] + v * (7.0 * c[7]))
+    return c[1] + v * (2.0 * c[2] + v * (3.0 * c[3] + v * (4.0 * c[4] + v * last)))
+
+
+@named_njit(**INNER)
+def put(f, h, g, x, y, unit, per_length, gradient, parts):  # type: ignore[no-untyped-def]
+    """Fill `parts` with unit (f x - h y, f y + h x, g), and its gradients, in unit per_length.
+
+    f, h, g: each a value and its derivatives over x, y and z, of eight beads. parts: `PARTS`
+    numbers, see `add_up`.
+    """
+    store(parts, 0, unit * (f[0] * x - h[0] * y))
+    store(parts, LANES, unit * (f[0] * y + h[0] * x))
+    store(parts, 2 * LANES, unit * g[0])
+    if gradient:
+        scale = unit * per_length
+        for j in range(3):
+            at = (3 + j) * LANES
+            store(parts, at, scale * (f[j + 1] * x - h[j + 1] * y))
+            store(parts, at + 3 * LANES, scale * (f[j + 1] * y + h[j + 1] * x))
+            store(parts, at + 6 * LANES, scale * g[j + 1])
+        store(parts, 3 * LANES, lanes(parts, 3 * LANES) + scale * f[0])
+        store(parts, 4 * LANES, lanes(parts, 4 * LANES) - scale * h[0])
+        store(parts, 6 * LANES, lanes(parts, 6 * LANES) + scale * h[0])
+        store(parts, 7 * LANES, lanes(parts, 7 * LANES) + scale * f[0])
+
+
+@named_njit(**INNER)
+def coordinates(position, at, many, spare):  # type: ignore[no-untyped-def]
+    """x, y and z of up to eight beads of `position` (n, 3), from the bead `at` on.
+
+    Where they are fewer than eight, the last of them comes again. spare: `PLACES` numbers.
+    """
+    if many == LANES:
+        return columns(position, 3 * at)
+    if many == 1:
+        return spread(position[at, 0]), spread(position[at, 1]), spread(position[at, 2])
+    for i in range(LANES):
+        for k in range(3):
+            spare[3 * i + k] = position[at + min(i, many - 1), k]
+    return columns(spare, 0)
+
+
+@named_njit(**INNER)
+def add_up(parts, there, at, many, whole, gradient, vectors, gradients):  # type: ignore[no-untyped-def]
+    """Add vectors of up to eight beads, and their gradients, to those from the bead `at` on.
+
+    parts: the three entries of the vectors, then the nine of the gradients, each of eight beads.
+    there: (8,) 0 for a bead that is left out. whole: whether all eight are there.
+    """
+    if whole:
+        x, y, z = lanes(parts, 0), lanes(parts, LANES), lanes(parts, 2 * LANES)
+        add_columns(vectors, 3 * at, x, y, z)
+    if gradient or not whole:
+        for i in range(many):
+            if there[i] != 0:
+                for k in range(3):
+                    if not whole:
+                        vectors[at + i, k] += parts[k * LANES + i]
+                    if gradient:
+                        for j in range(3):
+                            gradients[at + i, k, j] += parts[(3 + 3 * k + j) * LANES + i]
