@@ -187,7 +187,7 @@ def test_what_follows_from_the_drag_is_of_the_place(dark):
     weight = abs(problem.bead.weight[2])
     (equilibrium,) = [each for each in [problem.equilibrium] if each]
     assert equilibrium.position[2] == pytest.approx(-weight / 1e-6, rel=1e-6)
-    places = choose.places_about(problem)
+    places = problem.places_about()
     rates = 1e-6 * growing().values[0] * (1 + places[:, 2] / 2e-6)
     np.testing.assert_allclose(choose.rates_of_force(problem), rates, rtol=1e-12)
     run = tweezer.simulate(dark, "1 us")

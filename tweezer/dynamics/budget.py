@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: at the lowest order of convergence, 1, half the steps leave half the error
 _ERROR_PER_DISTANCE = 2.0
+#: rounding of the times of steps, as a part of them
+_ROUNDING = 1e-12
 #: tolerances of a run that is to be exact by comparison, of the scene's
 TIGHTER = 1.0 / 16.0
 
@@ -77,9 +79,28 @@ def _of_integration(
         how: dict[str, Any] = {"tightened": TIGHTER}
     else:
         problem = equations.problem.changed(method=run.method)
-        ratio, how = _ERROR_PER_DISTANCE, {"prescribed": np.repeat(run.step_lengths / 2, 2)}
+        ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
     compared, distance = _compared(problem, run, position, events=events, **how)
     return Finer(compared, ratio) if compared else None, ratio * distance
+
+
+def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
+    """Steps half as long, s; and where the force jumps, some that see the velocity relax.
+
+    A first step much longer than the relaxation passes over it, and so would half of it.
+    """
+    lengths = run.step_lengths
+    kinks = np.append(0.0, equations.force.kinks(float(lengths.sum())))
+    begins = np.append(0.0, np.cumsum(lengths)[:-1])
+    after = np.searchsorted(begins, kinks * (1 - _ROUNDING))
+    finer = [np.full(2, each / 2) for each in lengths]
+    if equations.takes_drag_exactly and equations.stiff:
+        shortest = equations.fastest_relaxation
+        for i in after[after < len(lengths)]:
+            many = max(int(math.log2(lengths[i] / shortest)), 0)
+            ends = lengths[i] * 0.5 ** np.arange(many + 1, -1, -1)
+            finer[i] = np.diff(ends, prepend=0.0)
+    return np.concatenate(finer)
 
 
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:

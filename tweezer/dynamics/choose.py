@@ -11,10 +11,6 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: Number of places about each focus at which the stiffness is evaluated
-_PLACES = 64
-#: Largest distance of these places from the focus, in radii
-_AROUND = 1.5
 #: Number of times, and of kinks, at which a force that changes in time is evaluated
 _TIMES = 32
 #: Relative tolerance below which a method of order 8 is the cheaper one
@@ -88,16 +84,6 @@ def method_for(equations: EquationsOfMotion) -> tuple[str, str]:
     return "scipy:LSODA", f"scipy:LSODA: stiff, {steps:.1g} steps for an explicit method"
 
 
-def places_about(problem: Problem, time: float = 0.0) -> Array:
-    """Places about the foci at a time, s, and the start last, (n, 3) m."""
-    rng = np.random.default_rng(7)
-    directions = rng.normal(size=(_PLACES, 3))
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    distances = _AROUND * problem.scene.bead.radius * rng.random((_PLACES, 1))
-    about = [focus + directions * distances for focus in problem.foci(time)]
-    return np.vstack([*about, problem.scene.start_position])
-
-
 def rates_of_force(problem: Problem) -> Array:
     """|dF/dx| times the largest mobility at places about the foci and at the start, (n,) 1/s.
 
@@ -111,7 +97,7 @@ def rates_of_force(problem: Problem) -> Array:
         times = np.concatenate([times, kinks[:_TIMES], kinks[-_TIMES:]])
 
     def sizes(time: float) -> Array:
-        places = places_about(problem, time)
+        places = problem.places_about(time)
         gradient = force.field(places, gradient=True, time=time).force_gradient
         mobility = problem.mobilities(places)[:, :3].max(axis=1)
         found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility

@@ -23,8 +23,8 @@ from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.fluid import DRAG_KERNEL
-from tweezer.forces.data import Part
-from tweezer.forces.force import bound
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import bound, numbered
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
 
@@ -94,32 +94,46 @@ class EquationsOfMotion:
 
     @functools.cached_property
     def relaxation(self) -> Relaxation:
-        """The linear drag, for the exponential method: what the emitted rates say of it.
+        """How the velocities follow the force, for the exponential method: by the emitted rates.
 
-        For a bead whose velocities are in the state and whose moments of inertia are equal.
+        For a drag that is the same everywhere, and equal moments of inertia.
         """
-        state = self.module.STATE
+        state, names = self.module.STATE, self.module.PARAMS
+        columns = {name: i for i, name in enumerate(state)}
         rest = np.zeros(self._size)
-        at = state.index("v1")
-        where = [at, at + 1, at + 2]
         if self._rotates:
-            rest[state.index("e0")] = 1.0
-            where += [state.index(f"omega{i}") for i in (1, 2, 3)]
-        nothing, none = np.zeros(3), np.zeros((3, 3))
+            rest[columns["e0"]] = 1.0
+        # rates of the velocities or, without inertia, velocities: e' is half the angular velocity
+        first = ("v1", "omega1") if self._inertial else ("q1", "e1")
+        where = [columns[name] + i for name in first[: 1 + self._rotates] for i in range(3)]
+        scale = np.ones(len(where))
+        if not self._inertial:
+            scale[3:] = 2.0
+        none, weightless = np.zeros((3, 3)), self.params.copy()
+        weightless[[name.startswith("W") for name in names]] = 0.0
         mobility = self.drag.mobilities(np.zeros((1, 3))).value[0]
-        # Without the weight: the rates then hold the drag alone, and keep its digits.
-        names = self.module.PARAMS
-        params = np.where([name.startswith("W") for name in names], 0.0, self.params)
-        inputs = (nothing, nothing, none, none, mobility, params)
-        rates, moving = np.empty(self._size), np.empty(self._size)
-        self.module.rates(0.0, rest, *inputs, rates)
-        times = []
-        for i in where:
-            y = rest.copy()
-            y[i] = 1.0
-            self.module.rates(0.0, y, *inputs, moving)
-            times.append(1.0 / (rates[i] - moving[i]))
-        return Relaxation(np.array(times), rest, at)
+
+        def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
+            wrench, out = np.zeros(6), np.empty(self._size)
+            if pushed is not None:
+                wrench[pushed] = 1.0
+            self.module.rates(0.0, y, wrench[:3], wrench[3:], none, none, mobility, params, out)
+            return scale * out[where]
+
+        many = range(len(where))
+        times = np.ones(len(where))
+        if self._inertial:  # without the weight, so that the drag alone keeps its digits
+            moving = rest + np.eye(self._size)[where]
+            times = np.array([-1.0 / rates(weightless, moving[i])[i] for i in many])
+        response = np.array([times[i] * rates(weightless, rest, i)[i] for i in many])
+        drift = (times * rates(self.params, rest))[:3]
+        if not self._inertial:
+            times[:] = 0.0
+        return Relaxation(
+            bound(self.force, gradient=False), times[:, None], np.ones((len(where), 1)),
+            numbered(self.force) or Part(0, packed()), response, drift,
+            self.problem.fastest, np.zeros(0), np.zeros(0),
+        )  # fmt: skip
 
     @property
     def fastest_relaxation(self) -> float:
@@ -152,7 +166,9 @@ class EquationsOfMotion:
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate them."""
-        return self.module.LINEAR_DRAG and self.drag.uniform and not self.force.oriented
+        plain = not self._inertial and "force_gradient" not in self.module.RHS_INPUTS
+        linear = self.module.LINEAR_DRAG or plain
+        return linear and self.drag.uniform and not self.force.oriented
 
     @property
     def name(self) -> str:

@@ -28,6 +28,11 @@ from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
 
+#: Number of places about each focus at which speed and stiffness are evaluated
+_PLACES = 64
+#: Largest distance of these places from the focus, in radii
+_AROUND = 1.5
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -92,6 +97,25 @@ class Problem:
         if self.scene.plain and not self.others:
             return tuple(equilibria(*about))
         return tuple(equilibria_about(self.foci(), *about))
+
+    def places_about(self, time: float = 0.0) -> Array:
+        """Places about the foci at a time, s, and the start last, (n, 3) m."""
+        rng = np.random.default_rng(7)
+        directions = rng.normal(size=(_PLACES, 3))
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        distances = _AROUND * self.scene.bead.radius * rng.random((_PLACES, 1))
+        about = [focus + directions * distances for focus in self.foci(time)]
+        return np.vstack([*about, self.scene.start_position])
+
+    @functools.cached_property
+    def fastest(self) -> float:
+        """The largest speed at places about the foci and at the start, m/s, or nearly so.
+
+        Of a bead that nothing moves: its velocity at the start, or 1 m/s.
+        """
+        speeds = np.linalg.norm(self.net_force(self.places_about()) * self.mobility[:3], axis=1)
+        released = float(np.linalg.norm(self.scene.start.velocity))
+        return max(float(speeds.max()), released) or 1.0
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:

@@ -72,7 +72,8 @@ class Solver:
         simulation = equations.scene.simulation
         self._equations = equations
         state = equations.module.STATE
-        gradient = "force_gradient" in equations.module.RHS_INPUTS
+        self._bound: Bound = METHODS[method].load().bound(equations)
+        gradient = self._bound.gradient or "force_gradient" in equations.module.RHS_INPUTS
         system = equations.system(gradient=gradient)
         self.control = Control(
             max(simulation.relative_tolerance * tightened, 1e-13),
@@ -84,7 +85,6 @@ class Solver:
             state.index("e0") if "e0" in state else -1,
             state.index("edot0") if "edot0" in state else -1,
         )
-        self._bound: Bound = METHODS[method].load().bound(equations)
         self._y = self._bound.start
         self._clock = np.zeros(4)
         self._counts = np.zeros(3, np.int64)

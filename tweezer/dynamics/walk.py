@@ -18,7 +18,7 @@ from tweezer.dynamics.brownian import march, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
-from tweezer.dynamics.choose import places_about, rates_of_force
+from tweezer.dynamics.choose import rates_of_force
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
@@ -331,7 +331,7 @@ def _rate_of_drag(problem: Problem) -> float:
     middle = problem.scene.start_position
     if problem.equilibrium is not None:
         middle = problem.equilibrium.position
-    lines = places_about(problem) - np.array(middle)
+    lines = problem.places_about() - np.array(middle)
     places = np.array(middle) + np.linspace(0, 1, _ON_A_LINE)[:, None, None] * lines
     value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)
     b, change = value[:, :2], np.linalg.norm(gradient[:, :2], axis=2)

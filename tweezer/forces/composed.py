@@ -18,7 +18,18 @@ from numpy.typing import NDArray
 from tweezer.compiled import cached_njit
 from tweezer.errors import SceneError
 from tweezer.forces.data import Data, matrix, number, packed, part, vector
-from tweezer.forces.force import KERNEL, Force, Kernel, Pose, Wrench, add, bound, clear, no_wrench
+from tweezer.forces.force import (
+    KERNEL,
+    Force,
+    Kernel,
+    Pose,
+    Wrench,
+    add,
+    bound,
+    clear,
+    no_wrench,
+    numbered,
+)
 
 Array = NDArray[np.float64]
 
@@ -68,6 +79,11 @@ class Sum(Force):
         parts = [bound(each, gradient=gradient) for each in self.forces]
         return _add_all, packed(float(len(parts)), *parts)
 
+    def regions(self) -> tuple[Kernel, Data] | None:
+        """See `Force.regions`."""
+        parts = [part for each in self.forces if (part := numbered(each)) is not None]
+        return (_number_all, packed(float(len(parts)), *parts)) if parts else None
+
 
 def _shortest(times: Iterable[float]) -> float:
     return min(filter(None, times), default=0.0)
@@ -77,6 +93,20 @@ def _shortest(times: Iterable[float]) -> float:
 def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
     for each in range(int(number(data, 0))):
         add(part(data, 1 + each), pose, wrench)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
+    """The numbers of the parts as the digits of one."""
+    n, none = len(pose.time), np.zeros((0, 3, 3))
+    found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
+    digit = 1.0
+    for each in range(int(number(data, 0))):
+        found.error[:] = 0.0
+        add(part(data, 1 + each), pose, found)
+        for i in range(n):
+            wrench.error[i] += digit * found.error[i]
+        digit *= _MOST_REGIONS
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,6 +201,8 @@ class Course:
 _LATER = 2e-15
 #: Largest number of periods in a run
 _MOST_PERIODS = 1e6
+#: Bound on the number of regions of a force
+_MOST_REGIONS = 64.0
 #: Number of entries of a `Course` in the data of a force
 _ENTRIES = 4
 
@@ -246,6 +278,25 @@ class Moved(Force):
             bound(self.force, gradient=gradient), float(self.down), *self.place._entries(),
             *self.strength._entries(),
         )  # fmt: skip
+
+    def regions(self) -> tuple[Kernel, Data] | None:
+        """See `Force.regions`."""
+        within = numbered(self.force)
+        if within is None:
+            return None
+        return _number_moved, packed(within, float(self.down), *self.place._entries())
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _number_moved(pose, data, wrench):  # type: ignore[no-untyped-def]
+    sign = -1.0 if number(data, 1) > 0.0 else 1.0
+    here, place = Pose(pose.time, np.empty_like(pose.position), pose.orientation), np.empty(3)
+    for i in range(len(pose.time)):
+        _course_at(data, 2, pose.time[i], place)
+        here.position[i, 0] = pose.position[i, 0] - place[0]
+        for k in range(1, 3):
+            here.position[i, k] = sign * (pose.position[i, k] - place[k])
+    add(part(data, 0), here, wrench)
 
 
 @cached_njit(error_model="numpy", nogil=True)

@@ -71,6 +71,13 @@ class Force(ABC):
         kinks = self.kinks(end)
         return float(np.diff(kinks, prepend=0.0).min()) if len(kinks) else 0.0
 
+    def regions(self) -> tuple[Kernel, Data] | None:
+        """What numbers the regions in each of which it is smooth in the place; None if it is one.
+
+        A kernel that adds the number of the region of a pose to `wrench.error`, and its data.
+        """
+        return None
+
     @abstractmethod
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """Its kernel and data. The kernel adds gradients only with `gradient`."""
@@ -158,6 +165,12 @@ def bound(force: Force, *, gradient: bool) -> Part:
     """A force as compiled loops take it: address of its kernel, and data."""
     kernel, data = force.compiled(gradient=gradient)
     return Part(address(kernel, KERNEL), data)
+
+
+def numbered(force: Force) -> Part | None:
+    """What numbers the regions of a force, as compiled loops take it."""
+    found = force.regions()
+    return None if found is None else Part(address(found[0], KERNEL), found[1])
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from tweezer.equilibria import Search
 from tweezer.errors import SceneError
-from tweezer.forces.data import Part
-from tweezer.forces.force import Force, Wrench, bound, evaluated
+from tweezer.forces.data import Data, Part
+from tweezer.forces.force import Force, Kernel, Wrench, bound, evaluated
 from tweezer.optics.beam import Cone
 from tweezer.sections import Beam
 
@@ -47,6 +47,10 @@ class Light(ABC):
     def of_radius(self, radius: float) -> Self:
         """The same on a sphere scaled to that radius, m."""
         return dataclasses.replace(self, radius=radius)
+
+    def regions(self) -> tuple[Kernel, Data] | None:
+        """See `Force.regions`."""
+        return None
 
 
 def jones_vector(beam: Beam) -> Array:
@@ -85,6 +89,10 @@ class LightForce(Force):
     def _parts(self) -> dict[bool, Part]:
         """The bound force with gradients (True) and without, filled when used."""
         return {}
+
+    def regions(self) -> tuple[Kernel, Data] | None:
+        """See `Force.regions`."""
+        return self.light.regions()
 
     def absorbed_power(self, positions: Array) -> Array:
         """Power of the light that the bead absorbs at `positions` (n, 3) m, (n,) W."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from tweezer.compiled import named_njit
 from tweezer.dynamics.brownian.noise import TURN, normals
-from tweezer.dynamics.integrators.exponential import turn
+from tweezer.dynamics.integrators.turning import turn
 
 #: Longest step of the exact diffusion, in 1/D_r
 LONGEST = 0.25

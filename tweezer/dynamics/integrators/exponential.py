@@ -1,27 +1,18 @@
-"""Exponential Runge-Kutta of stiff order 4 with an embedded estimate: the drag is taken exactly.
+"""Exponential collocation at Gauss's nodes: the drag exactly, several places in one call.
 
-The full model is x'' = (u(x) - x')/tau with u = F/beta, and for a sphere, in the inertial frame,
-w' = (m(x) - w)/tau_r: stiff, but linear and constant. Applied to them, with
-u = sum u_k s^k/(k! h^k) in the step from s = 0 to h, the method of Hochbruck and Ostermann (SIAM J.
-Numer. Anal. 43:1069 (2005), five stages) is
+The velocity of the bead relaxes to u = F/beta, of which the motion is known exactly where u is a
+polynomial (`modes`). In a step [0, h] the polynomial through the values of u at Gauss's nodes c_j
+gives the places there, which are linear in these values: X = x + base + M U. So U = u(X) is solved
+for by Newton's method: the force and its gradient J at all nodes in one call, the correction
+(1 - M J) d = x + base + M U - X by iteration or, where that is slow, by elimination; then forces
+alone, with the same J, until the correction is small. In the limit of no inertia these are Gauss's
+Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5), of
+order 2 N at the ends of steps with N nodes; the polynomial between them is of order N + 1.
 
-    x(s) = x + tau (1 - e^(-s/tau)) v + sum (s^2/tau) phi_(k+2)(-s/tau) (s/h)^k u_k
-    v(s) = e^(-s/tau) v + sum (s/tau) phi_(k+1)(-s/tau) (s/h)^k u_k
-
-(phi_0 = exp, phi_(k+1) = (phi_k - 1/k!)/z; 1/k! - phi_k = -z phi_(k+1) has been put in), where the
-u_k are those of the parabola through the stages at 0, h/2 and h. For h >> tau it goes over into a
-classical method on x' = u; nothing is unstable at any h/tau, and the error is of order 4 whatever
-h/tau is. Krogstad's method, with four stages, has an error tau h^2 beside it: measured, twice as
-large at tau = 1e-3 and h = 0.1 of the trap time. The force at the end of the step, which the next
-one needs anyway, in place of the one at the last stage gives a solution of order 3: their
-difference estimates the error.
-
-What the polynomial does not follow is the initial layer of a bead released off its slow velocity,
-so the first step is tau/2 at most, and steps double until the layer has passed.
-
-The orientation follows by Magnus' expansion, so |e| = 1 by construction: its first term, the angle
-turned, as x above; the second by two Gauss nodes (Iserles, Norsett, Phil. Trans. R. Soc. A 357:983
-(1999)).
+The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
+correction, they end a step that is too long before more is spent on it. An error upstream grows as
+the speed of the bead does: what a step may be off is the tolerance where the bead is as fast as it
+gets, and less in proportion where it is slower.
 """
 
 from __future__ import annotations
@@ -34,7 +25,21 @@ import numpy as np
 from numba import typeof
 
 from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled.lanes import lanes, spread, store
+from tweezer.dynamics.integrators.modes import (
+    INVERSE,
+    LONG,
+    NODES,
+    PLACES,
+    TO_LEGENDRE,
+    TO_POWERS,
+    displacement,
+    followed,
+    relaxed,
+    velocity,
+)
 from tweezer.dynamics.integrators.system import (
+    COLLAPSED,
     GOING_ON,
     NOT_FINITE,
     Array,
@@ -43,320 +48,640 @@ from tweezer.dynamics.integrators.system import (
     Records,
     all_finite,
     by_tolerance,
-    next_step,
-    rate_of_change,
-    scratch,
     signature,
     step_to_try,
 )
+from tweezer.dynamics.integrators.turning import parts_of, turned
 from tweezer.errors import SceneError
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import Pose, Wrench, add, clear
 from tweezer.generated import kinematics
 
-#: Largest factor from one step to the next
-_GROWTH = 4.0
-#: The same in the initial layer
-_GROWTH_IN_LAYER = 2.0
-#: Duration of the initial layer, in relaxation times
-_LAYER = 16.0
-#: Order of the error estimate in the step
-_ESTIMATE = 4
-#: Taylor's coefficients 1/n!
-_INVERSE_FACTORIALS = tuple(1.0 / math.factorial(n) for n in range(24))
-#: Times of the stages, in parts of the step
-_STAGES = (0.0, 0.5, 0.5, 1.0, 0.5)
-#: Gauss's nodes of a step
-_GAUSS = (0.5 - math.sqrt(3.0) / 6.0, 0.5 + math.sqrt(3.0) / 6.0)
+#: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
+_SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
+#: Power of the step that its error goes by
+_ORDER = 10.0
+#: Safety factor of the next step
+_SAFETY = 0.85
+#: Error, in what is allowed, above which a step ends at once
+_HOPELESS = 1.5
+#: Part of the tolerance allowed where the bead is slow
+_SLOWEST = 1e-3
+#: Number of halvings by which a kink is found
+_HALVINGS = 20
+#: First step, over the time in which the force changes
+_FIRST = 0.1
+#: Effect of the initial layer on the force, in what is allowed, below which steps pass over it
+_UNSEEN = 0.3
+#: Largest correction of a step that is solved, in what is allowed
+_SOLVED = 0.02
+#: The same of steps that are given
+_SOLVED_WELL = 1e-4
+#: Largest number of corrections
+_CORRECTIONS = 12
+#: Change of a correction, in what is allowed, at which iteration ends; and the number of its rounds
+_ITERATED, _ROUNDS = 0.003, 16
+#: Contraction of the iteration above which elimination is faster
+_SLOW = 0.5
+
+_ALL = 3 * NODES
+_MATRIX = NODES * NODES
+_flat_legendre = TO_LEGENDRE.ravel()
+#: Powers 1 to NODES of the nodes' places, by power
+_POWERS = (PLACES ** np.arange(1, NODES + 1)[:, None]).ravel()
+_PER_PLACE = 1.0 / PLACES
+_OVER = 1.0 / np.arange(1.0, NODES + 1.0)
 
 
 class Relaxation(NamedTuple):
-    """The linear part of the equations, and where things stand in the state."""
+    """What follows the force, and how; and what a run carries from step to step."""
 
+    plain: Part
+    """the force without gradients"""
     times: Array
-    """(3,) or (6,) s: tau of v, and of the angular velocity"""
-    state: Array
-    """(state,) of the emitted module, at rest and unturned: what u and m are evaluated at"""
-    first_rate: int
-    """where the velocities begin in that state"""
+    """(3, modes) or (6, modes) s: of the velocity, and of the angular velocity"""
+    weights: Array
+    """of the modes, of the shape of `times`"""
+    regions: Part
+    """the force's, see `Force.regions`; kernel 0 if it is smooth everywhere"""
+    response: Array
+    """(3,) or (6,) slow velocity over force, and angular velocity over moment"""
+    drift: Array
+    """(3,) m/s, slow velocity by the weight"""
+    fastest: float
+    """m/s, a speed that the bead hardly exceeds"""
+    foretold: Array
+    """(3 NODES,) the U_m of u in the last step"""
+    carried: Array
+    """(4,) length of the last step, s; step that its error would allow, s; quadratic
+    convergence of Newton's method in it, 1/m; where the next step begins in it, 1, or 0 where it
+    was taken in vain"""
+
+
+class Work(NamedTuple):
+    """Workspace. Rows of NODES numbers are flattened: x, y, z for vectors, (i, k) for matrices."""
+
+    pose: Pose
+    wrench: Wrench
+    plain: Wrench
+    place: Array
+    u: Array
+    residual: Array
+    correction: Array
+    change: Array
+    gradient: Array
+    coefficients: Array
+    """Legendre's, of u"""
+    M: Array
+    """(3 NODES NODES,) by axis and node"""
+    first: Array
+    """(3,) where that of an axis begins"""
+    base: Array
+    """(3, NODES) m, the places if u were zero"""
+    decay: Array
+    """(modes, NODES) s, what the velocity of a mode still brings"""
+    upper: Array
+    """(3 NODES 3 NODES,)"""
+    lower: Array
+    powers: Array
+    """(6, NODES)"""
+    moment: Array
+    """(3 NODES,)"""
+    chi: Array
+    rows: Array
+    """(NODES NODES,)"""
 
 
 @named_njit(inner=True, error_model="numpy")
-def _phi(z, out):  # type: ignore[no-untyped-def]
-    """phi_0 to phi_4 of z <= 0."""
-    if z > -1.0:
-        for k in range(5):
-            value = 0.0
-            for n in range(18, -1, -1):
-                value = value * z + _INVERSE_FACTORIALS[n + k]
-            out[k] = value
-        return
-    out[0] = math.exp(z)
-    for k in range(4):
-        out[k + 1] = (out[k] - _INVERSE_FACTORIALS[k]) / z
+def _room(modes):  # type: ignore[no-untyped-def]
+    n = NODES
+    pose = Pose(np.empty(n), np.empty((n, 3)), np.empty((0, 4)))
+    force, moment, error = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
+    none = np.empty((0, 3, 3))
+    return Work(
+        pose, Wrench(force, moment, np.empty((n, 3, 3)), np.empty((n, 3, 3)), error),
+        Wrench(force, moment, none, none, error),
+        np.empty(_ALL), np.empty(_ALL), np.empty(_ALL), np.empty(_ALL), np.empty(_ALL),
+        np.empty(3 * _ALL), np.empty(_ALL), np.empty(3 * _MATRIX), np.empty(3, np.int64),
+        np.empty((3, n)), np.empty((modes, n)), np.empty(_ALL * _ALL), np.zeros(_ALL * _ALL),
+        np.empty((6, n)), np.empty(_ALL), np.empty(n + 1), np.empty(_MATRIX),
+    )  # fmt: skip
 
 
 @named_njit(inner=True, error_model="numpy")
-def _moved(s, part, tau, v, u0, u1, u2, phi):  # type: ignore[no-untyped-def]
-    """Displacement and velocity a time s into a step of which that is the part s/h.
+def _alike(how, i):  # type: ignore[no-untyped-def]
+    """Whether the modes along axis i are those along the axis before."""
+    alike = i > 0
+    for k in range(how.times.shape[1]):
+        alike &= how.times[i, k] == how.times[i - 1, k]
+        alike &= how.weights[i, k] == how.weights[i - 1, k]
+    return alike
 
-    phi: of -s/tau.
+
+@named_njit(inner=True, error_model="numpy")
+def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
+    """The part of a mode in `_weigh`, as `relaxed` upwards, at all nodes at once."""
+    for j in range(NODES):
+        decay[j] = followed(PLACES[j] * step, tau)
+    per, chi = lanes(_PER_PLACE, 0) * (-tau / step), lanes(decay, 0)
+    store(decay, 0, chi * (weight * tau))
+    for m in range(NODES):
+        chi = chi * per + spread(INVERSE[m + 1])
+        row = lanes(_POWERS, NODES * m) * (weight * step)
+        store(rows, NODES * m, row * chi + lanes(rows, NODES * m))
+
+
+@named_njit(inner=True, error_model="numpy")
+def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
+    """Fill M and the base of the step."""
+    modes = how.times.shape[1]
+    chi, rows, M, decay = work.chi, work.rows, work.M, work.decay
+    for i in range(3):
+        alike = _alike(how, i)
+        if not alike:
+            rows[:] = 0.0
+            for k in range(modes):
+                tau, weight = how.times[i, k], how.weights[i, k]
+                if PLACES[0] * step > LONG * tau:
+                    _weigh_long(step, tau, weight, decay[k], rows)
+                    continue
+                for j in range(NODES):
+                    relaxed(PLACES[j] * step, tau, chi)
+                    decay[k, j] = weight * tau * chi[0]
+                    for m in range(NODES):
+                        rows[NODES * m + j] += weight * step * _POWERS[NODES * m + j] * chi[m + 1]
+        for j in range(NODES):
+            work.base[i, j] = y[i]
+            for k in range(modes):
+                work.base[i, j] += decay[k, j] * y[3 + i * modes + k]
+        work.first[i] = work.first[i - 1] if alike else _MATRIX * i
+        if alike:
+            continue
+        for k in range(NODES - 1, -1, -1):  # of Legendre's polynomials instead of powers
+            row = lanes(rows, 0) * TO_POWERS[k, 0]
+            for m in range(1, k + 1):
+                row = row + lanes(rows, NODES * m) * TO_POWERS[k, m]
+            store(rows, NODES * k, row)
+        for node in range(NODES):
+            row = lanes(rows, 0) * TO_LEGENDRE[node, 0]
+            for k in range(1, NODES):
+                row = row + lanes(rows, NODES * k) * TO_LEGENDRE[node, k]
+            store(M, _MATRIX * i + NODES * node, row)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _by_M(work, values, out):  # type: ignore[no-untyped-def]
+    """out = M values."""
+    for i in range(3):
+        at, first = NODES * i, work.first[i]
+        row = lanes(work.M, first) * values[at]
+        for node in range(1, NODES):
+            row = row + lanes(work.M, first + NODES * node) * values[at + node]
+        store(out, at, row)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
+    """out = J values."""
+    for i in range(3):
+        row = lanes(gradient, _ALL * i) * lanes(values, 0)
+        row = row + lanes(gradient, _ALL * i + NODES) * lanes(values, NODES)
+        store(
+            out, NODES * i, row + lanes(gradient, _ALL * i + 2 * NODES) * lanes(values, 2 * NODES)
+        )
+
+
+@named_njit(inner=True, error_model="numpy")
+def _foretell(how, step, work):  # type: ignore[no-untyped-def]
+    """Places at the nodes if u goes on as in the last step."""
+    ratio = step / how.carried[0] if how.carried[0] > 0.0 else 0.0
+    at = lanes(PLACES, 0) * ratio + spread(how.carried[3])
+    for i in range(3):
+        value = spread(how.foretold[NODES * i + NODES - 1])
+        for m in range(NODES - 2, -1, -1):
+            value = value * at * _OVER[m] + spread(how.foretold[NODES * i + m])
+        store(work.u, NODES * i, value)
+    _by_M(work, work.u, work.place)
+    for i in range(3):
+        for j in range(NODES):
+            work.place[NODES * i + j] += work.base[i, j]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
+    """Fill u, the moments, and the gradients of a `wrench` that has them, at the nodes' places."""
+    for j in range(NODES):
+        work.pose.time[j] = time + PLACES[j] * step
+        for i in range(3):
+            work.pose.position[j, i] = work.place[NODES * i + j]
+    clear(wrench)
+    add(force, work.pose, wrench)
+    for i in range(3):
+        for j in range(NODES):
+            work.u[NODES * i + j] = how.drift[i] + how.response[i] * wrench.force[j, i]
+            work.moment[NODES * i + j] = wrench.moment[j, i]
+    if len(wrench.force_gradient) > 0:
+        for i in range(3):
+            for k in range(3):
+                for j in range(NODES):
+                    at = NODES * (3 * i + k) + j
+                    work.gradient[at] = how.response[i] * wrench.force_gradient[j, i, k]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
+    """Part of a step at which the bead comes into another region of the force, or 1.
+
+    By the places at the nodes: what happens before the first and after the last is not looked at.
     """
-    u1, u2 = part * u1, part * part * u2
-    per_tau = s / tau
-    displacement = s * phi[1] * v + s * per_tau * (phi[2] * u0 + phi[3] * u1 + phi[4] * u2)
-    velocity = phi[0] * v + per_tau * (phi[1] * u0 + phi[2] * u1 + phi[3] * u2)
-    return displacement, velocity
+    for j in range(NODES):
+        work.pose.time[j] = time + PLACES[j] * step
+        work.plain.error[j] = 0.0
+        for i in range(3):
+            work.pose.position[j, i] = work.place[NODES * i + j]
+    add(how.regions, work.pose, work.plain)
+    region, after = work.plain.error[0], 1
+    while after < NODES and work.plain.error[after] == region:
+        after += 1
+    if after == NODES:
+        return 1.0
+    _by_legendre(work.place, work.change)
+    for i in range(3):
+        _powers(work.change, NODES * i, work.powers[i])
+    pose = Pose(work.pose.time[:1], work.pose.position[:1], work.pose.orientation)
+    none = work.plain.force_gradient
+    found = Wrench(work.plain.force[:1], work.plain.moment[:1], none, none, work.plain.error[:1])
+    low, high = PLACES[after - 1], PLACES[after]
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        pose.time[0] = time + middle * step
+        for i in range(3):
+            value = work.powers[i, NODES - 1]
+            for m in range(NODES - 2, -1, -1):
+                value = work.powers[i, m] + value * middle * _OVER[m]
+            pose.position[0, i] = value
+        found.error[0] = 0.0
+        add(how.regions, pose, found)
+        if found.error[0] == region:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@named_njit(inner=True, error_model="numpy")
+def _by_legendre(values, out):  # type: ignore[no-untyped-def]
+    """Legendre's coefficients of polynomials along the three axes by their values at the nodes."""
+    for i in range(3):
+        row = lanes(_flat_legendre, 0) * values[NODES * i]
+        for node in range(1, NODES):
+            row = row + lanes(_flat_legendre, NODES * node) * values[NODES * i + node]
+        store(out, NODES * i, row)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _largest(values):  # type: ignore[no-untyped-def]
+    """Largest size; NaN if there is any."""
+    most = 0.0
+    for value in values:
+        if not abs(value) <= most:
+            most = abs(value)
+    return most
+
+
+@named_njit(inner=True, error_model="numpy")
+def _eliminate(work):  # type: ignore[no-untyped-def]
+    """Triangular factors of the transposed 1 - M J, without exchange of rows.
+
+    A trap's J is negative, and M's eigenvalues have positive real parts: no pivot is small.
+    """
+    upper, lower, M, J = work.upper, work.lower, work.M, work.gradient
+    for k in range(3):
+        for node in range(NODES):
+            row = (NODES * k + node) * _ALL
+            for i in range(3):
+                of = -J[NODES * (3 * i + k) + node]
+                store(upper, row + NODES * i, lanes(M, work.first[i] + NODES * node) * of)
+            upper[row + NODES * k + node] += 1.0
+    for p in range(_ALL):
+        per_pivot = 1.0 / upper[p * _ALL + p]
+        for r in range(p + 1, _ALL):
+            row = r * _ALL
+            factor = upper[row + p] * per_pivot
+            lower[row + p] = factor
+            for at in range(p - p % NODES, _ALL, NODES):
+                store(
+                    upper, row + at, lanes(upper, row + at) - lanes(upper, p * _ALL + at) * factor
+                )
+
+
+@named_njit(inner=True, error_model="numpy")
+def _by_factors(work):  # type: ignore[no-untyped-def]
+    """Solve for the correction by the factors."""
+    d, left = work.correction, work.change
+    for at in range(_ALL):
+        left[at] = work.residual[at]
+    for p in range(_ALL):
+        d[p] = left[p] / work.upper[p * _ALL + p]
+        for at in range(p - p % NODES, _ALL, NODES):
+            store(left, at, lanes(left, at) - lanes(work.upper, p * _ALL + at) * d[p])
+    for r in range(_ALL - 1, 0, -1):
+        for at in range(0, r, NODES):
+            store(d, at, lanes(d, at) - lanes(work.lower, r * _ALL + at) * d[r])
+
+
+@named_njit(inner=True, error_model="numpy")
+def _correct(work, eliminated, close):  # type: ignore[no-untyped-def]
+    """Put d with (1 - M J) d = residual into `correction`; returns whether by elimination.
+
+    close: change at which an iteration ends.
+    """
+    d, change, residual = work.correction, work.change, work.residual
+    before = np.inf
+    if not eliminated:
+        for at in range(_ALL):
+            d[at] = residual[at]
+        for _ in range(_ROUNDS):
+            _by_gradient(work.gradient, d, change)
+            _by_M(work, change, change)
+            most = 0.0
+            for at in range(_ALL):
+                new = residual[at] + change[at]
+                most = max(most, abs(new - d[at]))
+                d[at] = new
+            if most <= close:
+                return False
+            if not most < _SLOW * before:
+                break
+            before = most
+        _eliminate(work)
+    _by_factors(work)
+    return True
+
+
+@named_njit(inner=True, error_model="numpy")
+def _expand(work):  # type: ignore[no-untyped-def]
+    """Fill Legendre's coefficients of u; returns (h/2 times) how far they are from zero at last."""
+    coefficients = work.coefficients
+    _by_legendre(work.u, coefficients)
+    last = before = 0.0
+    for i in range(3):
+        end = NODES * (i + 1)
+        last = max(last, abs(coefficients[end - 1]), abs(coefficients[end - 2]))
+        before = max(before, abs(coefficients[end - 3]), abs(coefficients[end - 4]))
+    return last * min(last / before, 1.0) if before > 0.0 else last
+
+
+@named_njit(inner=True, error_model="numpy")
+def _contracting(J):  # type: ignore[no-untyped-def]
+    """Whether neighbouring places come nearer each other everywhere, by Gershgorin's circles."""
+    for i in range(3):
+        k, l = (i + 1) % 3, (i + 2) % 3
+        for j in range(NODES):
+            beside = abs(J[NODES * (3 * i + k) + j] + J[NODES * (3 * k + i) + j])
+            beside += abs(J[NODES * (3 * i + l) + j] + J[NODES * (3 * l + i) + j])
+            if J[NODES * 4 * i + j] + 0.5 * beside > 0.0:
+                return False
+    return True
+
+
+@named_njit(inner=True, error_model="numpy")
+def _allowed(how, control, work):  # type: ignore[no-untyped-def]
+    """What the place may be off by in a step, m."""
+    speed = far = 0.0
+    for i in range(3):
+        speed += work.coefficients[NODES * i] ** 2
+        far = max(far, abs(work.place[NODES * i]))
+    part = 1.0
+    if not _contracting(work.gradient):
+        part = min(max(math.sqrt(speed) / how.fastest, _SLOWEST), 1.0)
+    return part * (control.absolute[0] + control.relative * far)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _collocate(system, how, control, time, step, adaptive, work, counts):  # type: ignore[no-untyped-def]
+    """Solve for u at the nodes; returns the error over what is allowed, or a factor of the step.
+
+    The latter, negative, of a step that Newton's method does not solve.
+    """
+    solved = _SOLVED if adaptive else _SOLVED_WELL
+    eliminated, size, error, allowed = False, 0.0, 0.0, 0.0
+    for correction in range(_CORRECTIONS):
+        if correction == 0:
+            _act(how, system.force, work.wrench, time, step, work)
+        else:
+            _act(how, how.plain, work.plain, time, step, work)
+        counts[2] += NODES
+        if correction == 0:
+            _expand(work)
+            allowed = _allowed(how, control, work)
+        _by_M(work, work.u, work.residual)
+        for i in range(3):
+            for j in range(NODES):
+                at = NODES * i + j
+                work.residual[at] += work.base[i, j] - work.place[at]
+        eliminated = _correct(work, eliminated, _ITERATED * allowed)
+        _by_gradient(work.gradient, work.correction, work.change)
+        before, size = size, 0.0
+        for at in range(_ALL):
+            work.u[at] += work.change[at]
+            work.place[at] += work.correction[at]
+            size = max(size, abs(work.correction[at]))
+        if not all_finite(work.u):
+            return -_SHRINK
+        error = 0.5 * step * _expand(work) / (2 * NODES + 1) / allowed
+        if adaptive and error > _HOPELESS:
+            return error
+        if correction == 0:
+            # what the force that is not linear leaves, as far as the last step showed it
+            if how.carried[2] > 0.0 and 20.0 * how.carried[2] * size * size < allowed and adaptive:
+                return error
+            continue
+        if correction == 1 and before > 0.0:
+            how.carried[2] = size / (before * before)
+        if size <= solved * allowed or (2.0 * size * size < 0.05 * allowed * before and adaptive):
+            return error
+        if size > 0.5 * before:
+            break
+    return -_UNSOLVED
+
+
+@named_njit(inner=True, error_model="numpy")
+def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
+    """Fill out (NODES,) with the U_m of Legendre's coefficients from `first` on."""
+    for m in range(NODES):
+        out[m] = 0.0
+        for k in range(m, NODES):
+            out[m] += coefficients[first + k] * TO_POWERS[k, m]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _to(how, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
+    """Places and velocities of the modes a time s into a step."""
+    many, modes = how.times.shape
+    for i in range(3):
+        out[i] = y[i]
+    for i in range(many):
+        for k in range(modes):
+            tau, at = how.times[i, k], 3 + i * modes + k
+            relaxed(s, tau, chi)
+            if i < 3:
+                out[i] += displacement(s, s / step, tau, how.weights[i, k], y[at], powers[i], chi)
+            out[at] = velocity(s / step, y[at], powers[i], chi)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _first_step(system, how, control, time, y, work):  # type: ignore[no-untyped-def]
+    """A step in which the force changes little; and within the initial layer, if that is seen."""
+    modes = how.times.shape[1]
+    for i in range(3):
+        for j in range(NODES):
+            work.place[NODES * i + j] = y[i]
+    _act(how, system.force, work.wrench, time, 0.0, work)
+    _expand(work)
+    allowed = _allowed(how, control, work)
+    rate = _largest(work.gradient)
+    step = control.end - time
+    if rate > 0.0:
+        step = min(step, _FIRST / rate)
+    for i in range(3):
+        for k in range(modes):
+            tau = how.times[i, k]
+            off = how.weights[i, k] * tau * abs(y[3 + i * modes + k] - work.u[NODES * i])
+            if rate * off * tau > _UNSEEN * allowed:
+                step = min(step, 0.5 * tau)
+    return step
 
 
 @functools.cache
 def loop() -> Any:
-    """The compiled loop for one kind of light; as `explicit.loop`, with a `Relaxation`.
+    """The compiled loop; as `explicit.loop`, with a `Relaxation`.
 
-    y: (6,) x, v; or (16,) x, angle turned (0), v, w in the inertial frame, and e. The dense output
-    holds u0, u1, u2 of v, w.
+    y: x, the velocities of the modes by axis, and e if there is a rotation: the angular velocities
+    are in the inertial frame. The dense output holds the U_m.
     """
 
     def advance(  # type: ignore[no-untyped-def]
-        system, relaxation, control, y, clock, counts, records
+        system, how, control, y, clock, counts, records
     ):
         adaptive = by_tolerance(control)
-        many = relaxation.times.size
+        many = how.times.shape[0]
         turns = many == 6
-        tau = relaxation.times
-        at, phi = scratch(system), np.empty(5)
-        place, rate = relaxation.state.copy(), np.empty(relaxation.state.size)
-        u, weights = np.empty((5, many)), np.empty((many, 2, 4))
-        stage, new = np.empty(y.size), np.empty(y.size)
-        written = 0
-        _slow(system, relaxation, at, clock[0], place, rate, y, u[0])
-        counts[2] += 1
+        work = _room(how.times.shape[1])
+        new, written = np.empty(y.size), 0
         if clock[1] == 0.0:
-            clock[1] = 0.5 * min(tau[0], tau[many - 1])
+            clock[1] = _first_step(system, how, control, clock[0], y, work)
             if control.fixed > 0.0:
-                clock[1] = min(clock[1], control.fixed)
-        rejected = False
+                clock[1] = control.fixed
+            counts[2] += NODES
+            how.carried[0] = 0.0
+            how.carried[1] = 0.0
+            how.carried[3] = 1.0
+            for i in range(3):
+                for m in range(NODES):
+                    how.foretold[NODES * i + m] = work.u[NODES * i] if m == 0 else 0.0
         while True:
             time = clock[0]
             step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
             if why != GOING_ON:
                 return written, why
-            _weights(step, tau, phi, weights)
-            for number in range(1, 5):
-                _stage(number, weights, y, u, stage)
-                there = time + _STAGES[number] * step
-                _slow(system, relaxation, at, there, place, rate, stage, u[number])
-            # the parabola through the stages at the begin, the middle and the end
-            for i in range(many):
-                last_stage, middle = u[3, i], u[4, i]
-                u[1, i] = -3.0 * u[0, i] + 4.0 * middle - last_stage
-                u[2, i] = 4.0 * (u[0, i] - 2.0 * middle + last_stage)
-            _to(step, 1.0, tau, y, u[0], u[1], u[2], phi, new)
-            _slow(system, relaxation, at, time + step, place, rate, new, u[4])
-            counts[2] += 5
-            in_layer = time - clock[3] < _LAYER * max(tau[0], tau[many - 1])
-            growth = _GROWTH_IN_LAYER if in_layer else _GROWTH
-            error = 0.0
-            if adaptive:
-                error = _error(control, tau, step, u, y, new, phi)
-            if turns:
-                turned = _turn(step, tau, y, u, phi, new, True)
-                if adaptive:
-                    error = max(error, turned / control.absolute[control.orientation])
-            if not all_finite(u) or not all_finite(new):
-                error = np.inf
-                if not adaptive or not all_finite(u[0]):
-                    return written, NOT_FINITE
-            if error > 1.0:
-                rejected = True
+            _weigh(how, step, y, work)
+            _foretell(how, step, work)
+            if adaptive and how.regions.kernel != 0:
+                kink = _kink(how, time, step, work)
+                if kink < 1.0:
+                    step, last = kink * step, False
+                    _weigh(how, step, y, work)
+                    _foretell(how, step, work)
+            error = _collocate(system, how, control, time, step, adaptive, work, counts)
+            if error >= 0.0:
+                for i in range(3):
+                    _powers(work.coefficients, NODES * i, work.powers[i])
+                if turns:
+                    _spin(how, work)
+                    error = max(error, _turning_error(control, step, work))
+            if error < 0.0 and not adaptive:
+                return written, COLLAPSED if all_finite(work.u) else NOT_FINITE
+            if error < 0.0 or (adaptive and not error <= 1.0):
                 counts[1] += 1
-                clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
+                factor = -error if error < 0.0 else _SAFETY * error ** (-1.0 / _ORDER)
+                if all_finite(work.u):  # its own polynomial foretells the shorter one
+                    for i in range(3):
+                        _powers(work.coefficients, NODES * i, how.foretold[NODES * i :])
+                    how.carried[0], how.carried[3] = step, 0.0
+                clock[1] = step * max(factor, _SHRINK)
+                if error < 0.0 and not all_finite(work.u) and not step > 1e-12 * control.end:
+                    return written, NOT_FINITE
                 continue
             records.begin[written] = time
             records.length[written] = step
             for i in range(y.size):
                 records.state[written, i] = y[i]
             for i in range(many):
-                for k in range(3):
-                    records.shape[written, k, i] = u[k, i]
+                for m in range(NODES):
+                    records.shape[written, i, m] = work.powers[i, m]
+            _to(how, step, step, y, work.powers, work.chi, new)
+            if turns:
+                e, allowed = y.size - 4, control.absolute[control.orientation]
+                v = y[3:]
+                parts_of(how, step, v, work.powers, y[e:], allowed, new[e:])
             written += 1
             counts[0] += 1
             clock[0] = control.end if last else time + step
-            if control.fixed > 0.0 and not last:
-                clock[1] = min(growth * step, control.fixed)
-            elif adaptive:
-                clock[1] = next_step(step, error, clock[2], _ESTIMATE, growth, rejected)
-                clock[2] = error
-            rejected = False
+            how.carried[0], how.carried[3] = step, 1.0
+            for i in range(3):
+                for m in range(NODES):
+                    how.foretold[NODES * i + m] = work.powers[i, m]
+            if adaptive:
+                # the step of just that error and, by Gustafsson's foresight, its trend
+                best = step * _SAFETY * max(error, 1e-12) ** (-1.0 / _ORDER)
+                trend = min(best / how.carried[1], 1.0) if how.carried[1] > 0.0 else 1.0
+                how.carried[1] = best
+                clock[1] = min(max(best * trend, _SHRINK * step), _GROWTH * step)
             for i in range(y.size):
                 y[i] = new[i]
-            for i in range(many):
-                u[0, i] = u[4, i]
 
     typed = signature(_RELAXATION)
     return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
 @named_njit(inner=True, error_model="numpy")
-def _weights(step, tau, phi, out):  # type: ignore[no-untyped-def]
-    """For half the step and all of it: tau (1 - e^(-s/tau)), and the displacement by h phi_k of u.
-
-    out: (velocity, half or whole, 4).
-    """
-    for i in range(tau.size):
-        for whole in range(2):
-            part = 1.0 if whole else 0.5
-            if i > 0 and tau[i] == tau[i - 1]:
-                for k in range(4):
-                    out[i, whole, k] = out[i - 1, whole, k]
-                continue
-            s = part * step
-            _phi(-s / tau[i], phi)
-            out[i, whole, 0] = s * phi[1]
-            for k in range(1, 4):
-                out[i, whole, k] = s * step / tau[i] * phi[k + 1]
-
-
-@named_njit(inner=True, error_model="numpy")
-def _stage(number, weights, y, u, out):  # type: ignore[no-untyped-def]
-    """Positions, and angles turned, of the stages 2 to 5: at h/2, h/2, h, h/2."""
-    many = len(weights)
-    for i in range(many):
-        half, whole = weights[i, 0], weights[i, 1]
-        if number == 1:
-            moved = 0.5 * half[1] * u[0, i]
-        elif number == 2:
-            moved = (0.5 * half[1] - half[2]) * u[0, i] + half[2] * u[1, i]
-        elif number == 3:
-            moved = (whole[1] - 2.0 * whole[2]) * u[0, i] + whole[2] * (u[1, i] + u[2, i])
-        else:
-            a52 = 0.5 * half[2] - whole[3] + 0.25 * whole[2] - 0.5 * half[3]
-            a54 = 0.25 * half[2] - a52
-            moved = (0.5 * half[1] - 2.0 * a52 - a54) * u[0, i]
-            moved += a52 * (u[1, i] + u[2, i]) + a54 * u[3, i]
-        decay = whole[0] if number == 3 else half[0]
-        out[i] = y[i] + decay * y[many + i] + moved
-
-
-@named_njit(inner=True, error_model="numpy")
-def _slow(  # type: ignore[no-untyped-def]
-    system, relaxation, at, time, place, rate, y, out
-):
-    """u, and m, at the position in y: tau times the rates of a bead at rest."""
+def _spin(how, work):  # type: ignore[no-untyped-def]
+    """Fill the U_m of the slow angular velocity, by the moments at the nodes."""
     for i in range(3):
-        place[i] = y[i]
-    rate_of_change(system, at, time, place, rate)
-    for i in range(out.size):
-        out[i] = relaxation.times[i] * rate[relaxation.first_rate + i]
-
-
-@named_njit(inner=True, error_model="numpy")
-def _to(s, part, tau, y, u0, u1, u2, phi, out):  # type: ignore[no-untyped-def]
-    """Positions, angles turned and velocities a time s into a step."""
-    many = tau.size
-    for i in range(many):
-        if i == 0 or tau[i] != tau[i - 1]:
-            _phi(-s / tau[i], phi)
-        moved, velocity = _moved(s, part, tau[i], y[many + i], u0[i], u1[i], u2[i], phi)
-        out[i] = y[i] + moved
-        out[many + i] = velocity
-
-
-@named_njit(inner=True, error_model="numpy")
-def _weight_of_last_stage(step, tau, phi):  # type: ignore[no-untyped-def]
-    """Of u at the last stage: in the displacement, and in what the velocity still brings.
-
-    phi: of -step/tau.
-    """
-    of_displacement = step * step / tau * abs(4.0 * phi[4] - phi[3])
-    return of_displacement + step * abs(4.0 * phi[3] - phi[2])
-
-
-@named_njit(inner=True, error_model="numpy")
-def _error(control, tau, step, u, y, new, phi):  # type: ignore[no-untyped-def]
-    """Of the positions, over the tolerances: what the force at the end makes of the last stage."""
-    squared = 0.0
+        for j in range(NODES):
+            work.moment[NODES * i + j] *= how.response[3 + i]
+    _by_legendre(work.moment, work.change)
     for i in range(3):
-        if i == 0 or tau[i] != tau[i - 1]:
-            _phi(-step / tau[i], phi)
-        off = _weight_of_last_stage(step, tau[i], phi) * (u[4, i] - u[3, i])
-        scale = control.absolute[i] + control.relative * max(abs(y[i]), abs(new[i]))
-        squared += (off / scale) ** 2
-    return math.sqrt(squared / 3.0)
+        _powers(work.change, NODES * i, work.powers[3 + i])
 
 
 @named_njit(inner=True, error_model="numpy")
-def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
-    """out = exp(w/2) e, (4,): an orientation turned by an angle about inertial axes (A.2).
-
-    out may be `e`.
-    """
-    size = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
-    c = math.cos(0.5 * size)
-    over = 0.5 - size * size / 48.0 if size < 1e-4 else math.sin(0.5 * size) / size
-    r1, r2, r3 = over * w1, over * w2, over * w3
-    e0, e1, e2, e3 = e[0], e[1], e[2], e[3]
-    out[0] = c * e0 - r1 * e1 - r2 * e2 - r3 * e3
-    out[1] = c * e1 + r1 * e0 + r2 * e3 - r3 * e2
-    out[2] = c * e2 + r2 * e0 + r3 * e1 - r1 * e3
-    out[3] = c * e3 + r3 * e0 + r1 * e2 - r2 * e1
-    # the same rounding, step after step, would add up: one step of Newton to 1/|e|
-    squared = out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2
-    for i in range(4):
-        out[i] *= 1.5 - 0.5 * squared
-
-
-@named_njit(inner=True, error_model="numpy")
-def _turn(s, tau, y, u, phi, out, whole):  # type: ignore[no-untyped-def]
-    """Put the orientation a time s into a step into `out`; returns what the angle may be off.
-
-    whole: s is the step. y, out: (16,), e last.
-    """
-    w = np.empty((2, 3))
-    angle = np.empty(3)
+def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
+    """Of the angle turned, over what is allowed."""
+    most = 0.0
     for i in range(3):
-        k = 3 + i
-        for node in range(2):
-            _phi(-_GAUSS[node] * s / tau[k], phi)
-            _, w[node, i] = _moved(
-                _GAUSS[node] * s, _GAUSS[node], tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi
-            )
-        _phi(-s / tau[k], phi)
-        angle[i], _ = _moved(s, 1.0, tau[k], y[6 + k], u[0, k], u[1, k], u[2, k], phi)
-    by = math.sqrt(3.0) / 12.0 * s * s
-    second = np.empty(3)
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        second[i] = -by * (w[0, j] * w[1, k] - w[0, k] * w[1, j])
-        angle[i] += second[i]
-    size = math.sqrt(angle[0] ** 2 + angle[1] ** 2 + angle[2] ** 2)
-    turn(angle[0], angle[1], angle[2], y[12:], out[12:])
-    out[3] = out[4] = out[5] = 0.0
-    # the next term is smaller than the second by the angle; and what the light may be off
-    bound = math.sqrt(second[0] ** 2 + second[1] ** 2 + second[2] ** 2) * size
-    if whole:
-        for i in range(3, 6):
-            _phi(-s / tau[i], phi)
-            bound += _weight_of_last_stage(s, tau[i], phi) * abs(u[4, i] - u[3, i])
-    return bound
+        end = NODES * (i + 1)
+        most = max(most, abs(work.change[end - 1]), abs(work.change[end - 2]))
+    return 0.5 * step * most / (2 * NODES + 1) / control.absolute[control.orientation]
 
 
 @cached_njit(error_model="numpy")
-def sample(times, begin, length, state, shape, tau, out):  # type: ignore[no-untyped-def]
+def sample(times, begin, length, state, shape, how, allowed, out):  # type: ignore[no-untyped-def]
     """States as the loop has them at `times`, ascending, from the steps that hold them."""
-    phi = np.empty(5)
-    step, many = 0, tau.size
+    chi, end = np.empty(NODES + 1), np.empty(4)
+    step, parts = 0, 0
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
             step += 1
+            parts = 0
         s = times[at] - begin[step]
-        part = s / length[step]
-        u = np.zeros((3, many))
-        for i in range(many):
-            u[0, i] = shape[step, 0, i]
-            u[1, i] = part * shape[step, 1, i]
-            u[2, i] = part * part * shape[step, 2, i]
-        _to(s, 1.0, tau, state[step], u[0], u[1], u[2], phi, out[at])
-        if many == 6:
-            _turn(s, tau, state[step], u, phi, out[at], False)
+        _to(how, s, length[step], state[step], shape[step], chi, out[at])
+        if len(how.times) == 6:
+            v, e = state[step, 3:], state[step, -4:]
+            if parts == 0:
+                parts = parts_of(how, length[step], v, shape[step], e, allowed, end)
+            turned(how, s, parts, length[step], v, shape[step], e, out[at, -4:])
 
 
 class Exponential:
@@ -369,46 +694,56 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs velocities in the state, a sphere, a "
-                "drag that is the same everywhere, and forces that do not look at the orientation, "
-                f"which {equations.name} has not"
+                "simulation.method = 'exponential': needs a sphere, a drag that is the same "
+                "everywhere, and forces that do not look at the orientation, which "
+                f"{equations.name} has not"
             )
-        relaxation = equations.relaxation
+        relaxation = equations.relaxation._replace(
+            foretold=np.zeros(3 * NODES), carried=np.zeros(4)
+        )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
+        allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
+        many = len(relaxation.times)
 
         def states(records: Records, times: Array) -> Array:
             out = np.empty((len(times), records.state.shape[1]))
-            sample(times, *records, relaxation.times, out)
-            return _emitted(out, columns)
+            sample(times, *records, relaxation, allowed, out)
+            return _emitted(out, relaxation.weights, columns)
 
-        start = _in_inertial_frame(equations.initial_state, columns)
-        return Bound(loop(), relaxation, start, (3, len(relaxation.times)), states)
+        start = _in_inertial_frame(equations.initial_state, relaxation.times, columns)
+        return Bound(loop(), relaxation, start, (many, NODES), states, gradient=True)
 
 
 EXPONENTIAL = Exponential()
 
 
-def _in_inertial_frame(state: Array, columns: dict[str, int]) -> Array:
-    """(x, v), or (x, 0, v, omega, e) with omega in the inertial frame, of an emitted state."""
-    x, v = (state[columns[name] : columns[name] + 3] for name in ("q1", "v1"))
-    if "e0" not in columns:
-        return np.array([*x, *v])
-    e = state[columns["e0"] : columns["e0"] + 4]
-    omega = state[columns["omega1"] : columns["omega1"] + 3]
-    return np.array([*x, 0.0, 0.0, 0.0, *v, *_rotation(e) @ omega, *e])
+def _in_inertial_frame(state: Array, times: Array, columns: dict[str, int]) -> Array:
+    """x, the velocities of the modes, omega's in the inertial frame, and e, of an emitted state."""
+    x = state[columns["q1"] : columns["q1"] + 3]
+    rates = np.zeros(len(times))
+    e = state[columns["e0"] : columns["e0"] + 4] if "e0" in columns else np.zeros(0)
+    if "v1" in columns:
+        rates[:3] = state[columns["v1"] : columns["v1"] + 3]
+    if "omega1" in columns:
+        rates[3:] = _rotation(e) @ state[columns["omega1"] : columns["omega1"] + 3]
+    return np.concatenate([x, np.repeat(rates, times.shape[1]), e])
 
 
-def _emitted(y: Array, columns: dict[str, int]) -> Array:
+def _emitted(y: Array, weights: Array, columns: dict[str, int]) -> Array:
     """The inverse of `_in_inertial_frame`, (n, state)."""
+    many, modes = weights.shape
+    rates = (y[:, 3 : 3 + many * modes].reshape(-1, many, modes) * weights).sum(axis=2)
     states = np.empty((len(y), len(columns)))
-    if "e0" not in columns:
-        parts = {"q1": y[:, :3], "v1": y[:, 3:]}
-    else:
-        e = y[:, 12:]
-        omega = np.array([row[9:12] @ _rotation(row[12:]) for row in y]).reshape(-1, 3)
-        parts = {"q1": y[:, :3], "e0": e, "v1": y[:, 6:9], "omega1": omega}
+    parts = {"q1": y[:, :3], "v1": rates[:, :3]}
+    if "e0" in columns:
+        e = y[:, -4:]
+        parts["e0"] = e
+        if "omega1" in columns:
+            omega = [row @ _rotation(each) for row, each in zip(rates[:, 3:], e, strict=True)]
+            parts["omega1"] = np.array(omega).reshape(-1, 3)
     for name, values in parts.items():
-        states[:, columns[name] : columns[name] + values.shape[1]] = values
+        if name in columns:
+            states[:, columns[name] : columns[name] + values.shape[1]] = values
     return states
 
 
@@ -419,5 +754,8 @@ def _rotation(e: Array) -> Array:
     return matrix
 
 
-_vector = np.zeros(0)
-_RELAXATION = typeof(Relaxation(_vector, _vector, 0))
+_none, _table = np.zeros(0), np.zeros((0, 0))
+_nothing = Part(0, packed())
+_RELAXATION = typeof(
+    Relaxation(_nothing, _table, _table, _nothing, _none, _none, 0.0, _none, _none)
+)

@@ -232,6 +232,8 @@ class Equations(Protocol):
     module: ModuleType
     """the emitted one"""
     initial_state: Array
+    absolute_tolerance: Array
+    """(state,)"""
 
     @property
     def name(self) -> str:
@@ -259,6 +261,8 @@ class Bound(NamedTuple):
     """of the dense output of a step"""
     states: Callable[[Records, Array], Array]
     """states of the emitted module, (n, state), at ascending times within records"""
+    gradient: bool = False
+    """whether the loop takes the gradients of the force, whatever the emitted module takes"""
 
 
 def signature(method: types.Type) -> Any:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.equilibria import Search
+from tweezer.forces.data import Data, packed
+from tweezer.forces.force import Kernel
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.rays.ray_sum import Rays, Sphere
@@ -42,6 +44,12 @@ class RayLight(Light):
         """See `Light.search`. The force changes over radii, and its sum over a grid jumps."""
         spacing = _SPACING * self.radius
         return Search(_REACH * self.radius, spacing, beside=spacing)
+
+    def regions(self) -> tuple[Kernel, Data]:
+        """See `Force.regions`."""
+        from tweezer.optics.rays.regions import number_of_region
+
+        return number_of_region, packed(self.radius, self.cone.half_angle)
 
     def rays(self, *, gradient: bool) -> Rays:
         """The kind of rays that a kernel is compiled for."""

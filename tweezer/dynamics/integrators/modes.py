@@ -1,0 +1,99 @@
+"""Velocities that relax to the force's: their motion along a polynomial, exactly.
+
+A bead whose velocity is a sum of modes, v = sum a_i v_i with v_i' = (u - v_i)/tau_i and the a_i
+adding up to 1, follows u = F/beta with a memory. One mode is the linear drag, tau = m/beta; a mode
+of tau = 0 has no inertia. In a step from s = 0 to h let u = sum_m U_m (s/h)^m/m!. Then
+
+    v_i(s) = (1 - chi_0) v_i + sum_m U_m (s/h)^m chi_m,
+    x(s) - x = sum_i a_i [tau_i chi_0 v_i + s sum_m U_m (s/h)^m chi_(m+1)],    chi = chi(-s/tau_i),
+
+with chi_m(z) = 1/m! - phi_m(z) and phi_m the functions of exponential integrators (M. Hochbruck,
+A. Ostermann, Acta Numerica 19, 209 (2010)): phi_0 = exp, phi_(m+1) = (phi_m - 1/m!)/z.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.polynomial import legendre, polynomial
+
+from tweezer.compiled import named_njit
+from tweezer.compiled.lanes import LANES
+
+#: Number of Gauss nodes in a step, and of coefficients of a polynomial
+NODES = LANES
+#: 1/m!
+INVERSE = np.array([1.0 / math.factorial(m) for m in range(40)])
+#: Relaxation times above which the functions are found from the exponential upwards
+LONG = 4.0
+#: Relaxation times after which the exponential is below rounding
+_GONE = 45.0
+#: Number of terms of the series of the last function
+_TERMS = 24
+
+_points, _weights = legendre.leggauss(NODES)
+#: Gauss's nodes of a step, in parts of it
+PLACES = 0.5 + 0.5 * _points
+#: Legendre coefficients of a polynomial on the step by its values at the nodes, (node, coefficient)
+TO_LEGENDRE = np.array([
+    [(k + 0.5) * w * legendre.legval(x, [0.0] * k + [1.0]) for k in range(NODES)]
+    for x, w in zip(_points, _weights, strict=True)
+])  # fmt: skip
+#: The U_m of Legendre's polynomials, (coefficient, m)
+TO_POWERS = np.zeros((NODES, NODES))
+for _k in range(NODES):
+    _powers = legendre.leg2poly([0.0] * _k + [1.0])
+    _shifted = np.zeros(1)
+    for _m in reversed(range(_k + 1)):  # of 2 c - 1
+        _shifted = polynomial.polyadd(polynomial.polymul(_shifted, [-1.0, 2.0]), [_powers[_m]])
+    TO_POWERS[_k, : _k + 1] = _shifted[: _k + 1] / INVERSE[: _k + 1]
+
+
+@named_njit(inner=True, error_model="numpy")
+def followed(s, tau):  # type: ignore[no-untyped-def]
+    """chi_0 of -s/tau: the part of the way to the slow velocity."""
+    return 1.0 if s > _GONE * tau else -math.expm1(-s / tau)
+
+
+@named_njit(inner=True, error_model="numpy")
+def relaxed(s, tau, chi):  # type: ignore[no-untyped-def]
+    """Fill `chi` with chi_0 to chi_NODES of -s/tau."""
+    if s > LONG * tau:
+        per = -tau / s
+        chi[0] = followed(s, tau)
+        for m in range(NODES):
+            chi[m + 1] = INVERSE[m + 1] + chi[m] * per
+        return
+    z = -s / tau if tau > 0.0 else 0.0  # and at the begin of a step without inertia
+    value = 0.0
+    for n in range(_TERMS - 1, -1, -1):
+        value = value * z + INVERSE[n + NODES + 1]
+    chi[NODES] = -z * value
+    for m in range(NODES - 1, -1, -1):
+        chi[m] = z * (chi[m + 1] - INVERSE[m + 1])
+    if tau == 0.0:
+        chi[0] = 1.0
+
+
+@named_njit(inner=True, error_model="numpy")
+def displacement(s, part, tau, weight, v, powers, chi):  # type: ignore[no-untyped-def]
+    """What one mode has moved a time s into a step of which that is the part s/h.
+
+    powers: (NODES,) the U_m. chi: of -s/tau.
+    """
+    total, power = 0.0, 1.0
+    for m in range(NODES):
+        total += powers[m] * power * chi[m + 1]
+        power *= part
+    return weight * (tau * chi[0] * v + s * total)
+
+
+@named_njit(inner=True, error_model="numpy")
+def velocity(part, v, powers, chi):  # type: ignore[no-untyped-def]
+    """The velocity of a mode; as `displacement`."""
+    total, power = 0.0, 1.0
+    for m in range(NODES):
+        total += powers[m] * power * chi[m]
+        power *= part
+    return (1.0 - chi[0]) * v + total

@@ -1,0 +1,123 @@
+"""The orientation of a sphere whose angular velocity is known: Magnus' expansion.
+
+|e| = 1 by construction. The first term, the angle turned, is exact; the commutators, to order 6 in
+the part of a step, are by three Gauss nodes (S. Blanes, F. Casas, J. A. Oteo, J. Ros, Physics
+Reports 470, 151 (2009), section 5). A step is divided until they are small enough.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tweezer.compiled import named_njit
+from tweezer.dynamics.integrators.modes import NODES, displacement, relaxed, velocity
+
+#: Gauss's nodes of a part of a step
+_GAUSS = (0.5 - math.sqrt(15.0) / 10.0, 0.5, 0.5 + math.sqrt(15.0) / 10.0)
+#: Largest number of parts of a step, a power of two
+_MOST_PARTS = 1024
+
+
+@named_njit(inner=True, error_model="numpy")
+def turn(w1, w2, w3, e, out):  # type: ignore[no-untyped-def]
+    """out = exp(w/2) e, (4,): an orientation turned by an angle about inertial axes (A.2).
+
+    out may be `e`.
+    """
+    size = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+    c = math.cos(0.5 * size)
+    over = 0.5 - size * size / 48.0 if size < 1e-4 else math.sin(0.5 * size) / size
+    r1, r2, r3 = over * w1, over * w2, over * w3
+    e0, e1, e2, e3 = e[0], e[1], e[2], e[3]
+    out[0] = c * e0 - r1 * e1 - r2 * e2 - r3 * e3
+    out[1] = c * e1 + r1 * e0 + r2 * e3 - r3 * e2
+    out[2] = c * e2 + r2 * e0 + r3 * e1 - r1 * e3
+    out[3] = c * e3 + r3 * e0 + r1 * e2 - r2 * e1
+    # the same rounding, step after step, would add up: one step of Newton to 1/|e|
+    squared = out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2
+    for i in range(4):
+        out[i] *= 1.5 - 0.5 * squared
+
+
+@named_njit(inner=True, error_model="numpy")
+def _cross(a, b, out):  # type: ignore[no-untyped-def]
+    out[0] = a[1] * b[2] - a[2] * b[1]
+    out[1] = a[2] * b[0] - a[0] * b[2]
+    out[2] = a[0] * b[1] - a[1] * b[0]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _angular(how, s, step, v, powers, chi, out):  # type: ignore[no-untyped-def]
+    """Angle turned, out[0], and angular velocity, out[1], a time s into a step."""
+    modes = how.times.shape[1]
+    for i in range(3):
+        out[0, i] = out[1, i] = 0.0
+        for k in range(modes):
+            tau, weight = how.times[3 + i, k], how.weights[3 + i, k]
+            relaxed(s, tau, chi)
+            before = v[(3 + i) * modes + k]
+            out[0, i] += displacement(s, s / step, tau, weight, before, powers[3 + i], chi)
+            out[1, i] += weight * velocity(s / step, before, powers[3 + i], chi)
+
+
+@named_njit(inner=True, error_model="numpy")
+def turned(how, upto, parts, step, v, powers, e, out):  # type: ignore[no-untyped-def]
+    """Put the orientation a time `upto` into a step into `out` (4,).
+
+    v: velocities of the modes at the begin of the step, powers: (6, NODES) their polynomials'
+    coefficients. parts: number into which the step is divided. Returns the angle by which the
+    terms of order 6 differ from those of order 4.
+    """
+    chi = np.empty(NODES + 1)
+    at = np.zeros((5, 2, 3))  # at the begin, at the nodes, and at the end of a part
+    terms = np.empty((7, 3))
+    first, second, third, C1, C2, left, right = (
+        terms[0], terms[1], terms[2], terms[3], terms[4], terms[5], terms[6],
+    )  # fmt: skip
+    off, begin = 0.0, 0.0
+    for i in range(4):
+        out[i] = e[i]
+    for number in range(parts):
+        end = min(step * (number + 1) / parts, upto)
+        length = end - begin
+        if length <= 0.0:
+            break
+        for node in range(3):
+            _angular(how, begin + _GAUSS[node] * length, step, v, powers, chi, at[1 + node])
+        _angular(how, end, step, v, powers, chi, at[4])
+        for i in range(3):
+            one, two, three = at[1, 1, i], at[2, 1, i], at[3, 1, i]
+            first[i] = length * two
+            second[i] = math.sqrt(15.0) / 3.0 * length * (three - one)
+            third[i] = 10.0 / 3.0 * length * (three - 2.0 * two + one)
+        _cross(first, second, C1)
+        for i in range(3):
+            right[i] = 2.0 * third[i] + C1[i]
+        _cross(first, right, C2)
+        for i in range(3):
+            left[i] = -20.0 * first[i] - third[i] + C1[i]
+            right[i] = second[i] - C2[i] / 60.0
+        _cross(left, right, C2)
+        squared = 0.0
+        for i in range(3):
+            squared += (C2[i] / 240.0 + C1[i] / 12.0) ** 2
+            left[i] = at[4, 0, i] - at[0, 0, i] + C2[i] / 240.0
+            at[0, 0, i] = at[4, 0, i]
+        off += math.sqrt(squared)
+        turn(left[0], left[1], left[2], out, out)
+        begin = end
+    return off
+
+
+@named_njit(inner=True, error_model="numpy")
+def parts_of(how, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
+    """Number of parts into which a step is divided so that the angle is off by no more.
+
+    out: (4,) the orientation at its end.
+    """
+    parts = 1
+    while turned(how, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
+        parts *= 2
+    return parts
