@@ -141,7 +141,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     found = Summary(
         outcome=outcome,
         outcome_time=outcome_time,
-        overshoot=here.overshoot,
+        overshoot=0.0 if here.overshoot <= errors.overshoot else here.overshoot,
         closest_approach=_known(here.closest_approach),
         closest_approach_time=_known(here.closest_approach_time),
         largest_reynolds_number=number * here.largest_speed,

@@ -521,6 +521,10 @@ def _marginal_line(evidence: Evidence) -> Claim:
 # --- 5.3: actual and terminal speed ------------------------------------------------------------
 
 
+#: Part of the largest terminal speed below which a bead is at rest, and its speed is of errors
+_AT_REST = 1e-6
+
+
 def _ratio_at_approach(run: xr.Dataset) -> float:
     return _at_approach(run, "speed") / _at_approach(run, "terminal_speed")
 
@@ -602,7 +606,9 @@ def _actual_larger_at_approach(evidence: Evidence) -> Claim:
 
 def _middle_is_faster(evidence: Evidence) -> Claim:
     def part(run: xr.Dataset) -> float:
-        return float(np.mean(run["speed"].values[1:] > 1.001 * run["terminal_speed"].values[1:]))
+        speed, terminal = run["speed"].values[1:], run["terminal_speed"].values[1:]
+        at_rest = terminal < _AT_REST * terminal.max()
+        return float(np.mean((speed > 1.001 * terminal) & ~at_rest))
 
     faster = {which: part(evidence.run(which, "990nm")) for which in _WHICH}
     return _claim(

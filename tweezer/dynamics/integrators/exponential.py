@@ -268,6 +268,17 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
+def _stay(how):  # type: ignore[no-untyped-def]
+    """Let the foretold u be that of the begin of the step."""
+    for i in range(3):
+        value, at = how.foretold[NODES * i + NODES - 1], how.carried[3]
+        for m in range(NODES - 2, -1, -1):
+            value = value * at * _OVER[m] + how.foretold[NODES * i + m]
+        how.foretold[NODES * i : NODES * (i + 1)] = 0.0
+        how.foretold[NODES * i] = value
+
+
+@named_njit(inner=True, error_model="numpy")
 def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
     """Fill u, the moments, and the gradients of a `wrench` that has them, at the nodes' places."""
     for j in range(NODES):
@@ -594,6 +605,10 @@ def loop() -> Any:
                     _weigh(how, step, y, work)
                     _foretell(how, step, work)
             error = _collocate(system, how, control, time, step, adaptive, work, counts)
+            if error < 0.0:  # once more from a u that stays as it is
+                _stay(how)
+                _foretell(how, step, work)
+                error = _collocate(system, how, control, time, step, adaptive, work, counts)
             if error >= 0.0:
                 for i in range(3):
                     _powers(work.coefficients, NODES * i, work.powers[i])
