@@ -59,6 +59,8 @@ from tweezer.generated import kinematics
 
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
+#: Rounding of a place, as a part of it
+_ROUNDING = 1e-15
 #: Power of the step that its error goes by
 _ORDER = 10.0
 #: Safety factor of the next step
@@ -466,7 +468,7 @@ def _allowed(how, control, work):  # type: ignore[no-untyped-def]
     part = 1.0
     if not _contracting(work.gradient):
         part = min(max(math.sqrt(speed) / how.fastest, _SLOWEST), 1.0)
-    return part * (control.absolute[0] + control.relative * far)
+    return max(part * (control.absolute[0] + control.relative * far), _ROUNDING * far)
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -513,6 +515,8 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
         if size <= solved * allowed or (2.0 * size * size < 0.05 * allowed * before and adaptive):
             return error
         if size > 0.5 * before:
+            if size <= _SOLVED * allowed:  # as well as the force is known
+                return error
             break
     return -_UNSOLVED
 
