@@ -113,7 +113,7 @@ class Relaxation(NamedTuple):
     fastest: float
     """m/s, a speed that the bead hardly exceeds"""
     foretold: Array
-    """(3 NODES,) the U_m of u in the last step"""
+    """(3 NODES,) Legendre's coefficients of u in the last step"""
     carried: Array
     """(4,) length of the last step, s; step that its error would allow, s; quadratic
     convergence of Newton's method in it, 1/m; where the next step begins in it, 1, or 0 where it
@@ -255,15 +255,31 @@ def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _foretell(how, step, work):  # type: ignore[no-untyped-def]
-    """Places at the nodes if u goes on as in the last step."""
+    """Places at the nodes if u goes on as the polynomial of the last step.
+
+    Its terms are taken as far as they get smaller up to the end of the step.
+    """
     ratio = step / how.carried[0] if how.carried[0] > 0.0 else 0.0
-    at = lanes(PLACES, 0) * ratio + spread(how.carried[3])
+    x = lanes(PLACES, 0) * (2.0 * ratio) + spread(2.0 * how.carried[3] - 1.0)
+    end = 2.0 * (how.carried[3] + ratio) - 1.0
+    one, two, before, last = spread(1.0), x, 1.0, end
+    u = work.u
     for i in range(3):
-        value = spread(how.foretold[NODES * i + NODES - 1])
-        for m in range(NODES - 2, -1, -1):
-            value = value * at * _OVER[m] + spread(how.foretold[NODES * i + m])
-        store(work.u, NODES * i, value)
-    _by_M(work, work.u, work.place)
+        store(u, NODES * i, spread(how.foretold[NODES * i]))
+    size = size_before = np.inf
+    for k in range(1, NODES):
+        term = 0.0
+        for i in range(3):
+            term = max(term, abs(how.foretold[NODES * i + k]))
+        term *= abs(last)
+        if term > max(size, size_before):
+            break
+        size_before, size = size, term
+        for i in range(3):
+            store(u, NODES * i, lanes(u, NODES * i) + two * how.foretold[NODES * i + k])
+        one, two = two, x * two * ((2 * k + 1) / (k + 1)) - one * (k / (k + 1))
+        before, last = last, end * last * ((2 * k + 1) / (k + 1)) - before * (k / (k + 1))
+    _by_M(work, u, work.place)
     for i in range(3):
         for j in range(NODES):
             work.place[NODES * i + j] += work.base[i, j]
@@ -273,11 +289,20 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
 def _stay(how):  # type: ignore[no-untyped-def]
     """Let the foretold u be that of the begin of the step."""
     for i in range(3):
-        value, at = how.foretold[NODES * i + NODES - 1], how.carried[3]
-        for m in range(NODES - 2, -1, -1):
-            value = value * at * _OVER[m] + how.foretold[NODES * i + m]
-        how.foretold[NODES * i : NODES * (i + 1)] = 0.0
+        value, sign = 0.0, 1.0
+        for k in range(NODES):
+            value += sign * how.foretold[NODES * i + k]
+            how.foretold[NODES * i + k] = 0.0
+            sign *= 2.0 * how.carried[3] - 1.0
         how.foretold[NODES * i] = value
+
+
+@named_njit(inner=True, error_model="numpy")
+def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
+    """Keep u of a step, for the next one that begins at the end of it, origin 1, or with it, 0."""
+    for at in range(_ALL):
+        how.foretold[at] = work.coefficients[at]
+    how.carried[0], how.carried[3] = step, origin
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -589,12 +614,8 @@ def loop() -> Any:
             if control.fixed > 0.0:
                 clock[1] = control.fixed
             counts[2] += NODES
-            how.carried[0] = 0.0
+            _remember(how, 0.0, 1.0, work)
             how.carried[1] = 0.0
-            how.carried[3] = 1.0
-            for i in range(3):
-                for m in range(NODES):
-                    how.foretold[NODES * i + m] = work.u[NODES * i] if m == 0 else 0.0
         while True:
             time = clock[0]
             step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
@@ -625,9 +646,7 @@ def loop() -> Any:
                 counts[1] += 1
                 factor = -error if error < 0.0 else _SAFETY * error ** (-1.0 / _ORDER)
                 if all_finite(work.u):  # its own polynomial foretells the shorter one
-                    for i in range(3):
-                        _powers(work.coefficients, NODES * i, how.foretold[NODES * i :])
-                    how.carried[0], how.carried[3] = step, 0.0
+                    _remember(how, step, 0.0, work)
                 clock[1] = step * max(factor, _SHRINK)
                 if error < 0.0 and not all_finite(work.u) and not step > 1e-12 * control.end:
                     return written, NOT_FINITE
@@ -647,10 +666,7 @@ def loop() -> Any:
             written += 1
             counts[0] += 1
             clock[0] = control.end if last else time + step
-            how.carried[0], how.carried[3] = step, 1.0
-            for i in range(3):
-                for m in range(NODES):
-                    how.foretold[NODES * i + m] = work.powers[i, m]
+            _remember(how, step, 1.0, work)
             if adaptive:
                 # the step of just that error and, by Gustafsson's foresight, its trend
                 best = step * _SAFETY * max(error, 1e-12) ** (-1.0 / _ORDER)
