@@ -81,6 +81,8 @@ def _of_integration(
         problem = equations.problem.changed(method=run.method)
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
     compared, distance = _compared(problem, run, position, events=events, **how)
+    if compared is None and "prescribed" in how:  # a force that bends may want shorter steps still
+        compared, distance = _compared(problem, run, position, events=events, tightened=TIGHTER)
     return Finer(compared, ratio) if compared else None, ratio * distance
 
 

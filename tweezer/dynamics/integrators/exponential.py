@@ -68,7 +68,7 @@ _SAFETY = 0.85
 #: Error, in what is allowed, above which a step ends at once
 _HOPELESS = 1.5
 #: Part of the tolerance allowed where the bead is slow
-_SLOWEST = 1e-3
+_SLOWEST = 1e-2
 #: Number of halvings by which a kink is found
 _HALVINGS = 20
 #: First step, over the time in which the force changes
