@@ -228,6 +228,48 @@ def test_what_only_compiled_functions_call_refuses_python_also_once_it_is_compil
         assert outer(3) == 7
 
 
+@pytest.mark.parametrize("first", ["compiled", "Python"])
+def test_a_function_serves_compiled_code_and_python_in_any_order(tmp_path, first):
+    """Also from the files that another process has kept."""
+    lines = f"""
+from numba import float64, types
+from tweezer.compiled import address, cached_njit, call
+
+@cached_njit()
+def twice(x):
+    return 2 * x
+
+@cached_njit()
+def write(x, out):
+    out[0] = twice(x)
+
+WRITE = types.void(float64, float64[::1])
+import numpy as np
+out = np.zeros(1)
+
+@cached_njit()
+def by_address(at, x, out):
+    call(at, (x, out))
+
+@cached_njit()
+def compiled(x, out):
+    write(x, out)
+    return twice(x) + out[0]
+
+ways = {{
+    "compiled": lambda: compiled(1.5, out) == 6.0,
+    "Python": lambda: twice(1.5) == 3.0,
+    "address": lambda: by_address(address(write, WRITE), 1.5, out) is None and out[0] == 3.0,
+}}
+print([bool(ways[name]()) for name in ({first!r}, *ways, *ways)])
+"""
+    (tmp_path / "tweezer_user.py").write_text(lines)
+    for _ in range(2):
+        done = python("tweezer_user.py", cwd=tmp_path, PYTHONPATH=str(ROOT),
+                      NUMBA_CACHE_DIR=str(tmp_path / "kept"))  # fmt: skip
+        assert done.stdout == f"{[True] * 7}\n", done.stderr
+
+
 def test_time_is_counted_once(monkeypatch):
     """Of a function and of what it calls; and not between two functions."""
     now = 0.0

@@ -30,6 +30,7 @@ import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
+from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
 
@@ -208,8 +209,8 @@ class _File:
             part.unlink(missing_ok=True)
 
     def _path(self, key: Any) -> Path:
-        signature, processor = key
-        told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {processor!r}"
+        signature, *others = key
+        told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {others!r}"
         types_and_processor = hashlib.sha256(told.encode()).hexdigest()
         return Path(f"{self._base}.{types_and_processor[:16]}.nbc")
 
@@ -220,14 +221,15 @@ class _File:
 class _Cache(caching.FunctionCache):
     """Numba's cache of one function, with files that are verified when read."""
 
-    def __init__(self, dispatcher: Dispatcher) -> None:
+    def __init__(self, dispatcher: Dispatcher, callers: Callers) -> None:
         super().__init__(dispatcher.py_func)
         base = Path(self.cache_path, self._impl.filename_base)
         self._cache_file = _File(str(base), dispatcher)
+        self._callers = callers
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
-        """Argument types and processor; the fingerprint covers the rest."""
-        return sig, codegen.magic_tuple()
+        """Argument types, processor, and who calls it; the fingerprint covers the rest."""
+        return sig, codegen.magic_tuple(), "compiled" if self._callers.compiled else "Python"
 
     def save_overload(self, signature: Any, code: Any) -> None:
         """Store what was compiled, unless the folder cannot take it."""
@@ -246,7 +248,7 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 
     def compiled(function: Callable[..., Any]) -> Any:
         dispatcher = named_njit(**options)(function)
-        dispatcher._cache = _Cache(dispatcher)
+        dispatcher._cache = _Cache(dispatcher, dispatcher.callers)
         if signature is not None:  # calls then skip the look-up of types
             dispatcher.compile(signature)
             dispatcher.disable_compile()
@@ -258,8 +260,7 @@ def cached_njit(signature: Any = None, **options: Any) -> Any:
 def named_njit(*, inner: bool = False, **options: Any) -> Any:
     """`numba.njit` of a function that cached functions call.
 
-    inner: only compiled functions call it. The code by which Python would call it takes a quarter
-    of the time to compile. It is left out, and a call from Python raises `TypeError`.
+    inner: only compiled functions call it. A call from Python raises `TypeError`.
 
     A closure is named after its values. By default Numba distinguishes the machine code of
     closures by a counter of the process, so a function cached by one process could call the closure
@@ -270,20 +271,14 @@ def named_njit(*, inner: bool = False, **options: Any) -> Any:
         if function.__closure__:
             values = [cell.cell_contents for cell in function.__closure__]
             function.__qualname__ += f"_{fingerprint(*values)[:16]}"
-        if not inner:
-            return numba.njit(**options)(function)
-        dispatcher: Any = numba.njit(**options, no_cpython_wrapper=True, no_cfunc_wrapper=True)(
-            function
-        )
-
-        def add_overload(result: Any) -> None:
-            dispatcher.overloads[tuple(result.signature.args)] = result
+        dispatcher: Any = numba.njit(**options)(function)
+        dispatcher.callers = Callers(dispatcher)
 
         def refuse(*_: Any, **__: Any) -> None:
             raise TypeError(f"{function.__name__}: only compiled functions can call it")
 
-        # Numba finds compiled code by its types. A call from Python would crash: it is refused.
-        dispatcher.add_overload, dispatcher._compile_for_args = add_overload, refuse
+        if inner:
+            dispatcher._compile_for_args = refuse
         return dispatcher
 
     return compiled
@@ -294,7 +289,7 @@ def cache_functions(module: ModuleType) -> ModuleType:
     for each in vars(module).values():
         function: Any = each
         if isinstance(each, Dispatcher) and not isinstance(function._cache, _Cache):
-            function._cache = _Cache(each)
+            function._cache = _Cache(each, Callers(each))
     return module
 
 

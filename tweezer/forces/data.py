@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit, typeof
+from numba import typeof
 from numpy.typing import NDArray
+
+from tweezer.compiled import named_njit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -66,33 +68,33 @@ def packed(*entries: Any) -> Data:
     return Data(aligned, np.concatenate(rows))
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def begin_of(data, entry):  # type: ignore[no-untyped-def]
     """Where an array begins in `data.numbers`."""
     return data.shapes[entry, 0]
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def number(data, entry):  # type: ignore[no-untyped-def]
     """Read an entry that is one number."""
     return data.numbers[data.shapes[entry, 0]]
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def vector(data, entry):  # type: ignore[no-untyped-def]
     """Read an array of one axis."""
     begin = data.shapes[entry, 0]
     return data.numbers[begin : begin + data.shapes[entry, 1]]
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def matrix(data, entry):  # type: ignore[no-untyped-def]
     """Read an array of two axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
     return data.numbers[begin : begin + n * m].reshape((n, m))
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def tensor(data, entry):  # type: ignore[no-untyped-def]
     """Read an array of three axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
@@ -100,7 +102,7 @@ def tensor(data, entry):  # type: ignore[no-untyped-def]
     return data.numbers[begin : begin + n * m * many].reshape((n, m, many))
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
     """Read an array of four axes."""
     begin, n, m = data.shapes[entry, 0], data.shapes[entry, 1], data.shapes[entry, 2]
@@ -108,14 +110,14 @@ def tensor_of_four(data, entry):  # type: ignore[no-untyped-def]
     return data.numbers[begin : begin + n * m * k * l].reshape((n, m, k, l))
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def integers(data, entry):  # type: ignore[no-untyped-def]
     """Read an array of one axis of 32-bit integers."""
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
     return data.numbers[begin : begin + (n + 1) // 2].view(np.int32)[:n]
 
 
-@njit(error_model="numpy")
+@named_njit(error_model="numpy")
 def part(data, entry):  # type: ignore[no-untyped-def]
     """Read an entry that is another force."""
     begin, n = data.shapes[entry, 0], data.shapes[entry, 1]
