@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,6 +24,8 @@ from tests.benchmarks import numpy_sum, waves
 from tests.benchmarks.timing import Call, calls_over, in_fresh_process, machine, per_item
 from tweezer.forces.force import Wrench
 from tweezer.optics import grid, light
+from tweezer.optics.rays.light import light_on_bead
+from tweezer.optics.rays.ray_sum import Rays, ray_sum
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -55,6 +58,10 @@ STARTS = "starts"
 MAPPED = ("inside", "edge", "outside")
 #: tolerance of what errors are measured against
 TRUTH = 1e-13
+#: Rays in a row, whose data fits in the cache
+_RAYS = 4096
+#: How often a timed call goes through them
+_PASSES = 16
 #: part of the largest force below which errors are relative to it
 VANISHING = 1e-6
 
@@ -109,6 +116,8 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     for kind, places in kinds.items():
         say(f"error against time: {kind}")
         results["places"][kind] = _compared(places, _contestants(kind, effort), effort)
+    say("one ray")
+    results["one_ray_ns"] = _one_ray(effort)
     say("place by place")
     exact = {"evaluator": "quadrature", "tolerance": 1e-8}
     results["quadrature_at_the_slowest_place_us"] = {
@@ -305,6 +314,44 @@ def _single_calls(effort: Effort) -> Results:
     for (way, name), (least, _) in zip(calls, times, strict=True):
         results.setdefault(way, {})[name] = 1e6 * least
     return results
+
+
+def _one_ray(effort: Effort) -> Results:
+    """Time of a ray in a row that all hit, ns; and of its roots and divisions alone.
+
+    Circular light on the bead of `SCENE`, by the function that the kernels sum rays with.
+    """
+    sphere = light_on_bead(tweezer.load_scene(SCENE)).sphere
+    sine, azimuth = np.random.default_rng(7).random((2, _RAYS)) * [[0.8], [2 * np.pi]]
+    u = [sine * np.cos(azimuth), sine * np.sin(azimuth), np.sqrt(1 - sine**2)]
+    rays = np.array([*u, np.ones(_RAYS)])
+    squares = np.square(sine)
+    count = _PASSES * _RAYS
+    calls = {"roots_and_divisions": [Call(partial(_roots_alone, squares, sphere.n_mP), count)]}
+    for key, gradient in (("force", False), ("with_gradient", True)):
+        kind = Rays("circular", denser_medium=False, gradient=gradient, moment=False)
+        add_up = ray_sum(kind, by_grid=True, in_rings=False)
+        calls[key] = [Call(partial(_summed, add_up, rays, sphere.n_mP, np.zeros(24)), count)]
+    times = per_item(list(calls.values()), 10 * effort.rounds)
+    return {key: 1e9 * least for key, (least, _) in zip(calls, times, strict=True)}
+
+
+@numba.njit(error_model="numpy")
+def _summed(add_up, rays, n_mP, found):  # type: ignore[no-untyped-def]
+    count = rays.shape[1]
+    for _ in range(_PASSES):
+        add_up(rays, 0, count, 0.3, -0.4, 0.2, 1.0, n_mP, 0.0, 0.0, 0.0, 0.0, found)
+
+
+@numba.njit(error_model="numpy", fastmath={"reassoc", "contract", "arcp", "nsz"})
+def _roots_alone(squares, n_mP):  # type: ignore[no-untyped-def]
+    total = 0.0
+    for k in range(_PASSES):
+        for i in range(squares.size):
+            S = squares[i]
+            cos_alpha, cos_beta = math.sqrt(1.0 - S), math.sqrt(1.0 - n_mP * n_mP * S)
+            total += 1.0 / (cos_alpha + n_mP * cos_beta) + 1.0 / (cos_beta + k)
+    return total
 
 
 _FIRST_FORCE = """

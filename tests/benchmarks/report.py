@@ -37,6 +37,7 @@ _ROWS = (
     ("error, of largest force", "waves_map_largest_error_over_largest_force"),
 )
 
+_ONE_RAY = ("force", "with_gradient", "roots_and_divisions")
 #: errors below this are drawn here
 _FLOOR = 1e-16
 _STYLES = {
@@ -68,6 +69,7 @@ def _cell(key: str, value: float) -> str:
 
 def _apart(results: Results) -> list[list[str]]:
     figures = results["headline"]
+    ray = results["one_ray_ns"]
     starts, first = figures["grid_at_thesis_start_us"], figures["first_force_s"]
     return [
         [
@@ -75,6 +77,10 @@ def _apart(results: Results) -> list[list[str]]:
             f"{', '.join(map(rounded, starts.values()))} µs",
         ],
         ["a ray that hits", f"{rounded(figures['ray_that_hits_ns'])} ns"],
+        [
+            "rays in a row: force, with gradient, two roots and two divisions alone",
+            f"{', '.join(rounded(ray[key]) for key in _ONE_RAY)} ns",
+        ],
         ["map at 1e-7, made", f"{rounded(figures['map_made_s'])} s"],
         ["map at 1e-7, loaded", f"{rounded(1e3 * figures['map_loaded_s'])} ms"],
         [

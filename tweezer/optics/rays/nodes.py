@@ -11,6 +11,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 
 from tweezer.compiled import cached_njit
+from tweezer.compiled.lanes import LANES, lanes, spread, store
 from tweezer.optics.rays.panels import (
     ARCS,
     AZIMUTHS,
@@ -49,7 +50,8 @@ _ARCSINE_HIGH, _ARCSINE_LOW = ARCSINE[:11], ARCSINE[11:]
 # rows of the workspace for the rays of one rule, and for its nodes
 U1, U2, U3, WEIGHT, FORCE, Q_OF, DQ_OF, G_OF, DG_OF, S_OF = range(10)
 _X, _S, _W, _SHARE, _NEAREST, _PER_Q, _Q, _Y, _WORK_1, _WORK_2, _AROUND = range(10, 21)
-_ROWS = 21
+_ONE, _FIRST, _SECOND = range(21, 24)
+_ROWS = 24
 #: Padding of rows. Rows a power of two apart would compete for the same lines of the cache
 _APART_IN_CACHE = 72
 
@@ -61,23 +63,28 @@ def scratch():  # type: ignore[no-untyped-def]
 
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
-def rays_of(place, rule, rules, k, full, rays, linear, gradient):  # type: ignore[no-untyped-def]
+def rays_of(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-untyped-def]
     """Fill `rays` with those of rule k, in the frame with the bead at (lateral, 0, axial).
 
-    By symmetry those with u2 >= 0 have twice the weight; for `linear` polarisation both sides are
-    filled. Rings have all azimuths if `linear`, else as few as suffice (`_gathered`). full: use the
-    full series of the light. Returns the number of rays.
+    By symmetry those with u2 >= 0 have twice the weight. Rings have as few azimuths as suffice
+    (`_gathered`). full: use the full series of the light. Returns the number of rays.
     """
+    if rules[k, KIND] == DISC:
+        return _disc_rays(rule, rules, k, rays)
+    _rings(place, rule, rules, k, rays)
+    series = rule.full if full else rule.series
+    return _gathered(place, rule, rules, k, series, gradient, rays)
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True)
+def rays_of_linear(place, rule, rules, k, full, rays, gradient):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """The same for linearly polarised light: rays at all azimuths, on both sides."""
     if rules[k, KIND] == DISC:
         count = _disc_rays(rule, rules, k, rays)
     else:
-        series = rule.full if full else rule.series
-        count = _ring_nodes(place, rule, rules, k, series, rays)
-        if not linear:
-            return _gathered(place, rules, k, gradient, rays)
+        _rings(place, rule, rules, k, rays)
+        count = _ring_nodes(rule, rules, k, rule.full if full else rule.series, rays)
         _spread_out(place, rules, k, rays)
-    if not linear:
-        return count
     for i in range(count):
         rays[WEIGHT, i] *= 0.5
         rays[U1, count + i] = rays[U1, i]
@@ -115,14 +122,14 @@ def _disc_rays(rule, rules, k, rays):  # type: ignore[no-untyped-def]
 @cached_njit(
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
-def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
-    """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
+def _rings(place, rule, rules, k, rays):  # type: ignore[no-untyped-def]
+    """The rings of rule k: angle to the line, weight, place in the light and part in the cone.
 
-    The azimuth is counted from the side of the beam's axis. Returns the number of nodes.
+    Rows are filled up to a multiple of `LANES`, with rings without weight.
     """
-    level, m, pair = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS]), int(rules[k, PAIR])
+    level, pair = int(rules[k, LEVEL]), int(rules[k, PAIR])
     pole, begin, span = rules[k, POLE], rules[k, BEGIN], rules[k, SPAN]
-    n = LEVELS[level]
+    n = (LEVELS[level] + LANES - 1) // LANES * LANES
     ratio, delta, beside = place.ratio, place.delta, place.beside
     cos_tilt, sin_tilt = place.cos_tilt, place.sin_tilt
     x, s, w, share, sine_squared = rays[_X], rays[_S], rays[_W], rays[_SHARE], rays[S_OF]
@@ -169,19 +176,96 @@ def _ring_nodes(place, rule, rules, k, series, rays):  # type: ignore[no-untyped
         sine = s[i] * pole * cos_tilt - x[i] * sin_tilt
         nearest[i] = scale * sine * sine / (1.0 + x[i] * pole * cos_tilt + s[i] * sin_tilt)
         per_q[i] = 2.0 * scale * sin_tilt * s[i]
-    cut = rules[k, KIND] == ARCS
-    if cut:
+    if rules[k, KIND] == ARCS:
         for i in range(n):
             # a ring as narrow as a point, far away: its arc is empty or full, never 0/0
             part = (2.0 - nearest[i]) / max(per_q[i], _NO_WIDTH)
             share[i] = _arcsine_of_root(min(max(part, 0.0), 1.0))
             w[i] *= 4.0 * share[i]
+
+
+@cached_njit(
+    error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
+)
+def _ring_nodes(rule, rules, k, series, rays):  # type: ignore[no-untyped-def]
+    """Nodes of rings or arcs: q = sin^2(half the azimuth about the line to the bead), and weight.
+
+    The azimuth is counted from the side of the beam's axis. Returns the number of nodes.
+    """
+    n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
+    if rules[k, KIND] == ARCS:
+        count = n * m
         _arc_nodes(rule.azimuth[m], m, n, rays)
     else:
+        count = n * (m + 1)
         _circle_nodes(rule.azimuth[m], m, n, rays)
-    count = n * (m if cut else m + 1)
     _times_radiance(series, rays[_Y], rays[WEIGHT], rays, count)
     return count
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
+def _moments(azimuth, cut, m, n, series, rays):  # type: ignore[no-untyped-def]
+    """Integrals over the azimuth of each ring of the light times 1, q and q^2, with its weight.
+
+    q = sin^2(half the azimuth about the line to the bead), from the side of the beam's axis.
+    """
+    nearest, per_q, share, w = rays[_NEAREST], rays[_PER_Q], rays[_SHARE], rays[_W]
+    one_of, first_of, second_of = rays[_ONE], rays[_FIRST], rays[_SECOND]
+    horner = series.size == SHORT
+    top = 0
+    while horner and top < SHORT - 1 and series[top] == 0.0:
+        top += 1
+    for i in range(0, n, LANES):
+        highest = 1.0 - lanes(nearest, i)
+        width, part = lanes(per_q, i), lanes(share, i)
+        one = first = second = spread(0.0)
+        for j in range(0, m if cut else m + 1, 2):  # two at once, as each waits for its own sums
+            if cut:
+                q_a, q_b = (
+                    _sine_squared(azimuth[0, j] * part),
+                    _sine_squared(azimuth[0, j + 1] * part),
+                )
+                share_a, share_b = azimuth[1, j], azimuth[1, j + 1]
+            else:
+                q_a = spread(0.5 * (1.0 - azimuth[CIRCLE, j]))
+                q_b = spread(0.5 * (1.0 - azimuth[CIRCLE, j + 1]))
+                share_a, share_b = 2.0 * azimuth[CIRCLE + 2, j], 2.0 * azimuth[CIRCLE + 2, j + 1]
+            y_a, y_b = highest - width * q_a, highest - width * q_b
+            a = b = spread(series[top])
+            if horner:
+                for c in range(top + 1, SHORT):
+                    a, b = a * y_a + series[c], b * y_b + series[c]
+            else:
+                a, b = _chebyshev(series, y_a), _chebyshev(series, y_b)
+            a, b = a * share_a, b * share_b
+            one = one + (a + b)
+            a, b = a * q_a, b * q_b
+            first = first + (a + b)
+            second = second + (a * q_a + b * q_b)
+        weight = lanes(w, i)
+        store(one_of, i, weight * one)
+        store(first_of, i, weight * first)
+        store(second_of, i, weight * second)
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
+def _sine_squared(angle):  # type: ignore[no-untyped-def]
+    """sin^2 of lanes in [0, pi/2] to rounding, by the Taylor series of the sine."""
+    y = angle * angle
+    value = spread(_SINE[0])
+    for k in range(1, len(_SINE)):
+        value = value * y + _SINE[k]
+    return y * value * value
+
+
+@cached_njit(error_model="numpy", nogil=True, fastmath={"reassoc", "contract"}, inner=True)
+def _chebyshev(series, y):  # type: ignore[no-untyped-def]
+    """Clenshaw's sum of a Chebyshev series at lanes."""
+    value = last = spread(0.0)
+    twice = y + y
+    for k in range(series.size - 1, 0, -1):
+        value, last = twice * value - last + series[k], value
+    return y * value - last + series[0]
 
 
 @cached_njit(
@@ -224,7 +308,7 @@ def _circle_nodes(azimuth, m, n, rays):  # type: ignore[no-untyped-def]
 @cached_njit(
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
-def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
+def _gathered(place, rule, rules, k, series, gradient, rays):  # type: ignore[no-untyped-def]
     """Two or three rays for each ring with the same force as all of it; returns their number.
 
     All rays of a ring have the same efficiencies, so their force is linear in u and its gradient
@@ -232,22 +316,8 @@ def _gathered(place, rules, k, gradient, rays):  # type: ignore[no-untyped-def]
     q = 1/2, replace the ring if their weights have the same sums of 1, q (and q^2).
     """
     n, m = LEVELS[int(rules[k, LEVEL])], int(rules[k, AZIMUTHS])
-    azimuths = m if rules[k, KIND] == ARCS else m + 1
-    weight, q, around = rays[WEIGHT], rays[_Q], rays[_AROUND]
-    one, first, second = rays[_W], rays[_SHARE], rays[_NEAREST]
-    for i in range(n):
-        one[i] = first[i] = second[i] = 0.0
-    for j in range(azimuths):
-        total = 0.0
-        for i in range(n):
-            at_q = q[j * n + i]
-            here = weight[j * n + i]
-            times_q = here * at_q
-            one[i] += here
-            first[i] += times_q
-            second[i] += times_q * at_q
-            total += here + times_q
-        around[j] = total
+    _moments(rule.azimuth[m], rules[k, KIND] == ARCS, m, n, series, rays)
+    weight, one, first, second = rays[WEIGHT], rays[_ONE], rays[_FIRST], rays[_SECOND]
     for i in range(n):
         far = first[i]
         weight[i] = one[i] - far
@@ -364,11 +434,10 @@ def _times_radiance(series, y, weight, rays, count):  # type: ignore[no-untyped-
 @cached_njit(
     error_model="numpy", nogil=True, fastmath={"reassoc", "contract", "arcp", "nsz"}, inner=True
 )
-def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-untyped-def]
+def tails(rule, rules, k, rays, linear, gradient):  # type: ignore[no-untyped-def]
     """Largest of the last coefficients of the forces of rule k along x and in the azimuth, N.
 
-    size: of the forces, N. For rings gathered into a few rays, those in the azimuth are the
-    relative coefficients of the light times the size of the forces.
+    For rings gathered into a few rays that in the azimuth is 0.
     """
     level, m = int(rules[k, LEVEL]), int(rules[k, AZIMUTHS])
     n = LEVELS[level]
@@ -390,23 +459,20 @@ def tails(rule, rules, k, rays, size, linear, gradient):  # type: ignore[no-unty
                 of_ray += force[azimuths * n + at + i]
             of_node[i] += of_ray
             total += of_ray
-        if not gathered:
-            of_azimuth[j] = total
+        of_azimuth[j] = total
     tail = rule.tail[level]
-    last = rule.azimuth[m, 2:] if cut else rule.azimuth[m, CIRCLE + 3 :]
     along = around = 0.0
     for c in range(TAIL):
         coefficient = 0.0
         for i in range(n):
             coefficient += tail[c, i] * of_node[i]
         along = max(along, _NEAR[c] * abs(coefficient))
+    if gathered:
+        return along, around
+    last = rule.azimuth[m, 2:] if cut else rule.azimuth[m, CIRCLE + 3 :]
+    for c in range(TAIL):
         coefficient = 0.0
         for j in range(azimuths):
             coefficient += last[c, j] * of_azimuth[j]
         around = max(around, _NEAR[c] * abs(coefficient))
-    if gathered:
-        light = 0.0
-        for j in range(azimuths):
-            light += abs(of_azimuth[j])
-        around *= size / light
     return along, around

@@ -24,7 +24,9 @@ it:
   needs no other rays.
 
 The last coefficients of the expansions in x (Legendre) and the azimuth (Legendre or Fourier)
-estimate the error. A rule that misses its part of the tolerance is repeated with more nodes.
+estimate the error. On rings of light that is not linear the azimuth needs no such estimate: the
+efficiencies are constant there, and what the nodes do not resolve of the light follows from its
+series. A rule that misses its part of the tolerance is repeated with more nodes.
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tweezer.compiled import cached_njit
-from tweezer.optics.rays.rule import LEVELS, MOST_AZIMUTHS, MOST_RAYS, WIDTHS
+from tweezer.optics.rays.rule import AZIMUTHS_TRIED, LEVELS, MOST_AZIMUTHS, MOST_RAYS, WIDTHS
 
 #: Largest number of panels for a position
 MOST_PANELS = 192
@@ -56,14 +58,16 @@ _NO_DELTA = 1e-7
 _CLOSE = 0.15
 #: Smallest distance of singular angles that do not affect each other, rad
 _APART = 0.2
+#: Share of the tolerance for the azimuth
+_AZIMUTH = 0.1
 #: Angles closer than this are merged, rad: the error is of order gap^(3/2)
 _NO_GAP = 1e-8
 #: 1/n_mP^2 - 1 below which the index of the bead counts as close to that of the medium
 _NEARLY_EQUAL = 0.05
 
 # columns of the table of the rules of a position
-KIND, LEVEL, AZIMUTHS, POLE, BEGIN, SPAN, PAIR = range(7)
-COLUMNS = 7
+KIND, LEVEL, AZIMUTHS, POLE, BEGIN, SPAN, PAIR, WIDTH, MISSED = range(9)
+COLUMNS = 9
 RATE_X, RATE_AZIMUTH = BEGIN, SPAN
 # kinds of rules
 DISC, RINGS, ARCS = 0, 1, 2
@@ -161,9 +165,9 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     if rate_x <= 0.0 or rate_azimuth <= 0.0:
         return False
     decay = 0.5 * digits * math.log(10.0)
-    nodes = math.ceil(0.9 * decay / rate_x) + rule.harmonics[-1] // 4
+    nodes = math.ceil(0.9 * decay / rate_x) + int(rule.degree) // 4
     # exact for a product with the light's highest harmonic, as the light may not be smooth
-    nodes = max(nodes, rule.harmonics[-1] // 2 + 4)
+    nodes = max(nodes, int(rule.degree) // 2 + 4)
     azimuths = 1
     if place.sin_tilt > 0.0:
         azimuths = max(math.ceil(decay / rate_azimuth) + 2, 3)
@@ -174,7 +178,7 @@ def _disc(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
     rules[0, LEVEL] = level
     rules[0, AZIMUTHS] = azimuths
     # decay of the coefficients for the error estimate; at least that of the light
-    of_light = (digits - 1.0) * math.log(10.0) / max(rule.harmonics[-1], 1)
+    of_light = (digits - 1.0) * math.log(10.0) / max(rule.degree, 1.0)
     rules[0, RATE_X] = min(rate_x, of_light)
     rules[0, RATE_AZIMUTH] = min(rate_azimuth, of_light)
     return True
@@ -324,8 +328,8 @@ def _panels(place, rule, n_mP, digits, rules):  # type: ignore[no-untyped-def]
             wanted = max(digits + math.log10(min(3.0 * share_of_angle, 1.0)), 1.0)
             slope = per_digit + (1.0 if low == 2 else 0.0)
             rules[count, LEVEL] = _level_of(2.0 + slope * wanted)
-            most = _most_azimuths(int(rules[count, LEVEL]))
-            rules[count, AZIMUTHS] = min(_azimuths_of(place, rule, lo, hi, cut), most)
+            rules[count, WIDTH] = _width(place, rule, lo, hi)
+            resolve_azimuth(rule, rules, count, _AZIMUTH * rule.tolerance)
             count += 1
     return count
 
@@ -368,15 +372,24 @@ def _without_close(cuts, places, first, second, critical):  # type: ignore[no-un
 
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
-def _azimuths_of(place, rule, lo, hi, cut):  # type: ignore[no-untyped-def]
-    """Azimuths of the rings from `lo` to `hi`, by the part of the cone that they span."""
+def _width(place, rule, lo, hi):  # type: ignore[no-untyped-def]
+    """Class of the width of the rings from `lo` to `hi`, by the part of the cone that they span."""
     widest = 1.0 if lo < 0.5 * math.pi < hi else max(math.sin(lo), math.sin(hi))
     half = 0.5 * (1.0 - math.cos(rule.half_angle))
-    width = widest * place.sin_tilt / half
-    bucket = min(int(width * WIDTHS), WIDTHS - 1)
-    harmonics = rule.harmonics[bucket] if width > 0.0 else 0
-    azimuths = 5 + int(0.8 * harmonics) if cut else 4 + int(0.6 * harmonics)
-    return min(azimuths, MOST_AZIMUTHS)
+    return min(int(widest * place.sin_tilt / half * WIDTHS), WIDTHS - 1)
+
+
+@cached_njit(error_model="numpy", nogil=True, inner=True)
+def resolve_azimuth(rule, rules, k, allowed):  # type: ignore[no-untyped-def]
+    """Set the azimuths of rule k, of rings or arcs, to miss less than `allowed`, relative."""
+    missed = rule.missed[int(rules[k, KIND]) - 1, int(rules[k, WIDTH])]
+    tried = 0
+    while tried < len(AZIMUTHS_TRIED) - 1 and missed[tried] > allowed:
+        tried += 1
+    most = _most_azimuths(int(rules[k, LEVEL]))
+    while tried > 0 and AZIMUTHS_TRIED[tried] > most:
+        tried -= 1
+    rules[k, AZIMUTHS], rules[k, MISSED] = AZIMUTHS_TRIED[tried], missed[tried]
 
 
 @cached_njit(error_model="numpy", nogil=True, inner=True)
@@ -394,8 +407,10 @@ def more_nodes(rules, k, ratio_x, ratio_azimuth):  # type: ignore[no-untyped-def
         if azimuths > _most_azimuths(level):
             level = level_now
     if ratio_azimuth > 1.0:
-        azimuths = max(int(azimuths * min(ratio_azimuth, 2.0)), azimuths + 2)
-        azimuths = min(azimuths, _most_azimuths(level))
+        wanted = min(max(azimuths * min(ratio_azimuth, 2.0), azimuths + 2), _most_azimuths(level))
+        for tried in AZIMUTHS_TRIED:
+            if azimuths < tried <= wanted:
+                azimuths = tried
     rules[k, LEVEL] = level
     rules[k, AZIMUTHS] = azimuths
     return level > level_now or azimuths > azimuths_now

@@ -11,7 +11,6 @@ import numpy as np
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.forces.data import (
     Data,
-    integers,
     matrix,
     number,
     packed,
@@ -20,7 +19,7 @@ from tweezer.forces.data import (
     vector,
 )
 from tweezer.forces.force import KERNEL, Kernel
-from tweezer.optics.rays.nodes import rays_of, scratch, tails
+from tweezer.optics.rays.nodes import rays_of, rays_of_linear, scratch, tails
 from tweezer.optics.rays.panels import (
     ARCS,
     AZIMUTHS,
@@ -30,11 +29,13 @@ from tweezer.optics.rays.panels import (
     ERROR_OF_RINGS,
     KIND,
     LEVEL,
+    MISSED,
     MOST_PANELS,
     RATE_AZIMUTH,
     RATE_X,
     more_nodes,
     place_of,
+    resolve_azimuth,
     rules_of,
     unknown_light,
 )
@@ -56,7 +57,7 @@ def _estimate(tail, kind, direction):  # type: ignore[no-untyped-def]
 
 
 @named_njit(error_model="numpy", nogil=True, inner=True)
-def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore[no-untyped-def]
+def _more_where_missed(rule, rules, many, sizes, errors, target, due, linear):  # type: ignore[no-untyped-def]
     """Refine the rules whose error is above `target`, N; returns whether any was refined."""
     again = False
     for k in range(many):
@@ -67,16 +68,20 @@ def _more_where_missed(rules, many, sizes, errors, target, due):  # type: ignore
         along = around = 0.0
         if errors[k, 0] > target:
             along = wanted / max(math.log(sizes[k] / errors[k, 0]), 1.0)
-        if errors[k, 1] > target:
+        if rules[k, KIND] != DISC and not linear:
+            before = rules[k, AZIMUTHS]
+            resolve_azimuth(rule, rules, k, target / sizes[k])
+            due[k] |= rules[k, AZIMUTHS] > before
+        elif errors[k, 1] > target:
             around = wanted / max(math.log(sizes[k] / errors[k, 1]), 1.0)
-        if more_nodes(rules, k, along, around):
-            due[k] = again = True
+        due[k] |= more_nodes(rules, k, along, around)
+        again |= due[k]
     return again
 
 
 def quadrature_data(rule: Rule, sphere: Sphere, jones: Any) -> Data:
     """The data of `quadrature_kernel`. jones: Jones vector (4,), as (re, im) pairs."""
-    return packed(*sphere, jones, *rule._replace(harmonics=rule.harmonics.astype(np.int32)))
+    return packed(*sphere, jones, *rule)
 
 
 @named_njit(error_model="numpy", inner=True)
@@ -86,8 +91,8 @@ def _rule(data, first):  # type: ignore[no-untyped-def]
         number(data, first), vector(data, first + 1), number(data, first + 2),
         vector(data, first + 3), number(data, first + 4), number(data, first + 5),
         number(data, first + 6), tensor_of_four(data, first + 7), tensor(data, first + 8),
-        tensor(data, first + 9), integers(data, first + 10), vector(data, first + 11),
-        matrix(data, first + 12),
+        tensor(data, first + 9), tensor(data, first + 10), number(data, first + 11),
+        vector(data, first + 12), matrix(data, first + 13),
     )  # fmt: skip
 
 
@@ -98,6 +103,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
     add_up = ray_sum(rays, by_grid=False, in_rings=False)
     add_up_rings = ray_sum(rays, by_grid=False, in_rings=True)
     linear, gradient, moment = rays.polarisation == "linear", rays.gradient, rays.moment
+    nodes_of = rays_of_linear if linear else rays_of
 
     @cached_njit(KERNEL, **SUMS)
     def integrate_over_lens(pose, data, wrench):  # type: ignore[no-untyped-def]
@@ -135,7 +141,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     if not due[k]:
                         continue
                     due[k] = False
-                    count = rays_of(place, source, rules, k, full, room, linear, gradient)
+                    count = nodes_of(place, source, rules, k, full, room, gradient)
                     kind, level = int(rules[k, KIND]), int(rules[k, LEVEL])
                     found[k] = 0.0
                     if linear or kind == DISC:
@@ -154,7 +160,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     sizes[k] = size
                     errors[k, 0] = errors[k, 1] = 0.0
                     if size > 0.0:
-                        along, around = tails(source, rules, k, room, size, linear, gradient)
+                        along, around = tails(source, rules, k, room, linear, gradient)
                         if kind == DISC:  # its ellipses bound the decay of the coefficients
                             n, m = LEVELS[level], rules[k, AZIMUTHS]
                             errors[k, 0] = along * math.exp(-rules[k, RATE_X] * n)
@@ -162,7 +168,9 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                             errors[k, 1] = around * math.exp(-rules[k, RATE_AZIMUTH] * m)
                         else:
                             errors[k, 0] = size * _estimate(along / size, kind, 0)
-                            errors[k, 1] = size * _estimate(around / size, kind, 1)
+                            errors[k, 1] = size * rules[k, MISSED]
+                            if linear:
+                                errors[k, 1] = size * _estimate(around / size, kind, 1)
                 f1 = f2 = f3 = 0.0
                 unknown = unknown_light(place, source, full) if many > 0 else 0.0
                 error = unknown
@@ -181,7 +189,7 @@ def quadrature_kernel(rays: Rays) -> Kernel:
                     for k in range(many):
                         due[k] = True
                 target = source.tolerance * whole / (2 * many)
-                again |= _more_where_missed(rules, many, sizes, errors, target, due)
+                again |= _more_where_missed(source, rules, many, sizes, errors, target, due, linear)
                 if not again:
                     break
 

@@ -7,11 +7,10 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import Legendre, Polynomial, chebyshev
-from numpy.polynomial.legendre import leggauss
+from numpy.polynomial import Legendre, Polynomial, chebyshev, legendre
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -19,8 +18,10 @@ Array = NDArray[np.float64]
 #: Numbers of nodes along x, in the order in which they are tried; multiples of a vector's length. A
 #: tuple shows the compiler that none is negative, which lets it vectorise loops over nodes
 LEVELS = (4, 8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 96)
+#: Numbers of nodes in the azimuth of half a ring or arc, in the order in which they are tried
+AZIMUTHS_TRIED = (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 16, 20, 24, 32, 48, 64)
 #: Largest number of nodes in the azimuth
-MOST_AZIMUTHS = 64
+MOST_AZIMUTHS = AZIMUTHS_TRIED[-1]
 #: Largest number of rays in a rule
 MOST_RAYS = 4096
 #: Number of last coefficients of an expansion that estimate its error
@@ -61,10 +62,14 @@ class Rule(NamedTuple):
     tail: Array
     """(level, TAIL, node) the last Legendre coefficients of a weighted value of 1 at a node"""
     azimuth: Array
-    """(m, 5 + 2 TAIL, node). Half an arc: position from 0 to 1, weight, and the last coefficients.
-    Half a circle: cosine, sine, weight, and the last coefficients"""
-    harmonics: NDArray[np.int64]
-    """(width,) degree of the light in the azimuth, by the width of the ring"""
+    """(m, 5 + 2 TAIL, node). Half an arc, for m in `AZIMUTHS_TRIED`: position from its middle to
+    its end, 0 to 1, weight, and the last coefficients. Half a circle: cosine, sine, weight, and the
+    last coefficients"""
+    missed: Array
+    """(2, width, number of azimuths tried) estimated relative error of the azimuth, of circles and
+    of arcs, by the width of the ring"""
+    degree: float
+    """degree of the light in the azimuth of the widest ring"""
     aliased: Array
     """(level,) N, bound on the aliasing of the light's harmonics on the nodes of the disc"""
     radiance: Array
@@ -93,7 +98,8 @@ def rule(half_angle: float, series: Array, strength: float, tolerance: float) ->
         disc[level, :count] = light * weight * 2 * math.sin(half_angle / 2) ** 2
     return Rule(
         half_angle, _summed_fast(needed), left_out, full, rounding, strength,
-        tolerance, nodes, tail, _azimuth_tables(), _harmonics(needed, tolerance), aliased, disc,
+        tolerance, nodes, tail, _azimuth_tables(), _missed(needed), _degree(needed, tolerance),
+        aliased, disc,
     )  # fmt: skip
 
 
@@ -116,17 +122,46 @@ def _summed_fast(series: Array) -> Array:
     )
 
 
-def _harmonics(series: Array, tolerance: float) -> NDArray[np.int64]:
-    """Degree of the light in the azimuth's cosine, for rings of growing width in cos(theta)."""
+def _degree(series: Array, tolerance: float) -> float:
+    """Degree of the light in the azimuth's cosine, on rings as wide as the cone."""
+    return len(_needed(series, tolerance)) - 1
+
+
+def _missed(series: Array) -> Array:
+    """Error of the azimuth, by a ring's width in cos(theta) and the number of azimuths.
+
+    It is what the rules do not resolve of the light times sin^4 of half the azimuth, the highest
+    moment that forces and gradients need (`tweezer.optics.rays.nodes`).
+    """
     half = (np.arange(WIDTHS) + 1) / WIDTHS  # of a ring's width, in units of half the cone's
+    tried = np.array(AZIMUTHS_TRIED)
+    missed = np.empty((2, WIDTHS, tried.size))
+    # circles, at any distance from the axis: coefficients of cos(k azimuth) from 2 m on
+    count = len(series) + 2
+    cosine = chebyshev.chebpts1(count)
     centre = (1 - half[:, None]) * np.linspace(-1, 1, 5)
-    n = len(series)
-    nodes = chebyshev.chebpts1(n)
-    values = chebyshev.chebval(centre[..., None] + half[:, None, None] * nodes, series)
-    to_series = chebyshev.chebvander(nodes, n - 1) * 2 / n
-    to_series[:, 0] /= 2
-    return np.array([max(len(_needed(part, tolerance)) - 1 for part in row)
-                     for row in values @ to_series])  # fmt: skip
+    light = chebyshev.chebval(centre[..., None] + half[:, None, None] * cosine, series)
+    transform = chebyshev.chebvander(cosine, count - 1) * 2 / count
+    missed[0] = _left(light, cosine, transform, 2 * tried)
+    # arcs up to the rim that are part of a ring: Legendre coefficients from 4 m on
+    count = 32 * math.ceil((2.5 * len(series) + 16) / 32)
+    x, w = _gauss(count)
+    transform = legendre.legvander(x, count - 1) * (np.arange(count) + 0.5) * w[:, None]
+    part = np.linspace(0.06, 1.0, 12)[:, None]  # sin^2 of half the azimuth where the arc ends
+    cosine = np.cos(2 * np.arcsin(np.sqrt(part)) * x)
+    light = chebyshev.chebval(half[:, None, None] * (cosine + 2 * part - 1) - 1, series)
+    missed[1] = _left(light, cosine, transform, 4 * tried)
+    return missed
+
+
+def _left(light: NDArray[np.floating[Any]], cosine: Array, transform: Array, first: Array) -> Array:
+    """Largest sum over coefficients from `first` on, relative to the largest light of each ring."""
+    values = light * ((1 - cosine) / 2) ** 2
+    coefficients = np.abs(values @ transform)
+    after = np.cumsum(coefficients[..., ::-1], axis=-1)[..., ::-1]
+    after = np.concatenate([after, np.zeros_like(after[..., :1])], axis=-1)
+    left = after[..., np.minimum(first, after.shape[-1] - 1)]
+    return np.asarray((left / np.abs(light).mean(axis=-1)[..., None]).max(axis=-2))
 
 
 @functools.cache
@@ -135,7 +170,7 @@ def _panel_tables() -> tuple[Array, Array]:
     nodes = np.zeros((len(LEVELS), len(ORDERS) ** 2, 3, LEVELS[-1]))
     tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
     for level, count in enumerate(LEVELS):
-        x, w = leggauss(count)
+        x, w = legendre.leggauss(count)
         z = (x + 1) / 2
         for i, low in enumerate(ORDERS):
             for j, high in enumerate(ORDERS):
@@ -163,11 +198,21 @@ def _legendre_tails(x: Array) -> Array:
 
 
 @functools.cache
+def _gauss(count: int) -> tuple[Array, Array]:
+    return legendre.leggauss(count)
+
+
+@functools.cache
 def _azimuth_tables() -> Array:
-    table = np.zeros((MOST_AZIMUTHS + 1, 5 + 2 * TAIL, MOST_AZIMUTHS + 1))
+    # padded with nodes without weight, as they are taken in pairs
+    table = np.zeros((MOST_AZIMUTHS + 1, 5 + 2 * TAIL, MOST_AZIMUTHS + 2))
     for m in range(1, MOST_AZIMUTHS + 1):
-        x, w = leggauss(m)
-        table[m, : 2 + TAIL, :m] = (x + 1) / 2, w / 2, *_legendre_tails(x)
+        if m in AZIMUTHS_TRIED:
+            # half of 2 m nodes on the whole arc: the light is even in the azimuth
+            x, w = (each[m:] for each in _gauss(2 * m))
+            even = np.maximum(2 * (m - 1 - np.arange(TAIL)), 0)
+            last = (2 * even + 1)[:, None] * legendre.legvander(x, 2 * m).T[even]
+            table[m, : 2 + TAIL, :m] = x, w, *last
         j = np.arange(m + 1)
         ends = np.where((j == 0) | (j == m), 0.5, 1.0)
         harmonics = np.maximum(m - np.arange(TAIL), 0)
