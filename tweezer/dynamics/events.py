@@ -203,8 +203,11 @@ class ClosestApproach(Event):
         apart = 1e-3 * np.diff(piece.checkpoints()).min()
         before = np.maximum(times - apart, piece.begin)
         after = np.minimum(times + apart, piece.end)
-        squared = [np.sum(piece.states(t)[:, :3] ** 2, axis=1) for t in (before, after)]
-        return np.asarray(squared[1] - squared[0])
+        both = np.concatenate([before, after])
+        ascending = np.argsort(both)
+        squared = np.empty(len(both))
+        squared[ascending] = np.sum(piece.states(both[ascending])[:, :3] ** 2, axis=1)
+        return squared[len(times) :] - squared[: len(times)]
 
 
 def _distance(event: Occurrence) -> float:

@@ -61,6 +61,8 @@ class Path:
 
     def _parts(self, times: Array) -> list[tuple[Piece, Array]]:
         """Pieces, and those of the times that each holds."""
+        if len(self.pieces) == 1:
+            return [(self.pieces[0], times)]
         index = np.searchsorted(self._begins, times, side="right")
         parts = np.split(times, np.flatnonzero(np.diff(index)) + 1)
         return [(self.pieces[i], part) for i, part in zip(np.unique(index), parts, strict=True)]
