@@ -19,6 +19,7 @@ import math
 import os
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,10 +37,12 @@ from tests.benchmarks import numpy_sum
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import Call, dask_clients, in_fresh_process, machine, per_item
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap, in_place
-from tweezer.dynamics.brownian import euler, propagator
+from tweezer.dynamics.brownian import euler, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.walk import Walk, walk
+from tweezer.forces.force import bound as bound_force
+from tweezer.forces.force import evaluated
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -62,6 +65,10 @@ _FORGOTTEN, _LAG = 10.0, 0.4
 _WINDOW = 128
 #: beads and steps of a timed call
 _BEADS, _STEPS = 256, 20
+#: places of a timed call of a part of a step
+_MANY = 1024
+#: models and schemes whose step is shown beside its parts
+PARTED = (("full", "heun"), ("full", "one-call"), ("overdamped", "heun"))
 
 MODELS = (
     ("full", "heun"), ("full", "one-call"), ("full", "harmonic"), ("full", "euler-maruyama"),
@@ -127,18 +134,21 @@ class Effort(NamedTuple):
     repeats: int
     trajectories: tuple[int, ...]
     """of the ensembles whose memory is looked at"""
+    theories: tuple[str, ...]
+    """of light whose maps are read in steps"""
 
 
 FULL = Effort(
     rounds=500, compiling=True, ways=WAYS, steps=(0.05, 0.1, STEP, 0.4, 0.8, 1.6),
     euler_steps=(0.5, 1.0, 1.5, 1.9), baoab_steps=(0.002, 0.01, 0.03), trap_times=2e5, longer=16.0,
     euler_trap_times=2e4, beads=512, ensemble=4096, most_workers=64, repeats=6,
-    trajectories=(10_000, 100_000, 1_000_000),
+    trajectories=(10_000, 100_000, 1_000_000), theories=("rays", "waves"),
 )  # fmt: skip
 QUICK = Effort(
     rounds=3, compiling=False, ways=(DEFAULT, Way("overdamped", "euler-maruyama")),
     steps=(STEP, 0.8), euler_steps=(1.9,), baoab_steps=(0.03,), trap_times=2e4, longer=1.0,
     euler_trap_times=640.0, beads=64, ensemble=128, most_workers=1, repeats=1, trajectories=(1000,),
+    theories=("waves",),
 )  # fmt: skip
 
 
@@ -192,6 +202,8 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     }  # fmt: skip
     say("steps a second")
     results["rates"], ns = _rates(trap, effort)
+    say("a step by its parts")
+    results["parts"] = parts(trap, effort)
     say("the first step in fresh processes")
     results["fresh_process"] = _fresh(effort)
     results["wells"] = {}
@@ -280,6 +292,46 @@ def _some_steps(bound: Walk) -> Callable[[], object]:
     states, out = bound.start(trajectories), np.empty((_BEADS, 1, len(bound.columns)))
     samples = itertools.count()
     return lambda: bound.advance(states, trajectories, next(samples), out)
+
+
+def parts(trap: Trap, effort: Effort) -> dict[str, float]:
+    """Least ns of a bead's step, and of its parts: normal numbers and the map; and in NumPy.
+
+    Of many beads at once. NumPy takes Euler and Maruyama's steps on a plain spring.
+    """
+    who = np.arange(_MANY)
+    calls = {}
+    for count in (3, 6):
+        drawn = np.empty((count, _MANY))
+        run = functools.partial(noise.normals, SEED, who, 0, noise.NOISE, drawn)
+        calls[f"{count} normal numbers"] = Call(run, _MANY)
+    for theory in effort.theories:
+        with warnings.catch_warnings(action="ignore", category=tweezer.PhysicsWarning):
+            of_theory = dataclasses.replace(
+                trap, scene=trap.scene.replace(optics={"theory": theory})
+            )
+            for model, method in PARTED:
+                walked = _sampled(of_theory, model, method, 0.1 / trap.kappa)
+                calls[f"{theory}: {model} {method}"] = Call(_some_steps(walked), _BEADS * _STEPS)
+        places = np.ascontiguousarray(walked.start(who)[:, :3])
+        for what, gradient in (("map", False), ("map with gradient", True)):
+            light = bound_force(walked.problem.force, gradient=gradient)
+            run = functools.partial(evaluated, light, places, gradient)
+            calls[f"{theory}: {what}"] = Call(run, _MANY)
+    rng = np.random.default_rng(SEED)
+    x = math.sqrt(trap.variance) * rng.standard_normal((_BEADS * 4, 3))
+    v = math.sqrt(trap.kT / trap.mass) * rng.standard_normal(x.shape)
+
+    def spring(x: Array) -> Array:
+        return -trap.stiffness * x
+
+    run = functools.partial(numpy_euler_maruyama, spring, x, v, 0.5 * trap.tau, _STEPS, trap, rng)
+    calls["NumPy: with inertia"] = Call(run, len(x) * _STEPS)
+    y = x.copy()
+    run = functools.partial(numpy_overdamped, spring, y, 0.1 / trap.kappa, _STEPS, trap, rng)
+    calls["NumPy: overdamped"] = Call(run, len(x) * _STEPS)
+    times = per_item([[call] for call in calls.values()], effort.rounds)
+    return {name: 1e9 * least for name, (least, _) in zip(calls, times, strict=True)}
 
 
 _FIRST_STEP = """
@@ -554,6 +606,15 @@ def numpy_euler_maruyama(
         a = (force(x) - trap.drag * v + kick * rng.standard_normal(x.shape)) / trap.mass
         x += step * v
         v += step * a
+
+
+def numpy_overdamped(
+    force: Force, x: Array, step: float, steps: int, trap: Trap, rng: np.random.Generator
+) -> None:
+    """Take beads (n, 3) along, in place, by the equations without inertia."""
+    kick = math.sqrt(2 * trap.kT * step / trap.drag)
+    for _ in range(steps):
+        x += step / trap.drag * force(x) + kick * rng.standard_normal(x.shape)
 
 
 def euler_maruyama_bias(trap: Trap, step: float) -> tuple[float, float]:

@@ -53,7 +53,15 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def _measured(results: Results) -> list[list[list[str]]]:
-    return [_by_way(results), _against_numpy(results), _apart(results)]
+    return [_by_way(results), *_by_part(results), _against_numpy(results), _apart(results)]
+
+
+def _by_part(results: Results) -> list[list[list[str]]]:
+    """ns of a bead's step by its parts, where they were taken."""
+    if "parts" not in results:
+        return []
+    heading = ["a bead's step and its parts, one core, least time", "ns"]
+    return [[heading, *([name, rounded(ns)] for name, ns in results["parts"].items())]]
 
 
 def _by_way(results: Results) -> list[list[str]]:

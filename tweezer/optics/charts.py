@@ -66,7 +66,6 @@ from tweezer.optics.polynomials import (
     PARTS,
     ROWS,
     add_up,
-    clear,
     coordinates,
     put,
     read,
@@ -350,10 +349,11 @@ def _piece_of(block, along_x, along_y, integers, roots, index):  # type: ignore[
 
 
 @named_njit(**INNER)
-def _find(position, at, many, data, gradient, first, there, found):  # type: ignore[no-untyped-def]
-    """Pieces of up to eight beads, from `at` on, to `first`, coordinates there to `found`.
+def _find(position, at, many, data, gradient, pieces, size, first, there, found):  # type: ignore[no-untyped-def]
+    """Begins of the pieces of up to eight beads, from `at` on, to `first`; coordinates to `found`.
 
-    there: filled with 0 where there is no piece, else 1. Returns whether all of eight have one.
+    pieces: begin of the first piece; size: of a piece. there: filled with 0 where there is no
+    piece, else 1. Returns whether all of eight have one.
     """
     numbers, integers = data.numbers, data.numbers.view(np.int32)
     roots, index, heads = 2 * begin_of(data, 2), 2 * begin_of(data, 3), uint64(begin_of(data, 4))
@@ -367,7 +367,8 @@ def _find(position, at, many, data, gradient, first, there, found):  # type: ign
         if block >= 0:
             piece = _piece_of(block, digits[i], digits[LANES + i], integers, roots, index)
         there[i] = int64(piece != NO_PIECE)
-        first[i] = piece = max(piece, 0)
+        piece = max(piece, 0)
+        first[i] = pieces + size * piece
         whole = whole and there[i] != 0
         head = heads + uint64(HEAD * piece)
         per_x, per_y = numbers[head + uint64(1)], numbers[head + uint64(3)]
@@ -389,7 +390,7 @@ def find(positions, data, piece_out):  # type: ignore[no-untyped-def]
     n = positions.shape[0]
     for at in range(0, n, LANES):
         many = min(LANES, n - at)
-        _find(positions, at, many, data, False, first, there, found)
+        _find(positions, at, many, data, False, 0, 1, first, there, found)
         for i in range(many):
             piece_out[at + i] = first[i] if there[i] != 0 else NO_PIECE
 
@@ -418,6 +419,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
     force outside the range.
     """
     components, kinds = 3 if moment else 2, 3 if gradient else 1
+    of_rows = components * ROWS * (2 if gradient else 1)
     of_values, of_piece = components * kinds * LANES, components * COEFFICIENTS
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
@@ -428,14 +430,15 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
         per_radius, pieces = 1.0 / radius, begin_of(data, 5)
         first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
         found = on_stack(_FOUND, np.float64)
-        rows, values = on_stack(ROWS, np.float64), on_stack(of_values, np.float64)
+        rows, values = on_stack(of_rows, np.float64), on_stack(of_values, np.float64)
         parts, zero = on_stack(PARTS, np.float64), spread(0.0)
         none = zero, zero, zero, zero
-        clear(rows)
         n = pose.position.shape[0]
         for at in range(0, n, LANES):
             many = min(LANES, n - at)
-            whole = _find(pose.position, at, many, data, gradient, first, there, found)
+            whole = _find(
+                pose.position, at, many, data, gradient, pieces, of_piece, first, there, found
+            )
             if whole:
                 store(wrench.error, at, lanes(wrench.error, at) + certified)
             else:
@@ -444,11 +447,7 @@ def kernel(*, gradient: bool, moment: bool) -> Kernel:
                         wrench.error[at + i] += certified
                     else:
                         add_one(part(data, 6), pose, at + i, wrench)
-            for i in range(many):
-                first[i] = pieces + of_piece * first[i]
-            for k in range(components):
-                begin = k * kinds * LANES
-                read(numbers, first, k, many, found, _U, _V, gradient, rows, values, begin)
+            read(numbers, first, components, many, found, _U, _V, gradient, rows, values)
             x1, x2 = lanes(found, _X1), lanes(found, _X2)
             f = _function(values, 0, gradient, found)
             g = _function(values, kinds * LANES, gradient, found)

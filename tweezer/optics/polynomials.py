@@ -16,8 +16,8 @@ from tweezer.compiled.lanes import LANES, add_columns, columns, lanes, spread, s
 ORDER = LANES
 #: Coefficients of one function on one piece
 COEFFICIENTS = ORDER * ORDER
-#: Numbers that `read` works with
-ROWS = 2 * COEFFICIENTS
+#: Numbers of the rows of one function of eight beads
+ROWS = LANES * LANES
 
 #: Coordinates of eight beads
 PLACES = 3 * LANES
@@ -29,52 +29,52 @@ INNER: dict[str, Any] = {"inner": True, "error_model": "numpy", "forceinline": T
 
 
 @named_njit(**INNER)
-def clear(rows):  # type: ignore[no-untyped-def]
-    """Set the numbers that `read` works with to 0, so that beads that are missing have some."""
-    for i in range(0, ROWS, LANES):
-        store(rows, i, spread(0.0))
-
-
-@named_njit(**INNER)
-def read(numbers, first, function, many, found, u, v, gradient, rows, out, at):  # type: ignore[no-untyped-def]
-    """Values of a function, by its number, for up to eight beads, to `out` from `at` on.
+def read(numbers, first, functions, many, found, u, v, gradient, rows, out):  # type: ignore[no-untyped-def]
+    """Values of so many functions for up to eight beads, to `out`.
 
     numbers: with the coefficients of all functions of bead i from first[i] on. found: with the
     coordinates of the beads from u and from v on. gradient: whether the derivatives over u and
-    over v are wanted too, to the next two eights of `out`. rows: `ROWS` numbers to work with, see
-    `clear`.
+    over v are wanted too, after the values of each function. rows: `ROWS` numbers for each
+    function to work with, twice that with gradients. What is found for missing beads means nothing.
     """
+    kinds, slopes = 3 if gradient else 1, functions * ROWS
     for i in range(many):
-        begin, along = first[i] + function * COEFFICIENTS, found[u + i]
-        row, slope = lanes(numbers, begin + (ORDER - 1) * LANES), spread(0.0)
-        for k in range(ORDER - 2, -1, -1):
+        begin, along = first[i], found[u + i]
+        for f in range(functions):
+            row, slope = lanes(numbers, begin + (ORDER - 1) * LANES), spread(0.0)
+            for k in range(ORDER - 2, -1, -1):
+                if gradient:
+                    slope = slope * along + row
+                row = row * along + lanes(numbers, begin + k * LANES)
+            store(rows, f * ROWS + i * LANES, row)
             if gradient:
-                slope = slope * along + row
-            row = row * along + lanes(numbers, begin + k * LANES)
-        store(rows, i * LANES, row)
-        if gradient:
-            store(rows, COEFFICIENTS + i * LANES, slope)
+                store(rows, slopes + f * ROWS + i * LANES, slope)
+            begin += COEFFICIENTS
     across = lanes(found, v)
-    c = transposed(rows, 0)
-    store(out, at, _sum(c, across))
-    if gradient:
-        store(out, at + LANES, _sum(transposed(rows, COEFFICIENTS), across))
-        store(out, at + 2 * LANES, _slope(c, across))
+    square = across * across
+    fourth = square * square
+    for f in range(functions):
+        at = f * kinds * LANES
+        c = transposed(rows, f * ROWS)
+        store(out, at, _sum(c, across, square, fourth))
+        if gradient:
+            d = transposed(rows, slopes + f * ROWS)
+            store(out, at + LANES, _sum(d, across, square, fourth))
+            store(out, at + 2 * LANES, _slope(c, across, square, fourth))
 
 
 @named_njit(**INNER)
-def _sum(c, v):  # type: ignore[no-untyped-def]
-    """c[0] + c[1] v + ... + c[7] v^7."""
-    return c[0] + v * (
-        c[1] + v * (c[2] + v * (c[3] + v * (c[4] + v * (c[5] + v * (c[6] + v * c[7])))))
-    )
+def _sum(c, v, square, fourth):  # type: ignore[no-untyped-def]
+    """c[0] + c[1] v + ... + c[7] v^7, from v and its powers."""
+    low = (c[0] + v * c[1]) + square * (c[2] + v * c[3])
+    return low + fourth * ((c[4] + v * c[5]) + square * (c[6] + v * c[7]))
 
 
 @named_njit(**INNER)
-def _slope(c, v):  # type: ignore[no-untyped-def]
+def _slope(c, v, square, fourth):  # type: ignore[no-untyped-def]
     """Derivative of `_sum` over v."""
-    last = 5.0 * c[5] + v * (6.0 * c[6] + v * (7.0 * c[7]))
-    return c[1] + v * (2.0 * c[2] + v * (3.0 * c[3] + v * (4.0 * c[4] + v * last)))
+    low = (c[1] + v * (2.0 * c[2])) + square * (3.0 * c[3] + v * (4.0 * c[4]))
+    return low + fourth * ((5.0 * c[5] + v * (6.0 * c[6])) + square * (7.0 * c[7]))
 
 
 @named_njit(**INNER)
@@ -121,14 +121,14 @@ def add_up(parts, there, at, many, whole, gradient, vectors, gradients):  # type
     """Add vectors of up to eight beads, and their gradients, to those from the bead `at` on.
 
     parts: the three entries of the vectors, then the nine of the gradients, each of eight beads.
-    there: (8,) 0 for a bead that is left out. whole: whether all eight are there.
+    whole: whether all eight are there; if not, there: (8,) 0 for a bead that is left out.
     """
     if whole:
         x, y, z = lanes(parts, 0), lanes(parts, LANES), lanes(parts, 2 * LANES)
         add_columns(vectors, 3 * at, x, y, z)
     if gradient or not whole:
         for i in range(many):
-            if there[i] != 0:
+            if whole or there[i] != 0:
                 for k in range(3):
                     if not whole:
                         vectors[at + i, k] += parts[k * LANES + i]

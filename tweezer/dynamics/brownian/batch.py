@@ -99,7 +99,7 @@ def beads(n, dims, inertial, gradient, uniform):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit(error_model="numpy")
+@njit(error_model="numpy", forceinline=True)
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
     """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, w)."""
     pose, wrench = beads.pose, beads.wrench
@@ -121,7 +121,7 @@ def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-un
                 store(out, (3 + k) * width + i, plan.mobility[3 + k] * turns[k])
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
     """What drag, u and noise make of the velocities, in place."""
     dims, width = beads.x.shape

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from tweezer.compiled import address, cached_njit, named_njit
 from tweezer.compiled.lanes import (
     LANES,
+    anywhere,
     as_words,
     below,
     chosen,
@@ -53,7 +54,6 @@ from tweezer.optics.polynomials import (
     PARTS,
     ROWS,
     add_up,
-    clear,
     coordinates,
     put,
     read,
@@ -80,10 +80,12 @@ _NODES = np.cos(np.pi * (np.arange(ORDER) + 0.5) / ORDER)
 _TO_POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 
 
-#: What the kernel finds of eight beads: the place on the piece, its number (-1 outside)
-_S, _T, _PIECE, _FOUND = (LANES * k for k in range(4))
-#: A number so large that a sum with it is whole
+#: What the kernel finds of eight beads: the place on the piece, and its begin (-1 outside)
+_S, _T, _BEGIN, _FOUND = (LANES * k for k in range(4))
+#: A number so large that a sum with it is whole, also of negative numbers
 _ROUNDED = 1.5 * 2.0**52
+#: The number whose last 52 bits are 0, and these bits: of a sum with it they are a whole number
+_WHOLE, _FRACTION = 2.0**52, np.uint64(2**52 - 1)
 
 
 @dataclass(frozen=True)
@@ -280,6 +282,7 @@ def _compared(evaluate: Evaluate, lattice: Lattice) -> tuple[float, float]:
 def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
     """Reads a lattice of so many functions of force; another force where it ends."""
     kinds, all_functions = 3 if gradient else 1, 2 * functions if moment else functions
+    of_rows = all_functions * ROWS * (2 if gradient else 1)
     of_values, of_piece = kinds * all_functions * LANES, all_functions * COEFFICIENTS
     second = kinds * functions * LANES
 
@@ -295,9 +298,8 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
         per_width, per_height = numbers[shape + 6], numbers[shape + 7]
         pieces = begin_of(data, 1)
         first, there = on_stack(LANES, np.int64), on_stack(LANES, np.int64)
-        found, rows = on_stack(_FOUND, np.float64), on_stack(ROWS, np.float64)
+        found, rows = on_stack(_FOUND, np.float64), on_stack(of_rows, np.float64)
         values, parts = on_stack(of_values, np.float64), on_stack(PARTS, np.float64)
-        clear(rows)
         n = pose.position.shape[0]
         for at in range(0, n, LANES):
             many = min(LANES, n - at)
@@ -309,25 +311,23 @@ def lattice_kernel(*, gradient: bool, functions: int, moment: bool) -> Kernel:
             i, j = _piece(s, across), _piece(t, along)
             store(found, _S, 2.0 * (s - i) - 1.0)
             store(found, _T, 2.0 * (t - j) - 1.0)
+            begins = (j * across + i) * float(of_piece) + float(pieces)
             inside = below(square + z * z, spread(reach * reach))
-            store(found, _PIECE, chosen(inside, j * across + i, spread(-1.0)))
-            whole = many == LANES
-            for k in range(many):
-                piece = int64(found[_PIECE + k])
-                there[k] = int64(piece >= 0)
-                whole = whole and piece >= 0
-                first[k] = pieces + of_piece * max(piece, 0)
+            begins = chosen(inside, begins, spread(-1.0))
+            whole = many == LANES and not anywhere(below(begins, spread(0.0)))
+            store(first, 0, as_words(begins + _WHOLE) & _FRACTION)
             if whole:
                 store(wrench.error, at, lanes(wrench.error, at) + certified)
             else:
+                store(found, _BEGIN, begins)
                 for k in range(many):
+                    there[k] = int64(found[_BEGIN + k] >= 0.0)
                     if there[k] != 0:
                         wrench.error[at + k] += certified
                     else:
+                        first[k] = pieces
                         add_one(part(data, 2), pose, at + k, wrench)
-            for f in range(all_functions):
-                begin = f * kinds * LANES
-                read(numbers, first, f, many, found, _T, _S, gradient, rows, values, begin)
+            read(numbers, first, all_functions, many, found, _T, _S, gradient, rows, values)
             slope = per_width / rho
             slope = chosen(as_words(rho), slope, spread(0.0))
             _put(
