@@ -69,6 +69,7 @@ def loop() -> Any:
         last = states.shape[1] - 1
         inertial, rotates = steps.velocity >= 0, steps.orientation >= 0
         dims = 6 if rotates else 3
+        purpose = np.int64(NOISE)  # a constant would be compiled apart
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
             beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform)
@@ -84,7 +85,7 @@ def loop() -> Any:
                 for within in range(plan.per_sample):
                     at = (sample + number) * plan.per_sample + within
                     beads.now[0] = at * plan.step
-                    normals(plan.seed, who, at, NOISE, normal)
+                    normals(plan.seed, who, at, purpose, normal)
                     call(steps.scheme, (force, plan, weights, beads))
                     if rotates:
                         rotation.turn_by_steps(beads)

@@ -43,7 +43,7 @@ _EVEN = tuple(map(np.uint64, (25, 33, 46, 12, 58, 22, 32, 32)))
 
 #: Rows of numbers that one block of four words makes
 _ROWS = 6
-#: Numbers of one block of eight trajectories
+#: Numbers of one block of eight trajectories, and words of their radii and angles
 _NUMBERS = _ROWS * LANES
 #: Bits of the number 1, and of the numbers from 1 to 2 what distinguishes them
 _ONE, _FRACTION = np.uint64(0x3FF0000000000000), np.uint64(0x000FFFFFFFFFFFFF)
@@ -140,6 +140,7 @@ def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-
     zero = uint64(0)
     key = uint64(seed), zero, zero, zero
     rows, n = out.shape
+    bits = on_stack(_NUMBERS, np.int64)
     drawn, who = on_stack(_NUMBERS, np.float64), on_stack(LANES, np.int64)
     for i in range(0, n, LANES):
         many = min(LANES, n - i)
@@ -154,21 +155,17 @@ def normals(seed, trajectories, step, purpose, out):  # type: ignore[no-untyped-
             a, b, c, d = threefry(key, block, whose, spread(uint64(step)), spread(uint64(purpose)))
             left = (a & _LAST_11) | ((b & _LAST_11) << uint64(11)) | (c << uint64(22))
             count = min(_ROWS, rows - first)
-            _store_pair(drawn, 0, a, d)
-            if count > 2:
-                _store_pair(drawn, 2, b, d >> uint64(32))
-            if count > 4:
-                _store_pair(drawn, 4, c, left)
+            for k, word in enumerate((a, b, c)):
+                store(bits, k * LANES, word)
+            for k, word in enumerate((d, d >> uint64(32), left)):
+                store(bits, (3 + k) * LANES, word)
+            for k in range((count + 1) // 2):
+                one, other = _pair(words(bits, k * LANES), words(bits, (3 + k) * LANES))
+                store(drawn, 2 * k * LANES, one)
+                store(drawn, (2 * k + 1) * LANES, other)
             for row in range(count):
                 if many == LANES:
                     store(out, (first + row) * n + i, lanes(drawn, row * LANES))
                 else:
                     for j in range(many):
                         out[first + row, i + j] = drawn[row * LANES + j]
-
-
-@named_njit(**_INNER)
-def _store_pair(drawn, row, radius, angle):  # type: ignore[no-untyped-def]
-    first, second = _pair(radius, angle)
-    store(drawn, row * LANES, first)
-    store(drawn, (row + 1) * LANES, second)
