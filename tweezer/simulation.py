@@ -68,7 +68,8 @@ def simulate(
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
     attributes hold the scene, also as given, the versions, the model, the method, what gave the
-    force, steps, force calls, `wall_time` of the run (s, without compiling, `compile_time`, and
+    force, steps, force calls, `step_time` (s, of stepping alone), `wall_time` of the run (s, with
+    binding, events and output, without compiling, `compile_time`, and
     without the errors), how the run ended, the events, `integration_error` and `model_error` (m,
     the largest at any time: see `tweezer.dynamics.budget`), and what `tweezer.summarise` reads.
     `status` is "complete", "lost", "ended" (by an event of yours), "interrupted" or "failed"; a run
@@ -132,6 +133,7 @@ def followed(
         "rejected_steps": result.rejected,
         "force_calls": result.force_calls,
         **seconds,
+        "step_time": result.step_time,
         "integration_error": budget.integration_error,
         "model_error": budget.model_error,
     }
@@ -160,7 +162,7 @@ def _thermal_run(
         state = bound.start(trajectory)
         columns = np.empty((1, samples, len(bound.columns)))
         columns[:, 0] = state[:, :-1]
-        reached, status, message = 1, "complete", ""
+        reached, status, message, step_time = 1, "complete", "", 0.0
         at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
         calls = bound.per_sample * bound.force_calls
         affordable = scene.simulation.most_force_calls // max(calls, 1)
@@ -169,7 +171,9 @@ def _thermal_run(
                 if reached > affordable:
                     raise IntegrationError("simulation.most_force_calls is spent")
                 last = min(reached + at_once, samples, affordable + 1)
+                began = time.perf_counter()
                 bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
+                step_time += time.perf_counter() - began
                 reached = last
                 if progress:
                     progress(float(bound.times[reached - 1]))
@@ -194,6 +198,7 @@ def _thermal_run(
         "rejected_steps": 0,
         "force_calls": (reached - 1) * calls,
         **seconds,
+        "step_time": step_time,
         "integration_error": math.nan,
         "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
     }

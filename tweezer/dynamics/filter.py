@@ -115,7 +115,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     system = equations.system(gradient=True, derivatives=True)
     scale = np.ones(len(equations.initial_state))
     if equations.stiff:
-        scale[3:] = equations.relaxation.times[:3, 0]
+        scale[3:] = equations.relaxation.modes.times[:3, 0]
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:

@@ -7,6 +7,7 @@ when the bead is lost, and keep what it has when it is interrupted or fails.
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -56,6 +57,8 @@ class Integration:
     """what ended the run, if it did not reach the last time"""
     events: list[Occurrence]
     """in the order of their times"""
+    step_time: float
+    """s, that stepping took: without binding, compiling, events and output"""
     step_lengths: Array
     """s, of a compiled method, up to the end of the run; (0,) of a solver of SciPy's"""
     path: Path | None
@@ -108,7 +111,7 @@ def integrate(
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]
     pieces: list[Piece] = []
-    reached = 1
+    reached, step_time = 1, 0.0
     status, message = "complete", ""
     solver: Stepper | None = None
     try:
@@ -121,7 +124,9 @@ def integrate(
             )  # fmt: skip
         why = integrators.FULL
         while why == integrators.FULL and status == "complete":
+            began = time.perf_counter()
             piece, why = solver.advance()
+            step_time += time.perf_counter() - began
             if piece is not None:
                 end = piece.end
                 seen = equations.released(piece)
@@ -175,6 +180,7 @@ def integrate(
         status,
         message,
         sorted(happened, key=lambda event: event.time),
+        step_time,
         step_lengths,
         path,
     )

@@ -19,6 +19,7 @@ from tweezer.choices import MODELS, Model
 from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
+from tweezer.dynamics.integrators.modes import Modes
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError, SceneError
@@ -130,7 +131,7 @@ class EquationsOfMotion:
         if not self._inertial:
             times[:] = 0.0
         return Relaxation(
-            bound(self.force, gradient=False), times[:, None], np.ones((len(where), 1)),
+            bound(self.force, gradient=False), Modes(times[:, None], np.ones((len(where), 1))),
             numbered(self.force) or Part(0, packed()), response, drift,
             self.problem.fastest, np.zeros(0), np.zeros(0),
         )  # fmt: skip

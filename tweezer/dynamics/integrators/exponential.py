@@ -33,6 +33,7 @@ from tweezer.dynamics.integrators.modes import (
     PLACES,
     TO_LEGENDRE,
     TO_POWERS,
+    Modes,
     displacement,
     followed,
     relaxed,
@@ -100,10 +101,7 @@ class Relaxation(NamedTuple):
 
     plain: Part
     """the force without gradients"""
-    times: Array
-    """(3, modes) or (6, modes) s: of the velocity, and of the angular velocity"""
-    weights: Array
-    """of the modes, of the shape of `times`"""
+    modes: Modes
     regions: Part
     """the force's, see `Force.regions`; kernel 0 if it is smooth everywhere"""
     response: Array
@@ -171,12 +169,12 @@ def _room(modes):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _alike(how, i):  # type: ignore[no-untyped-def]
+def _alike(modes, i):  # type: ignore[no-untyped-def]
     """Whether the modes along axis i are those along the axis before."""
     alike = i > 0
-    for k in range(how.times.shape[1]):
-        alike &= how.times[i, k] == how.times[i - 1, k]
-        alike &= how.weights[i, k] == how.weights[i - 1, k]
+    for k in range(modes.times.shape[1]):
+        alike &= modes.times[i, k] == modes.times[i - 1, k]
+        alike &= modes.weights[i, k] == modes.weights[i - 1, k]
     return alike
 
 
@@ -196,14 +194,14 @@ def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
 @named_njit(inner=True, error_model="numpy")
 def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
     """Fill M and the base of the step."""
-    modes = how.times.shape[1]
+    modes = how.modes.times.shape[1]
     chi, rows, M, decay = work.chi, work.rows, work.M, work.decay
     for i in range(3):
-        alike = _alike(how, i)
+        alike = _alike(how.modes, i)
         if not alike:
             rows[:] = 0.0
             for k in range(modes):
-                tau, weight = how.times[i, k], how.weights[i, k]
+                tau, weight = how.modes.times[i, k], how.modes.weights[i, k]
                 if PLACES[0] * step > LONG * tau:
                     _weigh_long(step, tau, weight, decay[k], rows)
                     continue
@@ -556,24 +554,24 @@ def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _to(how, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
+def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
     """Places and velocities of the modes a time s into a step."""
-    many, modes = how.times.shape
+    axes, many = modes.times.shape
     for i in range(3):
         out[i] = y[i]
-    for i in range(many):
-        for k in range(modes):
-            tau, at = how.times[i, k], 3 + i * modes + k
+    for i in range(axes):
+        for k in range(many):
+            tau, weight, at = modes.times[i, k], modes.weights[i, k], 3 + i * many + k
             relaxed(s, tau, chi)
             if i < 3:
-                out[i] += displacement(s, s / step, tau, how.weights[i, k], y[at], powers[i], chi)
+                out[i] += displacement(s, s / step, tau, weight, y[at], powers[i], chi)
             out[at] = velocity(s / step, y[at], powers[i], chi)
 
 
 @named_njit(inner=True, error_model="numpy")
 def _first_step(system, how, control, time, y, work):  # type: ignore[no-untyped-def]
     """A step in which the force changes little; and within the initial layer, if that is seen."""
-    modes = how.times.shape[1]
+    modes = how.modes.times.shape[1]
     for i in range(3):
         for j in range(NODES):
             work.place[NODES * i + j] = y[i]
@@ -586,8 +584,8 @@ def _first_step(system, how, control, time, y, work):  # type: ignore[no-untyped
         step = min(step, _FIRST / rate)
     for i in range(3):
         for k in range(modes):
-            tau = how.times[i, k]
-            off = how.weights[i, k] * tau * abs(y[3 + i * modes + k] - work.u[NODES * i])
+            tau = how.modes.times[i, k]
+            off = how.modes.weights[i, k] * tau * abs(y[3 + i * modes + k] - work.u[NODES * i])
             if rate * off * tau > _UNSEEN * allowed:
                 step = min(step, 0.5 * tau)
     return step
@@ -605,9 +603,9 @@ def loop() -> Any:
         system, how, control, y, clock, counts, records
     ):
         adaptive = by_tolerance(control)
-        many = how.times.shape[0]
+        many = how.modes.times.shape[0]
         turns = many == 6
-        work = _room(how.times.shape[1])
+        work = _room(how.modes.times.shape[1])
         new, written = np.empty(y.size), 0
         if clock[1] == 0.0:
             clock[1] = _first_step(system, how, control, clock[0], y, work)
@@ -658,11 +656,11 @@ def loop() -> Any:
             for i in range(many):
                 for m in range(NODES):
                     records.shape[written, i, m] = work.powers[i, m]
-            _to(how, step, step, y, work.powers, work.chi, new)
+            _to(how.modes, step, step, y, work.powers, work.chi, new)
             if turns:
                 e, allowed = y.size - 4, control.absolute[control.orientation]
                 v = y[3:]
-                parts_of(how, step, v, work.powers, y[e:], allowed, new[e:])
+                parts_of(how.modes, step, v, work.powers, y[e:], allowed, new[e:])
             written += 1
             counts[0] += 1
             clock[0] = control.end if last else time + step
@@ -702,7 +700,7 @@ def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
 
 
 @cached_njit(error_model="numpy")
-def sample(times, begin, length, state, shape, how, allowed, out):  # type: ignore[no-untyped-def]
+def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ignore[no-untyped-def]
     """States as the loop has them at `times`, ascending, from the steps that hold them."""
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
@@ -711,12 +709,12 @@ def sample(times, begin, length, state, shape, how, allowed, out):  # type: igno
             step += 1
             parts = 0
         s = times[at] - begin[step]
-        _to(how, s, length[step], state[step], shape[step], chi, out[at])
-        if len(how.times) == 6:
+        _to(modes, s, length[step], state[step], shape[step], chi, out[at])
+        if len(modes.times) == 6:
             v, e = state[step, 3:], state[step, -4:]
             if parts == 0:
-                parts = parts_of(how, length[step], v, shape[step], e, allowed, end)
-            turned(how, s, parts, length[step], v, shape[step], e, out[at, -4:])
+                parts = parts_of(modes, length[step], v, shape[step], e, allowed, end)
+            turned(modes, s, parts, length[step], v, shape[step], e, out[at, -4:])
 
 
 class Exponential:
@@ -738,14 +736,14 @@ class Exponential:
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
-        many = len(relaxation.times)
+        many = len(relaxation.modes.times)
 
         def states(records: Records, times: Array) -> Array:
             out = np.empty((len(times), records.state.shape[1]))
-            sample(times, *records, relaxation, allowed, out)
-            return _emitted(out, relaxation.weights, columns)
+            sample(times, *records, relaxation.modes, allowed, out)
+            return _emitted(out, relaxation.modes.weights, columns)
 
-        start = _in_inertial_frame(equations.initial_state, relaxation.times, columns)
+        start = _in_inertial_frame(equations.initial_state, relaxation.modes.times, columns)
         return Bound(loop(), relaxation, start, (many, NODES), states, gradient=True)
 
 
@@ -767,6 +765,8 @@ def _in_inertial_frame(state: Array, times: Array, columns: dict[str, int]) -> A
 def _emitted(y: Array, weights: Array, columns: dict[str, int]) -> Array:
     """The inverse of `_in_inertial_frame`, (n, state)."""
     many, modes = weights.shape
+    if many == 3 and modes == 1:  # as it is, or without the velocities of a model that has none
+        return y[:, : len(columns)]
     rates = (y[:, 3 : 3 + many * modes].reshape(-1, many, modes) * weights).sum(axis=2)
     states = np.empty((len(y), len(columns)))
     parts = {"q1": y[:, :3], "v1": rates[:, :3]}
@@ -792,5 +792,5 @@ def _rotation(e: Array) -> Array:
 _none, _table = np.zeros(0), np.zeros((0, 0))
 _nothing = Part(0, packed())
 _RELAXATION = typeof(
-    Relaxation(_nothing, _table, _table, _nothing, _none, _none, 0.0, _none, _none)
+    Relaxation(_nothing, Modes(_table, _table), _nothing, _none, _none, 0.0, _none, _none)
 )

@@ -49,21 +49,21 @@ def _cross(a, b, out):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _angular(how, s, step, v, powers, chi, out):  # type: ignore[no-untyped-def]
+def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-def]
     """Angle turned, out[0], and angular velocity, out[1], a time s into a step."""
-    modes = how.times.shape[1]
+    many = modes.times.shape[1]
     for i in range(3):
         out[0, i] = out[1, i] = 0.0
-        for k in range(modes):
-            tau, weight = how.times[3 + i, k], how.weights[3 + i, k]
+        for k in range(many):
+            tau, weight = modes.times[3 + i, k], modes.weights[3 + i, k]
             relaxed(s, tau, chi)
-            before = v[(3 + i) * modes + k]
+            before = v[(3 + i) * many + k]
             out[0, i] += displacement(s, s / step, tau, weight, before, powers[3 + i], chi)
             out[1, i] += weight * velocity(s / step, before, powers[3 + i], chi)
 
 
 @named_njit(inner=True, error_model="numpy")
-def turned(how, upto, parts, step, v, powers, e, out):  # type: ignore[no-untyped-def]
+def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-untyped-def]
     """Put the orientation a time `upto` into a step into `out` (4,).
 
     v: velocities of the modes at the begin of the step, powers: (6, NODES) their polynomials'
@@ -85,8 +85,8 @@ def turned(how, upto, parts, step, v, powers, e, out):  # type: ignore[no-untype
         if length <= 0.0:
             break
         for node in range(3):
-            _angular(how, begin + _GAUSS[node] * length, step, v, powers, chi, at[1 + node])
-        _angular(how, end, step, v, powers, chi, at[4])
+            _angular(modes, begin + _GAUSS[node] * length, step, v, powers, chi, at[1 + node])
+        _angular(modes, end, step, v, powers, chi, at[4])
         for i in range(3):
             one, two, three = at[1, 1, i], at[2, 1, i], at[3, 1, i]
             first[i] = length * two
@@ -112,12 +112,12 @@ def turned(how, upto, parts, step, v, powers, e, out):  # type: ignore[no-untype
 
 
 @named_njit(inner=True, error_model="numpy")
-def parts_of(how, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
+def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
     """Number of parts into which a step is divided so that the angle is off by no more.
 
     out: (4,) the orientation at its end.
     """
     parts = 1
-    while turned(how, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
+    while turned(modes, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
         parts *= 2
     return parts
