@@ -122,7 +122,8 @@ MODELS: dict[str, Model] = _by_name(
 METHODS: dict[str, Method] = _by_name(
     Method("dormand-prince", "the thesis's ode45", f"{_METHODS}.dormand_prince:DORMAND_PRINCE"),
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
-    Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres", f"{_METHODS}.exponential:EXPONENTIAL",
+    Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres",
+           f"{_METHODS}.exponential:EXPONENTIAL",
            uniform_drag=True),
     *(
         Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
