@@ -487,9 +487,13 @@ def _thermal_fluctuations(evidence: Evidence) -> Claim:
             run = evidence.run(f"{which}_thermal", bead)
             if evidence.motions[bead].summary(f"{which}_thermal").outcome != "captured":
                 continue  # it never settles
-            settled = evidence.motions[bead].summary(which).outcome_time
+            place = evidence.equilibrium(bead)
+            off = np.linalg.norm(run["position"].values - np.array(place.position), axis=1)
+            near = off < 0.5 * evidence.motions[bead].scene.bead.radius
+            arrived = float(run["time"].values[near.argmax()])  # a thermal bead may come later
+            settled = max(evidence.motions[bead].summary(which).outcome_time, arrived)
             q2 = run["position"].sel(axis="y").values[run["time"].values > 1.05 * settled]
-            stiffness = evidence.equilibrium(bead).stiffness[1][1]
+            stiffness = place.stiffness[1][1]
             temperature = evidence.motions[bead].scene.medium.temperature
             ratio[which][bead] = float(q2.std()) / math.sqrt(Boltzmann * temperature / stiffness)
     holds = {which: all(0.7 < value < 1.3 for value in ratio[which].values()) for which in _WHICH}
