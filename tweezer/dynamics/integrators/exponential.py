@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import typeof
 
-from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.compiled.lanes import lanes, spread, store
 from tweezer.dynamics.integrators.modes import (
     INVERSE,
@@ -45,6 +45,7 @@ from tweezer.dynamics.integrators.system import (
     NOT_FINITE,
     Array,
     Bound,
+    Control,
     Equations,
     Records,
     all_finite,
@@ -52,7 +53,7 @@ from tweezer.dynamics.integrators.system import (
     signature,
     step_to_try,
 )
-from tweezer.dynamics.integrators.turning import parts_of, turned
+from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
 from tweezer.errors import SceneError
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
@@ -102,6 +103,8 @@ class Relaxation(NamedTuple):
     plain: Part
     """the force without gradients"""
     modes: Modes
+    turn: int
+    """address of `turn_over`; 0 without a rotation"""
     regions: Part
     """the force's, see `Force.regions`; kernel 0 if it is smooth everywhere"""
     response: Array
@@ -427,30 +430,29 @@ def _by_factors(work):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _correct(work, eliminated, close):  # type: ignore[no-untyped-def]
+def _correct(work, close):  # type: ignore[no-untyped-def]
     """Put d with (1 - M J) d = residual into `correction`; returns whether by elimination.
 
     close: change at which an iteration ends.
     """
     d, change, residual = work.correction, work.change, work.residual
     before = np.inf
-    if not eliminated:
+    for at in range(_ALL):
+        d[at] = residual[at]
+    for _ in range(_ROUNDS):
+        _by_gradient(work.gradient, d, change)
+        _by_M(work, change, change)
+        most = 0.0
         for at in range(_ALL):
-            d[at] = residual[at]
-        for _ in range(_ROUNDS):
-            _by_gradient(work.gradient, d, change)
-            _by_M(work, change, change)
-            most = 0.0
-            for at in range(_ALL):
-                new = residual[at] + change[at]
-                most = max(most, abs(new - d[at]))
-                d[at] = new
-            if most <= close:
-                return False
-            if not most < _SLOW * before:
-                break
-            before = most
-        _eliminate(work)
+            new = residual[at] + change[at]
+            most = max(most, abs(new - d[at]))
+            d[at] = new
+        if most <= close:
+            return False
+        if not most < _SLOW * before:
+            break
+        before = most
+    _eliminate(work)
     _by_factors(work)
     return True
 
@@ -503,10 +505,9 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
     solved = _SOLVED if adaptive else _SOLVED_WELL
     eliminated, size, error, allowed = False, 0.0, 0.0, 0.0
     for correction in range(_CORRECTIONS):
-        if correction == 0:
-            _act(how, system.force, work.wrench, time, step, work)
-        else:
-            _act(how, how.plain, work.plain, time, step, work)
+        first = correction == 0
+        force = system.force if first else how.plain
+        _act(how, force, work.wrench if first else work.plain, time, step, work)
         counts[2] += NODES
         if correction == 0:
             _expand(work)
@@ -516,7 +517,10 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
             for j in range(NODES):
                 at = NODES * i + j
                 work.residual[at] += work.base[i, j] - work.place[at]
-        eliminated = _correct(work, eliminated, _ITERATED * allowed)
+        if eliminated:
+            _by_factors(work)
+        else:
+            eliminated = _correct(work, _ITERATED * allowed)
         _by_gradient(work.gradient, work.correction, work.change)
         before, size = size, 0.0
         for at in range(_ALL):
@@ -568,29 +572,6 @@ def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
             out[at] = velocity(s / step, y[at], powers[i], chi)
 
 
-@named_njit(inner=True, error_model="numpy")
-def _first_step(system, how, control, time, y, work):  # type: ignore[no-untyped-def]
-    """A step in which the force changes little; and within the initial layer, if that is seen."""
-    modes = how.modes.times.shape[1]
-    for i in range(3):
-        for j in range(NODES):
-            work.place[NODES * i + j] = y[i]
-    _act(how, system.force, work.wrench, time, 0.0, work)
-    _expand(work)
-    allowed = _allowed(how, control, work)
-    rate = _largest(work.gradient)
-    step = control.end - time
-    if rate > 0.0:
-        step = min(step, _FIRST / rate)
-    for i in range(3):
-        for k in range(modes):
-            tau = how.modes.times[i, k]
-            off = how.modes.weights[i, k] * tau * abs(y[3 + i * modes + k] - work.u[NODES * i])
-            if rate * off * tau > _UNSEEN * allowed:
-                step = min(step, 0.5 * tau)
-    return step
-
-
 @functools.cache
 def loop() -> Any:
     """The compiled loop; as `explicit.loop`, with a `Relaxation`.
@@ -607,31 +588,26 @@ def loop() -> Any:
         turns = many == 6
         work = _room(how.modes.times.shape[1])
         new, written = np.empty(y.size), 0
-        if clock[1] == 0.0:
-            clock[1] = _first_step(system, how, control, clock[0], y, work)
-            if control.fixed > 0.0:
-                clock[1] = control.fixed
-            counts[2] += NODES
-            _remember(how, 0.0, 1.0, work)
-            how.carried[1] = 0.0
         while True:
             time = clock[0]
             step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
             if why != GOING_ON:
                 return written, why
-            _weigh(how, step, y, work)
-            _foretell(how, step, work)
-            if adaptive and how.regions.kernel != 0:
-                kink = _kink(how, time, step, work)
-                if kink < 1.0:
-                    step, last = kink * step, False
-                    _weigh(how, step, y, work)
-                    _foretell(how, step, work)
-            error = _collocate(system, how, control, time, step, adaptive, work, counts)
-            if error < 0.0:  # once more from a u that stays as it is
-                _stay(how)
+            error, looked, again = -1.0, not adaptive or how.regions.kernel == 0, False
+            while error < 0.0:
+                _weigh(how, step, y, work)
                 _foretell(how, step, work)
+                if not looked:
+                    looked, kink = True, _kink(how, time, step, work)
+                    if kink < 1.0:
+                        step, last = kink * step, False
+                        continue
                 error = _collocate(system, how, control, time, step, adaptive, work, counts)
+                if again:
+                    break
+                if error < 0.0:  # once more from a u that stays as it is
+                    _stay(how)
+                    again = True
             if error >= 0.0:
                 for i in range(3):
                     _powers(work.coefficients, NODES * i, work.powers[i])
@@ -659,8 +635,7 @@ def loop() -> Any:
             _to(how.modes, step, step, y, work.powers, work.chi, new)
             if turns:
                 e, allowed = y.size - 4, control.absolute[control.orientation]
-                v = y[3:]
-                parts_of(how.modes, step, v, work.powers, y[e:], allowed, new[e:])
+                call(how.turn, (how.modes, step, y[3:], work.powers, y[e:], allowed, new[e:]))
             written += 1
             counts[0] += 1
             clock[0] = control.end if last else time + step
@@ -732,7 +707,9 @@ class Exponential:
                 f"{equations.name} has not"
             )
         relaxation = equations.relaxation._replace(
-            foretold=np.zeros(3 * NODES), carried=np.zeros(4)
+            foretold=np.zeros(3 * NODES),
+            carried=np.zeros(4),
+            turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
@@ -743,11 +720,40 @@ class Exponential:
             sample(times, *records, relaxation.modes, allowed, out)
             return _emitted(out, relaxation.modes.weights, columns)
 
+        def first_step(time: float, y: Array, control: Control) -> float:
+            return _first_step(equations, relaxation, time, y, control)
+
         start = _in_inertial_frame(equations.initial_state, relaxation.modes.times, columns)
-        return Bound(loop(), relaxation, start, (many, NODES), states, gradient=True)
+        return Bound(loop(), relaxation, start, (many, NODES), states, True, first_step)
 
 
 EXPONENTIAL = Exponential()
+
+
+def _first_step(
+    equations: Equations, how: Relaxation, time: float, y: Array, control: Control
+) -> float:
+    """A step in which the force changes little; and within the initial layer, if that is seen.
+
+    It also begins what is foretold, with the force at the begin.
+    """
+    at = equations.force.field(y[None, :3], gradient=True, time=time)
+    u = how.drift + how.response[:3] * at.force[0]
+    how.foretold[:] = 0.0
+    how.foretold[::NODES] = u
+    how.carried[:] = 0.0, 0.0, how.carried[2], 1.0
+    if control.fixed > 0.0:
+        return control.fixed
+    times, weights = how.modes.times[:3], how.modes.weights[:3]
+    rate = float(np.abs(how.response[:3, None] * at.force_gradient[0]).max())
+    step = control.end - time
+    if rate > 0.0:
+        step = min(step, _FIRST / rate)
+    part = min(max(float(np.linalg.norm(u)) / how.fastest, _SLOWEST), 1.0)
+    allowed = part * (control.absolute[0] + control.relative * float(np.abs(y[:3]).max()))
+    v = y[3 : 3 + times.size].reshape(times.shape)
+    seen = rate * weights * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
+    return min(step, 0.5 * float(times[seen].min(initial=np.inf)))
 
 
 def _in_inertial_frame(state: Array, times: Array, columns: dict[str, int]) -> Array:
@@ -792,5 +798,5 @@ def _rotation(e: Array) -> Array:
 _none, _table = np.zeros(0), np.zeros((0, 0))
 _nothing = Part(0, packed())
 _RELAXATION = typeof(
-    Relaxation(_nothing, Modes(_table, _table), _nothing, _none, _none, 0.0, _none, _none)
+    Relaxation(_nothing, Modes(_table, _table), 0, _nothing, _none, _none, 0.0, _none, _none)
 )

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tweezer.compiled import call, named_njit
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
-from tweezer.forces.force import Pose, Wrench, add, clear
+from tweezer.forces.force import Force, Pose, Wrench, add, clear
 
 Array = NDArray[np.float64]
 
@@ -232,6 +232,7 @@ class Equations(Protocol):
     module: ModuleType
     """the emitted one"""
     initial_state: Array
+    force: Force
     absolute_tolerance: Array
     """(state,)"""
 
@@ -263,6 +264,9 @@ class Bound(NamedTuple):
     """states of the emitted module, (n, state), at ascending times within records"""
     gradient: bool = False
     """whether the loop takes the gradients of the force, whatever the emitted module takes"""
+    first_step: Callable[[float, Array, Control], float] | None = None
+    """s, at a time and a state as the loop has it, before it is called; None if the loop finds it.
+    It evaluates the force once"""
 
 
 def signature(method: types.Type) -> Any:

@@ -10,14 +10,23 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import typeof, types
 
-from tweezer.compiled import named_njit
-from tweezer.dynamics.integrators.modes import NODES, displacement, relaxed, velocity
+from tweezer.compiled import cached_njit, named_njit
+from tweezer.dynamics.integrators.modes import NODES, Modes, displacement, relaxed, velocity
 
-#: Gauss's nodes of a part of a step
-_GAUSS = (0.5 - math.sqrt(15.0) / 10.0, 0.5, 0.5 + math.sqrt(15.0) / 10.0)
+#: Gauss's nodes of a part of a step, and its end
+_PLACES = np.array([0.5 - math.sqrt(15.0) / 10.0, 0.5, 0.5 + math.sqrt(15.0) / 10.0, 1.0])
 #: Largest number of parts of a step, a power of two
 _MOST_PARTS = 1024
+
+
+_vector = types.float64[::1]
+TURN = types.void(
+    typeof(Modes(np.zeros((0, 0)), np.zeros((0, 0)))), types.float64, _vector,
+    types.float64[:, ::1], _vector, types.float64, _vector,
+)  # fmt: skip
+"""signature of `turn_over`"""
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -84,9 +93,8 @@ def turned(modes, upto, parts, step, v, powers, e, out):  # type: ignore[no-unty
         length = end - begin
         if length <= 0.0:
             break
-        for node in range(3):
-            _angular(modes, begin + _GAUSS[node] * length, step, v, powers, chi, at[1 + node])
-        _angular(modes, end, step, v, powers, chi, at[4])
+        for node in range(4):
+            _angular(modes, begin + _PLACES[node] * length, step, v, powers, chi, at[1 + node])
         for i in range(3):
             one, two, three = at[1, 1, i], at[2, 1, i], at[3, 1, i]
             first[i] = length * two
@@ -121,3 +129,9 @@ def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untype
     while turned(modes, step, parts, step, v, powers, e, out) > allowed and parts < _MOST_PARTS:
         parts *= 2
     return parts
+
+
+@cached_njit(TURN, error_model="numpy", nogil=True)
+def turn_over(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
+    """`parts_of`, called by its address: a scene without a rotation does not compile it."""
+    parts_of(modes, step, v, powers, e, allowed, out)
