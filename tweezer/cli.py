@@ -639,7 +639,7 @@ _add_benchmark(
 )  # fmt: skip
 _add_benchmark(
     "integrate", "integrate_report",
-    "Integration: error against time. Ours, SciPy's, heyoka, the thesis's scaling.",
+    "Integration: error against time. Ours, SciPy's, CVODE, others, the thesis's scaling.",
 )  # fmt: skip
 _add_benchmark(
     "brownian", "brownian_report",

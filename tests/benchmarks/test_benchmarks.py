@@ -21,16 +21,19 @@ from tests.benchmarks import (
     calibrate,
     calibrate_report,
     depth_report,
+    estimate,
     force,
     integrate_report,
     numpy_sum,
     pages,
+    peers,
     report,
     scaling,
     scaling_report,
 )
 from tests.benchmarks.timing import Call, in_fresh_process, per_item
 from tweezer import cli
+from tweezer.dynamics import bind
 from tweezer.dynamics.brownian import euler
 from tweezer.dynamics.brownian.batch import Linear
 
@@ -199,6 +202,33 @@ def test_quick_run_of_the_integration(command_line, tmp_path):
     # without inertia the bead is off by tau over the trap's time
     assert errors["first-order", "dop853", 1e-9] < 1e-2 * errors["overdamped", "dop853", 1e-9]
     assert integrate_report.block(results).startswith("<!-- bench-integrate -->")
+    # another solver by address meets the same motion
+    assert errors["full", "LSODA", 1e-10] < 1e-6
+    bead = results["motions"]["thesis-990nm, rays, map"]
+    exact = min(e["force_calls"] for e in bead["entries"] if e["method"] == "exponential")
+    assert 0 < bead["least_force_calls"] < exact
+    estimated = results["estimate"]
+    assert estimated["least"] > estimate.LEAST
+    assert estimated["median"] < estimate.MEDIAN
+    assert estimated["failed"] == 0
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"beam": {"torque": "thesis"}}, {"simulation": {"model": "scaled"}}],
+    ids=["unscaled", "turned", "scaled"],
+)
+def test_peers_integrate_our_equations(changes):
+    """The compiled right-hand side by address beside the one through Python."""
+    scene = tweezer.load_scene("thesis-990nm").replace(simulation={"model": "full"})
+    equations = bind(scene.replace(**changes))
+    direct = peers.Direct(equations)
+    y = equations.initial_state.copy()
+    y[-6:] += np.linspace(1e-4, 2e-4, 6)
+    y[:3] *= 0.1
+    np.testing.assert_array_equal(direct.rates(0.0, y), equations.rhs(0.0, y))
+    np.testing.assert_array_equal(direct.jacobian(0.0, y), equations.jacobian(0.0, y))
+    assert direct.calls == 2
 
 
 @pytest.mark.parametrize("terminal", [True, False], ids=["80 columns", "pipe"])
