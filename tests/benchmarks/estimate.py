@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Results = dict[str, Any]
 
 #: Number of random scenes, and of those of a quick run
-SCENES, QUICK = 300, 24
+SCENES, QUICK = 300, 10
 #: Least estimate over error, and largest in the median
 LEAST, MEDIAN = 1.0 / 3.0, 30.0
 #: Radii of beads by waves, whose map is of one size, m

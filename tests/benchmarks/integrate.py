@@ -224,7 +224,6 @@ def _compete(
     timed: list[tuple[Contestant, int]] = []
     for each in contestants:
         say(f"{label}: {each.what['model']} {each.what['method']}")
-        each.follow()  # compiled
         began = time.perf_counter()
         found = each.follow()
         took = time.perf_counter() - began
@@ -233,7 +232,8 @@ def _compete(
             results["left_out"].append({"motion": label, **each.what, "left_out": why})
             continue
         entries.append(each.what | _errors(motion, found))
-        timed.append((each, 1 if quick else min(int(_BUDGET / took) + 1, _RUNS)))
+        # twice at least: it may have been compiled
+        timed.append((each, 2 if quick else min(int(_BUDGET / took) + 2, _RUNS)))
     seconds = [np.inf] * len(timed)
     for turn in range(_RUNS):
         for i, (each, runs) in enumerate(timed):
