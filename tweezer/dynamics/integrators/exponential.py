@@ -79,13 +79,19 @@ _FIRST = 0.1
 _UNSEEN = 0.3
 #: Largest correction of a step that is solved, in what is allowed
 _SOLVED = 0.02
-#: The same of steps that are given
+#: Factor by which the first correction of a step may leave more than that of the last step did
+_CAUTION = 20.0
+#: Product of a correction and its ratio to the one before, in what is allowed, below which the next
+#: one is not needed
+_CONVERGING = 0.025
+#: The same as `_SOLVED` of steps that are given
 _SOLVED_WELL = 1e-4
 #: Largest number of corrections
 _CORRECTIONS = 12
 #: Change of a correction, in what is allowed, at which iteration ends; and the number of its rounds
 _ITERATED, _ROUNDS = 0.003, 16
-#: Contraction of the iteration above which elimination is faster
+#: Contraction of the iteration above which elimination is faster, and of Newton's method above
+#: which the step is given up
 _SLOW = 0.5
 
 _ALL = 3 * NODES
@@ -379,16 +385,6 @@ def _by_legendre(values, out):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _largest(values):  # type: ignore[no-untyped-def]
-    """Largest size; NaN if there is any."""
-    most = 0.0
-    for value in values:
-        if not abs(value) <= most:
-            most = abs(value)
-    return most
-
-
-@named_njit(inner=True, error_model="numpy")
 def _eliminate(work):  # type: ignore[no-untyped-def]
     """Triangular factors of the transposed 1 - M J, without exchange of rows.
 
@@ -533,19 +529,33 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
         if adaptive and error > _HOPELESS:
             return error
         if correction == 0:
+            if how.turn != 0:
+                _correct_moments(work)
             # what the force that is not linear leaves, as far as the last step showed it
-            if how.carried[2] > 0.0 and 20.0 * how.carried[2] * size * size < allowed and adaptive:
+            left = _CAUTION * how.carried[2] * size * size
+            if adaptive and 0.0 < left < allowed:
                 return error
             continue
         if correction == 1 and before > 0.0:
             how.carried[2] = size / (before * before)
-        if size <= solved * allowed or (2.0 * size * size < 0.05 * allowed * before and adaptive):
+        small = size <= solved * allowed
+        if small or (adaptive and size * size < _CONVERGING * allowed * before):
             return error
-        if size > 0.5 * before:
+        if size > _SLOW * before:
             if size <= _SOLVED * allowed:  # as well as the force is known
                 return error
             break
     return -_UNSOLVED
+
+
+@named_njit(inner=True, error_model="numpy")
+def _correct_moments(work):  # type: ignore[no-untyped-def]
+    """Add what the correction of the places changes in the moments."""
+    for j in range(NODES):
+        for i in range(3):
+            for k in range(3):
+                change = work.wrench.moment_gradient[j, i, k] * work.correction[NODES * k + j]
+                work.moment[NODES * i + j] += change
 
 
 @named_njit(inner=True, error_model="numpy")
