@@ -133,7 +133,7 @@ class EquationsOfMotion:
         return Relaxation(
             bound(self.force, gradient=False), Modes(times[:, None], np.ones((len(where), 1))), 0,
             numbered(self.force) or Part(0, packed()), response, drift,
-            self.problem.fastest, np.zeros(0), np.zeros(0),
+            0.0, self.problem.fastest, np.zeros(0), np.zeros(0),
         )  # fmt: skip
 
     @property

@@ -87,7 +87,7 @@ class Solver:
         )
         self._y = self._bound.start
         self._clock = np.zeros(4)
-        self._counts = np.zeros(3, np.int64)
+        self._counts = np.array([0, 0, self._bound.calls])
         self._kinks = equations.force.kinks(end).tolist()
         self._call = functools.partial(self._bound.loop, system, self._bound.how)
         self._room = _FIRST_STEPS
@@ -119,9 +119,6 @@ class Solver:
         records = Records(*map(np.empty, shapes))
         end = self._kinks[0] * BEFORE if self._kinks else self.control.end
         control = self.control._replace(end=end)
-        if self._bound.first_step and self._clock[1] == 0.0:
-            self._clock[1] = self._bound.first_step(self.time, self._y, control)
-            self._counts[2] += 1
         written, why = self._call(control, self._y, self._clock, self._counts, records)
         self._room = min(2 * room, _MOST_STEPS)
         if why == integrators.REACHED and self._kinks:

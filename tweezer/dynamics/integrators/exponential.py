@@ -45,7 +45,6 @@ from tweezer.dynamics.integrators.system import (
     NOT_FINITE,
     Array,
     Bound,
-    Control,
     Equations,
     Records,
     all_finite,
@@ -75,6 +74,8 @@ _SLOWEST = 1e-2
 _HALVINGS = 20
 #: First step, over the time in which the force changes
 _FIRST = 0.1
+#: Longer than any run, s
+_FOREVER = 1e9
 #: Effect of the initial layer on the force, in what is allowed, below which steps pass over it
 _UNSEEN = 0.3
 #: Largest correction of a step that is solved, in what is allowed
@@ -117,6 +118,8 @@ class Relaxation(NamedTuple):
     """(3,) or (6,) slow velocity over force, and angular velocity over moment"""
     drift: Array
     """(3,) m/s, slow velocity by the weight"""
+    first: float
+    """s, the first step"""
     fastest: float
     """m/s, a speed that the bead hardly exceeds"""
     foretold: Array
@@ -598,6 +601,9 @@ def loop() -> Any:
         turns = many == 6
         work = _room(how.modes.times.shape[1])
         new, written = np.empty(y.size), 0
+        if clock[1] == 0.0:
+            clock[1] = control.fixed if control.fixed > 0.0 else how.first
+            how.carried[1] = 0.0
         while True:
             time = clock[0]
             step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
@@ -722,6 +728,8 @@ class Exponential:
             turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
+        start = _in_inertial_frame(equations.initial_state, relaxation.modes.times, columns)
+        relaxation = _begun(equations, relaxation, start)
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
         many = len(relaxation.modes.times)
 
@@ -730,40 +738,32 @@ class Exponential:
             sample(times, *records, relaxation.modes, allowed, out)
             return _emitted(out, relaxation.modes.weights, columns)
 
-        def first_step(time: float, y: Array, control: Control) -> float:
-            return _first_step(equations, relaxation, time, y, control)
-
-        start = _in_inertial_frame(equations.initial_state, relaxation.modes.times, columns)
-        return Bound(loop(), relaxation, start, (many, NODES), states, True, first_step)
+        return Bound(loop(), relaxation, start, (many, NODES), states, True, 1)
 
 
 EXPONENTIAL = Exponential()
 
 
-def _first_step(
-    equations: Equations, how: Relaxation, time: float, y: Array, control: Control
-) -> float:
-    """A step in which the force changes little; and within the initial layer, if that is seen.
+def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
+    """With the first step: in it the force changes little, and the initial layer is seen, if it is.
 
-    It also begins what is foretold, with the force at the begin.
+    And with the force at the begin as what is foretold. y: the state as the loop has it.
     """
-    at = equations.force.field(y[None, :3], gradient=True, time=time)
+    at = equations.force.field(y[None, :3], gradient=True)
     u = how.drift + how.response[:3] * at.force[0]
-    how.foretold[:] = 0.0
-    how.foretold[::NODES] = u
-    how.carried[:] = 0.0, 0.0, how.carried[2], 1.0
-    if control.fixed > 0.0:
-        return control.fixed
-    times, weights = how.modes.times[:3], how.modes.weights[:3]
+    foretold = np.zeros(3 * NODES)
+    foretold[::NODES] = u
     rate = float(np.abs(how.response[:3, None] * at.force_gradient[0]).max())
-    step = control.end - time
-    if rate > 0.0:
-        step = min(step, _FIRST / rate)
     part = min(max(float(np.linalg.norm(u)) / how.fastest, _SLOWEST), 1.0)
-    allowed = part * (control.absolute[0] + control.relative * float(np.abs(y[:3]).max()))
+    allowed = part * float(equations.absolute_tolerance[0])
+    times, weights = how.modes.times[:3], how.modes.weights[:3]
     v = y[3 : 3 + times.size].reshape(times.shape)
     seen = rate * weights * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
-    return min(step, 0.5 * float(times[seen].min(initial=np.inf)))
+    first = 0.5 * float(times[seen].min(initial=math.inf))
+    return how._replace(
+        first=min(first, _FIRST / rate if rate > 0.0 else _FOREVER), foretold=foretold,
+        carried=np.array([0.0, 0.0, 0.0, 1.0]),
+    )  # fmt: skip
 
 
 def _in_inertial_frame(state: Array, times: Array, columns: dict[str, int]) -> Array:
@@ -808,5 +808,5 @@ def _rotation(e: Array) -> Array:
 _none, _table = np.zeros(0), np.zeros((0, 0))
 _nothing = Part(0, packed())
 _RELAXATION = typeof(
-    Relaxation(_nothing, Modes(_table, _table), 0, _nothing, _none, _none, 0.0, _none, _none)
+    Relaxation(_nothing, Modes(_table, _table), 0, _nothing, _none, _none, 0.0, 0.0, _none, _none)
 )

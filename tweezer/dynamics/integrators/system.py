@@ -264,9 +264,8 @@ class Bound(NamedTuple):
     """states of the emitted module, (n, state), at ascending times within records"""
     gradient: bool = False
     """whether the loop takes the gradients of the force, whatever the emitted module takes"""
-    first_step: Callable[[float, Array, Control], float] | None = None
-    """s, at a time and a state as the loop has it, before it is called; None if the loop finds it.
-    It evaluates the force once"""
+    calls: int = 0
+    """places at which the force was evaluated"""
 
 
 def signature(method: types.Type) -> Any:
