@@ -22,8 +22,8 @@ from tweezer.dynamics import (
     integrate,
     lens_touched,
     loss,
-    walk,
 )
+from tweezer.dynamics.walk import walk
 from tweezer.errors import IntegrationError, TweezerError
 from tweezer.scene import Scene
 
