@@ -26,6 +26,7 @@ from numba import typeof
 
 from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.compiled.lanes import lanes, spread, store
+from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.integrators.modes import (
     INVERSE,
     LONG,
@@ -102,6 +103,9 @@ _flat_legendre = TO_LEGENDRE.ravel()
 _POWERS = (PLACES ** np.arange(1, NODES + 1)[:, None]).ravel()
 _PER_PLACE = 1.0 / PLACES
 _OVER = 1.0 / np.arange(1.0, NODES + 1.0)
+#: Legendre's polynomials from one degree to the next: x times the last, less the one before
+_UP = (2.0 * np.arange(NODES) + 1.0) / np.arange(1.0, NODES + 1.0)
+_DOWN = np.arange(NODES) / np.arange(1.0, NODES + 1.0)
 
 
 class Relaxation(NamedTuple):
@@ -164,7 +168,7 @@ class Work(NamedTuple):
     """(NODES NODES,)"""
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _room(modes):  # type: ignore[no-untyped-def]
     n = NODES
     pose = Pose(np.empty(n), np.empty((n, 3)), np.empty((0, 4)))
@@ -180,7 +184,7 @@ def _room(modes):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _alike(modes, i):  # type: ignore[no-untyped-def]
     """Whether the modes along axis i are those along the axis before."""
     alike = i > 0
@@ -190,7 +194,7 @@ def _alike(modes, i):  # type: ignore[no-untyped-def]
     return alike
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
     """The part of a mode in `_weigh`, as `relaxed` upwards, at all nodes at once."""
     for j in range(NODES):
@@ -203,7 +207,7 @@ def _weigh_long(step, tau, weight, decay, rows):  # type: ignore[no-untyped-def]
         store(rows, NODES * m, row * chi + lanes(rows, NODES * m))
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
     """Fill M and the base of the step."""
     modes = how.modes.times.shape[1]
@@ -241,7 +245,7 @@ def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
             store(M, _MATRIX * i + NODES * node, row)
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_M(work, values, out):  # type: ignore[no-untyped-def]
     """out = M values."""
     for i in range(3):
@@ -252,7 +256,7 @@ def _by_M(work, values, out):  # type: ignore[no-untyped-def]
         store(out, at, row)
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
     """out = J values."""
     for i in range(3):
@@ -263,7 +267,7 @@ def _by_gradient(gradient, values, out):  # type: ignore[no-untyped-def]
         )
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _foretell(how, step, work):  # type: ignore[no-untyped-def]
     """Places at the nodes if u goes on as the polynomial of the last step.
 
@@ -273,29 +277,30 @@ def _foretell(how, step, work):  # type: ignore[no-untyped-def]
     x = lanes(PLACES, 0) * (2.0 * ratio) + spread(2.0 * how.carried[3] - 1.0)
     end = 2.0 * (how.carried[3] + ratio) - 1.0
     one, two, before, last = spread(1.0), x, 1.0, end
-    u = work.u
-    for i in range(3):
-        store(u, NODES * i, spread(how.foretold[NODES * i]))
+    f = how.foretold
+    u1, u2, u3 = spread(f[0]), spread(f[NODES]), spread(f[2 * NODES])
     size = size_before = np.inf
     for k in range(1, NODES):
-        term = 0.0
-        for i in range(3):
-            term = max(term, abs(how.foretold[NODES * i + k]))
-        term *= abs(last)
+        f1, f2, f3 = f[k], f[NODES + k], f[2 * NODES + k]
+        term = max(abs(f1), abs(f2), abs(f3)) * abs(last)
         if term > max(size, size_before):
             break
         size_before, size = size, term
-        for i in range(3):
-            store(u, NODES * i, lanes(u, NODES * i) + two * how.foretold[NODES * i + k])
-        one, two = two, x * two * ((2 * k + 1) / (k + 1)) - one * (k / (k + 1))
-        before, last = last, end * last * ((2 * k + 1) / (k + 1)) - before * (k / (k + 1))
+        u1, u2, u3 = u1 + two * f1, u2 + two * f2, u3 + two * f3
+        up, down = _UP[k], _DOWN[k]
+        one, two = two, x * two * up - one * down
+        before, last = last, end * last * up - before * down
+    u = work.u
+    store(u, 0, u1)
+    store(u, NODES, u2)
+    store(u, 2 * NODES, u3)
     _by_M(work, u, work.place)
     for i in range(3):
         for j in range(NODES):
             work.place[NODES * i + j] += work.base[i, j]
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _stay(how):  # type: ignore[no-untyped-def]
     """Let the foretold u be that of the begin of the step."""
     for i in range(3):
@@ -307,7 +312,7 @@ def _stay(how):  # type: ignore[no-untyped-def]
         how.foretold[NODES * i] = value
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
     """Keep u of a step, for the next one that begins at the end of it, origin 1, or with it, 0."""
     for at in range(_ALL):
@@ -315,28 +320,36 @@ def _remember(how, step, origin, work):  # type: ignore[no-untyped-def]
     how.carried[0], how.carried[3] = step, origin
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _act(how, force, wrench, time, step, work):  # type: ignore[no-untyped-def]
     """Fill u, the moments, and the gradients of a `wrench` that has them, at the nodes' places."""
+    place, position, u = work.place, work.pose.position, work.u
+    store(work.pose.time, 0, lanes(PLACES, 0) * step + spread(time))
     for j in range(NODES):
-        work.pose.time[j] = time + PLACES[j] * step
         for i in range(3):
-            work.pose.position[j, i] = work.place[NODES * i + j]
+            position[j, i] = place[NODES * i + j]
     clear(wrench)
     add(force, work.pose, wrench)
-    for i in range(3):
+    r1, r2, r3 = how.response[0], how.response[1], how.response[2]
+    d1, d2, d3 = how.drift[0], how.drift[1], how.drift[2]
+    for j in range(NODES):
+        u[j] = d1 + r1 * wrench.force[j, 0]
+        u[NODES + j] = d2 + r2 * wrench.force[j, 1]
+        u[2 * NODES + j] = d3 + r3 * wrench.force[j, 2]
+    if how.turn != 0:
         for j in range(NODES):
-            work.u[NODES * i + j] = how.drift[i] + how.response[i] * wrench.force[j, i]
-            work.moment[NODES * i + j] = wrench.moment[j, i]
+            for i in range(3):
+                work.moment[NODES * i + j] = wrench.moment[j, i]
     if len(wrench.force_gradient) > 0:
-        for i in range(3):
+        J, G = work.gradient, wrench.force_gradient
+        for j in range(NODES):
             for k in range(3):
-                for j in range(NODES):
-                    at = NODES * (3 * i + k) + j
-                    work.gradient[at] = how.response[i] * wrench.force_gradient[j, i, k]
+                J[NODES * k + j] = r1 * G[j, 0, k]
+                J[_ALL + NODES * k + j] = r2 * G[j, 1, k]
+                J[2 * _ALL + NODES * k + j] = r3 * G[j, 2, k]
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
     """Part of a step at which the bead comes into another region of the force, or 1.
 
@@ -377,7 +390,7 @@ def _kink(how, time, step, work):  # type: ignore[no-untyped-def]
     return high
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_legendre(values, out):  # type: ignore[no-untyped-def]
     """Legendre's coefficients of polynomials along the three axes by their values at the nodes."""
     for i in range(3):
@@ -387,7 +400,7 @@ def _by_legendre(values, out):  # type: ignore[no-untyped-def]
         store(out, NODES * i, row)
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _eliminate(work):  # type: ignore[no-untyped-def]
     """Triangular factors of the transposed 1 - M J, without exchange of rows.
 
@@ -413,7 +426,7 @@ def _eliminate(work):  # type: ignore[no-untyped-def]
                 )
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _by_factors(work):  # type: ignore[no-untyped-def]
     """Solve for the correction by the factors."""
     d, left = work.correction, work.change
@@ -428,7 +441,7 @@ def _by_factors(work):  # type: ignore[no-untyped-def]
             store(d, at, lanes(d, at) - lanes(work.lower, r * _ALL + at) * d[r])
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _correct(work, close):  # type: ignore[no-untyped-def]
     """Put d with (1 - M J) d = residual into `correction`; returns whether by elimination.
 
@@ -456,7 +469,7 @@ def _correct(work, close):  # type: ignore[no-untyped-def]
     return True
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _expand(work):  # type: ignore[no-untyped-def]
     """Fill Legendre's coefficients of u; returns (h/2 times) how far they are from zero at last."""
     coefficients = work.coefficients
@@ -469,7 +482,7 @@ def _expand(work):  # type: ignore[no-untyped-def]
     return last * min(last / before, 1.0) if before > 0.0 else last
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _contracting(J):  # type: ignore[no-untyped-def]
     """Whether neighbouring places come nearer each other everywhere, by Gershgorin's circles."""
     for i in range(3):
@@ -482,7 +495,7 @@ def _contracting(J):  # type: ignore[no-untyped-def]
     return True
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _allowed(how, control, work):  # type: ignore[no-untyped-def]
     """What the place may be off by in a step, m."""
     speed = far = 0.0
@@ -495,7 +508,7 @@ def _allowed(how, control, work):  # type: ignore[no-untyped-def]
     return max(part * (control.absolute[0] + control.relative * far), _ROUNDING * far)
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _collocate(system, how, control, time, step, adaptive, work, counts):  # type: ignore[no-untyped-def]
     """Solve for u at the nodes; returns the error over what is allowed, or a factor of the step.
 
@@ -551,7 +564,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
     return -_UNSOLVED
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _correct_moments(work):  # type: ignore[no-untyped-def]
     """Add what the correction of the places changes in the moments."""
     for j in range(NODES):
@@ -561,7 +574,7 @@ def _correct_moments(work):  # type: ignore[no-untyped-def]
                 work.moment[NODES * i + j] += change
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
     """Fill out (NODES,) with the U_m of Legendre's coefficients from `first` on."""
     for m in range(NODES):
@@ -570,7 +583,7 @@ def _powers(coefficients, first, out):  # type: ignore[no-untyped-def]
             out[m] += coefficients[first + k] * TO_POWERS[k, m]
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
     """Places and velocities of the modes a time s into a step."""
     axes, many = modes.times.shape
@@ -585,6 +598,80 @@ def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
             out[at] = velocity(s / step, y[at], powers[i], chi)
 
 
+@named_njit(inner=True, error_model="numpy", forceinline=True)
+def _advance(  # type: ignore[no-untyped-def]
+    system, how, control, y, clock, counts, records, work, new
+):
+    """See `loop`. work, new: workspace, and a place for the next state."""
+    adaptive = by_tolerance(control)
+    many = how.modes.times.shape[0]
+    turns = many == 6
+    written = 0
+    if clock[1] == 0.0:
+        clock[1] = control.fixed if control.fixed > 0.0 else how.first
+        how.carried[1] = 0.0
+    while True:
+        time = clock[0]
+        step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
+        if why != GOING_ON:
+            return written, why
+        error, looked, again = -1.0, not adaptive or how.regions.kernel == 0, False
+        while error < 0.0:
+            _weigh(how, step, y, work)
+            _foretell(how, step, work)
+            if not looked:
+                looked, kink = True, _kink(how, time, step, work)
+                if kink < 1.0:
+                    step, last = kink * step, False
+                    continue
+            error = _collocate(system, how, control, time, step, adaptive, work, counts)
+            if again:
+                break
+            if error < 0.0:  # once more from a u that stays as it is
+                _stay(how)
+                again = True
+        if error >= 0.0:
+            for i in range(3):
+                _powers(work.coefficients, NODES * i, work.powers[i])
+            if turns:
+                _spin(how, work)
+                error = max(error, _turning_error(control, step, work))
+        if error < 0.0 and not adaptive:
+            return written, COLLAPSED if all_finite(work.u) else NOT_FINITE
+        if error < 0.0 or (adaptive and not error <= 1.0):
+            counts[1] += 1
+            factor = -error if error < 0.0 else _SAFETY * error ** (-1.0 / _ORDER)
+            if all_finite(work.u):  # its own polynomial foretells the shorter one
+                _remember(how, step, 0.0, work)
+            clock[1] = step * max(factor, _SHRINK)
+            if error < 0.0 and not all_finite(work.u) and not step > 1e-12 * control.end:
+                return written, NOT_FINITE
+            continue
+        records.begin[written] = time
+        records.length[written] = step
+        for i in range(y.size):
+            records.state[written, i] = y[i]
+        for i in range(many):
+            for m in range(NODES):
+                records.shape[written, i, m] = work.powers[i, m]
+        _to(how.modes, step, step, y, work.powers, work.chi, new)
+        if turns:
+            e, allowed = y.size - 4, control.absolute[control.orientation]
+            call(how.turn, (how.modes, step, y[3:], work.powers, y[e:], allowed, new[e:]))
+        written += 1
+        counts[0] += 1
+        clock[0] = control.end if last else time + step
+        _remember(how, step, 1.0, work)
+        if adaptive:
+            # the step of just that error and, by Gustafsson's foresight, its trend
+            best = step * _SAFETY * max(error, 1e-12) ** (-1.0 / _ORDER)
+            trend = min(best / how.carried[1], 1.0) if how.carried[1] > 0.0 else 1.0
+            how.carried[1] = best
+            clock[1] = min(max(best * trend, _SHRINK * step), _GROWTH * step)
+        for i in range(y.size):
+            y[i] = new[i]
+
+
 @functools.cache
 def loop() -> Any:
     """The compiled loop; as `explicit.loop`, with a `Relaxation`.
@@ -596,80 +683,16 @@ def loop() -> Any:
     def advance(  # type: ignore[no-untyped-def]
         system, how, control, y, clock, counts, records
     ):
-        adaptive = by_tolerance(control)
-        many = how.modes.times.shape[0]
-        turns = many == 6
-        work = _room(how.modes.times.shape[1])
-        new, written = np.empty(y.size), 0
-        if clock[1] == 0.0:
-            clock[1] = control.fixed if control.fixed > 0.0 else how.first
-            how.carried[1] = 0.0
-        while True:
-            time = clock[0]
-            step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
-            if why != GOING_ON:
-                return written, why
-            error, looked, again = -1.0, not adaptive or how.regions.kernel == 0, False
-            while error < 0.0:
-                _weigh(how, step, y, work)
-                _foretell(how, step, work)
-                if not looked:
-                    looked, kink = True, _kink(how, time, step, work)
-                    if kink < 1.0:
-                        step, last = kink * step, False
-                        continue
-                error = _collocate(system, how, control, time, step, adaptive, work, counts)
-                if again:
-                    break
-                if error < 0.0:  # once more from a u that stays as it is
-                    _stay(how)
-                    again = True
-            if error >= 0.0:
-                for i in range(3):
-                    _powers(work.coefficients, NODES * i, work.powers[i])
-                if turns:
-                    _spin(how, work)
-                    error = max(error, _turning_error(control, step, work))
-            if error < 0.0 and not adaptive:
-                return written, COLLAPSED if all_finite(work.u) else NOT_FINITE
-            if error < 0.0 or (adaptive and not error <= 1.0):
-                counts[1] += 1
-                factor = -error if error < 0.0 else _SAFETY * error ** (-1.0 / _ORDER)
-                if all_finite(work.u):  # its own polynomial foretells the shorter one
-                    _remember(how, step, 0.0, work)
-                clock[1] = step * max(factor, _SHRINK)
-                if error < 0.0 and not all_finite(work.u) and not step > 1e-12 * control.end:
-                    return written, NOT_FINITE
-                continue
-            records.begin[written] = time
-            records.length[written] = step
-            for i in range(y.size):
-                records.state[written, i] = y[i]
-            for i in range(many):
-                for m in range(NODES):
-                    records.shape[written, i, m] = work.powers[i, m]
-            _to(how.modes, step, step, y, work.powers, work.chi, new)
-            if turns:
-                e, allowed = y.size - 4, control.absolute[control.orientation]
-                call(how.turn, (how.modes, step, y[3:], work.powers, y[e:], allowed, new[e:]))
-            written += 1
-            counts[0] += 1
-            clock[0] = control.end if last else time + step
-            _remember(how, step, 1.0, work)
-            if adaptive:
-                # the step of just that error and, by Gustafsson's foresight, its trend
-                best = step * _SAFETY * max(error, 1e-12) ** (-1.0 / _ORDER)
-                trend = min(best / how.carried[1], 1.0) if how.carried[1] > 0.0 else 1.0
-                how.carried[1] = best
-                clock[1] = min(max(best * trend, _SHRINK * step), _GROWTH * step)
-            for i in range(y.size):
-                y[i] = new[i]
+        work, new = _room(how.modes.times.shape[1]), np.empty(y.size)
+        found = _advance(*borrowed((system, how, control, y, clock, counts, records, work, new)))
+        work.place[0] = new[0]  # the workspace lives until here
+        return found
 
     typed = signature(_RELAXATION)
     return cached_njit(typed, error_model="numpy", nogil=True)(advance)
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _spin(how, work):  # type: ignore[no-untyped-def]
     """Fill the U_m of the slow angular velocity, by the moments at the nodes."""
     for i in range(3):
@@ -680,7 +703,7 @@ def _spin(how, work):  # type: ignore[no-untyped-def]
         _powers(work.change, NODES * i, work.powers[3 + i])
 
 
-@named_njit(inner=True, error_model="numpy")
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def _turning_error(control, step, work):  # type: ignore[no-untyped-def]
     """Of the angle turned, over what is allowed."""
     most = 0.0
