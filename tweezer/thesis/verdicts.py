@@ -704,7 +704,11 @@ def _first_guess(evidence: Evidence) -> Claim:
 
 
 def _hidden_start(evidence: Evidence) -> Claim:
-    """1.2, 5.1: the start in N3 from what the camera sees."""
+    """1.2, 5.1: the start in N3 from what the camera sees.
+
+    Of the smallest bead three tracks in four tell it, by the benchmark of 200 (docs/benchmarks.md):
+    most of five do in 19 draws of 20, and all but one in two draws of three.
+    """
     rng = np.random.default_rng(_CAMERA_SEED)
     off, half, hits = {}, {}, {}
     for bead in BEADS:
@@ -725,10 +729,10 @@ def _hidden_start(evidence: Evidence) -> Claim:
         "The start in N3, which no camera sees, follows from planar data and the model",
         f"{_TRACKS} tracks of each unscaled bead in thermal motion, {_FRAMES} frames up to "
         "capture, 10 nm of noise: `tweezer fit-depth`, with the unscaled model, calls the start "
-        "determined and has it in its 95 % interval for all of them but one at most",
+        "determined and has it in its 95 % interval for most of them",
         f"so {_list(hits)} of {_TRACKS}; off by {_list(off, _MICRO)} µm in the mean, half the "
         f"interval {_list(half, _MICRO)} µm",
-        None, min(hits.values()) >= _TRACKS - 1, off=off, half=half, hits=hits,
+        None, 2 * min(hits.values()) > _TRACKS, off=off, half=half, hits=hits,
     )  # fmt: skip
 
 
