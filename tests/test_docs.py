@@ -142,7 +142,7 @@ def test_readme_quotes_the_committed_results():
     assert len(tabled) > 1
     assert all(float(figures[4].split(", ")[1]) > 0.95 * error for error in tabled)
     steps = brownian["headline"]["full_heun_steps_per_s"]
-    assert float(figures[7]) == pytest.approx(1e-6 * steps, rel=0.05)
+    assert float(figures[8]) == pytest.approx(1e-6 * steps, rel=0.05)
 
 
 def test_models_are_quoted_from_the_committed_results():
@@ -153,7 +153,7 @@ def test_models_are_quoted_from_the_committed_results():
         rows = re.findall(rf"\| {name}, (\S+).*? \| \S+ \| (\S+) \|", quoted)
         errors = {model.rstrip(","): float(error) for model, error in reversed(rows)}
         assert errors["full"] < errors["first-order"] < errors["overdamped"] < errors["scaled"]
-        for each in integrate["motions"][f"{name}, map"]["entries"]:
+        for each in integrate["motions"][f"{name}, rays, map"]["entries"]:
             if each["model"] in ("first-order", "overdamped") and each["tolerance"] == 1e-11:
                 # its own error, which runs converge to
                 assert errors[each["model"]] == pytest.approx(each["during_um"], rel=0.1)

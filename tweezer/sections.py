@@ -518,8 +518,8 @@ class Simulation(Section):
     position_tolerance: PositiveLength = Field(
         1e-11,
         description="absolute tolerance of a step in position; of exponential where the bead is "
-        "fastest, and less where it is slower; in velocity, this per ms, where the method "
-        "controls velocities: exponential does not",
+        "fastest, and down to a hundredth where it is slower; in velocity, this per ms, where the "
+        "method controls velocities: exponential does not",
     )
     orientation_tolerance: Annotated[float, Quantity("", 1e-16, 1)] = Field(
         1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"

@@ -627,7 +627,7 @@ def test_heun_is_of_strong_order(steps_per_tau):
 
 
 def test_cold_bead_follows_the_deterministic_path_to_order_two():
-    """T -> 0: against the exponential method of stiff order 4 at 1e-12."""
+    """T -> 0: against the exponential method at 1e-12."""
     field = QuarticTrap(STIFFNESS, STIFFNESS / (2e-7) ** 2)
     released = {"start": {"position": [2e-7, -1e-7, 1.5e-7]}}
     warm = DARK.replace(

@@ -136,3 +136,26 @@ def test_steps_end_where_rays_are_not_smooth():
     assert far[0] > 2
     assert far[-1] < 0.5
     assert np.abs(far - 1).min() < 1e-4
+
+
+@pytest.mark.parametrize("factor", [0.01, 0.03])
+def test_what_newton_learned_ends_at_a_jump_of_the_power(factor):
+    """Of dim light it does not hold for bright light: against tolerances 1000 times tighter."""
+    scene = tweezer.load_scene("thesis-990nm").replace(
+        beam={"modulation": {"kind": "steps", "times": [0, 1e-3], "factors": [factor, 1]}},
+        forces={"gravity": False, "buoyancy": False}, optics={"evaluator": "quadrature"},
+        simulation={"model": "full", "method": "exponential", "scaling_factor": None,
+                    "duration": "8 ms", "samples": 401},
+    )  # fmt: skip
+    run, exact = (tweezer.simulate(scene, tolerance=each) for each in (1e-7, 1e-10))
+    off = np.linalg.norm(run["position"].values - exact["position"].values, axis=1).max()
+    assert off < scene.simulation.position_tolerance
+
+
+def test_a_given_step_that_is_too_long_is_said_to_be():
+    scene = tweezer.load_scene("thesis-990nm").replace(
+        simulation={"model": "full", "method": "exponential", "scaling_factor": None,
+                    "duration": "8 ms", "step": "2 ms"},
+    )  # fmt: skip
+    with pytest.warns(tweezer.PhysicsWarning, match="the one that is given is too long"):
+        assert tweezer.simulate(scene).attrs["status"] == "failed"

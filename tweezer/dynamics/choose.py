@@ -11,8 +11,6 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: Number of times, and of kinks, at which a force that changes in time is evaluated
-_TIMES = 32
 #: Relative tolerance below which a method of order 8 is the cheaper one
 _TIGHT = 1e-9
 #: Longest stable step of an explicit method of order 8, in relaxation times
@@ -89,12 +87,7 @@ def rates_of_force(problem: Problem) -> Array:
 
     Of forces that change in time: at the time of those looked at when they are the largest.
     """
-    scene, force = problem.scene, problem.force
-    times = np.zeros(1)
-    if not force.steady:
-        kinks = force.kinks(scene.simulation.duration)
-        times = np.linspace(0.0, scene.simulation.duration, _TIMES)
-        times = np.concatenate([times, kinks[:_TIMES], kinks[-_TIMES:]])
+    force = problem.force
 
     def sizes(time: float) -> Array:
         places = problem.places_about(time)
@@ -103,4 +96,4 @@ def rates_of_force(problem: Problem) -> Array:
         found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
         return found
 
-    return max(map(sizes, times.tolist()), key=lambda each: float(np.median(each)))
+    return max(map(sizes, problem.times_looked_at()), key=lambda each: float(np.median(each)))

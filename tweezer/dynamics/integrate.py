@@ -31,7 +31,8 @@ MOST_HELD = 2**18
 
 #: why a compiled loop gave up
 _FAILURES = {
-    integrators.COLLAPSED: "the step has collapsed: no step meets the tolerances",
+    integrators.COLLAPSED: "the step has collapsed: no step meets the tolerances, or the one that "
+    "is given is too long",
     integrators.NOT_FINITE: "the force or the state is not finite",
     integrators.EXHAUSTED: "simulation.most_force_calls is spent",
 }

@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 
 #: Number of places about each focus at which speed and stiffness are evaluated
 _PLACES = 64
+#: Number of times, and of kinks, at which a force that changes in time is evaluated
+_TIMES = 32
 #: Largest distance of these places from the focus, in radii
 _AROUND = 1.5
 
@@ -107,15 +109,27 @@ class Problem:
         about = [focus + directions * distances for focus in self.foci(time)]
         return np.vstack([*about, self.scene.start_position])
 
+    def times_looked_at(self) -> list[float]:
+        """Times at which a force that changes in time is evaluated, s; 0 for one that does not."""
+        if self.force.steady:
+            return [0.0]
+        duration = self.scene.simulation.duration
+        kinks = self.force.kinks(duration)
+        evenly = np.linspace(0.0, duration, _TIMES)
+        return np.concatenate([evenly, kinks[:_TIMES], kinks[-_TIMES:]]).tolist()
+
     @functools.cached_property
     def fastest(self) -> float:
         """The largest speed at places about the foci and at the start, m/s, or nearly so.
 
         Of a bead that nothing moves: its velocity at the start, or 1 m/s.
         """
-        speeds = np.linalg.norm(self.net_force(self.places_about()) * self.mobility[:3], axis=1)
-        released = float(np.linalg.norm(self.scene.start.velocity))
-        return max(float(speeds.max()), released) or 1.0
+        found = [float(np.linalg.norm(self.scene.start.velocity))]
+        for time in self.times_looked_at():
+            force = self.force.field(self.places_about(time), time=time).force
+            slow = (force + np.array(self.bead.weight)) * self.mobility[:3]
+            found.append(float(np.linalg.norm(slow, axis=1).max()))
+        return max(found) or 1.0
 
     @functools.cached_property
     def equilibrium(self) -> Equilibrium | None:

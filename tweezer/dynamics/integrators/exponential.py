@@ -12,7 +12,8 @@ order 2 N at the ends of steps with N nodes; the polynomial between them is of o
 The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
 correction, they end a step that is too long before more is spent on it. An error upstream grows as
 the speed of the bead does: what a step may be off is the tolerance where the bead is as fast as it
-gets, and less in proportion where it is slower.
+gets and where neighbouring places draw together, and less in proportion where it is slower,
+down to a hundredth.
 """
 
 from __future__ import annotations
@@ -123,14 +124,15 @@ class Relaxation(NamedTuple):
     drift: Array
     """(3,) m/s, slow velocity by the weight"""
     first: float
-    """s, the first step"""
+    """s, the first step, by the force at the time 0; also after kinks in time"""
     fastest: float
     """m/s, a speed that the bead hardly exceeds"""
     foretold: Array
     """(3 NODES,) Legendre's coefficients of u in the last step"""
     carried: Array
     """(4,) length of the last step, s; step that its error would allow, s; quadratic
-    convergence of Newton's method in it, 1/m; where the next step begins in it, 1, or 0 where it
+    convergence of Newton's method, 1/m, in the last step that showed it; where the next step
+    begins in the last one, 1, or 0 where it
     was taken in vain"""
 
 
@@ -517,7 +519,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
     solved = _SOLVED if adaptive else _SOLVED_WELL
     eliminated, size, error, allowed = False, 0.0, 0.0, 0.0
     for correction in range(_CORRECTIONS):
-        first = correction == 0
+        first = correction == 0 or not adaptive
         force = system.force if first else how.plain
         _act(how, force, work.wrench if first else work.plain, time, step, work)
         counts[2] += NODES
@@ -529,7 +531,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
             for j in range(NODES):
                 at = NODES * i + j
                 work.residual[at] += work.base[i, j] - work.place[at]
-        if eliminated:
+        if eliminated and adaptive:
             _by_factors(work)
         else:
             eliminated = _correct(work, _ITERATED * allowed)
@@ -547,7 +549,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
         if correction == 0:
             if how.turn != 0:
                 _correct_moments(work)
-            # what the force that is not linear leaves, as far as the last step showed it
+            # what the force that is not linear leaves, as the last step that took two showed it
             left = _CAUTION * how.carried[2] * size * size
             if adaptive and 0.0 < left < allowed:
                 return error
@@ -558,7 +560,7 @@ def _collocate(system, how, control, time, step, adaptive, work, counts):  # typ
         if small or (adaptive and size * size < _CONVERGING * allowed * before):
             return error
         if size > _SLOW * before:
-            if size <= _SOLVED * allowed:  # as well as the force is known
+            if size <= (_SOLVED if adaptive else 1.0) * allowed:  # as well as the force is known
                 return error
             break
     return -_UNSOLVED
@@ -609,7 +611,7 @@ def _advance(  # type: ignore[no-untyped-def]
     written = 0
     if clock[1] == 0.0:
         clock[1] = control.fixed if control.fixed > 0.0 else how.first
-        how.carried[1] = 0.0
+        how.carried[1] = how.carried[2] = 0.0
     while True:
         time = clock[0]
         step, last, why = step_to_try(control, clock, counts, records.begin.size - written)

@@ -87,7 +87,7 @@ class Records(NamedTuple):
     state: Array
     """(n, state) at the begin"""
     shape: Array
-    """(n, degree, ...) of the dense output"""
+    """(n, ...) of the dense output, see `Bound.shape`"""
 
 
 class At(NamedTuple):
