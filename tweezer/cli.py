@@ -851,9 +851,7 @@ def _print_summary(scene: Scene, result: Run) -> None:
     table.add_row("force calls", f"{attributes['force_calls']}")
     if summary.by_samples:
         table.add_row("resolved by", "the samples: what happens between them is not seen")
-    seconds = (
-        f"{attributes['wall_time']:.2g} s, stepping {1e3 * attributes['step_time']:.2g} ms of it"
-    )
+    seconds = f"{attributes['wall_time']:.2g} s, {attributes['step_time']:.2g} s of it stepping"
     if attributes["compile_time"] > 0:
         seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
     table.add_row("time", seconds)

@@ -16,6 +16,7 @@ from tweezer.dynamics.integrate import MOST_HELD, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
+from tweezer.dynamics.solution import BEFORE
 
 Array = NDArray[np.float64]
 
@@ -95,7 +96,9 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
     lengths = run.step_lengths
     kinks = np.append(0.0, equations.force.kinks(float(lengths.sum())))
     begins = np.append(0.0, np.cumsum(lengths)[:-1])
-    after = np.searchsorted(begins, kinks * (1 - _ROUNDING))
+    # every piece ends a little before its kink, and the sum of lengths falls short by all of them
+    slack = _ROUNDING + (1 - BEFORE) * np.arange(len(kinks))
+    after = np.searchsorted(begins, kinks * (1 - slack))
     finer = [np.full(2, each / 2) for each in lengths]
     if equations.takes_drag_exactly and equations.stiff:
         shortest = equations.fastest_relaxation

@@ -86,7 +86,7 @@ class Solver:
             state.index("edot0") if "edot0" in state else -1,
         )
         self._y = self._bound.start
-        self._clock = np.zeros(4)
+        self._clock = np.zeros(3)
         self._counts = np.array([0, 0, self._bound.calls])
         self._kinks = equations.force.kinks(end).tolist()
         self._call = functools.partial(self._bound.loop, system, self._bound.how)
@@ -122,8 +122,8 @@ class Solver:
         written, why = self._call(control, self._y, self._clock, self._counts, records)
         self._room = min(2 * room, _MOST_STEPS)
         if why == integrators.REACHED and self._kinks:
-            self._clock[0] = self._clock[3] = self._kinks.pop(0)
-            self._clock[1:3] = 0.0
+            self._clock[0] = self._kinks.pop(0)
+            self._clock[1:] = 0.0
             why = integrators.FULL
         if not written:
             return None, why

@@ -81,7 +81,10 @@ class Sum(Force):
 
     def regions(self) -> tuple[Kernel, Data] | None:
         """See `Force.regions`."""
-        parts = [part for each in self.forces if (part := numbered(each)) is not None]
+        flat: list[Force] = []
+        for each in self.forces:  # the digits of a sum within it are digits of its own
+            flat += each.forces if isinstance(each, Sum) else (each,)
+        parts = [part for each in flat if (part := numbered(each)) is not None]
         return (_number_all, packed(float(len(parts)), *parts)) if parts else None
 
 
@@ -97,7 +100,7 @@ def _add_all(pose, data, wrench):  # type: ignore[no-untyped-def]
 
 @cached_njit(error_model="numpy", nogil=True)
 def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
-    """The numbers of the parts as the digits of one."""
+    """The numbers of the parts as the digits of one, which tells eight of them apart."""
     n, none = len(pose.time), np.zeros((0, 3, 3))
     found = Wrench(np.zeros((n, 3)), np.zeros((n, 3)), none, none, np.zeros(n))
     digit = 1.0

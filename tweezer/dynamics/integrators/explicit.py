@@ -65,9 +65,9 @@ def loop() -> Any:
     """The compiled loop.
 
     It has the signature `(system, tableau, control, y, clock, counts, records)` and returns the
-    number of records written and why it stopped. y: (state,) at clock[0], s; clock: (4,) time,
-    step to try (0: found here), error of the last step, time of the force's last kink; counts: (3,)
-    steps, rejected steps, force calls. All three are kept up to date, so that a further call goes
+    number of records written and why it stopped. y: (state,) at clock[0], s; clock: (3,) time,
+    step to try (0: found here), error of the last step; counts: (3,) steps, rejected steps, force
+    calls. All three are kept up to date, so that a further call goes
     on.
     """
 

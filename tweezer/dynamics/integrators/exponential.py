@@ -748,8 +748,6 @@ class Exponential:
                 f"{equations.name} has not"
             )
         relaxation = equations.relaxation._replace(
-            foretold=np.zeros(3 * NODES),
-            carried=np.zeros(4),
             turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
