@@ -9,12 +9,13 @@ from __future__ import annotations
 import difflib
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import jinja2
 import sympy
 
+from . import memory_poles
 from .lowering import Argument, Function, lower
 from .models import Module, catalogue
 from .printing import code
@@ -24,10 +25,12 @@ SOURCES = Path(__file__).parent
 #: the committed output
 GENERATED = SOURCES.parent / "generated"
 _WIDTH = 100
+#: where the table of poles comes from
+_POLES = ("memory_poles.py", "memory_poles.json")
 
 _PACKAGE = '''"""Numba modules made by `python -m derivation`; do not edit.
 
-One module a model and variant. They import math and numba only.
+One module a model and variant. They import math and numba only. `memory_poles` is a table.
 """
 '''
 
@@ -42,7 +45,7 @@ def emit() -> dict[str, str]:
             module=module,
             functions=functions,
             inputs=list(_input_names(module)),
-            sources=" and ".join(f"derivation/{name}" for name in module.sources),
+            sources=_sources(module.sources),
             sympy_version=sympy.__version__,
             operations=sum(block.operations for _, block in functions),
             temporaries=sum(len(block.temporaries) for _, block in functions),
@@ -50,7 +53,14 @@ def emit() -> dict[str, str]:
         if "math." not in text:
             text = text.replace("import math\n\n", "")
         files[f"{module.name}.py"] = _formatted(text)
+    poles = _environment().get_template("memory_poles.py.jinja")
+    text = poles.render(tables=memory_poles.load(), sources=_sources(_POLES))
+    files["memory_poles.py"] = _formatted(text)
     return files
+
+
+def _sources(names: Iterable[str]) -> str:
+    return " and ".join(f"derivation/{name}" for name in names)
 
 
 def differences(files: Mapping[str, str], folder: Path) -> Iterator[str]:

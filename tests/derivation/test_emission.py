@@ -85,7 +85,7 @@ def test_command_tells_a_stale_module(files, folder, monkeypatch, capsys):
     told = capsys.readouterr()
     added = re.findall(r"^\+(?!\+\+)(.*)", told.out, re.MULTILINE)
     assert added == [line for line in text.splitlines() if "force[0]" in line]
-    assert "1 of 20 modules differ" in told.err
+    assert "1 of 21 modules differ" in told.err
     assert stale.read_text() != text
 
 
@@ -96,7 +96,7 @@ def test_command_writes_every_module(files, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(command, "emit", lambda: files)
     monkeypatch.setattr(sys, "argv", ["derivation"])
     assert command.main() == 0
-    assert "20 modules emitted, 20 changed" in capsys.readouterr().err
+    assert "21 modules emitted, 21 changed" in capsys.readouterr().err
     for path in emission.GENERATED.glob("*.py"):
         assert (tmp_path / path.name).read_bytes() == path.read_bytes()
 
@@ -117,11 +117,12 @@ def test_emitted_modules_say_what_they_are(files):
         docstring = ast.get_docstring(ast.parse(text))
         assert "Made by `python -m derivation`" in docstring
         assert "do not edit" in docstring
-        assert f"SymPy {sp.__version__}" in docstring
         (sources,) = re.findall(r"from (derivation/.*); do not edit", docstring)
         for source in sources.split(" and "):
             assert (ROOT / source).is_file()
-        assert "@njit(cache=True" in text
+        if name != "memory_poles.py":  # a table
+            assert f"SymPy {sp.__version__}" in docstring
+            assert "@njit(cache=True" in text
 
 
 def test_lowering_refuses_what_no_argument_supplies():
