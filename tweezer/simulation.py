@@ -161,7 +161,7 @@ def _thermal_run(
         trajectory = np.zeros(1, np.int64)
         state = bound.start(trajectory)
         columns = np.empty((1, samples, len(bound.columns)))
-        columns[:, 0] = state[:, :-1]
+        columns[:, 0] = bound.seen(state)
         reached, status, message, step_time = 1, "complete", "", 0.0
         at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
         calls = bound.per_sample * bound.force_calls

@@ -64,7 +64,7 @@ def followed(bound, n, first=0):
     trajectories = np.arange(first, first + n)
     states = bound.start(trajectories)
     out = np.empty((n, len(bound.times), len(bound.columns)))
-    out[:, 0] = states[:, :-1]
+    out[:, 0] = bound.seen(states)
     bound.advance(states, trajectories, 0, out[:, 1:])
     return out
 
@@ -373,7 +373,7 @@ def test_harmonic_steps_take_the_whole_stiffness_of_circular_light(model):
     who, dims = np.arange(70), len(one.columns)
     states = one.start(who)
     place = np.append(one.equilibrium.position, np.zeros(dims - 3))
-    away = states[:, :-1] - place
+    away = one.seen(states) - place
     tau = one.plan.tau if model == "full" else np.zeros(3)
     rates = one.plan.mobility[:, None] * np.array(one.equilibrium.stiffness)
     left, noise = propagator.coupled(1e-5, tau, rates, one.plan.diffusion)
@@ -861,7 +861,7 @@ def test_trajectories_do_not_depend_on_where_time_is_cut(real):
     who = np.arange(3)
     whole = followed(real, 3)
     states, parts = real.start(who), np.empty_like(whole)
-    parts[:, 0] = states[:, :-1]
+    parts[:, 0] = real.seen(states)
     for begin, end in ((0, 1), (1, 4), (4, 8)):
         states = states.copy()
         real.advance(states, who, begin, parts[:, begin + 1 : end + 1])

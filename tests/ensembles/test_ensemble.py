@@ -101,7 +101,7 @@ def test_trajectories_are_those_of_one_walk(scene, small, tmp_path):
     bound = walk(scene, 5)
     states = bound.start(np.arange(30))
     expected = np.empty((30, 101, len(bound.columns)))
-    expected[:, 0] = states[:, :-1]
+    expected[:, 0] = bound.seen(states)
     rest = np.empty((30, 100, len(bound.columns)))
     bound.advance(states, np.arange(30), 0, rest)
     expected[:, 1:] = rest
@@ -152,7 +152,7 @@ def test_angular_velocity_is_about_the_axes_of_the_body(small, tmp_path):
     bound = walk(scene, 5)
     states = bound.start(np.arange(30))
     rows = np.empty((30, 101, 13))
-    rows[:, 0] = states[:, :-1]
+    rows[:, 0] = bound.seen(states)
     rest = np.empty((30, 100, 13))
     bound.advance(states, np.arange(30), 0, rest)
     rows[:, 1:] = rest
@@ -698,7 +698,7 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
                 tweezer.ensemble(scene, trajectories, seed=seed, **kind, resume=True)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "FORMAT", 0)
-            with pytest.raises(tweezer.ResultError, match="format 4, which cannot be"):
+            with pytest.raises(tweezer.ResultError, match="format 5, which cannot be"):
                 tweezer.ensemble(FREE, 50, **kind, resume=True)
         assert content(tmp_path) == before
 

@@ -67,9 +67,12 @@ class Walk:
     """(samples,) s"""
     columns: tuple[str, ...]
     """of a sample: "x", "y", "z"; for models with inertia "vx", "vy", "vz"; for scenes with a
-    rotation "e0".."e3", and with inertia "wx", "wy", "wz", about the inertial axes"""
+    rotation "e0".."e3", and with inertia "wx", "wy", "wz", about the inertial axes. A state begins
+    with them"""
     plan: Plan
     weights: Weights
+    hidden: int = 0
+    """count of the numbers of a state that no sample shows: between the columns and the last"""
 
     @property
     def scene(self) -> Scene:
@@ -82,7 +85,7 @@ class Walk:
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
-        """States (n, len(columns) + 1) at times[0] of the trajectories of these numbers (n,).
+        """States (n, len(columns) + hidden + 1) at times[0] of the trajectories of numbers (n,).
 
         The last entry is when a bead was lost, s: infinite for one that is not.
         """
@@ -121,6 +124,10 @@ class Walk:
                 w = rotation_matrices(e[None])[0] @ start.angular_velocity
                 parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
         return np.ascontiguousarray(np.hstack([*parts, np.full((n, 1), np.inf)]))
+
+    def seen(self, states: Array) -> Array:
+        """The samples (n, len(columns)) that states show."""
+        return states[:, : len(self.columns)]
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
         """Take `states`, at times[sample], on to times[sample + out.shape[1]], in place.

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: Version of the files; those of another version cannot be resumed
-FORMAT = 4
+FORMAT = 5
 #: Trajectories of a block are a multiple of this
 _BATCH = 64
 #: Largest number of trajectories in a block

@@ -211,7 +211,7 @@ def _advance(
     """Samples `first` to `end` in pieces: number of the first, (trajectories, n, columns)."""
     n, width = len(trajectories), len(bound.columns)
     if first == 0:
-        yield 0, _in_the_body(bound, states[:, None, :-1].copy())
+        yield 0, _in_the_body(bound, bound.seen(states)[:, None].copy())
     most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // n)
     for at in range(max(1, first), end, most):
         piece = np.empty((n, min(most, end - at), width))
