@@ -282,6 +282,7 @@ def test_a_bead_lags_behind_a_trap_by_its_drag():
     """k^-1 v beta, for small v."""
     v = 2e-5
     scene = ONE.replace(
+        medium={"inertia": "none"},
         beam={"motion": {"kind": "ramp", "velocity": [v, 0, 0]}},
         start={"position": [0, 0, 0]},
         simulation={"duration": "5 ms", "samples": 11, "position_tolerance": 1e-15},
@@ -299,6 +300,7 @@ def test_a_bead_falls_while_the_light_is_off(method):
     """From 2 to 4 ms at its terminal speed, after a start at rest in the trap."""
     height = tweezer.characterise(ONE).equilibrium.position[2]
     scene = ONE.replace(
+        medium={"inertia": "none"},
         beam={"modulation": {"kind": "steps", "times": ["2 ms", "4 ms"], "factors": [0, 1]}},
         start={"position": [0, 0, height]},
         simulation={"duration": "8 ms", "samples": 801, "method": method, "model": "full"},

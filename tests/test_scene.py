@@ -652,7 +652,7 @@ def test_the_title_of_a_changed_scene_names_what_was_changed():
     assert load_scene(both.model_dump(exclude_none=True)).title == both.title
     assert both.replace(description="anew", simulation={"samples": 7}).title == "anew"
     assert scene.replace(bead=larger.bead).title == "silica-1um, changed: bead.radius = 7.5e-07"
-    assert scene.decided(model="full").title == scene.description
+    assert scene.decided(simulation={"model": "full"}).title == scene.description
 
 
 def test_the_title_names_the_power_however_it_is_given():

@@ -15,6 +15,8 @@ class BeadProperties:
 
     mass: float
     """m, kg"""
+    displaced_mass: float
+    """m_f, of the fluid in the place of the bead, kg"""
     moments_of_inertia: tuple[float, float, float]
     """I11, I22, I33 (A.13), kg m^2"""
     drag: float
@@ -31,6 +33,11 @@ class BeadProperties:
         """m/beta_v, s: the epsilon of (4.6)."""
         return self.mass / self.drag
 
+    @property
+    def vorticity_time(self) -> float:
+        """tau_f = r^2 rho_m/mu_m, s."""
+        return 4.5 * self.displaced_mass / self.drag
+
 
 def bead_properties(scene: Scene) -> BeadProperties:
     """Properties of the bead of `scene`."""
@@ -44,6 +51,7 @@ def bead_properties(scene: Scene) -> BeadProperties:
     free = stokes(scene.medium.viscosity, r)
     return BeadProperties(
         mass=mass,
+        displaced_mass=scene.medium.density * volume,
         moments_of_inertia=scene.bead.moments_of_inertia or (sphere, sphere, sphere),
         drag=free.translation,
         rotational_drag=free.rotation,

@@ -21,7 +21,7 @@ class Model:
     modules: str
     """first part of the names of its modules in `generated/`"""
     inertia: bool = False
-    """whether its state holds velocities"""
+    """whether its state holds velocities; only then can the fluid have inertia"""
     rotating: str = ""
     """last part of the name of its module with rotation, if that is the same for every body"""
     scheme: str = ""
@@ -51,6 +51,8 @@ class Method:
     """whether it takes the Jacobian of the right-hand side"""
     uniform_drag: bool = False
     """whether the drag must be the same everywhere"""
+    memory: bool = False
+    """whether it takes the memory of a fluid with inertia"""
     multistep: bool = False
     """whether it carries differences of past states: these cannot be put back on constraints"""
 
@@ -62,6 +64,14 @@ class Method:
     def load(self) -> Any:
         """What it is."""
         return at(self.place)
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """What of the fluid's inertia the bead feels."""
+
+    name: str
+    about: str
 
 
 @dataclass(frozen=True)
@@ -124,7 +134,7 @@ METHODS: dict[str, Method] = _by_name(
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
     Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres",
            f"{_METHODS}.exponential:EXPONENTIAL",
-           uniform_drag=True),
+           uniform_drag=True, memory=True),
     *(
         Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
                fixed_steps=False, implicit=implicit, multistep=multistep)
@@ -134,16 +144,22 @@ METHODS: dict[str, Method] = _by_name(
         )
     ),
     Method("heun", "exponential Heun, what auto takes", f"{_SCHEMES}.heun:HEUN", thermal=True,
-           models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True),
+           models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True, memory=True),
     Method("one-call", "one force a step, for distributions", f"{_SCHEMES}.one_call:ONE_CALL",
-           thermal=True, displacements=False, uniform_drag=True),
+           thermal=True, displacements=False, uniform_drag=True, memory=True),
     Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
-           thermal=True, spring_only=True, uniform_drag=True),
+           thermal=True, spring_only=True, uniform_drag=True, memory=True),
     Method("euler-maruyama", "for comparison; without inertia for a drag by place",
            f"{_SCHEMES}.euler:EULER_MARUYAMA", thermal=True),
     Method("baoab", "for comparison", f"{_SCHEMES}.baoab:BAOAB", thermal=True,
            models=("full", "scaled"), uniform_drag=True),
 )  # fmt: skip
+
+INERTIAS: dict[str, Inertia] = _by_name(
+    Inertia("none", "Stokes's drag alone, as the thesis"),
+    Inertia("added-mass", "half the mass of the displaced fluid moves with the bead"),
+    Inertia("memory", "that and the vorticity shed before (Boussinesq, Basset)"),
+)
 
 THEORIES: dict[str, Theory] = _by_name(
     Theory("rays", "ray optics, as in the thesis (chapter 3)", f"{_OPTICS}.by_map:ray_map"),
@@ -168,7 +184,7 @@ def evaluator(name: str) -> Evaluator:
     return EVALUATORS["quadrature" if name == "auto" else name]
 
 
-def told(entries: Iterable[Model | Method | Theory | Evaluator]) -> str:
+def told(entries: Iterable[Model | Method | Inertia | Theory | Evaluator]) -> str:
     """What each is, in one line; alike ones together."""
     by_text: dict[str, list[str]] = {}
     for each in entries:

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Self, get_args
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from tweezer.choices import EVALUATORS, METHODS, methods
+from tweezer.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.sections import (
@@ -151,6 +151,7 @@ class Scene(Section):
         if self.lens.cover is not None:
             self._foci_at_the_depth()
         self._thermal()
+        self._inertia_of_the_fluid()
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise refusal("start.frame = 'lens': needs lens.focal_length")
         self._start_in_the_medium()
@@ -246,6 +247,33 @@ class Scene(Section):
                 "sphere; allowed: model = 'overdamped', or no moments"
             )
 
+    def _inertia_of_the_fluid(self) -> None:
+        """Refuse what does not go with a fluid that has inertia."""
+        inertia, model, method = self.medium.inertia, self.simulation.model, self.simulation.method
+        if inertia in (None, "none"):
+            return
+        said = f"medium.inertia = {inertia!r}"
+        if model and not MODELS[model].inertia:
+            having = " and ".join(each.name for each in MODELS.values() if each.inertia)
+            raise refusal(
+                f"{said}: not with simulation.model = {model!r}, which knows no past: it leaves "
+                f"out that the bead falls behind by up to {self.lag:.2g} s times its speed; "
+                f"allowed: {having}"
+            )
+        if inertia != "memory":
+            return
+        if method != "auto" and not METHODS[method].memory:
+            brownian = self.forces.brownian
+            allowed = [each.name for each in methods(thermal=brownian) if each.memory]
+            raise refusal(
+                f"{said}: not with simulation.method = {method!r}; allowed: auto, "
+                f"{', '.join(allowed)}"
+            )
+        if self.bead.moments_of_inertia:
+            raise refusal(
+                f"{said}: not with bead.moments_of_inertia; allowed: 'none', 'added-mass'"
+            )
+
     def _wider_than_a_square(self, beam: Beam) -> None:
         """Refuse a beam that the grid of rays would not see."""
         half_side = self.lens.radius / beam.divisions
@@ -297,6 +325,20 @@ class Scene(Section):
         if self.start.frame == "lens":
             z -= self.lens.focal_length or 0.0
         return x, y, z
+
+    @property
+    def vorticity_time(self) -> float:
+        """r^2 rho_m/mu_m, s: in it the vorticity that the bead sheds gets as far as its radius."""
+        return self.bead.radius**2 * self.medium.density / self.medium.viscosity
+
+    @property
+    def lag(self) -> float:
+        """2 sqrt(tau_f t/pi) at the end of the run, s.
+
+        Times its speed: the way that a bead in a fluid with inertia is behind one without, where
+        the force changes slowly; tau_f is `vorticity_time`.
+        """
+        return 2 * math.sqrt(self.vorticity_time * self.simulation.duration / math.pi)
 
     @property
     def rotates(self) -> bool:
@@ -397,9 +439,9 @@ class Scene(Section):
             changed["beam"] = f"{len(replaced.beams)} of them"
         return dict(sorted(changed.items()))
 
-    def decided(self, **simulation: Any) -> Scene:
-        """A copy with the model and method that were left open: no change of what is described."""
-        copy = self._replaced({"simulation": simulation})
+    def decided(self, **sections: Mapping[str, Any]) -> Scene:
+        """A copy with what was left open, such as the model: no change of what is described."""
+        copy = self._replaced(sections)
         return copy.model_copy(update={"changed": self.changed})
 
     def _replaced(self, sections: Mapping[str, Any]) -> Scene:

@@ -20,7 +20,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from tweezer.choices import EVALUATORS, METHODS, MODELS, THEORIES, methods, told
+from tweezer.choices import EVALUATORS, INERTIAS, METHODS, MODELS, THEORIES, methods, told
 from tweezer.courses import Modulation, Motion, Section, Vector, Velocity, refusal
 from tweezer.units import (
     BEAD_RADIUS,
@@ -70,11 +70,13 @@ WITHIN_LAYERS = ("radius", "diameter", "refractive_index")
 if TYPE_CHECKING:
     ModelName: TypeAlias = str
     MethodName: TypeAlias = str
+    InertiaName: TypeAlias = str
     TheoryName: TypeAlias = str
     EvaluatorName: TypeAlias = str
 else:
     ModelName = Literal[tuple(MODELS)]
     MethodName = Literal[("auto", *METHODS)]
+    InertiaName = Literal[tuple(INERTIAS)]
     TheoryName = Literal[("auto", *THEORIES)]
     EvaluatorName = Literal[("auto", *EVALUATORS)]
 
@@ -249,6 +251,22 @@ class Medium(Section):
     mean_free_path: PositiveLength = Field(
         3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
     )
+    inertia: InertiaName | None = Field(
+        None,
+        description="what of the fluid's inertia the bead feels; none given: memory with the model "
+        f"full, where the method takes it; {told(INERTIAS.values())}",
+    )
+    poles: Annotated[StrictInt, Field(ge=1, le=100)] | None = Field(
+        None,
+        description="number of poles of the memory; none given: what the duration and the "
+        "tolerance need",
+    )
+
+    @model_validator(mode="after")
+    def _poles_of_a_memory(self) -> Self:
+        if self.poles is not None and self.inertia not in (None, "memory"):
+            raise refusal(f"poles = {self.poles}: not with inertia = {self.inertia!r}")
+        return self
 
 
 class Cover(Section):

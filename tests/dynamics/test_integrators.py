@@ -383,6 +383,7 @@ def test_events_are_found_across_the_ends_of_pieces():
 def test_a_bead_at_rest_approaches_nothing():
     """Its wobble within the tolerance is no closest approach."""
     scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": "none"},
         start={"frame": "focus", "position": [0, 0, 4e-7]},
         simulation={"model": "full", "duration": "10 ms", "samples": 11},
     )
@@ -392,6 +393,7 @@ def test_a_bead_at_rest_approaches_nothing():
 def test_the_first_order_model_has_its_events_on_the_released_bead():
     """Within the initial layer, 5 ns after a bead is thrown."""
     scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": "none"},
         start={"frame": "focus", "position": [0, 0, -6e-7], "velocity": [0, 0, 2.0]},
         simulation={"duration": "1 us"},
     )
@@ -498,34 +500,44 @@ def test_methods_that_do_not_fit_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("changes", "model", "method"),
+    ("changes", "model", "method", "inertia"),
     [
-        ({}, "full", "exponential"),
-        ({"simulation": {"position_tolerance": "20 nm"}}, "overdamped", "exponential"),
+        ({}, "full", "exponential", "memory"),
+        ({"simulation": {"position_tolerance": "20 nm"}}, "full", "exponential", "memory"),
+        ({"simulation": {"position_tolerance": "20 nm"}, "medium": {"inertia": "none"}},
+         "overdamped", "exponential", "none"),
+        ({"simulation": {"position_tolerance": "20 nm"}, "medium": {"inertia": "added-mass"}},
+         "full", "exponential", "added-mass"),
+        ({"simulation": {"position_tolerance": "0.2 um"}}, "overdamped", "exponential", "none"),
         (
             {"simulation": {"model": "overdamped", "relative_tolerance": 1e-10}},
-            "overdamped", "exponential",
+            "overdamped", "exponential", "none",
         ),
-        ({"simulation": {"model": "scaled", "scaling_factor": 0.01}}, "scaled", "exponential"),
+        ({"simulation": {"method": "dop853"}}, "full", "dop853", "none"),
+        ({"simulation": {"model": "scaled", "scaling_factor": 0.01}}, "scaled", "exponential",
+         "none"),
+        ({"simulation": {"model": "scaled", "scaling_factor": 0.01},
+          "medium": {"inertia": "memory"}}, "scaled", "exponential", "memory"),
         (
             {"bead": {"moments_of_inertia": [4e-29, 5e-29, 6e-29]}, "beam": {"torque": "thesis"},
-             "simulation": {"position_tolerance": "1 nm"}}, "first-order", "dormand-prince",
+             "simulation": {"position_tolerance": "1 nm"}}, "first-order", "dormand-prince", "none",
         ),
         (
             {"bead": {"moments_of_inertia": [4e-29, 5e-29, 6e-29]}, "beam": {"torque": "thesis"},
-             "simulation": {"model": "full"}}, "full", "scipy:LSODA",
+             "simulation": {"model": "full"}}, "full", "scipy:LSODA", "none",
         ),
         (
             {"bead": {"moments_of_inertia": [4e-29, 5e-29, 6e-29]}, "beam": {"torque": "thesis"},
-             "simulation": {"model": "full", "duration": "1 us"}}, "full", "dop853",
+             "simulation": {"model": "full", "duration": "1 us"}}, "full", "dop853", "none",
         ),
     ],
 )  # fmt: skip
-def test_what_is_chosen_for_a_scene(changes, model, method):
+def test_what_is_chosen_for_a_scene(changes, model, method, inertia):
     bare = tweezer.load_scene("silica-1um").model_dump(exclude_none=True)
     bare["simulation"] = {"duration": 2e-3}
     scene, why = tweezer.dynamics.chosen(tweezer.load_scene(bare).replace(**changes))
-    assert (scene.simulation.model, scene.simulation.method) == (model, method)
+    found = scene.simulation.model, scene.simulation.method, scene.medium.inertia
+    assert found == (model, method, inertia)
     assert why.count(":") >= 1
 
 
@@ -588,6 +600,7 @@ def test_a_bead_on_the_axis_stays_there(method):
 def test_a_bead_beside_the_light_takes_long_steps():
     """No ray meets it. It only sinks: once the initial layer has passed, a handful for 10 ms."""
     scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": "none"},
         optics={"theory": "rays"},
         start={"frame": "focus", "position": [12e-6, 0, 0]},
         simulation={"model": "full", "method": "exponential", "duration": "10 ms"},

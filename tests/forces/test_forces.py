@@ -205,7 +205,7 @@ def test_a_trap_that_is_dragged_and_jumps_is_followed(model, method):
     course = Course(
         np.array([0.0, t1, t1]), np.array([[0, 0, 0], [v * t1, 0, 0], [-d, 0, 0]]), np.zeros(3)
     )
-    scene = DARK.replace(simulation={
+    scene = DARK.replace(medium={"inertia": "none"}, simulation={
         "model": model, "method": method, "duration": 5 * TRAP, "samples": 51,
         "relative_tolerance": 1e-9, "position_tolerance": 1e-15,
     })  # fmt: skip

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.choices import METHODS
+from tweezer.dynamics.choose import decided
 from tweezer.dynamics.events import Event
 from tweezer.dynamics.integrate import MOST_HELD, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
+from tweezer.fluid import more_poles
 
 Array = NDArray[np.float64]
 
@@ -43,11 +45,13 @@ class ErrorBudget:
     """Errors of the positions of a run, m; NaN where unknown."""
 
     integration_error: float
-    """of a compiled method, thrice the largest distance to a run with every step halved; a solver
-    of SciPy's is compared with a compiled method of tighter tolerances instead"""
+    """of a compiled method, thrice the largest distance to a run with every step halved, and more
+    poles of the fluid's memory; a solver of SciPy's is compared with a compiled method of tighter
+    tolerances instead"""
     model_error: float
-    """largest distance to the unscaled equations with all their inertia, integrated by the
-    exponential method; 0 for them, and NaN for a body that it cannot integrate"""
+    """largest distance to the unscaled equations with all inertia, the fluid's too, integrated by
+    the exponential method; 0 for them. For a body that it cannot integrate NaN, or with the model
+    `full` the largest lag behind which the fluid's inertia leaves it (`Scene.lag`)"""
     finer: Finer | None
     """what the integration error is by; None where it is unknown"""
 
@@ -80,12 +84,18 @@ def _of_integration(
         problem, ratio = _compiled(equations), 1.0
         how: dict[str, Any] = {"tightened": TIGHTER}
     else:
-        problem = equations.problem.changed(method=run.method)
+        problem = _with_more_poles(equations.problem.changed(method=run.method))
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
     compared, distance = _compared(problem, run, position, events=events, **how)
     if compared is None and "prescribed" in how:  # a force that bends may want shorter steps still
         compared, distance = _compared(problem, run, position, events=events, tightened=TIGHTER)
     return Finer(compared, ratio) if compared else None, ratio * distance
+
+
+def _with_more_poles(problem: Problem) -> Problem:
+    """The same with a finer memory, if it has one."""
+    poles = problem.scene.medium.poles
+    return problem.decided(medium={"poles": more_poles(poles)}) if poles else problem
 
 
 def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
@@ -110,9 +120,15 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
 
 
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
-    if equations.name.startswith("full"):
+    if equations.name.startswith("full") and equations.remembers:
         return 0.0
-    return _compared(_unscaled(equations.problem), run, position)[1]
+    unscaled = _unscaled(equations.problem)
+    if unscaled is None and equations.name.startswith("full"):
+        vorticity_time = equations.bead.vorticity_time
+        velocity = np.asarray(equations.motion(run.times, run.states).velocity)
+        lags = 2 * np.sqrt(vorticity_time * run.times / math.pi)
+        return float((lags * np.linalg.norm(velocity, axis=1)).max())
+    return _compared(unscaled, run, position)[1]
 
 
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
@@ -128,7 +144,9 @@ def _unscaled(problem: Problem) -> Problem | None:
         model="full", method="exponential", scaling_factor=None, step=None,
         rotation_state="angular-velocity",
     )  # fmt: skip
-    return full if bind(full).takes_drag_exactly else None
+    if not bind(full).takes_drag_exactly:
+        return None
+    return decided(full.decided(medium={"inertia": "memory"}))[0]
 
 
 def _compared(

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.choices import METHODS
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.errors import SceneError
+from tweezer.fluid import enough_poles
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -20,40 +23,85 @@ _STIFF = 3_000
 
 
 def chosen(scene: Scene) -> tuple[Scene, str]:
-    """`scene` with a model and a method, and why these: see `decided`."""
+    """`scene` with a model, a method and the fluid's inertia, and why these: see `decided`."""
     problem, why = decided(bound_once(scene))
     return problem.scene, why
 
 
 def decided(problem: Problem) -> tuple[Problem, str]:
-    """A problem with a model and a method, and why these; as it is where it names both.
+    """A problem with a model, a method and the fluid's inertia, and why these.
+
+    As it is where it names all.
 
     With tau the relaxation time of the velocity and k/beta_v the fastest rate of the trap, leaving
     inertia out puts the bead off by about r tau k/beta_v, the first-order model by its square.
     The unscaled equations cost the same as those without inertia where the exponential method
     takes their drag exactly, so the first-order model is chosen only for bodies that it cannot
-    integrate.
+    integrate. Leaving the fluid's inertia out puts the bead off by its lag (`Scene.lag`), which is
+    more; so it is part of the model `full` where the exponential method integrates it.
+
+    Raises `SceneError` if the scene names a memory that cannot be integrated.
     """
     reasons = []
     if problem.scene.simulation.model is None:
         model, reason = _model(problem)
-        problem = problem.decided(model=model)
+        problem = problem.decided(simulation={"model": model})
+        reasons.append(reason)
+    if problem.scene.medium.inertia in (None, "memory"):
+        problem, reason = _inertia(problem)
         reasons.append(reason)
     if problem.scene.simulation.method == "auto":
         method, reason = method_for(bind(problem))
-        problem = problem.decided(method=method)
+        problem = problem.decided(simulation={"method": method})
         reasons.append(reason)
     return problem, "; ".join(reasons)
 
 
+def _inertia(problem: Problem) -> tuple[Problem, str]:
+    """A problem of a model with a memory, or without the fluid's inertia, and why."""
+    scene = problem.scene
+    medium, simulation = scene.medium, scene.simulation
+    missing = _without_memory(problem)
+    if medium.inertia is None and simulation.model != "full":
+        missing = f"with the model {simulation.model} only where it is named"
+    if missing and medium.inertia == "memory":
+        raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
+    if missing:
+        return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
+    way = scene.lag * problem.fastest
+    poles = medium.poles or enough_poles(way, simulation.position_tolerance)
+    return (
+        problem.decided(medium={"inertia": "memory", "poles": poles}),
+        f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m",
+    )
+
+
+def _without_memory(problem: Problem) -> str:
+    """Why the motion cannot have a memory; empty if it can."""
+    method = problem.scene.simulation.method
+    if method != "auto" and not METHODS[method].memory:
+        return f"{method} takes no memory"
+    model = problem.scene.simulation.model or "full"
+    if not bind(problem.changed(model=model)).takes_drag_exactly:
+        return (
+            "it needs a sphere, a drag that is the same everywhere, and forces that do not look at "
+            "the orientation"
+        )
+    return ""
+
+
 def _model(problem: Problem) -> tuple[str, str]:
     scene, tau = problem.scene, problem.relaxation_time
-    simulation = scene.simulation
+    simulation, inertia = scene.simulation, scene.medium.inertia
     small = tau * float(rates_of_force(problem).max())
     start = np.array([scene.start_position])
     slow = problem.net_force(start)[0] * problem.mobility[:3]
     off = scene.bead.radius * small
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
+    if inertia in ("added-mass", "memory"):
+        return "full", f"full: has the inertia of the fluid, {inertia}"
+    if inertia is None and not _without_memory(problem):
+        off += scene.lag * problem.fastest
     allowed = simulation.position_tolerance
     exactly = simulation.method == "exponential"
     if off <= allowed and not problem.rotates and not exactly:

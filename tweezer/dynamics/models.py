@@ -19,11 +19,10 @@ from tweezer.choices import MODELS, Model
 from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
-from tweezer.dynamics.integrators.modes import Modes
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.fluid import DRAG_KERNEL
+from tweezer.fluid import DRAG_KERNEL, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import bound, numbered
 from tweezer.generated import kinematics
@@ -131,10 +130,25 @@ class EquationsOfMotion:
         if not self._inertial:
             times[:] = 0.0
         return Relaxation(
-            bound(self.force, gradient=False), Modes(times[:, None], np.ones((len(where), 1))), 0,
+            bound(self.force, gradient=False), self._modes(times), 0,
             numbered(self.force) or Part(0, packed()), response, drift,
             0.0, self.problem.fastest, np.zeros(0), np.zeros(0),
         )  # fmt: skip
+
+    def _modes(self, times: Array) -> Modes:
+        """Those of a memory, or one by axis, of the relaxation times by the emitted rates."""
+        if not self.remembers:
+            return Modes(times[:, None], np.ones((len(times), 1)))
+        memory = self.problem.modes
+        found = Modes(*np.zeros((2, len(times), memory.times.size)))
+        found.times[:3], found.weights[:3] = memory
+        found.times[3:, 0], found.weights[3:, 0] = times[3:], 1.0  # a rotation has no memory
+        return found
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the fluid's memory is part of the motion; the emitted rates do not hold it."""
+        return self.scene.medium.inertia == "memory"
 
     @property
     def fastest_relaxation(self) -> float:
@@ -149,7 +163,7 @@ class EquationsOfMotion:
     def _relaxation_times(self) -> Array:
         """s, of the velocities at the start: of translation and, with a rotation, of rotation."""
         bead, mobility = self.bead, self.problem.mobility
-        translation = bead.mass * mobility[:3]
+        translation = self.problem.effective_mass * mobility[:3]
         if not self._rotates:
             return translation
         return np.append(translation, np.array(bead.moments_of_inertia) * mobility[3:])
@@ -452,7 +466,7 @@ def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[st
     """Values by the names of the emitted parameters."""
     bead, mobility = problem.bead, problem.mobility
     return {
-        "m": bead.mass,
+        "m": problem.effective_mass,
         "I": bead.moments_of_inertia[0],
         **{f"I{i + 1}": moment for i, moment in enumerate(bead.moments_of_inertia)},
         "a2": scaling_factor if scaling_factor is not None else 1.0,

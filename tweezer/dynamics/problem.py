@@ -20,7 +20,8 @@ from tweezer.equilibria import (
     nearest_stable,
 )
 from tweezer.errors import SceneError
-from tweezer.fluid import Drag, by_axis, drag
+from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
+from tweezer.fluid.memory import USUAL
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
 from tweezer.optics import Beams, LightForce, light
@@ -78,6 +79,35 @@ class Problem:
     def mobilities(self, positions: Array, time: float | Array = 0.0) -> Array:
         """The same at `positions` (n, 3) m and a time, s, or (n,), (n, 6)."""
         return by_axis(self.drag.mobilities(positions, time=time).value)
+
+    @property
+    def effective_mass(self) -> float:
+        """M, kg: the mass that a sudden force meets; half of the displaced fluid's may be in it.
+
+        Of the scaled model M/a2 is that mass: it divides the bead's own alone.
+        """
+        if self.scene.medium.inertia in (None, "none"):
+            return self.bead.mass
+        return self.bead.mass + 0.5 * self._scale * self.bead.displaced_mass
+
+    @property
+    def _scale(self) -> float:
+        """a2 of the scaled model; 1 of others."""
+        simulation = self.scene.simulation
+        return (simulation.model == "scaled" and simulation.scaling_factor) or 1.0
+
+    @functools.cached_property
+    def modes(self) -> Modes:
+        """How the velocity of translation follows the force, in a model with inertia.
+
+        For a drag that is the same everywhere. A scene that leaves the fluid's inertia open has
+        none here. Raises `SceneError` for a number of poles that there is no table of.
+        """
+        medium, drag = self.scene.medium, 1 / self.mobility[0]
+        if medium.inertia == "memory":
+            mass = self.bead.mass / self._scale
+            return modes(mass, drag, self.bead.displaced_mass, medium.poles or USUAL)
+        return single(self.effective_mass / self._scale / drag)
 
     @property
     def relaxation_time(self) -> float:
@@ -140,9 +170,9 @@ class Problem:
         """The same with other keys of the scene's `simulation`."""
         return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
 
-    def decided(self, **simulation: Any) -> Problem:
-        """The same with the model or method that the scene left open."""
-        return dataclasses.replace(self, scene=self.scene.decided(**simulation))
+    def decided(self, **sections: Any) -> Problem:
+        """The same with what the scene left open, such as the model, by section."""
+        return dataclasses.replace(self, scene=self.scene.decided(**sections))
 
 
 def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:

@@ -194,11 +194,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"the same everywhere; allowed: {', '.join(follows)}"
         )
     if simulation.model is None:
-        problem = problem.decided(model="full" if uniform else "overdamped")
+        problem = problem.decided(simulation={"model": "full" if uniform else "overdamped"})
         about = "inertia is exact at any step" if uniform else "the drag depends on the place"
         reasons.append(f"{problem.scene.simulation.model}: {about}")
     if simulation.method == "auto":
-        problem = problem.decided(method="heun" if uniform else "euler-maruyama")
+        problem = problem.decided(simulation={"method": "heun" if uniform else "euler-maruyama"})
         about = "exact drag and noise, weak order 2" if uniform else "the drag depends on the place"
         reasons.append(f"{problem.scene.simulation.method}: {about}")
     scene, bead = problem.scene, problem.bead

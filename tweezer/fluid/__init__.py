@@ -1,8 +1,22 @@
-"""What resists the bead: drag, as mobilities by place."""
+"""What resists the bead: drag, as mobilities by place, and the inertia of the fluid."""
 
 from __future__ import annotations
 
 from tweezer.fluid.binding import drag
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
+from tweezer.fluid.memory import Modes, enough_poles, modes, more_poles, single
 
-__all__ = ["DRAG_KERNEL", "Drag", "Mobility", "Stokes", "by_axis", "drag", "stokes"]
+__all__ = [
+    "DRAG_KERNEL",
+    "Drag",
+    "Mobility",
+    "Modes",
+    "Stokes",
+    "by_axis",
+    "drag",
+    "enough_poles",
+    "modes",
+    "more_poles",
+    "single",
+    "stokes",
+]

@@ -35,7 +35,6 @@ from tweezer.dynamics.integrators.modes import (
     PLACES,
     TO_LEGENDRE,
     TO_POWERS,
-    Modes,
     displacement,
     followed,
     relaxed,
@@ -56,6 +55,7 @@ from tweezer.dynamics.integrators.system import (
 )
 from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
 from tweezer.errors import SceneError
+from tweezer.fluid import Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
 from tweezer.generated import kinematics
@@ -115,6 +115,7 @@ class Relaxation(NamedTuple):
     plain: Part
     """the force without gradients"""
     modes: Modes
+    """along each axis, (3, modes), and about it if there is a rotation, (6, modes)"""
     turn: int
     """address of `turn_over`; 0 without a rotation"""
     regions: Part
@@ -591,10 +592,14 @@ def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
     axes, many = modes.times.shape
     for i in range(3):
         out[i] = y[i]
-    for i in range(axes):
-        for k in range(many):
+    for k in range(many):
+        for i in range(axes):
             tau, weight, at = modes.times[i, k], modes.weights[i, k], 3 + i * many + k
-            relaxed(s, tau, chi)
+            if weight == 0.0:  # a rotation has fewer modes
+                out[at] = 0.0
+                continue
+            if i == 0 or tau != modes.times[i - 1, k]:
+                relaxed(s, tau, chi)
             if i < 3:
                 out[i] += displacement(s, s / step, tau, weight, y[at], powers[i], chi)
             out[at] = velocity(s / step, y[at], powers[i], chi)
@@ -751,7 +756,7 @@ class Exponential:
             turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
-        start = _in_inertial_frame(equations.initial_state, relaxation.modes.times, columns)
+        start = _in_inertial_frame(equations.initial_state, relaxation.modes, columns)
         relaxation = _begun(equations, relaxation, start)
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
         many = len(relaxation.modes.times)
@@ -789,16 +794,22 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
     )  # fmt: skip
 
 
-def _in_inertial_frame(state: Array, times: Array, columns: dict[str, int]) -> Array:
-    """x, the velocities of the modes, omega's in the inertial frame, and e, of an emitted state."""
+def _in_inertial_frame(state: Array, modes: Modes, columns: dict[str, int]) -> Array:
+    """x, the velocities of the modes, omega's in the inertial frame, and e, of an emitted state.
+
+    A bead with a velocity was struck to it in fluid at rest.
+    """
     x = state[columns["q1"] : columns["q1"] + 3]
-    rates = np.zeros(len(times))
+    rates = np.zeros(len(modes.times))
     e = state[columns["e0"] : columns["e0"] + 4] if "e0" in columns else np.zeros(0)
     if "v1" in columns:
         rates[:3] = state[columns["v1"] : columns["v1"] + 3]
     if "omega1" in columns:
         rates[3:] = _rotation(e) @ state[columns["omega1"] : columns["omega1"] + 3]
-    return np.concatenate([x, np.repeat(rates, times.shape[1]), e])
+    v = np.repeat(rates[:, None], modes.times.shape[1], axis=1)
+    if modes.times.shape[1] > 1:
+        v[:3] *= Modes(modes.times[0], modes.weights[0]).struck
+    return np.concatenate([x, v.ravel(), e])
 
 
 def _emitted(y: Array, weights: Array, columns: dict[str, int]) -> Array:

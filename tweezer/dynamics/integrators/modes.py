@@ -14,7 +14,6 @@ A. Ostermann, Acta Numerica 19, 209 (2010)): phi_0 = exp, phi_(m+1) = (phi_m - 1
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre, polynomial
@@ -52,15 +51,6 @@ for _k in range(NODES):
     for _m in reversed(range(_k + 1)):  # of 2 c - 1
         _shifted = polynomial.polyadd(polynomial.polymul(_shifted, [-1.0, 2.0]), [_powers[_m]])
     TO_POWERS[_k, : _k + 1] = _shifted[: _k + 1] / INVERSE[: _k + 1]
-
-
-class Modes(NamedTuple):
-    """How velocities follow the force: along each axis, and about it if there is a rotation."""
-
-    times: Array
-    """(3, modes) or (6, modes) s, relaxation times"""
-    weights: Array
-    """of the modes, of the shape of `times`; they add up to 1"""
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -13,7 +13,8 @@ import numpy as np
 from numba import typeof, types
 
 from tweezer.compiled import cached_njit, named_njit
-from tweezer.dynamics.integrators.modes import NODES, Modes, displacement, relaxed, velocity
+from tweezer.dynamics.integrators.modes import NODES, displacement, relaxed, velocity
+from tweezer.fluid import Modes
 
 #: Gauss's nodes of a part of a step, and its end
 _PLACES = np.array([0.5 - math.sqrt(15.0) / 10.0, 0.5, 0.5 + math.sqrt(15.0) / 10.0, 1.0])
@@ -65,6 +66,8 @@ def _angular(modes, s, step, v, powers, chi, out):  # type: ignore[no-untyped-de
         out[0, i] = out[1, i] = 0.0
         for k in range(many):
             tau, weight = modes.times[3 + i, k], modes.weights[3 + i, k]
+            if weight == 0.0:
+                continue
             relaxed(s, tau, chi)
             before = v[(3 + i) * many + k]
             out[0, i] += displacement(s, s / step, tau, weight, before, powers[3 + i], chi)

@@ -1,0 +1,98 @@
+"""The fluid's inertia: the velocity of a sphere as a sum of modes that relax by themselves.
+
+The drag of a sphere in a fluid with inertia (J. Boussinesq 1885, A. B. Basset 1888; L. D. Landau,
+E. M. Lifshitz, Fluid Mechanics, section 24) is, of a motion v = e^(st),
+
+    gamma(s) = beta (1 + sqrt(s tau_f) + s tau_f/9),    tau_f = r^2 rho_m/mu_m,
+
+of which the last term is the added mass, m_f/2. The root, the memory of the vorticity shed before,
+is here a sum of c_k s tau_f/(s tau_f + p_k) with c_k, p_k > 0 (`derivation/memory_poles.json`):
+the bead drags fictitious masses through dashpots. The response to a force then has as many simple
+poles as there are masses, and one more:
+
+    1/(m s + gamma(s)) = (1/beta) sum_j a_j/(1 + s tau_j),    a_j > 0,    sum_j a_j = 1.
+
+So the bead moves by v = sum_j a_j v_j, of which each v_j relaxes to the slow velocity F/beta in the
+time tau_j, with thermal noise of its own.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.errors import SceneError
+from tweezer.generated import memory_poles
+
+Array = NDArray[np.float64]
+
+#: Poles of the root by their number: p_k and c_k
+NODES = {n: (np.array(p), np.array(c)) for n, (p, c) in memory_poles.NODES.items()}
+#: Number of poles of a run without a tolerance
+USUAL = 24
+#: Halvings of an interval that leave nothing but rounding
+_HALVINGS = 110
+#: Error of a way over that of the root (`memory_poles.BOUNDS`) and the lag, measured
+_ERROR_PER_LAG = 3.0
+#: Part of a tolerance that the poles may take
+_PART = 0.3
+
+
+class Modes(NamedTuple):
+    """Velocities that add up to that of the bead."""
+
+    times: Array
+    """(modes,) or (axes, modes) s, relaxation times tau_j"""
+    weights: Array
+    """of the shape of `times`, a_j; those of an axis add up to 1"""
+
+    @property
+    def struck(self) -> Array:
+        """Velocities of the modes, (modes,), of a bead struck to 1 m/s in fluid at rest."""
+        stroke: Array = 1 / (self.times * (self.weights / self.times).sum())
+        return stroke
+
+
+def single(time: float) -> Modes:
+    """The one mode of a bead without memory."""
+    return Modes(np.array([time]), np.ones(1))
+
+
+def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
+    """Modes of a sphere, from the slowest to the fastest: one more than poles.
+
+    mass: of the bead alone, kg; drag: beta, kg/s; displaced_mass: of the fluid in its place, m_f,
+    kg. One mode, of the time m/beta, where the fluid has no mass. Raises `SceneError` for a number
+    of poles that there is no table of.
+    """
+    if poles not in NODES:
+        raise SceneError(f"medium.poles = {poles}: allowed: {', '.join(map(str, NODES))}")
+    if displaced_mass == 0:
+        return single(mass / drag)
+    p, c = NODES[poles]
+    vorticity_time = 4.5 * displaced_mass / drag
+    mu = (mass + 0.5 * displaced_mass) / (drag * vorticity_time)
+
+    # (m s + gamma(s))/beta at s = -rate/tau_f falls from pole to pole, from plus to minus infinity
+    low, high = np.append(0.0, p), np.append(p, p[-1] + (1 + c.sum()) / mu)
+    for _ in range(_HALVINGS):
+        rates = 0.5 * (low + high)
+        positive = 1 - mu * rates - rates * (c / (p - rates[:, None])).sum(axis=1) > 0
+        low, high = np.where(positive, rates, low), np.where(positive, high, rates)
+    slopes = mu + (c * p / (p - rates[:, None]) ** 2).sum(axis=1)
+    return Modes(vorticity_time / rates, 1 / (slopes * rates))
+
+
+def enough_poles(way: float, tolerance: float) -> int:
+    """Fewest poles by which a way behind, `way` m, is off by a part of `tolerance`, m, at most."""
+    for n, (error, *_) in memory_poles.BOUNDS.items():
+        if _ERROR_PER_LAG * error * way <= _PART * tolerance:
+            return n
+    return max(NODES)
+
+
+def more_poles(poles: int) -> int:
+    """The next larger number of poles; the largest one itself."""
+    return min((n for n in NODES if n > poles), default=poles)
