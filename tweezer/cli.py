@@ -388,6 +388,10 @@ def calibrate(
         str | None,
         typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
     ] = None,
+    fluid_density: Annotated[
+        str | None,
+        typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
+    ] = None,
     exposure: Annotated[
         str | None,
         typer.Option(help='Time that each position is averaged over: "2 ms", up to the step.'),
@@ -411,6 +415,7 @@ def calibrate(
             ("radius", radius, BeadRadius),
             ("viscosity", viscosity, Viscosity),
             ("density", density, Density),
+            ("fluid-density", fluid_density, Density),
         )
         if text is not None
     }
@@ -429,16 +434,22 @@ def calibrate(
         raise ResultError(
             f"{recording}: --radius and --viscosity go together; --density needs both"
         )
-    drag = mass = None
+    if ("fluid-density" in given) > ("density" in given):
+        raise ResultError(f"{recording}: --fluid-density needs --density")
+    drag = mass = displaced = None
     if "radius" in given:
         from tweezer.fluid import stokes
 
         drag = stokes(given["viscosity"], given["radius"]).translation
     if "density" in given:
-        mass = 4 / 3 * math.pi * given["density"] * given["radius"] ** 3
+        volume = 4 / 3 * math.pi * given["radius"] ** 3
+        mass = given["density"] * volume
+        if "fluid-density" in given:
+            displaced = given["fluid-density"] * volume
     calibration = calibrated(
-        loaded, temperature=given.get("temperature"), drag=drag, mass=mass, exposure=exposed
-    )
+        loaded, temperature=given.get("temperature"), drag=drag, mass=mass,
+        displaced_mass=displaced, exposure=exposed,
+    )  # fmt: skip
     _print_calibration(calibration)
     if out:
         _write_json(dataclasses.asdict(calibration), out)

@@ -486,6 +486,8 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
     axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
     _legend_below(axes)
     form = "Lorentzian" if calibration.mass is None else "inertial form"
+    if calibration.displaced_mass is not None:
+        form = "hydrodynamic form"
     axes.set_title(f"power spectrum; {form} with its aliases", fontsize=9)
 
 

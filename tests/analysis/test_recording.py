@@ -142,6 +142,18 @@ def test_a_run_has_the_inertia_of_its_model(run, model, factor):
     assert tweezer.calibrate(run).mass == pytest.approx(mass / factor, rel=1e-9, abs=0)
 
 
+@pytest.mark.parametrize("inertia", ["none", "added-mass", "memory"])
+def test_a_run_has_the_inertia_of_its_fluid(run, inertia):
+    scene = tweezer.scene_of(run)
+    changed = scene.replace(simulation={"model": "full"}, medium={"inertia": inertia})
+    run.attrs["scene"] = changed.model_dump_json(exclude_none=True)
+    own = tweezer.bead_properties(scene).mass
+    fluid = own * scene.medium.density / scene.bead.density
+    found = tweezer.calibrate(run)
+    assert found.mass == pytest.approx(own + (fluid / 2 if inertia == "added-mass" else 0))
+    assert found.displaced_mass == (pytest.approx(fluid) if inertia == "memory" else None)
+
+
 def test_a_lost_run_counts_up_to_there(run):
     run["position"][3000:] = np.nan
     run.attrs["status"] = "lost"

@@ -162,6 +162,8 @@ class Calibration:
     """kg/s; None if fitted"""
     mass: float | None
     """kg; None if overdamped"""
+    displaced_mass: float | None
+    """kg of fluid in the bead's place; None: without the inertia of the fluid"""
     exposure: float | None
     """s; None if not known, and taken as 0"""
     samples: int
@@ -187,30 +189,32 @@ def calibrate(
     temperature: float | str | None = None,
     drag: float | str | None = None,
     mass: float | str | None = None,
+    displaced_mass: float | str | None = None,
     exposure: float | str | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
 
     source: a recording, or what `load_recording` takes. temperature: of the medium, K; drag: beta,
-    kg/s; mass: of the bead, kg; exposure: the time over which each position is averaged, s, from 0
-    to the step; each a number in that unit, or text with a unit. For a run of tweezer they default
-    to the scene's (the mass is that of the model: none without inertia, m/a2 in the scaled model;
-    the exposure is 0). An unknown exposure is taken as 0, and a finding reports a record that could
-    have another one.
+    kg/s; mass: of the bead, kg; displaced_mass: of the fluid in its place, kg, with which the drag
+    remembers (`TrappedBead`): it needs the mass; exposure: the time over which each position is
+    averaged, s, from 0 to the step; each a number in that unit, or text with a unit. For a run of
+    tweezer they default to the scene's (masses are those of the model and of `medium.inertia`: none
+    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; the exposure is 0). An
+    unknown exposure is taken as 0, and a finding reports a record that could have another one.
 
     The record is tested first (`tweezer.analysis.findings`); its findings apply to every number of
     the axis. Equipartition: k_B T over the variance, corrected for the exposure and for the mean,
     which is that of the record; its uncertainty is that of a sum of the ordinates of
     the spectrum. Power spectrum: the expected periodogram of the sampled bead
-    (`TrappedBead.sampled_spectrum`, with aliases and leakage; with a mass in its inertial form),
-    fitted by maximum likelihood for exponentially distributed ordinates (P. Whittle, Ark. Mat. 2,
-    423 (1953)), with the drag given and with the drag fitted; uncertainties from Fisher's
-    information; the p-value is that of Bartlett's test (Kolmogorov and Smirnov) of the
-    cumulative periodogram over the fit. Displacement and autocorrelation: least squares over ten
-    lags, from 0.1 to 2 relaxation times, weighted with the covariance that those averages have for
-    Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 27 (1946)); the autocorrelation
-    uses only the rate of decay and needs a drag, but no temperature. Potential: `potential`, with
-    the corrections of equipartition.
+    (`TrappedBead.sampled_spectrum`, with aliases and leakage; with masses in its inertial or
+    hydrodynamic form), fitted by maximum likelihood for exponentially distributed ordinates
+    (P. Whittle, Ark. Mat. 2, 423 (1953)), with the drag given and with the drag fitted;
+    uncertainties from Fisher's information; the p-value is that of Bartlett's test (Kolmogorov and
+    Smirnov) of the cumulative periodogram over the fit. Displacement and autocorrelation: least
+    squares over ten lags, from 0.1 to 2 relaxation times, weighted with the covariance that those
+    averages have for Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 27 (1946)); the
+    autocorrelation uses only the rate of decay and needs a drag, but no temperature. Potential:
+    `potential`, with the corrections of equipartition.
 
     `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
     `ResultError` without a temperature, for an exposure longer than the step, for what
@@ -220,25 +224,31 @@ def calibrate(
     temperature = _in_si(recording, "temperature", temperature, "K")
     drag = _in_si(recording, "drag", drag, "kg/s")
     mass = _in_si(recording, "mass", mass, "kg")
+    fluid = _in_si(recording, "displaced_mass", displaced_mass, "kg")
+    poles = TrappedBead.poles
     exposure = _in_si(recording, "exposure", exposure, "s")
     if recording.scene is not None:
         if not recording.scene.forces.brownian:
             raise ResultError(
                 f"{recording.name}: made without thermal motion: nothing to calibrate"
             )
-        bead = bead_properties(recording.scene)
         if temperature is None:
             temperature = recording.scene.medium.temperature
         resistance = drag_of(recording.scene)
         if drag is None and resistance.uniform:  # another is fitted
             drag = 1 / float(resistance.mobilities(np.zeros((1, 3))).value[0, 0])
-        mass = _inertia(recording.scene, bead.mass) if mass is None else mass
+        if mass is None and fluid is None:
+            mass, fluid = _inertia(recording.scene)
+            poles = recording.scene.medium.poles or poles
         exposure = 0.0 if exposure is None else exposure
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
-    for name, value in {"temperature": temperature, "drag": drag, "mass": mass}.items():
+    positive = {"temperature": temperature, "drag": drag, "mass": mass, "displaced_mass": fluid}
+    for name, value in positive.items():
         if value is not None and value <= 0:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
+    if fluid is not None and mass is None:
+        raise ResultError(f"{recording.name}: the inertia of the fluid needs the bead's mass too")
     coldest, hottest = TEMPERATURE
     if not coldest <= temperature <= hottest:
         raise ResultError(
@@ -252,8 +262,9 @@ def calibrate(
             f"samples, {step:.4g} s"
         )
     given = TrappedBead(
-        math.nan, math.nan if drag is None else drag, temperature, mass, min(exposure or 0.0, step)
-    )
+        math.nan, math.nan if drag is None else drag, temperature, mass, min(exposure or 0.0, step),
+        fluid, poles,
+    )  # fmt: skip
     made_by: list[Finding] = []
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
         text = "simulated by one-call: displacements from step to step are not the bead's"
@@ -271,7 +282,7 @@ def calibrate(
                 "signal of another kind?"
             ) from None
     return Calibration(
-        recording.name, temperature, drag, mass, exposure, len(recording.times), step,
+        recording.name, temperature, drag, mass, fluid, exposure, len(recording.times), step,
         recording.note, tuple(axes),
     )  # fmt: skip
 
@@ -286,12 +297,16 @@ def _in_si(recording: Recording, name: str, value: float | str | None, unit: str
         raise ResultError(f"{recording.name}: {name} = {value!r}: {error}") from None
 
 
-def _inertia(scene: Scene, mass: float) -> float | None:
-    """Mass of the bead in the scene's model."""
-    model = scene.simulation.model
-    if model == "scaled":
-        return mass / (scene.simulation.scaling_factor or 1.0)
-    return mass if model == "full" else None
+def _inertia(scene: Scene) -> tuple[float | None, float | None]:
+    """Mass of the bead in the scene's model, and of the fluid in its place if it remembers."""
+    model, fluid = scene.simulation.model, scene.medium.inertia
+    if model not in ("full", "scaled"):
+        return None, None
+    bead = bead_properties(scene)
+    mass = bead.mass / (scene.simulation.scaling_factor or 1.0) if model == "scaled" else bead.mass
+    if fluid == "memory":
+        return mass, bead.displaced_mass
+    return mass + (bead.displaced_mass / 2 if fluid == "added-mass" else 0.0), None
 
 
 def _calibrated(

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
 
+from tweezer.fluid.memory import NODES, USUAL
+
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+#: Amplitudes (m^2) and rates (1/s); complex where a decay rings
+Decays = list[tuple[complex, complex]]
 
 #: Length of Sokal's window, in statistical inefficiencies
 _WINDOW = 3.0
@@ -20,6 +26,13 @@ _WINDOW = 3.0
 _CRITICAL = 1e-5
 #: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
 _SHORT = 1e-2
+#: Part of a decay, after a step, that counts as none
+_NOTHING = 1e-18
+#: Number of steps of Newton's method for the rates of a bead with memory.
+_NEWTON = 3
+#: Relative change of a stiffness at which two rates of a bead with memory are equal, and the error
+#: of the sum of amplitudes that shows it.
+_DOUBLE = 1e-7
 
 
 def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
@@ -103,13 +116,16 @@ def _overlap(v: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class TrappedBead:
-    """A bead in a harmonic trap, m x'' + beta x' + k x = thermal noise, and its recording.
+    """A bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
 
-    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. The noise is white: the effect
-    of the medium's inertia on the drag (Basset) is left out. A recorded position is the mean over
-    the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express 14, 12517 (2006)). By the
-    exposure a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
-    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0.
+    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. Drag is beta x', or with the
+    mass of the displaced fluid that of Boussinesq and Basset, gamma(s) = beta (1 + sqrt(s tau_f) +
+    s tau_f/9) with tau_f = 9 m_f/(2 beta): it remembers, and adds m_f/2 to the mass. In time it is
+    a sum of exponentials (`tweezer.fluid.memory`).
+
+    A recorded position is the mean over the exposure (motion blur: W. P. Wong and K. Halvorsen,
+    Opt. Express 14, 12517 (2006)). By the exposure a decay e^-rt becomes
+    (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and 2 (rW - 1 + e^-rW)/(rW)^2 at t = 0.
     """
 
     stiffness: float
@@ -119,9 +135,13 @@ class TrappedBead:
     temperature: float
     """T, K"""
     mass: float | None = None
-    """m, kg"""
+    """m of the bead alone, kg"""
     exposure: float = 0.0
     """W, s: the time over which each recorded position is averaged"""
+    displaced_mass: float | None = None
+    """m_f, kg: the mass of the fluid in the bead's place; None: a fluid without inertia"""
+    poles: int = USUAL
+    """number of poles of the fluid's memory; 24 are exact to 5e-5 in the spectrum below 1 MHz"""
 
     @property
     def variance(self) -> float:
@@ -140,36 +160,59 @@ class TrappedBead:
 
     @property
     def relaxation_time(self) -> float:
-        """Time of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped."""
-        return 1 / min(rate.real for _, rate in self._decays())
+        """Time of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped.
+
+        The memory of the fluid, whose decay has no slowest time, is left out.
+        """
+        return 1 / min(rate.real for _, rate in self._forgetful)
 
     @property
     def roll_off(self) -> float:
         """Frequency above which the spectrum falls, Hz: the corner, or the resonance."""
-        if self.mass is None:
+        mass = self._inertia
+        if not mass:
             return self.corner_frequency
-        return min(self.corner_frequency, math.sqrt(self.stiffness / self.mass) / (2 * math.pi))
+        return min(self.corner_frequency, math.sqrt(self.stiffness / mass) / (2 * math.pi))
 
-    def _decays(self) -> list[tuple[complex, complex]]:
-        """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance."""
+    @property
+    def _inertia(self) -> float:
+        """Mass that moves at once: the bead's, and half that of the fluid in its place, kg."""
+        return (self.mass or 0.0) + (self.displaced_mass or 0.0) / 2
+
+    @cached_property
+    def _forgetful(self) -> Decays:
+        """Amplitudes (m^2) and rates (1/s) of the exponentials of a bead without memory."""
         equipartition = Boltzmann * self.temperature / self.stiffness
-        if self.mass is None:
+        mass = self._inertia
+        if not mass:
             return [(equipartition, self.stiffness / self.drag)]
-        split = cmath.sqrt(1 - 4 * self.mass * self.stiffness / self.drag**2)
+        split = cmath.sqrt(1 - 4 * mass * self.stiffness / self.drag**2)
         if abs(split) < _CRITICAL:
             split = complex(_CRITICAL)  # the error is of second order
-        fast = self.drag / (2 * self.mass) * (1 + split)
-        slow = self.stiffness / self.mass / fast
-        return [
-            (equipartition * fast / (fast - slow), slow),
-            (-equipartition * slow / (fast - slow), fast),
-        ]
+        fast = self.drag / (2 * mass) * (1 + split)
+        slow = self.stiffness / mass / fast
+        ratios = (fast / (fast - slow), slow), (-slow / (fast - slow), fast)
+        return _plain((equipartition * part, rate) for part, rate in ratios)
+
+    @cached_property
+    def _decays(self) -> Decays:
+        """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance.
+
+        With memory C(s) = (k_B T/k) Z/(s Z + k), of which the rates are the poles.
+        """
+        if not self.displaced_mass:
+            return self._forgetful
+        time = 4.5 * self.displaced_mass / self.drag
+        inertia = self._inertia / (self.drag * time)
+        parts, rates = _relaxation(inertia, self.stiffness * time / self.drag, self.poles)
+        equipartition = Boltzmann * self.temperature / self.stiffness
+        return _plain(zip(equipartition * parts, rates / time, strict=True))
 
     def autocovariance(self, times: ArrayLike) -> Array:
         """<x(0) x(t)>, m^2, of recorded positions, at `times` (s)."""
         past = np.abs(np.asarray(times, np.float64))
         covariance = np.zeros(past.shape)
-        for amplitude, rate in self._decays():
+        for amplitude, rate in self._decays:
             decay = np.exp(-rate * past)
             if self.exposure:
                 u, v = rate * self.exposure, rate * np.minimum(past, self.exposure)
@@ -186,15 +229,18 @@ class TrappedBead:
     def spectrum(self, frequencies: ArrayLike) -> Array:
         """One-sided power spectral density, m^2/Hz, of the motion itself at `frequencies` (Hz).
 
-        The Lorentzian, or with a mass its inertial form (K. Berg-Sorensen and H. Flyvbjerg,
-        Rev. Sci. Instrum. 75, 594 (2004)); times sinc^2(f W) for the exposure.
+        The Lorentzian, with a mass its inertial form, and with the mass of the fluid its
+        hydrodynamic form, without approximation (K. Berg-Sorensen and H. Flyvbjerg, Rev. Sci.
+        Instrum. 75, 594 (2004)); times sinc^2(f W) for the exposure.
         """
         f = np.asarray(frequencies, np.float64)
         omega = 2 * np.pi * f
-        restoring = self.stiffness - (self.mass or 0.0) * omega**2
-        force = 4 * Boltzmann * self.temperature * self.drag
-        density = force / (restoring**2 + (self.drag * omega) ** 2)
-        return density * np.sinc(f * self.exposure) ** 2
+        memory = np.sqrt(omega * 4.5 * (self.displaced_mass or 0.0) / self.drag / 2)
+        viscous = self.drag * (1 + memory)
+        in_phase = self.stiffness - self._inertia * omega**2 - self.drag * omega * memory
+        force = 4 * Boltzmann * self.temperature * viscous
+        density = force / (in_phase**2 + (omega * viscous) ** 2)
+        return np.asarray(density * np.sinc(f * self.exposure) ** 2)
 
     def sampled_spectrum(
         self, frequencies: ArrayLike, step: float, samples: float = math.inf
@@ -202,27 +248,77 @@ class TrappedBead:
         """One-sided power spectral density, m^2/Hz, of positions taken every `step` (s).
 
         It includes all aliases: it is the Fourier sum over the autocovariance of the samples, which
-        from lag 1 on is one or two geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
+        from lag 1 on is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
         E 83, 041103 (2011)). With `samples`, the expected periodogram at the Fourier frequencies of
         a record of that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106,
         251 (2019)). The exposure must not exceed the step.
         """
-        turn = 2j * np.pi * np.asarray(frequencies, np.float64) * step
-        density = np.full(turn.shape, self.variance)
-        for amplitude, rate in self._decays():
-            ends = -np.expm1(-rate * step * samples) / samples if math.isfinite(samples) else 0.0
-            rest = -np.expm1(turn - rate * step)
+        angle = 2 * np.pi * step * np.asarray(frequencies, np.float64)
+        away = 2 * np.sin(angle / 2) ** 2  # 1 - cos
+        turned = away - 1j * np.sin(angle) if any(map(_rings, self._decays)) else away  # 1 - e^ia
+        density = np.full(angle.shape, self.variance)
+        for amplitude, rate in self._decays:
+            # sum over lags j of first e^(-(j - 1) rate step + i j angle), less j/samples of each
+            first = amplitude * np.exp(-rate * (step - self.exposure))
             if self.exposure:
-                u = rate * self.exposure
-                amplitude *= (np.expm1(-u) / u) ** 2  # noqa: PLW2901
-                first = np.exp(turn - rate * (step - self.exposure))
-            else:
-                first = 1 - rest
-            density += 2 * np.real(amplitude * first * (1 / rest - ends / rest**2))
+                first *= (np.expm1(-rate * self.exposure) / (rate * self.exposure)) ** 2
+            if abs(first) < _NOTHING * abs(amplitude):
+                continue
+            lost, kept = -np.expm1(-rate * step), np.exp(-rate * step)
+            ends = -np.expm1(-rate * step * samples) / samples if math.isfinite(samples) else 0.0
+            if _rings((amplitude, rate)):
+                rest = lost + kept * turned
+                density += 2 * np.real(first * (1 - turned) * (1 / rest - ends / rest**2))
+                continue
+            per_square = 1 / (lost**2 + 2 * kept * away)
+            density += 2 * first * (lost - away) * per_square
+            if ends:
+                twice = lost**2 - (1 + kept**2) * away
+                density -= 2 * first * ends * twice * per_square**2
         return 2 * step * density
 
     def variance_of_mean(self, step: float, samples: float) -> float:
         """Variance of the mean of `samples` positions taken every `step` (s), m^2."""
-        lags = np.arange(1, samples)
-        covariance = self.autocovariance(lags * step)
-        return (self.variance + 2 * float((1 - lags / samples) @ covariance)) / samples
+        return float(self.sampled_spectrum(0.0, step, samples)) / (2 * step * samples)
+
+
+def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
+    """The same with real numbers where they are real."""
+    return [
+        (complex(a), complex(r)) if complex(r).imag else (complex(a).real, complex(r).real)
+        for a, r in decays
+    ]
+
+
+def _rings(decay: tuple[complex, complex]) -> bool:
+    return isinstance(decay[1], complex)
+
+
+def _relaxation(inertia: float, stiffness: float, poles: int) -> tuple[Complex, Complex]:
+    """Parts and rates (1/tau_f) of the exponentials in the autocovariance of a bead with memory.
+
+    inertia: m + m_f/2, in beta tau_f; stiffness: k, in beta/tau_f. The rates are the zeros at -s of
+    D(s) = s Z(s) + k with Z = inertia s + 1 + sum c s/(s + p): eigenvalues of the equations of
+    the bead and as many masses, which it drags by dashpots c, each variable in units of its
+    thermal size; and then by Newton's method. The parts are k/(r D'(-r)); they add up to 1.
+    """
+    p, c = (np.asarray(each, np.float64)[::-1] for each in NODES[poles])
+    n = len(p)
+    each = np.arange(n)  # the fast ones first: small eigenvalues keep their digits
+    for k in stiffness * (1 + _DOUBLE * np.arange(3)):
+        matrix = np.zeros((n + 2, n + 2))
+        matrix[each, each] = -p
+        matrix[each, n] = matrix[n, each] = np.sqrt(c * p / inertia)
+        matrix[n, n] = -(1 + c.sum()) / inertia
+        matrix[n + 1, n] = math.sqrt(k / inertia)
+        matrix[n, n + 1] = -matrix[n + 1, n]
+        s = np.linalg.eigvals(matrix).astype(np.complex128)[:, None]
+        for _ in range(_NEWTON + 1):
+            per_pole = 1 / (s + p)
+            slope = 2 * inertia * s + 1 + (s * (1 + p * per_pole) * per_pole) @ c[:, None]
+            parts = -k / (s * slope)
+            rates = -s
+            s = s - (inertia * s**2 + s * (1 + (s * per_pole) @ c[:, None]) + k) / slope
+        if abs(parts.real.sum() - 1) < _DOUBLE:
+            return parts[:, 0], rates[:, 0]
+    raise ArithmeticError("the rates of a bead with memory are not found")
