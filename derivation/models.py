@@ -10,6 +10,7 @@ import sympy as sp
 
 from . import drag as dg
 from . import euler_parameters as ep
+from . import hydrodynamics as hd
 from . import langevin as lv
 from . import multiscale as ms
 from . import ray, waves
@@ -659,6 +660,61 @@ def _langevin() -> Module:
     )  # fmt: skip
 
 
+def _hydrodynamics() -> Module:
+    root = ((sy.ROOT_OF_FREQUENCY, hd.ROOT),)
+    by_frequency = (sy.FREQUENCY, sy.DRAG, sy.VORTICITY_TIME)
+    return Module(
+        "hydrodynamics",
+        "A sphere in a fluid with inertia, by angular frequency: s = i w.",
+        "gamma is the drag in the unsteady Stokes flow; its imaginary part has the added mass.",
+        (),
+        (),
+        (
+            Function(
+                "drag_of_translation",
+                "gamma(i w) = beta_v (1 + x + x^2/9), x = sqrt(i w tau_f).",
+                _scalars(by_frequency),
+                hd.TRANSLATION_BY_FREQUENCY,
+                root,
+                ("real", "imaginary"),
+            ),
+            Function(
+                "drag_of_rotation",
+                "beta_w (3 + 3 x + x^2)/(3 (1 + x)), x = sqrt(i w tau_f).",
+                _scalars((sy.FREQUENCY, sy.ROTATIONAL_DRAG, sy.VORTICITY_TIME)),
+                hd.ROTATION_BY_FREQUENCY,
+                root,
+                ("real", "imaginary"),
+            ),
+            Function(
+                "impedance",
+                "Z(i w) = i w m + gamma(i w), the force by a unit of velocity.",
+                _scalars((*by_frequency, sy.MASS)),
+                hd.IMPEDANCE,
+                root,
+                ("real", "imaginary"),
+            ),
+            Function(
+                "noise",
+                "Two-sided spectrum of the force of the fluid's noise, 2 kT Re gamma, N^2/Hz.",
+                _scalars((*by_frequency, sy.THERMAL_ENERGY)),
+                sp.Matrix([hd.NOISE]),
+                root,
+                ("spectrum",),
+            ),
+            Function(
+                "position",
+                "One-sided spectrum of the position in a trap, m^2/Hz.",
+                _scalars((*by_frequency, sy.MASS, sy.STIFFNESS, sy.THERMAL_ENERGY)),
+                sp.Matrix([hd.SPECTRUM]),
+                root,
+                ("spectrum",),
+            ),
+        ),
+        ("hydrodynamics.py",),
+    )
+
+
 def _parts(*names: tuple[Quantity, Quantity]) -> tuple[Argument, ...]:
     """Real and imaginary parts as arguments."""
     return tuple(argument for pair in names for argument in _scalars(pair))
@@ -797,6 +853,7 @@ def catalogue() -> tuple[Module, ...]:
         *_first_order_models(),
         _kinematics(),
         _langevin(),
+        _hydrodynamics(),
         _ray(),
         _waves(),
     )

@@ -130,6 +130,14 @@ COVARIANCE_V = _quantity("c_vv", "1", "variance of the velocity over kT/m", "2.1
 STEP_IN_TAU = _quantity("p", "1", "h/tau", "-")
 STEP_IN_SWINGS = _quantity("q", "1", "kappa h^2/tau", "-")
 STEP_IN_TRAP = _quantity("g", "1", "kappa h", "-")
+# of a fluid with inertia
+FREQUENCY = _quantity("w", "rad/s", "angular frequency", "-", positive=True)
+VORTICITY_TIME = _quantity(
+    "tau_f", "s", "r^2 rho_m/mu_m: vorticity diffuses over r", "-", positive=True
+)
+ROOT_OF_FREQUENCY = _quantity("y", "1", "sqrt(w tau_f/2)", "-", positive=True)
+STIFFNESS = _quantity("k", "N/m", "stiffness of a trap", "-", positive=True)
+THERMAL_ENERGY = _quantity("kT", "J", "Boltzmann's constant times temperature", "-", positive=True)
 
 # --- one ray -----------------------------------------------------------------------------------
 SINE_SQUARED = _quantity(
