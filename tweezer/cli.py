@@ -35,7 +35,9 @@ if TYPE_CHECKING:
         DepthFit,
         Efficiency,
         Finding,
+        Recording,
         Summary,
+        Together,
         Trap,
     )
     from tweezer.compiled import Compilation
@@ -368,11 +370,12 @@ def ensemble(
 
 @app.command()
 def calibrate(
-    recording: Annotated[
-        str,
+    recordings: Annotated[
+        list[str],
         typer.Argument(
-            help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z.",
-            metavar="RECORDING",
+            help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z. Several of one "
+            "trap are put together.",
+            metavar="RECORDING...",
         ),
     ],
     temperature: Annotated[
@@ -392,20 +395,42 @@ def calibrate(
         str | None,
         typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
     ] = None,
-    exposure: Annotated[
+    drive: Annotated[
         str | None,
-        typer.Option(help='Time that each position is averaged over: "2 ms", up to the step.'),
+        typer.Option(
+            help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
+            "volts the metres, are measured by it.",
+            metavar="COLUMN",
+        ),
+    ] = None,
+    blur: Annotated[
+        str | None,
+        typer.Option(
+            "--blur", "--exposure",
+            help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
+        ),
+    ] = None,
+    diode: Annotated[
+        str | None,
+        typer.Option(
+            help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
+            "the part that it detects at once; or fit."
+        ),
+    ] = None,
+    noise: Annotated[
+        str | None,
+        typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
     ] = None,
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
-) -> None:
+) -> None:  # fmt: skip
     """Stiffness of a trap from a RECORDING.
 
-    From the thermal motion of the bead, by several methods.
+    From the thermal motion of the bead, by several methods, and from its answer to a drive.
     """
     from tweezer.analysis import calibrate as calibrated
-    from tweezer.analysis import load_recording
+    from tweezer.analysis import load_recording, together
     from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
 
     given = {
@@ -420,22 +445,16 @@ def calibrate(
         if text is not None
     }
     skipped = _quantity("--skip", skip, Time)
-    exposed = None if exposure is None else _quantity("--exposure", exposure, Time)
+    exposed: float | str | None = blur
+    if blur not in (None, "fit"):
+        exposed = _quantity("--blur", blur, Time)
     out = out and _writable(out, ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
-    loaded = load_recording(recording).since(skipped)
-    if loaded.scene is not None and given:
-        raise ResultError(f"{recording}: its scene has the {', the '.join(given)}; not to be given")
-    if loaded.scene is None and "temperature" not in given:
-        raise ResultError(
-            f"{recording}: needs --temperature, and --radius and --viscosity if known"
-        )
-    if ("radius" in given) != ("viscosity" in given) or ("density" in given) > ("radius" in given):
-        raise ResultError(
-            f"{recording}: --radius and --viscosity go together; --density needs both"
-        )
-    if ("fluid-density" in given) > ("density" in given):
-        raise ResultError(f"{recording}: --fluid-density needs --density")
+    if plot and len(recordings) > 1:
+        raise ResultError(f"--plot draws one recording, not {len(recordings)}")
+    loaded = [load_recording(each, drive).since(skipped) for each in recordings]
+    for each in loaded:
+        _check_known(each, given)
     drag = mass = displaced = None
     if "radius" in given:
         from tweezer.fluid import stokes
@@ -446,18 +465,55 @@ def calibrate(
         mass = given["density"] * volume
         if "fluid-density" in given:
             displaced = given["fluid-density"] * volume
-    calibration = calibrated(
-        loaded, temperature=given.get("temperature"), drag=drag, mass=mass,
-        displaced_mass=displaced, exposure=exposed,
-    )  # fmt: skip
-    _print_calibration(calibration)
+    calibrations = []
+    for each in loaded:
+        calibrations.append(
+            calibrated(
+                each, temperature=given.get("temperature"), drag=drag, mass=mass,
+                displaced_mass=displaced, exposure=exposed, diode=diode, noise=_bare(noise),
+            )
+        )  # fmt: skip
+        if len(loaded) > 1:
+            _out.print(f"{each.name}:", highlight=False, soft_wrap=True)
+        _print_calibration(calibrations[-1])
+    put_together = together(calibrations) if len(loaded) > 1 else ()
+    if put_together:
+        _print_together(calibrations, put_together)
     if out:
-        _write_json(dataclasses.asdict(calibration), out)
+        written = [dataclasses.asdict(each) for each in calibrations]
+        every = [dataclasses.asdict(each) for each in put_together]
+        _write_json({"recordings": written, "together": every} if every else written[0], out)
     if plot:
         from tweezer.plots import calibration_figure
 
-        _write_figure(calibration_figure(loaded, calibration), plot)
+        _write_figure(calibration_figure(loaded[0], calibrations[0]), plot)
     _tell_written(out, plot)
+
+
+def _check_known(loaded: Recording, given: dict[str, float]) -> None:
+    """Refuse what does not go together, or with that recording."""
+    if loaded.scene is not None and given:
+        raise ResultError(
+            f"{loaded.name}: its scene has the {', the '.join(given)}; not to be given"
+        )
+    if loaded.scene is None and "temperature" not in given:
+        raise ResultError(
+            f"{loaded.name}: needs --temperature, and --radius and --viscosity if known"
+        )
+    if ("radius" in given) != ("viscosity" in given) or ("density" in given) > ("radius" in given):
+        raise ResultError(
+            f"{loaded.name}: --radius and --viscosity go together; --density needs both"
+        )
+    if ("fluid-density" in given) > ("density" in given):
+        raise ResultError(f"{loaded.name}: --fluid-density needs --density")
+
+
+def _bare(text: str | None) -> float | str | None:
+    """A number where text is one."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return text
 
 
 @app.command()
@@ -969,7 +1025,7 @@ def _print_calibration(calibration: Calibration) -> None:
         if {finding.name for finding in axis.findings} & {"free", "drift"} == {"free"}:
             _print_free(axis)
         else:
-            _print_trapped(axis)
+            _print_trapped(axis, calibration.unit)
     if calibration.note:
         _show_warning(calibration.note)
 
@@ -986,7 +1042,7 @@ def _print_free(axis: AxisCalibration) -> None:
     )  # fmt: skip
 
 
-def _print_trapped(axis: AxisCalibration) -> None:
+def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     """A table of estimates, and below it numbered notes on what speaks against them."""
     every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
     listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
@@ -1010,8 +1066,75 @@ def _print_trapped(axis: AxisCalibration) -> None:
     corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, "Hz")
     diffusion = _determined(1e12 * free.bead.diffusion, 1e12 * axis.diffusion_uncertainty, "um^2/s")
     line = f"corner frequency {corner}; diffusion {diffusion}; p = {free.p_value:.2g}"
+    if free.drag_uncertainty is None:
+        line = f"corner frequency {corner}; p = {free.p_value:.2g}"
     against = mark(axis.findings)
     _out.print(f"{line}; {against}" if against else line, highlight=False, soft_wrap=True)
+    for line in (*_detected(axis, unit), *(finding.text for finding in axis.remarks)):
+        _out.print(line, highlight=False, soft_wrap=True)
+
+
+def _detected(axis: AxisCalibration, unit: str) -> Iterable[str]:
+    """Lines on what the record tells of the detector, and of the drive."""
+    volt, nano = (1e3, "mV") if unit == "V" else (1e9, "nm")
+    words = {
+        "exposure": ("blur", 1e6, "us"),
+        "diode_frequency": ("diode", 1e-3, "kHz"),
+        "diode_fraction": ("detected at once", 1.0, ""),
+        "noise": ("noise", volt, nano),
+    }
+    told = [
+        f"{words[each.name][0]} {_scaled(each.value, each.uncertainty, *words[each.name][1:])}"
+        for each in axis.detector
+        if each.value is not None
+    ]
+    if told:
+        yield "; ".join(told)
+    if axis.sensitivity is not None:
+        drag = axis.free_fit
+        parts = [
+            _scaled(axis.sensitivity, axis.sensitivity_uncertainty, 1e6, "um/V")
+            if unit == "V"
+            else f"{_scaled(axis.sensitivity, axis.sensitivity_uncertainty, 1.0, 'm')} a metre",
+            _scaled(axis.force_sensitivity, axis.force_sensitivity_uncertainty, 1e12, "pN/V")
+            if unit == "V"
+            else "",
+            f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}",
+        ]
+        yield "; ".join(filter(None, parts))
+    for each in axis.answers:
+        answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
+        yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"
+
+
+def _scaled(value: float | None, uncertainty: float | None, factor: float, unit: str) -> str:
+    error = math.nan if uncertainty is None else factor * uncertainty
+    return f"{with_uncertainty(factor * (value or math.nan), error)} {unit}".rstrip()
+
+
+def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]) -> None:
+    """A table over recordings, and their means."""
+    from tweezer.analysis.together import QUANTITIES
+
+    factors = {"stiffness": (1e6, "pN/um"), "drag": (1e9, "nN s/m"), "sensitivity": (1e6, "um/V")}
+    if any(each.unit != "V" for each in calibrations):
+        factors["sensitivity"] = (1.0, "")
+    for each in every:
+        factor, unit = factors[each.quantity]
+        table = _table(f"{each.axis}: {each.quantity}", unit, "+-", "")
+        for calibration in calibrations:
+            for axis in calibration.axes:
+                found = QUANTITIES[each.quantity](axis) if axis.axis == each.axis else None
+                if found:
+                    judgement = "" if calibration.name in each.recordings else "not trusted"
+                    numbers = rounded(*(factor * number for number in found))
+                    table.add_row(calibration.name, *numbers, judgement)
+        if each.mean is not None and each.uncertainty is not None:
+            mean = rounded(factor * each.mean, factor * each.uncertainty)
+            table.add_row("together", *mean, f"p = {each.p_value:.2g}")
+        _out.print(table)
+        for finding in each.findings:
+            _out.print(finding.text, highlight=False, soft_wrap=True)
 
 
 def _print_depth(found: DepthFit, scene: Scene) -> None:

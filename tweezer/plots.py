@@ -402,8 +402,10 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     """Trajectory, density, power spectrum, mean squared displacement and potential, with fits.
 
     Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
-    fits are those of `calibration`.
+    fits are those of `calibration`. A record in volts is drawn in metres, one with a drive without
+    the motion that the stage causes.
     """
+    recording = analysis.in_metres(recording, calibration)
     figure = Figure(figsize=(13.0, 7.2), layout="constrained")
     axes = figure.subplot_mosaic(
         [["trajectory", "trajectory", "density"], ["spectrum", "displacement", "potential"]]
@@ -483,11 +485,15 @@ def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -
         )  # fmt: skip
         axes.plot(frequencies, curve, color=colour, lw=0.8, ls=":", zorder=3)
         axes.axvline(bead.corner_frequency, ymax=0.08, color=colour, lw=1.0)
+        for answer in found.answers:
+            axes.axvline(answer.frequency, ymin=0.92, color=colour, lw=1.0)
     axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
     _legend_below(axes)
     form = "Lorentzian" if calibration.mass is None else "inertial form"
     if calibration.displaced_mass is not None:
         form = "hydrodynamic form"
+    if not all(found.fit.bead.seen_as_it_is for found in calibration.axes):
+        form += " as detected"
     axes.set_title(f"power spectrum; {form} with its aliases", fontsize=9)
 
 
@@ -500,7 +506,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
         errors = [
             analysis.standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags
         ]
-        colour, estimate = _COLOURS[found.axis], found["displacement"]
+        colour, estimate = _COLOURS[found.axis], found.by("displacement") or found.estimates[0]
         axes.errorbar(
             lags * step, values * _NANO**2, np.array(errors) * _NANO**2,
             fmt="o", ms=3, lw=0.8, color=colour, alpha=0.7,

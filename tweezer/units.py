@@ -50,6 +50,7 @@ FREQUENT = {
     "m/s": {"um/s": 1e-6, "mm/s": 1e-3, "m/s": 1.0},
     "m/s^2": {"m/s^2": 1.0},
     "1/s": {"Hz": 1.0, "kHz": 1e3},
+    "V": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "nV": 1e-9},
 }
 #: K at 0 degC
 _ZERO_CELSIUS = 273.15
@@ -65,6 +66,7 @@ _USUAL = {
     "rad/s": ("rad/s", "deg/s", "rpm"),
     "1/s": ("Hz", "kHz"),
     "rad": ("rad", "deg"),
+    "V": ("V", "mV", "uV"),
 }
 
 

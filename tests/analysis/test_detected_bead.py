@@ -4,17 +4,20 @@ import dataclasses
 import itertools
 import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lumicks.pylake.force_calibration.detail import hydrodynamics
 from scipy.linalg import toeplitz
+from scipy.stats import chi2
 
 import tweezer
 from tests.reference import detected_bead
 from tests.reference.detected_bead import BOLTZMANN
-from tweezer.analysis import Recording, TrappedBead
+from tweezer.analysis import Recording, TrappedBead, together
+from tweezer.rounding import rounded
 
 T = 293.15
 KT = BOLTZMANN * T
@@ -174,8 +177,8 @@ KNOWN = ["--temperature", "20 degC", "--radius", "500 nm", "--viscosity", "1.002
 
 
 def write_table(name, step, **columns):
-    times = step * np.arange(len(columns["x"]))
-    table = np.column_stack([times, *columns.values()])
+    first = next(iter(columns.values()))
+    table = np.column_stack([step * np.arange(len(first)), *columns.values()])
     np.savetxt(name, table, delimiter=",", header=",".join(["t", *columns]), comments="")
 
 
@@ -190,3 +193,347 @@ def test_command_with_the_inertia_of_the_fluid(command_line):
     assert written["displaced_mass"] == pytest.approx(true.displaced_mass)
     outcome = command_line("calibrate", "mine.csv", *KNOWN, *densities[2:])
     assert (outcome.code, outcome.err) == (2, "mine.csv: --fluid-density needs --density\n")
+
+
+#: exposure (s), f_3 (Hz) and a
+DETECTORS = [(0.0, 9e3, 0.3), (6e-6, 9e3, 0.0), (1e-5, 4e4, 0.7)]
+
+
+@pytest.mark.parametrize("detector", DETECTORS)
+@pytest.mark.parametrize("fluid", [False, True])
+def test_a_detector_changes_spectra_as_by_hand(detector, fluid):
+    """Blur, diode, noise and volts; samples by 40,001 aliases, of which those left out are 1e-5."""
+    exposure, f3, through = detector
+    found = bead(500e-9, 2000.0, 1e-4, exposure=exposure, noise=2e-3, response=3e6)
+    found = dataclasses.replace(found, diode_frequency=f3, diode_fraction=through)
+    if not fluid:
+        found = dataclasses.replace(found, mass=None, displaced_mass=None)
+    k, drag, _, *masses = numbers(found)
+
+    def density(f):
+        seen = detected_bead.density(
+            f, k, drag, T, *(mass or 0 for mass in masses), exposure, f3, through
+        )
+        return found.response**2 * seen
+
+    f = np.linspace(50, 49_950, 12)
+    np.testing.assert_allclose(found.spectrum(f), density(f), rtol=1e-9)
+    aliases = detected_bead.sampled(f, 1e-5, density, 20_000) + 2 * 1e-5 * found.noise**2
+    np.testing.assert_allclose(found.sampled_spectrum(f, 1e-5), aliases, rtol=4e-5)
+    times = 1e-5 * np.arange(64)
+    C = toeplitz(found.autocovariance(times))
+    waves = np.exp(-2j * np.pi * np.outer(np.arange(1, 32), np.arange(64)) / 64)
+    expected = 2 * 1e-5 / 64 * np.einsum("fi,ij,fj->f", waves, C, waves.conj()).real
+    periodogram = found.sampled_spectrum(np.arange(1, 32) / 64e-5, 1e-5, 64)
+    np.testing.assert_allclose(periodogram, expected, rtol=1e-8)
+
+
+def test_a_diode_as_fast_as_a_decay():
+    """Of the two exponentials' limit: (1 + w t) e^(-w t)/2."""
+    found = TrappedBead(1e-5, 1e-8, T)
+    rate = found.stiffness / found.drag
+    found = dataclasses.replace(found, diode_frequency=rate / (2 * math.pi))
+    t = np.linspace(0, 5, 30)
+    expected = KT / 1e-5 * (1 + t) * np.exp(-t) / 2
+    np.testing.assert_allclose(found.autocovariance(t / rate), expected, rtol=1e-5)
+
+
+STEP, SAMPLES = 1 / 78125, 2**15
+TRUE = bead(500e-9, 2000.0, 1e-4)
+FLUID = {"temperature": T, "mass": TRUE.mass, "displaced_mass": TRUE.displaced_mass}
+
+
+def seen(records, seed, noise=0.0, of=TRUE, **detector):
+    """Records of the bead through a detector, m."""
+    x = detected_bead.drawn(
+        lambda f: detected_bead.density(f, *numbers(of), **detector), STEP, SAMPLES, seed, records
+    )
+    return x + noise * np.random.default_rng(seed).standard_normal(x.shape)
+
+
+@pytest.mark.parametrize(
+    ("name", "truth", "of", "asked"),
+    [("exposure", 1e-5, {"exposure": 1e-5}, {"exposure": "fit"}),
+     ("diode_frequency", 9e3, {"diode": 9e3, "through": 0.4}, {"diode": "fit", "exposure": 0.0}),
+     ("diode_fraction", 0.4, {"diode": 9e3, "through": 0.4}, {"diode": "fit", "exposure": 0.0}),
+     ("noise", 1e-9, {"noise": 1e-9}, {"noise": "fit", "exposure": 0.0})],
+)  # fmt: skip
+def test_a_detector_is_fitted(name, truth, of, asked):
+    """10 records: (value - true)/uncertainty has mean 0 and deviation 1, in 4 scatters (0.32 and
+    0.22): false alarm 1e-3. So have the stiffnesses.
+    """
+    scores = {}
+    for x in seen(10, 61, **of):
+        found = tweezer.calibrate(recording(x, STEP), **FLUID, **asked).axes[0]
+        assert not found.findings
+        (part,) = (each for each in found.detector if each.name == name)
+        scores.setdefault(name, []).append((part.value - truth) / part.uncertainty)
+        for estimate in found.estimates:
+            score = (estimate.stiffness - TRUE.stiffness) / estimate.uncertainty
+            scores.setdefault(estimate.method, []).append(score)
+    assert set(scores) == {name, "power spectrum", "equipartition", "potential"}
+    for each in scores.values():
+        assert abs(np.mean(each)) < 1.3
+        assert np.std(each) < 1.9
+
+
+def test_a_detector_that_is_given_is_one_that_is_fitted():
+    """What the record tells of it, given back: the same stiffness, better known."""
+    (x,) = seen(1, 62, diode=9e3, through=0.4, exposure=5e-6)
+    asked = {"exposure": 5e-6, "drag": TRUE.drag, **FLUID}
+    free = tweezer.calibrate(recording(x, STEP), diode="fit", **asked).axes[0]
+    diode = tuple(each.value for each in free.detector)
+    given = tweezer.calibrate(recording(x, STEP), diode=diode, **asked)
+    assert given.diode == diode
+    assert len(given.axes[0].estimates) == 6
+    first, second = free.estimates[0], given.axes[0].estimates[0]
+    assert first.stiffness == pytest.approx(second.stiffness, abs=0.02 * second.uncertainty)
+    assert first.uncertainty > second.uncertainty
+    text = tweezer.calibrate(recording(x, STEP), diode=f"{diode[0]} Hz, {diode[1]}", **asked)
+    assert text.axes[0].estimates[0] == second
+
+
+def test_what_a_record_does_not_determine_is_said():
+    (x,) = seen(1, 63)
+    every = {"exposure": "fit", "diode": "fit", "noise": "fit"}
+    found = tweezer.calibrate(recording(x, STEP), **FLUID, **every).axes[0]
+    assert all(each.value is None and each.uncertainty is None for each in found.detector)
+    said = " ".join(finding.text for finding in found.remarks)
+    for what in ("the exposure", "the frequency of a diode", "white noise: below"):
+        assert f"the record does not determine {what}" in said
+    assert not found.findings
+    assert abs(found.estimates[0].stiffness - TRUE.stiffness) < 4 * found.estimates[0].uncertainty
+
+
+def test_a_record_in_volts_with_a_known_drag():
+    """The corner frequency is that of the record in metres, and the drag is the given one."""
+    (x,) = seen(1, 64)
+    signal = dataclasses.replace(recording(x, STEP), positions=3e6 * x[:, None], unit="V")
+    found = tweezer.calibrate(signal, drag=TRUE.drag, exposure=0.0, **FLUID)
+    metres = tweezer.calibrate(recording(x, STEP), exposure=0.0, **FLUID).axes[0]
+    axis = found.axes[0]
+    assert found.unit == "V"
+    ours, theirs = axis.fit.bead, metres.fit.bead
+    assert ours.drag == TRUE.drag
+    assert ours.corner_frequency == pytest.approx(theirs.corner_frequency, rel=2e-3)
+    assert axis.sensitivity * 3e6 == pytest.approx(math.sqrt(theirs.drag / ours.drag), rel=2e-3)
+    assert axis.force_sensitivity == pytest.approx(ours.stiffness * axis.sensitivity)
+    relative = metres.fit.drag_uncertainty / theirs.drag
+    assert axis.sensitivity_uncertainty / axis.sensitivity == pytest.approx(relative / 2, rel=0.1)
+    for estimate in axis.estimates:
+        assert not estimate.caveat
+        assert abs(estimate.stiffness - TRUE.stiffness) < 4 * estimate.uncertainty
+    with pytest.raises(tweezer.ResultError, match="in volts: needs the drag, or the motion of"):
+        tweezer.calibrate(signal, **FLUID)
+
+
+def answer(of, f):
+    """Motion of the bead by that of the stage, by hand: the force of the fluid (M. R. Maxey and
+    J. J. Riley, Phys. Fluids 26, 883 (1983)) that moves as x_s e^(i w t) around it.
+    """
+    s = 2j * np.pi * f
+    basset = np.sqrt(s) * math.sqrt(4.5 * of.displaced_mass * of.drag)
+    on_fluid = of.drag * s + basset * s + 1.5 * of.displaced_mass * s**2
+    return on_fluid / (
+        of.stiffness + (of.drag + basset) * s + (of.mass + of.displaced_mass / 2) * s**2
+    )
+
+
+@pytest.mark.parametrize("f", [20.0, 300.0, 5e4])
+def test_the_answer_to_a_stage(f):
+    """By hand, and by pylake, which leaves out what moves the fluid: m_f s/gamma, 4e-4 at 1 kHz."""
+    assert complex(TRUE.driven(f)) == pytest.approx(answer(TRUE, f), rel=1e-9)
+    theirs = hydrodynamics.theoretical_driving_power_hydrodynamics(
+        TRUE.corner_frequency, f, 1e-7, TRUE.drag, 500e-9, WATER, 2000.0, None
+    )
+    power = abs(complex(TRUE.driven(f))) ** 2 * 1e-14 / 2
+    assert power == pytest.approx(theirs, rel=4e-7 * f + 1e-6 if f < 1e3 else 0.1)
+    blurred = dataclasses.replace(TRUE, exposure=1e-5, diode_frequency=9e3, response=2.0)
+    passed = 2 * np.sinc(1e-5 * f) / math.sqrt(1 + (f / 9e3) ** 2)
+    assert complex(blurred.driven(f)) == pytest.approx(passed * answer(TRUE, f), rel=1e-9)
+
+
+DRIVES = {"one": {37.0: 400e-9}, "three": {23.0: 400e-9, 61.7: 300e-9, 140.3: 200e-9}}
+
+
+def driven(x, lines, of=TRUE, lag=0.0):
+    """The record and the stage's motion; lag: of the record's clock, s."""
+    t = STEP * np.arange(len(x))
+    waves = {f: np.exp(2j * np.pi * f * t + 1j * f) for f in lines}
+    stage = sum(lines[f] * wave.imag for f, wave in waves.items())
+    moved = sum(
+        lines[f] * (answer(of, f) * wave * np.exp(-2j * np.pi * f * lag)).imag
+        for f, wave in waves.items()
+    )
+    return x + moved, stage
+
+
+@pytest.mark.parametrize("lines", DRIVES.values(), ids=DRIVES)
+def test_stiffness_drag_and_volts_by_a_drive(lines):
+    """12 records: scores have mean 0 and deviation 1, in 4 scatters (0.29 and 0.2): false alarm
+    1e-3. The stage's own noise moves nothing.
+    """
+    scores = {}
+    for i, x in enumerate(seen(12, 65)):
+        moved, stage = driven(x, lines)
+        noise = 2e-9 * np.random.default_rng(i).standard_normal(len(x))
+        signal = Recording(
+            "record", STEP * np.arange(len(x)), 3e6 * moved[:, None], ("x",), unit="V",
+            drive=stage + noise,
+        )  # fmt: skip
+        found = tweezer.calibrate(signal, exposure=0.0, **FLUID).axes[0]
+        assert not found.findings
+        assert [a.frequency for a in found.answers] == pytest.approx(list(lines), abs=0.01)
+        fit, k = found.free_fit, found.estimates[0]
+        for name, value, uncertainty, true in (
+            ("stiffness", k.stiffness, k.uncertainty, TRUE.stiffness),
+            ("drag", fit.bead.drag, fit.drag_uncertainty, TRUE.drag),
+            ("volts", found.sensitivity, found.sensitivity_uncertainty, 1 / 3e6),
+            ("force", found.force_sensitivity, found.force_sensitivity_uncertainty, 1e-4 / 3e6),
+        ):
+            scores.setdefault(name, []).append((value - true) / uncertainty)
+    for each in scores.values():
+        assert abs(np.mean(each)) < 1.2
+        assert np.std(each) < 1.8
+
+
+def test_a_drive_and_a_drag_that_contradict_it():
+    (x,) = seen(1, 66)
+    moved, stage = driven(x, {37.0: 2e-6})
+    signal = Recording("record", STEP * np.arange(len(x)), moved[:, None], ("x",), drive=stage)
+    good = tweezer.calibrate(signal, drag=TRUE.drag, exposure=0.0, **FLUID).axes[0]
+    assert good.sensitivity == pytest.approx(1, abs=4 * good.sensitivity_uncertainty)
+    assert [estimate.method for estimate in good.estimates][:2] == [
+        "power spectrum", "power spectrum, drag fitted",
+    ]  # fmt: skip
+    assert not good.findings
+    bad = tweezer.calibrate(signal, drag=1.5 * TRUE.drag, exposure=0.0, **FLUID).axes[0]
+    assert "drag" in [finding.name for finding in bad.findings]
+
+
+def test_what_is_wrong_with_a_drive_is_said():
+    (x,) = seen(1, 67)
+    times = STEP * np.arange(len(x))
+
+    def calibrated(moved, stage):
+        signal = Recording("record", times, moved[:, None], ("x",), drive=stage)
+        return tweezer.calibrate(signal, exposure=0.0, **FLUID).axes[0]
+
+    late = calibrated(*driven(x, {140.0: 1e-6}, lag=2e-4))
+    assert [finding.name for finding in late.remarks] == ["late"]
+    assert "the record is 0.2 ms behind" in late.remarks[0].text
+    lines = {23.0: 1e-6, 140.3: 1e-6}
+    moved, stage = driven(x, lines)
+    other = driven(x, {23.0: 1e-6})[0] + 1.3 * (driven(0 * x, {140.3: 1e-6})[0])
+    assert not calibrated(moved, stage).findings
+    assert "drive" in [finding.name for finding in calibrated(other, stage).findings]
+    drifting = 1e-9 * np.cumsum(np.random.default_rng(1).standard_normal(len(x)))
+    for other, why in (
+        (drifting, "the drive does not oscillate"),
+        (np.linspace(0, 1e-6, len(x)), "the drive does not oscillate"),
+        (0 * x, "the drive does not oscillate"),
+        (1e-6 * np.sin(300 * times), "no axis moves as the drive does"),
+    ):
+        with pytest.raises(tweezer.ResultError, match=why):
+            calibrated(x, other)
+    with pytest.raises(tweezer.ResultError, match="drive of shape"):
+        calibrated(x, stage[:-1])
+
+
+def test_an_axis_that_is_not_driven_has_the_drag_of_one_that_is():
+    x, y = seen(2, 68)
+    moved, stage = driven(x, {37.0: 1e-6})
+    signal = Recording(
+        "record", STEP * np.arange(len(x)), np.stack([2e6 * y, 3e6 * moved], axis=1), ("x", "y"),
+        unit="V", drive=stage,
+    )  # fmt: skip
+    still, by_stage = tweezer.calibrate(signal, exposure=0.0, **FLUID).axes
+    assert (len(still.answers), len(by_stage.answers)) == (0, 1)
+    for axis, response in ((still, 2e6), (by_stage, 3e6)):
+        assert axis.sensitivity == pytest.approx(1 / response, abs=4 * axis.sensitivity_uncertainty)
+        k = axis.estimates[0]
+        assert abs(k.stiffness - TRUE.stiffness) < 4 * k.uncertainty
+    first, second = (axis.free_fit for axis in (still, by_stage))
+    assert first.bead.drag == pytest.approx(second.bead.drag, rel=0.01)
+    assert first.drag_uncertainty == pytest.approx(second.drag_uncertainty, rel=0.05)
+
+
+def test_recordings_put_together():
+    """The weighted mean, by hand; and none where one of them is of another trap."""
+    found = [
+        tweezer.calibrate(recording(x, STEP), drag=TRUE.drag, exposure=0.0, **FLUID)
+        for x in seen(3, 69)
+    ]
+    every = {each.quantity: each for each in together(found)}
+    assert set(every) == {"stiffness", "drag"}
+    estimates = [each.axes[0]["power spectrum"] for each in found]
+    k = np.array([each.stiffness for each in estimates])
+    weights = np.array([each.uncertainty**-2 for each in estimates])
+    mean = every["stiffness"]
+    assert mean.mean == pytest.approx((weights @ k) / weights.sum())
+    assert mean.uncertainty == pytest.approx(weights.sum() ** -0.5)
+    assert mean.p_value == pytest.approx(chi2.sf(weights @ (k - mean.mean) ** 2, 2))
+    softer = bead(500e-9, 2000.0, 0.7e-4)
+    (x,) = seen(1, 70, of=softer)
+    other = tweezer.calibrate(recording(x, STEP), drag=TRUE.drag, exposure=0.0, **FLUID)
+    apart = together([found[0], other])[0]
+    assert apart.mean is None
+    assert "differ by more than their uncertainties" in apart.findings[0].text
+    assert together([found[0]])[0].mean is None
+
+
+@pytest.mark.parametrize(
+    ("known", "why"),
+    [({"diode": "14 kHz, 0.3, 2"}, "must be a frequency, and the part"),
+     ({"diode": "14 nm"}, "diode = '14 nm': has a unit that is not known"),
+     ({"diode": (14e3, 1.0)}, "from 0 to below 1"),
+     ({"diode": 0.0}, "its frequency must be positive"),
+     ({"noise": -1e-9}, "noise = -1e-09: must not be negative"),
+     ({"noise": "1 V"}, "noise = '1 V'"),
+     ({"drive": "stage"}, "is read already; its drive is its own")],
+)  # fmt: skip
+def test_bad_detectors_are_refused(known, why):
+    with pytest.raises(tweezer.ResultError, match=why):
+        tweezer.calibrate(recording(seen(1, 71)[0], STEP), temperature=T, **known)
+
+
+def test_command_with_a_drive_in_volts(command_line):
+    x, y = seen(2, 72, noise=3e-10, diode=14e3, through=0.3)
+    moved, stage = driven(x, {37.0: 1e-6})
+    columns = {"x [mV]": 3e9 * moved, "y [mV]": 2e9 * y, "Stage X [nm]": 1e9 * stage}
+    write_table("mine.csv", STEP, **columns)
+    asked = ["--temperature", "20 degC", "--drive", "stage x", "--blur", "0", "--diode", "fit"]
+    outcome = command_line(
+        "calibrate", "mine.csv", *asked, "--noise", "fit", "--out", "k.json", "--plot", "k.png"
+    )
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "stage 37 Hz, 1000 nm: " in outcome.out
+    assert " um/V; " in outcome.out
+    written = json.loads(Path("k.json").read_text())
+    (axis, other) = written["axes"]
+    assert written["unit"] == "V"
+    assert abs(axis["sensitivity"] * 3e6 - 1) < 4 * 3e6 * axis["sensitivity_uncertainty"]
+    assert [each["name"] for each in axis["detector"]] == [
+        "diode_frequency", "noise", "diode_fraction",
+    ]  # fmt: skip
+    assert other["answers"] == []
+    assert Path("k.png").read_bytes().startswith(b"\x89PNG")
+    outcome = command_line("calibrate", "mine.csv", *KNOWN, "--drive", "table")
+    assert (outcome.code, outcome.out) == (2, "")
+    assert outcome.err.startswith("mine.csv: has no column table among 't', 'x [mV]'")
+
+
+def test_command_on_several_recordings(command_line):
+    for name, x in zip(("a.csv", "b.csv"), seen(2, 73), strict=True):
+        write_table(name, STEP, x=x)
+    known = [*KNOWN, "--density", "2000", "--fluid-density", "998.2", "--exposure", "0"]
+    outcome = command_line("calibrate", "a.csv", "b.csv", *known, "--out", "k.json")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert outcome.out.count("power spectrum, drag fitted") == 2
+    written = json.loads(Path("k.json").read_text())
+    assert len(written["recordings"]) == 2
+    mean = written["together"][0]
+    k, error = rounded(1e6 * mean["mean"], 1e6 * mean["uncertainty"])
+    assert re.search(f"^ +together +{k} +{error} +p = ", outcome.out, re.MULTILINE)
+    outcome = command_line("calibrate", "a.csv", "b.csv", *known, "--plot", "k.png")
+    assert (outcome.code, outcome.err) == (2, "--plot draws one recording, not 2\n")

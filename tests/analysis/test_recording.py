@@ -201,7 +201,7 @@ def rows(count=150, **changed):
      ("a.csv", rows(l1="t,x [kg]"), "x [kg]: 'kg' has the wrong unit; must be convertible to m"),
      ("a.csv", rows(l1="t,x [px]"), "x [px]: 'px' has a unit that is not known; must be "
       "convertible to m, such as um, nm, mm; scale the column to lengths first"),
-     ("a.csv", rows(l1="t,x/V"), "x/V: 'V' has a unit that is not known"),
+     ("a.csv", rows(l1="t,x/A"), "x/A: 'A' has a unit that is not known"),
      ("a.csv", rows(l1="t [furlong],x"), "t [furlong]: 'furlong' has"),
      ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!"), "has no column x"),
      ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!)"), "has a unit that is not known"),

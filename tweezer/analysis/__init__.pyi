@@ -7,10 +7,12 @@ from .calibration import (
     SpectrumFit,
     calibrate,
     escape_times,
+    in_metres,
     potential,
 )
 from .depth import DepthFit, Minimum, Parameter, fit_depth
 from .derived import derived_quantities
+from .driving import Answer
 from .findings import Finding
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
@@ -22,13 +24,17 @@ from .spectra import (
     statistical_inefficiency,
 )
 from .summary import Summary, summarise
+from .together import Together, together
 from .trap import Efficiency, Equilibrium, Escape, Trap, characterise
 from .tuning import Tuned, Tuning, tune
+from .whittle import Detected
 
 __all__ = [
+    "Answer",
     "AxisCalibration",
     "Calibration",
     "DepthFit",
+    "Detected",
     "Efficiency",
     "Equilibrium",
     "Escape",
@@ -41,6 +47,7 @@ __all__ = [
     "Recording",
     "SpectrumFit",
     "Summary",
+    "Together",
     "Track",
     "Trap",
     "TrappedBead",
@@ -52,6 +59,7 @@ __all__ = [
     "derived_quantities",
     "escape_times",
     "fit_depth",
+    "in_metres",
     "load_recording",
     "load_track",
     "mean_squared_displacement",
@@ -60,5 +68,6 @@ __all__ = [
     "standard_error",
     "statistical_inefficiency",
     "summarise",
+    "together",
     "tune",
 ]

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,9 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
 from scipy.linalg import LinAlgWarning, cholesky, solve_triangular
 from scipy.optimize import brentq, least_squares
-from scipy.special import chdtri, ndtr
+from scipy.special import chdtrc, chdtri, ndtr
 
+from tweezer.analysis.driving import Answer, Drive, KnownDrag
 from tweezer.analysis.findings import (
+    IMPROBABLE,
     Finding,
     Fits,
     examine,
@@ -33,7 +36,18 @@ from tweezer.analysis.spectra import (
     standard_error,
     statistical_inefficiency,
 )
-from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted, inverse, usable
+from tweezer.analysis.whittle import (
+    MOTION,
+    STIFFNESS,
+    Detected,
+    Evidence,
+    Periodogram,
+    WhittleFit,
+    best_start,
+    fitted,
+    inverse,
+    usable,
+)
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.fluid import drag as drag_of
@@ -58,8 +72,28 @@ _FEW = 100.0
 #: Largest deviation from the stiffness by the power spectrum, in standard uncertainties.
 _APART = 4.0
 
+#: First guesses of what a detector does, for a fit: exposure in steps, frequency of a diode in that
+#: of Nyquist and the part that it detects at once, noise in the density at the highest frequencies.
+_GUESSES = {
+    "exposure": (0.3, 0.8),
+    "diode_frequency": (0.2, 0.6, 1.5),
+    "diode_fraction": (0.2, 0.6),
+    "noise": (0.1, 0.6),
+}
+#: Number of these guesses that a fit is tried from.
+_TRIED = 2
+#: Smallest number of blocks of that fit.
+_LEAST_BLOCKS = 50
+#: Highest frequency of a first fit before that of a detector, in units of the roll-off.
+_BEFORE_DETECTOR = 2.0
+#: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
+_LATE = (5.0, 0.02)
+
 #: Relative excess of an exposure over the step that is allowed, as the step is as uncertain.
 _UNEVEN = 1e-3
+
+#: Distances from a stiffness, in its logarithm, at which another is looked for.
+_REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)
 
 #: Half the width of a histogram, in standard deviations.
 _REACH = 4.0
@@ -140,6 +174,20 @@ class AxisCalibration:
     """diffusion from displacements, m^2/s, if the bead looks free (finding "free")"""
     free_diffusion_uncertainty: float | None
     """its standard uncertainty, m^2/s"""
+    detector: tuple[Detected, ...] = ()
+    """parameters of the detector that were fitted"""
+    sensitivity: float | None = None
+    """m/V; for a record in m with a drive true metres by recorded ones; None if not asked"""
+    sensitivity_uncertainty: float | None = None
+    """its standard uncertainty"""
+    force_sensitivity: float | None = None
+    """stiffness times sensitivity, N/V or N/m"""
+    force_sensitivity_uncertainty: float | None = None
+    """its standard uncertainty"""
+    answers: tuple[Answer, ...] = ()
+    """to the motion of the stage"""
+    remarks: tuple[Finding, ...] = ()
+    """what the record does not determine, and other things that speak against no number"""
 
     @property
     def diffusion_uncertainty(self) -> float:
@@ -149,6 +197,10 @@ class AxisCalibration:
 
     def __getitem__(self, method: str) -> Estimate:
         return next(estimate for estimate in self.estimates if estimate.method == method)
+
+    def by(self, method: str) -> Estimate | None:
+        """The estimate by a method, if there is one."""
+        return next((each for each in self.estimates if each.method == method), None)
 
 
 @dataclass(frozen=True)
@@ -165,7 +217,13 @@ class Calibration:
     displaced_mass: float | None
     """kg of fluid in the bead's place; None: without the inertia of the fluid"""
     exposure: float | None
-    """s; None if not known, and taken as 0"""
+    """s; None if not known, and taken as 0, or fitted"""
+    diode: tuple[float, float] | None
+    """frequency (Hz) and part that is detected at once; None without one, or fitted"""
+    noise: float | None
+    """standard deviation of the noise of the detector, m or V; None without, or fitted"""
+    unit: str
+    """of the record: "m" or "V\""""
     samples: int
     step: float
     """s"""
@@ -191,6 +249,9 @@ def calibrate(
     mass: float | str | None = None,
     displaced_mass: float | str | None = None,
     exposure: float | str | None = None,
+    diode: float | str | tuple[float, float] | None = None,
+    noise: float | str | None = None,
+    drive: str | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
 
@@ -201,6 +262,15 @@ def calibrate(
     tweezer they default to the scene's (masses are those of the model and of `medium.inertia`: none
     without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; the exposure is 0). An
     unknown exposure is taken as 0, and a finding reports a record that could have another one.
+
+    The detector: diode: f_3, Hz, where what it detects late has half its power, or f_3 and the part
+    a that it detects at once; noise: the standard deviation of its white noise, in the unit of the
+    record. Each, and the exposure, may be "fit": the record then tells it, with its uncertainty, or
+    it is said that it does not. Of a record in volts the metres a volt are fitted, which needs the
+    drag, or a drive: the column of that heading is the motion of the stage, m, that oscillates at
+    one or several frequencies, and drags the bead (active calibration, `tweezer.analysis.driving`).
+    Stiffness, drag and metres a volt then come from one fit of the spectrum and of the answers at
+    those frequencies, whole periods of the record.
 
     The record is tested first (`tweezer.analysis.findings`); its findings apply to every number of
     the axis. Equipartition: k_B T over the variance, corrected for the exposure and for the mean,
@@ -220,13 +290,21 @@ def calibrate(
     `ResultError` without a temperature, for an exposure longer than the step, for what
     `load_recording` refuses, and for a run without thermal motion.
     """
-    recording = source if isinstance(source, Recording) else load_recording(source)
+    recording = source if isinstance(source, Recording) else load_recording(source, drive)
+    if isinstance(source, Recording) and drive is not None:
+        raise ResultError(f"{recording.name}: is read already; its drive is its own")
     temperature = _in_si(recording, "temperature", temperature, "K")
     drag = _in_si(recording, "drag", drag, "kg/s")
     mass = _in_si(recording, "mass", mass, "kg")
     fluid = _in_si(recording, "displaced_mass", displaced_mass, "kg")
     poles = TrappedBead.poles
-    exposure = _in_si(recording, "exposure", exposure, "s")
+    asked = {"exposure": exposure, "diode_frequency": diode, "noise": noise}
+    detector = tuple(name for name, value in asked.items() if value == "fit")
+    if "diode_frequency" in detector:
+        detector += ("diode_fraction",)
+    exposure = _in_si(recording, "exposure", None if exposure == "fit" else exposure, "s")
+    f3, fraction = _diode(recording, None if diode == "fit" else diode)
+    noise = _in_si(recording, "noise", None if noise == "fit" else noise, recording.unit)
     if recording.scene is not None:
         if not recording.scene.forces.brownian:
             raise ResultError(
@@ -240,7 +318,7 @@ def calibrate(
         if mass is None and fluid is None:
             mass, fluid = _inertia(recording.scene)
             poles = recording.scene.medium.poles or poles
-        exposure = 0.0 if exposure is None else exposure
+        exposure = 0.0 if exposure is None and "exposure" not in detector else exposure
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
     positive = {"temperature": temperature, "drag": drag, "mass": mass, "displaced_mass": fluid}
@@ -261,30 +339,105 @@ def calibrate(
             f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the step of the "
             f"samples, {step:.4g} s"
         )
+    if noise is not None and noise < 0:
+        raise ResultError(f"{recording.name}: noise = {noise:g}: must not be negative")
+    moved = None
+    if recording.drive is not None:
+        moved = Drive.of(recording.drive, step)
+        if moved is None:
+            raise ResultError(
+                f"{recording.name}: the drive does not oscillate: at no frequency does it stand out"
+            )
+    if recording.unit == "V" and drag is None and moved is None:
+        raise ResultError(
+            f"{recording.name}: in volts: needs the drag, or the motion of the stage that drives "
+            "the bead"
+        )
     given = TrappedBead(
         math.nan, math.nan if drag is None else drag, temperature, mass, min(exposure or 0.0, step),
-        fluid, poles,
+        fluid, poles, f3, fraction, noise or 0.0,
     )  # fmt: skip
     made_by: list[Finding] = []
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
         text = "simulated by one-call: displacements from step to step are not the bead's"
         made_by.append(Finding("one-call", text))
-    axes = []
-    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
+    known = _Known(
+        given, detector, exposure is not None or "exposure" in detector, recording.unit, made_by
+    )
+    signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
+    if moved and not any(answers for _, answers in signals):
+        raise ResultError(f"{recording.name}: no axis moves as the drive does")
+    axes: dict[str, AxisCalibration] = {}
+    # those that are driven first: they tell the drag of the others
+    order = sorted(range(len(signals)), key=lambda i: not signals[i][1])
+    for i in order:
+        axis, (signal, answers) = recording.axes[i], signals[i]
+        beside: tuple[Evidence, ...] = answers
+        if axes and not answers and recording.unit == "V" and drag is None:
+            beside = (_told_by(next(iter(axes.values()))),)
+        without = () if moved is None else moved.frequencies
         try:
             with warnings.catch_warnings(action="error", category=LinAlgWarning):
-                axes.append(
-                    _calibrated(axis, positions, step, given, exposure is not None, made_by)
-                )
+                axes[axis] = _calibrated(axis, signal, step, known, beside, without)
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
                 f"{recording.name}: {axis}: no trapped bead moves like this; is it noise, or a "
                 "signal of another kind?"
             ) from None
     return Calibration(
-        recording.name, temperature, drag, mass, fluid, exposure, len(recording.times), step,
-        recording.note, tuple(axes),
+        recording.name, temperature, drag, mass, fluid, exposure,
+        None if f3 is None else (f3, fraction), noise, recording.unit,
+        len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
     )  # fmt: skip
+
+
+def in_metres(recording: Recording, calibration: Calibration) -> Recording:
+    """A recording as it was calibrated: in metres, without the answers to a drive."""
+    moved = None if recording.drive is None else Drive.of(recording.drive, recording.step)
+    columns = [
+        (axis.sensitivity or 1.0) * (moved.answers(signal)[0] if moved else signal)
+        for axis, signal in zip(calibration.axes, recording.positions.T, strict=True)
+    ]
+    return dataclasses.replace(
+        recording, times=recording.times[: len(columns[0])], positions=np.stack(columns, axis=1),
+        unit="m", drive=None,
+    )  # fmt: skip
+
+
+def _diode(
+    recording: Recording, value: float | str | tuple[float, float] | None
+) -> tuple[float | None, float]:
+    """Frequency of a diode, Hz, and the part that it detects at once."""
+    if value is None:
+        return None, 0.0
+    parts: Sequence[float | str]
+    if isinstance(value, str):
+        parts = value.split(",")
+    else:
+        parts = value if isinstance(value, tuple) else (value,)
+    if len(parts) > 2:
+        raise ResultError(
+            f"{recording.name}: diode = {value!r}: must be a frequency, and the part from 0 to 1 "
+            'that is detected at once: "14 kHz, 0.3"'
+        )
+    f3 = _in_si(recording, "diode", _number(parts[0]), "1/s")
+    fraction = _in_si(recording, "diode", _number(parts[1]), "") if len(parts) == 2 else 0.0
+    assert f3 is not None
+    assert fraction is not None
+    if f3 <= 0 or not 0 <= fraction < 1:
+        raise ResultError(
+            f"{recording.name}: diode = {value!r}: its frequency must be positive, and the part "
+            "that is detected at once from 0 to below 1"
+        )
+    return f3, fraction
+
+
+def _number(text: float | str) -> float | str:
+    """A number where text is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _in_si(recording: Recording, name: str, value: float | str | None, unit: str) -> float | None:
@@ -309,26 +462,138 @@ def _inertia(scene: Scene) -> tuple[float | None, float | None]:
     return mass + (bead.displaced_mass / 2 if fluid == "added-mass" else 0.0), None
 
 
+@dataclass(frozen=True)
+class _Known:
+    """What is given for all axes of a record."""
+
+    bead: TrappedBead
+    """temperature, masses and detector; the drag, or NaN"""
+    detector: tuple[str, ...]
+    """parameters of the detector that are fitted"""
+    exposure: bool
+    """whether the exposure is given or fitted"""
+    unit: str
+    made_by: list[Finding]
+    """findings against every number that uses the dynamics"""
+
+    @property
+    def drag(self) -> bool:
+        """Whether the drag is given."""
+        return not math.isnan(self.bead.drag)
+
+
+def _told_by(axis: AxisCalibration) -> KnownDrag:
+    """The drag of a bead by another axis."""
+    fit = axis.free_fit
+    assert fit.drag_uncertainty is not None
+    return KnownDrag(fit.bead.drag, fit.drag_uncertainty / fit.bead.drag)
+
+
+def _fits(
+    signal: Array,
+    step: float,
+    known: _Known,
+    beside: tuple[Evidence, ...],
+    without: Sequence[float],
+) -> Fits:
+    """The periodogram of a signal, the fit with the drag as known, and that with a free drag."""
+    given, detector = known.bead, known.detector
+    scaled = known.unit == "V" or any(isinstance(each, Answer) for each in beside)
+    whole = Periodogram.of(signal, step, without)
+    # without masses where metres are not known yet: they are negligible for a start
+    first = given
+    if scaled:
+        first = dataclasses.replace(given, mass=None, displaced_mass=None, drag=math.nan)
+    start = best_start(whole, signal, first)
+    if not (scaled or detector):
+        to_the_end = bool(given.diode_frequency or given.noise)
+        part = usable(whole, start, to_the_end=to_the_end)
+        free = fit = fitted(part, start, MOTION)
+        if known.drag:
+            fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), STIFFNESS)
+        return Fits(whole, fit, free)
+    part = usable(whole, start, to_the_end=bool(detector or given.diode_frequency or given.noise))
+    early = part
+    if detector:
+        low = part.frequencies <= _BEFORE_DETECTOR * start.roll_off
+        low[:_LEAST_BLOCKS] = True
+        early = part[low]
+    start = fitted(early, start, MOTION).bead
+    part = dataclasses.replace(part, beside=beside)
+    names = (*MOTION, *(["response"] if scaled else []), *detector)
+    if scaled:
+        start = _in_metres(start, given, beside)
+    elif known.drag:
+        start = dataclasses.replace(start, drag=given.drag)
+    starts = sorted(
+        _guesses(start, detector, part), key=part.log_likelihood, reverse=True
+    )[:_TRIED]  # fmt: skip
+
+    def best(free: tuple[str, ...], starts: list[TrappedBead]) -> WhittleFit:
+        found = [fitted(part, each, free) for each in starts]
+        return max(found, key=lambda fit: fit.log_likelihood)
+
+    if not known.drag:
+        fit = best(names, starts)
+        return Fits(whole, fit, fit)
+    fit = best(tuple(name for name in names if name != "drag"), starts)
+    if scaled and not beside:
+        return Fits(whole, fit, fit)  # volts a metre follow from the drag
+    return Fits(whole, fit, best(names, [fit.bead]))
+
+
+def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, ...]) -> TrappedBead:
+    """The start of a fit from one whose unit of length is that of the signal."""
+    answers = [each for each in beside if isinstance(each, Answer)]
+    drags = [each.drag for each in beside if isinstance(each, KnownDrag)]
+    if answers:
+        largest = max(answers, key=lambda each: each.signal / each.signal_uncertainty)
+        moved = abs(complex(start.driven(largest.frequency)))
+        square = (largest.signal / (moved * largest.stage)) ** 2
+    else:
+        square = (drags[0] if drags else given.drag) / start.drag
+    drag = start.drag * square if math.isnan(given.drag) else given.drag
+    return dataclasses.replace(
+        start, stiffness=start.stiffness / start.drag * drag, drag=drag,
+        response=math.sqrt(square), mass=given.mass, displaced_mass=given.displaced_mass,
+    )  # fmt: skip
+
+
+def _guesses(start: TrappedBead, detector: tuple[str, ...], part: Periodogram) -> list[TrappedBead]:
+    """Beads with detectors that a fit may start from."""
+    nyquist = 0.5 / part.step
+    units = {
+        "exposure": part.step, "diode_frequency": nyquist, "diode_fraction": 1.0,
+        "noise": math.sqrt(part.floor / (2 * part.step)),
+    }  # fmt: skip
+    choices = [[units[name] * each for each in _GUESSES[name]] for name in detector]
+    every = [dict(zip(detector, each, strict=True)) for each in itertools.product(*choices)]
+    return [dataclasses.replace(start, **each) for each in every]  # type: ignore[arg-type]
+
+
 def _calibrated(
     axis: str,
-    positions: Array,
+    signal: Array,
     step: float,
-    given: TrappedBead,
-    exposure_known: bool,
-    made_by: list[Finding],
+    known: _Known,
+    beside: tuple[Evidence, ...],
+    without: Sequence[float],
 ) -> AxisCalibration:
-    """The trap along one axis; made_by: findings against every number that uses the dynamics."""
-    known = not math.isnan(given.drag)
-    whole = Periodogram.of(positions, step)
-    start = best_start(whole, positions, given)
-    part = usable(whole, start)
-    free = fit = fitted(part, start, 2)
-    if known:
-        fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), 1)
-    bead, fits = fit.bead, Fits(whole, fit, free)
-    findings = examine(positions, step, fits, exposure_known)
+    """The trap along one axis."""
+    fits = _fits(signal, step, known, beside, without)
+    fit = fits.fit
+    detector = tuple(fit.detected(name) for name in known.detector)
+    scaled = "response" in fit.free
+    response = fit.bead.response
+    if scaled:  # from here on in metres
+        signal, fits = signal / response, fits.per(response)
+    positions, fit, free = signal, fits.fit, fits.free
+    bead = fit.bead
     own = _spectrum_fit(positions, step, fit)
-    of_free = _spectrum_fit(positions, step, free) if known else own
+    of_free = own if free is fit else _spectrum_fit(positions, step, free)
+    findings = examine(positions, step, fits, known.exposure)
+    answers = tuple(each for each in beside if isinstance(each, Answer))
+    findings += _disagreeing(fit, answers, response)
 
     estimates = []
 
@@ -343,21 +608,23 @@ def _calibrated(
         estimates.append(Estimate(method, k, uncertainty, (*findings, *against)))
 
     relaxations = len(positions) * step / bead.relaxation_time
+    made_by = known.made_by
 
     def too_few(method: str) -> list[Finding]:
         text = f"{method}: fewer than {_FEW:g} relaxation times"
         return [Finding("few", text)] if relaxations < _FEW else []
 
     add("power spectrum", (bead.stiffness, own.stiffness_uncertainty), made_by)
-    if known:
+    if "drag" in free.free and "drag" not in fit.free:
         fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
         add("power spectrum, drag fitted", fitted_too, made_by)
     add("equipartition", _equipartition(positions, fits), [])
-    lags = _lags(len(positions), step, bead)
-    found = _displacement(positions, step, bead, lags, known)
-    add("displacement", found, [*made_by, *too_few("displacement")])
-    if known:
-        add("autocorrelation", _autocorrelation(positions, step, bead, lags), made_by)
+    if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
+        lags = _lags(len(positions), step, bead)
+        found = _displacement(positions, step, bead, lags, known.drag)
+        add("displacement", found, [*made_by, *too_few("displacement")])
+        if known.drag:
+            add("autocorrelation", _autocorrelation(positions, step, bead, lags), made_by)
     well = potential(positions, bead.temperature)
     if well.stiffness is not None and well.uncertainty is not None:
         found = _corrected(well.stiffness, well.uncertainty, fits)
@@ -365,10 +632,65 @@ def _calibrated(
     alone = None
     if any(finding.name == "free" for finding in findings):
         alone = free_diffusion(positions, step)
+    per_volt = 1 / response if scaled else None
+    force = bead.stiffness / response if scaled else None
     return AxisCalibration(
-        axis, float(positions.mean()), tuple(findings), tuple(estimates), own, of_free,
-        relaxations, *(alone or (None, None)),
+        axis, float(positions.mean()), tuple(findings), tuple(estimates), own, of_free, relaxations,
+        *(alone or (None, None)),  # type: ignore[call-arg]
+        detector, per_volt, per_volt and per_volt * fit.uncertainty(0, 0, 1),
+        force, force and force * fit.uncertainty(1, 0, -1), answers,
+        (*_undetermined(detector, known.unit), *_late(fit, answers, response)),
     )  # fmt: skip
+
+
+def _disagreeing(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+    """Answers at several frequencies that no bead gives together."""
+    squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
+    if len(answers) < 2 or chdtrc(len(answers) - 1, squares) >= IMPROBABLE:
+        return []
+    text = "its answers to the stage at different frequencies contradict each other"
+    return [Finding("drive", text)]
+
+
+def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+    """Answers whose phase is not that of the bead, of which only the size is used."""
+    for each in answers:
+        late, error = each.per(response).late(fit.bead)
+        if abs(late) > max(_LATE[0] * error, _LATE[1]):
+            delay = 1e3 * late / (2 * math.pi * each.frequency)
+            text = (
+                f"at {each.frequency:.4g} Hz the record is {abs(delay):.2g} ms "
+                f"{'behind' if late > 0 else 'before'} the bead that the stage drives; only the "
+                "size of the answer is used"
+            )
+            return [Finding("late", text)]
+    return []
+
+
+#: Words for what is not determined: the parameter, what bounds it, factor and unit.
+_WORDS = {
+    "exposure": ("the exposure", "below", 1e3, "ms"),
+    "diode_frequency": ("the frequency of a diode", "above", 1e-3, "kHz"),
+    "diode_fraction": ("the part that a diode detects at once", "below", 1.0, ""),
+    "noise": ("white noise", "below", 1e9, "nm"),
+}
+
+
+def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
+    """What was fitted of the detector and is not seen in the record."""
+    unseen = [each for each in detector if each.value is None]
+    if any(each.name == "diode_frequency" for each in unseen):
+        unseen = [each for each in unseen if each.name != "diode_fraction"]
+    found = []
+    for each in unseen:
+        what, side, factor, of = _WORDS[each.name]
+        if each.name == "noise" and unit == "V":
+            factor, of = 1e3, "mV"
+        bound = "" if each.limit is None else f": {side} {factor * each.limit:.2g} {of}".rstrip()
+        likely = bound and " (95 %)"
+        text = f"the record does not determine {what}{bound}{likely}"
+        found.append(Finding("undetermined", text))
+    return found
 
 
 def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit:
@@ -376,7 +698,7 @@ def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit
     return SpectrumFit(
         bead,
         bead.stiffness * fit.uncertainty(1, 0),
-        bead.drag * fit.uncertainty(0, 1) if fit.free == 2 else None,
+        bead.drag * fit.uncertainty(0, 1) if "drag" in fit.free else None,
         bead.corner_frequency * fit.uncertainty(1, -1),
         float(fit.periodogram.frequencies[-1]),
         fit.log_likelihood,
@@ -392,18 +714,17 @@ def _equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
 
 
 def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
-    """k from k_B T over the variance of the record, corrected for the missing variance.
+    """k from k_B T over the variance of the record, corrected for what differs from the motion's.
 
-    Missing are the variance of the mean and what the exposure averages out. Both depend on the
-    relaxation time, with the drag given or fitted; the uncertainty of a fitted drag adds to that of
-    k.
+    Missing are the variance of the mean and what the detector does not show; its noise is too much.
+    Both depend on what was fitted, whose uncertainty adds to that of k.
     """
-    whole, bead = fits.whole, fits.fit.bead
+    whole, fit, bead = fits.whole, fits.fit, fits.fit.bead
     relative_square = (uncertainty / k) ** 2
     missing = bead.variance_of_mean(whole.step, whole.samples) / bead.variance
     # if the record does not resolve the relaxation, only rounding is left
     k *= max(1 - missing, 1 / whole.samples)
-    if not bead.exposure:
+    if bead.seen_as_it_is and "response" not in fit.free:
         return k, k * math.sqrt(relative_square)
 
     def shown(stiffness: float) -> float:
@@ -411,23 +732,29 @@ def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         other = dataclasses.replace(bead, stiffness=stiffness)
         return Boltzmann * bead.temperature / other.variance
 
-    def slope(stiffness: float) -> float:
-        """d ln(shown)/d ln k."""
-        return math.log(shown(stiffness * 1.001) / shown(stiffness / 1.001)) / math.log(1.001**2)
+    if fit.free == STIFFNESS:
 
-    if fits.fit.free == 1:
-        root = brentq(lambda x: math.log(shown(math.exp(x)) / k), math.log(k) - 50, math.log(k) + 1)
-        found = math.exp(root)
-        return found, found * math.sqrt(relative_square) / slope(found)
-    # a fitted drag gives the relaxation time, and with it the shown part
+        def excess(logarithm: float) -> float:
+            return math.log(shown(math.exp(logarithm)) / k)
+
+        here = math.log(bead.stiffness)
+        reach = next((r for r in _REACHES if excess(here - r) < 0 < excess(here + r)), None)
+        if reach is None:
+            raise ArithmeticError("no stiffness has that variance")
+        found = math.exp(brentq(excess, here - reach, here + reach))
+        slope = math.log(shown(found * 1.001) / shown(found / 1.001)) / math.log(1.001**2)
+        return found, found * math.sqrt(relative_square) / slope
+
+    # the fit tells what part of the motion is shown
+    def hidden(other: TrappedBead) -> Array:
+        return np.array(math.log(other.stiffness * other.variance))
+
     found = k * bead.stiffness / shown(bead.stiffness)
-    fit = fits.free
-    counts, n = fit.periodogram.counts, fit.slopes.shape[1]
+    n = fit.slopes.shape[1]
     power = whole.counts * whole.expected(bead)
-    of_rate = np.array([1.0, -1.0]) @ fit.covariance @ (fit.slopes * counts)
-    follows = slope(bead.stiffness) - 1  # d ln(shown/k)/d ln rate
-    both = float(of_rate @ (power[:n] / counts)) / power.sum()
-    relative_square += (follows * fit.uncertainty(1, -1)) ** 2 + 2 * follows * both
+    follows = fit.periodogram.differences(hidden, bead, fit.free)
+    both = follows @ fit.covariance @ (fit.slopes @ power[:n]) / power.sum()
+    relative_square += float(follows @ fit.covariance @ follows - 2 * both)
     return found, found * math.sqrt(max(relative_square, 0.0))
 
 

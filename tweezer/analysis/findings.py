@@ -15,7 +15,14 @@ from tweezer.analysis.spectra import (
     power_spectrum,
     standard_error,
 )
-from tweezer.analysis.whittle import Periodogram, WhittleFit, best_start, fitted
+from tweezer.analysis.whittle import (
+    MOTION,
+    STIFFNESS,
+    Periodogram,
+    WhittleFit,
+    best_start,
+    fitted,
+)
 
 Array = NDArray[np.float64]
 
@@ -73,6 +80,12 @@ class Fits:
     """fit with the given drag; `free` if none was given"""
     free: WhittleFit
     """fit of stiffness and drag"""
+
+    def per(self, response: float) -> Fits:
+        """The same of a signal over a response."""
+        fit = self.fit.per(response)
+        free = fit if self.free is self.fit else self.free.per(response)
+        return Fits(self.whole.per(response), fit, free)
 
 
 def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
@@ -167,8 +180,11 @@ def _unsteady(
     kept = (whole.frequencies > (_SLOW + 1) / (2 * samples * step)) & (
         whole.frequencies <= fit.periodogram.frequencies[-1]
     )
-    given = fit.bead if fit.free == 1 else dataclasses.replace(fit.bead, drag=math.nan)
-    start = best_start(whole, rest, given)
+    start = fit.bead
+    if fit.free in (STIFFNESS, MOTION):
+        drag = fit.bead.drag if fit.free == STIFFNESS else math.nan
+        start = best_start(whole, rest, dataclasses.replace(fit.bead, drag=drag))
+    whole = dataclasses.replace(whole, beside=fit.periodogram.beside)
     steady = fitted(whole[kept], start, fit.free, _ROUGHLY)
     at = np.arange(1, _SLOW + 1) / (2 * samples * step)
     expected = steady.bead.sampled_spectrum(at, step) / (2 * step)
@@ -227,9 +243,9 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     per_noise = 1 / expected
     density = np.concatenate([part.density, beyond.density / gain])
     slopes = np.hstack(
-        [free.slopes, dataclasses.replace(beyond, samples=math.inf).slopes(free.bead, 2)]
+        [free.slopes, dataclasses.replace(beyond, samples=math.inf).slopes(free.bead, free.free)]
     )
-    fitting = np.hstack([part.counts * free.slopes, np.zeros((2, beyond.counts.size))])
+    fitting = np.hstack([part.counts * free.slopes, np.zeros((len(free.free), beyond.counts.size))])
     covariance = free.covariance
     # its information beside stiffness and drag
     influence = n * per_noise - (slopes @ (n * per_noise)) @ covariance @ fitting
@@ -243,8 +259,7 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     variance = added / (2 * step)
     shift = covariance @ (fitting @ per_noise) * added
     harm = (
-        abs(shift[0]) / free.uncertainty(1, 0),
-        abs(shift[1]) / free.uncertainty(0, 1),
+        *(np.abs(shift) / np.sqrt(np.diag(covariance))),
         abs(variance) / free.bead.variance
         / math.sqrt(relative_variance_of_variance(free.bead, fits.whole)),
     )  # fmt: skip
@@ -253,10 +268,12 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
     if variance > 0:
         return Finding("noise", f"it contains white noise of about {deviation}")
-    return Finding(
-        "blur", "the bead moves less from sample to sample than in a trap: motion blur? Give the "
-        "exposure"
-    )  # fmt: skip
+    text = (
+        "the bead moves less from sample to sample than in a trap: motion blur? Give the exposure"
+    )
+    if not free.bead.seen_as_it_is:
+        text = "the bead moves less from sample to sample than this detector would show"
+    return Finding("blur", text)
 
 
 def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:

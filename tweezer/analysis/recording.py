@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NoReturn
+from typing import NamedTuple, NoReturn
 
 import h5py
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from tweezer.errors import ResultError
 from tweezer.io import check_seal, scene_of
 from tweezer.scene import Scene
-from tweezer.units import to_si
+from tweezer.units import FREQUENT, to_si
 
 Array = NDArray[np.float64]
 
@@ -32,12 +32,14 @@ MOST_SAMPLES = 50_000_000
 _UNEVEN = 0.1
 #: Extent that a recording may have, m
 _EXTENTS = (1e-15, 1e-3)
+#: Extent that a recording in volts may have
+_VOLTS = (1e-12, 1e4)
 
 _AXES = ("x", "y", "z")
 _TABLES, _BINARIES = (".csv", ".tsv", ".txt"), (".h5", ".hdf5", ".nc")
 #: Column and SI unit by the first word of a heading
 _COLUMNS = {"t": "t", "time": "t", **{axis: axis for axis in _AXES}}
-_SI = {"t": "s", **dict.fromkeys(_AXES, "m")}
+_SI = {"t": "s", **dict.fromkeys((*_AXES, "drive"), "m")}
 #: Characters that may surround a heading
 _AROUND = '# "\r\n\t'
 #: Largest number of headings in an error message
@@ -47,7 +49,7 @@ _DECIMAL_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 
 @dataclass(frozen=True)
 class Recording:
-    """Positions of a bead at even times.
+    """Positions of a bead at even times, or the voltages of a detector of them.
 
     Raises `ResultError`, naming the sample, unless there are at least 100 samples of those shapes,
     all finite, at ascending times within 0.1 steps of an even grid, and each coordinate changes.
@@ -58,19 +60,29 @@ class Recording:
     times: Array
     """(n,) s"""
     positions: Array
-    """(n, axes) m"""
+    """(n, axes) m, or V"""
     axes: tuple[str, ...]
     """"x", "y" and "z", as many as there are"""
     scene: Scene | None = None
     """scene of a run of tweezer"""
     note: str = ""
     """what was omitted"""
+    unit: str = "m"
+    """of the positions: "m" or "V\""""
+    drive: Array | None = None
+    """(n,) m: the motion of the stage, and with it of the fluid"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
             self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more")
         finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
+        if self.drive is not None:
+            drive = np.asarray(self.drive, np.float64)
+            object.__setattr__(self, "drive", drive)
+            if drive.shape != self.times.shape:
+                self._refuse(f"drive of shape {drive.shape}; must be {self.times.shape}")
+            finite &= np.isfinite(drive)
         if not finite.all():
             at = int(np.argmin(finite))
             self._refuse("not finite; calibrate the samples before and after it apart", at)
@@ -86,13 +98,14 @@ class Recording:
                 "calibrate those before and after a gap apart",
                 1 + int(np.argmax(off > 0.99 * off.max())),
             )
+        low, high = _VOLTS if self.unit == "V" else _EXTENTS
         for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
             if extent <= 0:
                 self._refuse(f"{axis} does not change: nothing to calibrate")
-            if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
+            if not low <= extent <= high:
                 self._refuse(
-                    f"{axis} extends over {extent:.3g} m; must be from {_EXTENTS[0]:g} to "
-                    f"{_EXTENTS[1]:g} m. Is its unit missing?"
+                    f"{axis} extends over {extent:.3g} {self.unit}; must be from {low:g} to "
+                    f"{high:g} {self.unit}. Is its unit missing?"
                 )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
@@ -110,7 +123,8 @@ class Recording:
         Raises `ResultError` if it has fewer than 100 samples.
         """
         kept = self.times >= self.times[0] + time
-        return replace(self, times=self.times[kept], positions=self.positions[kept])
+        drive = None if self.drive is None else self.drive[kept]
+        return replace(self, times=self.times[kept], positions=self.positions[kept], drive=drive)
 
 
 @dataclass(frozen=True)
@@ -173,7 +187,7 @@ def _of_shapes(record: Recording | Track, axes: int) -> None:
         )
 
 
-def load_recording(source: str | Path | xr.Dataset) -> Recording:
+def load_recording(source: str | Path | xr.Dataset, drive: str | None = None) -> Recording:
     """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
     A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost. CSV
@@ -181,17 +195,30 @@ def load_recording(source: str | Path | xr.Dataset) -> Recording:
     not, perhaps with the word position or pos, then the unit in brackets, or behind a slash, a
     space or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4
     (.h5, .hdf5, .nc): a dataset for each column, named so, or with its unit in the attribute
-    `units`. Numbers without a unit are SI. Other columns are ignored.
+    `units`. Numbers without a unit are SI. Other columns are ignored. What a detector gives may be
+    in volts: "x [V]", "x_mV", for all axes alike.
+
+    drive: heading, without its unit, of the column with the motion of the stage.
 
     Raises `ResultError`, naming the file and the sample, for a file of another kind, and for what
     `Recording` refuses.
     """
-    found = _read(source, ("t", "x"), gaps=False)
-    if isinstance(found, tuple):
+    found = _read(source, _Wanted(("t", "x"), drive, volts=True))
+    if not isinstance(found, _Columns):
+        if drive is not None:
+            raise ResultError(f"{found[0]}: a run of tweezer has no column {drive!r}")
         return Recording(*found)
-    axes = tuple(axis for axis in _AXES if axis in found)
-    positions = np.stack([found[axis] for axis in axes], axis=1)
-    return Recording(str(source), found["t"], positions, axes)
+    columns, units = found
+    axes = tuple(axis for axis in _AXES if axis in columns)
+    unit = units["x"]
+    if other := [axis for axis in axes if units[axis] != unit]:
+        raise ResultError(
+            f"{source}: x is in {unit}, and {other[0]} in {units[other[0]]}; must be in one unit"
+        )
+    positions = np.stack([columns[axis] for axis in axes], axis=1)
+    return Recording(
+        str(source), columns["t"], positions, axes, unit=unit, drive=columns.get("drive")
+    )
 
 
 def load_track(source: str | Path | xr.Dataset) -> Track:
@@ -203,33 +230,53 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
     refuses.
     """
-    found = _read(source, ("t", "x", "y"), gaps=True)
-    if isinstance(found, tuple):
+    found = _read(source, _Wanted(("t", "x", "y"), gaps=True))
+    if not isinstance(found, _Columns):
         name, times, positions, _, scene, _ = found
         return Track(name, times, positions[:, :2], scene)
-    positions = np.stack([found["x"], found["y"]], axis=1)
+    columns = found.columns
+    positions = np.stack([columns["x"], columns["y"]], axis=1)
     both = np.isfinite(positions).all(axis=1)
     if not both.any():
         raise ResultError(f"{source}: has no frame with x and y")
     begin = int(np.argmax(both))
-    return Track(str(source), found["t"][begin:], positions[begin:])
+    return Track(str(source), columns["t"][begin:], positions[begin:])
 
 
 #: Arguments of a `Recording`
 _Run = tuple[str, Array, Array, tuple[str, ...], Scene, str]
 
 
-def _read(
-    source: str | Path | xr.Dataset, needed: Sequence[str], *, gaps: bool
-) -> _Run | dict[str, Array]:
-    """A run of tweezer, or the columns of a table; gaps: whether cells of a text may be empty."""
+class _Wanted(NamedTuple):
+    """What a table is read for."""
+
+    needed: tuple[str, ...]
+    """columns that it must have"""
+    drive: str | None = None
+    """heading of the stage's motion, one more"""
+    gaps: bool = False
+    """whether cells of a text may be empty"""
+    volts: bool = False
+    """whether positions may be voltages"""
+
+
+class _Columns(NamedTuple):
+    """The columns of a table."""
+
+    columns: dict[str, Array]
+    """in SI units"""
+    units: dict[str, str]
+
+
+def _read(source: str | Path | xr.Dataset, wanted: _Wanted) -> _Run | _Columns:
+    """A run of tweezer, or the columns of a table."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"))
     path = Path(source)
     if not path.is_file():
         raise ResultError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
     if path.suffix.lower() in _TABLES:
-        return _text_columns(path, needed, gaps=gaps)
+        return _text_columns(path, wanted)
     if path.suffix.lower() not in _BINARIES:
         raise ResultError(f"{path}: must end in {', '.join(_TABLES + _BINARIES)}")
     try:
@@ -240,7 +287,7 @@ def _read(
         ) as dataset:
             if "scene" in dataset.attrs and "position" in dataset:
                 return _of_run(dataset, str(path))
-            return _binary_columns(path, dataset, needed)
+            return _binary_columns(path, dataset, wanted)
     except ResultError:
         raise
     except Exception as error:  # h5py and h5netcdf raise errors of any kind for a damaged file
@@ -272,35 +319,37 @@ def _of_run(run: xr.Dataset, name: str) -> _Run:
     )  # fmt: skip
 
 
-def _text_columns(path: Path, needed: Sequence[str], *, gaps: bool) -> dict[str, Array]:
-    """The columns of a CSV; gaps: whether cells may be empty."""
+def _text_columns(path: Path, wanted: _Wanted) -> _Columns:
+    """The columns of a CSV."""
     row = _Row()
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             first = file.readline()
             delimiter = next((mark for mark in ";\t" if mark in first), ",")
             headings = first.split(delimiter)
-            found = _named_columns(path, [(each, None) for each in headings], needed)
-            wanted = [index for index, _ in found.values()]
+            found = _named_columns(path, [(each, None) for each in headings], wanted)
+            places = [index for index, *_ in found.values()]
             with warnings.catch_warnings(action="ignore", category=UserWarning):  # of no rows
                 table = np.loadtxt(
                     row.each(file, delimiter, len(headings)),
                     delimiter=delimiter,
-                    usecols=wanted,
+                    usecols=places,
                     comments=None,
                     ndmin=2,
                     quotechar='"',
-                    converters=_number_or_gap if gaps else None,
+                    converters=_number_or_gap if wanted.gaps else None,
                 )
     except ValueError as error:
-        why = row.complaint(wanted, delimiter, gaps=gaps) or str(error).splitlines()[0]
+        why = row.complaint(places, delimiter, gaps=wanted.gaps) or str(error).splitlines()[0]
         raise ResultError(f"{path}: line {row.number}: {why}") from None
     except OSError as error:
         raise ResultError(f"{path}: cannot be read: {error.strerror}") from None
-    values = table.T if table.size else np.empty((len(wanted), 0))
-    return {
-        column: scale * row for (column, (_, scale)), row in zip(found.items(), values, strict=True)
-    }
+    values = table.T if table.size else np.empty((len(places), 0))
+    scales = [scale for _, scale, _ in found.values()]
+    columns = [scale * row for scale, row in zip(scales, values, strict=True)]
+    return _Columns(
+        dict(zip(found, columns, strict=True)), {name: unit for name, (*_, unit) in found.items()}
+    )
 
 
 class _Row:
@@ -340,18 +389,18 @@ def _number_or_gap(text: str) -> float:
     return float(text.replace("_", "no digit")) if text.strip() else math.nan
 
 
-def _binary_columns(path: Path, dataset: xr.Dataset, needed: Sequence[str]) -> dict[str, Array]:
+def _binary_columns(path: Path, dataset: xr.Dataset, wanted: _Wanted) -> _Columns:
     variables = list(dataset.variables.items())
     headings = [(str(name), variable.attrs.get("units")) for name, variable in variables]
-    columns = {}
-    for column, (index, scale) in _named_columns(path, headings, needed).items():
+    columns, found = {}, _named_columns(path, headings, wanted)
+    for column, (index, scale, _) in found.items():
         name, variable = variables[index]
         if variable.ndim != 1 or variable.dtype.kind not in "fiu":
             raise ResultError(f"{path}: {name}: must be a one-dimensional array of numbers")
         columns[column] = scale * variable.values.astype(np.float64)
     if len({len(values) for values in columns.values()}) > 1:
         raise ResultError(f"{path}: {', '.join(columns)}: must have the same length")
-    return columns
+    return _Columns(columns, {name: unit for name, (*_, unit) in found.items()})
 
 
 def _refuse_other_files(path: Path) -> None:
@@ -375,26 +424,35 @@ def _refuse_other_files(path: Path) -> None:
 
 
 def _named_columns(
-    path: Path, headings: Sequence[tuple[str, object]], needed: Sequence[str]
-) -> dict[str, tuple[int, float]]:
-    """Column number and factor to SI for each quantity that a heading names.
+    path: Path, headings: Sequence[tuple[str, object]], wanted: _Wanted
+) -> dict[str, tuple[int, float, str]]:
+    """Column number, factor to SI and SI unit for each quantity that a heading names.
 
     headings: each with the unit given beside it, if any.
     """
-    found: dict[str, tuple[int, float]] = {}
+    found: dict[str, tuple[int, float, str]] = {}
+    needed = [*wanted.needed, *(["drive"] if wanted.drive is not None else [])]
     for index, (heading, beside) in enumerate(headings):
         column, unit = _column_and_unit(heading)
+        if wanted.drive is not None and (driving := _after(heading, wanted.drive)) is not None:
+            column, unit = "drive", driving or None
         if column is None:
             continue
         if column in found:
             raise ResultError(f"{path}: two columns for {column}")
         scales = {
-            _scale(path, heading, column, each) for each in (unit, beside) if each is not None
+            _scale(path, heading, column, each, volts=wanted.volts)
+            for each in (unit, beside)
+            if each is not None
         }
         if len(scales) > 1:
             raise ResultError(f"{path}: {heading}: is in {unit}, and in {beside}")
-        found[column] = index, scales.pop() if scales else 1.0
-    missing = [f"no column {column}" for column in needed if column not in found]
+        found[column] = (index, *(scales.pop() if scales else (1.0, _SI[column])))
+    missing = [
+        f"no column {wanted.drive if column == 'drive' else column}"
+        for column in needed
+        if column not in found
+    ]
     if missing:
         names = [_short(heading.strip(_AROUND)) for heading, _ in headings]
         there = f" among {', '.join(map(repr, names[:_NAMES_TOLD]))}" if any(names) else ""
@@ -431,7 +489,21 @@ def _column_and_unit(heading: str) -> tuple[str | None, str | None]:
     return None, None
 
 
+def _after(heading: str, name: str) -> str | None:
+    """The unit of a heading with that name; "" without one; None for another heading."""
+    text = heading.strip(_AROUND)
+    if not text.lower().startswith(name.lower()):
+        return None
+    rest = text[len(name) :]
+    unit = rest.strip("[]()/_ ")
+    if rest and (rest[0] not in "[(/_ " or not _is_unit(unit, "drive")):
+        return None
+    return unit
+
+
 def _is_unit(text: str, column: str) -> bool:
+    if column in _AXES and text in FREQUENT["V"]:
+        return True
     try:
         to_si(f"1 {text}", _SI[column])
     except ValueError:
@@ -439,10 +511,14 @@ def _is_unit(text: str, column: str) -> bool:
     return True
 
 
-def _scale(path: Path, heading: str, column: str, unit: object) -> float:
-    """Factor from `unit` to SI."""
+def _scale(
+    path: Path, heading: str, column: str, unit: object, *, volts: bool
+) -> tuple[float, str]:
+    """Factor from `unit` to SI, and the SI unit."""
+    if volts and column in _AXES and unit in FREQUENT["V"]:
+        return FREQUENT["V"][str(unit)], "V"
     try:
-        return to_si(f"1 {unit}", _SI[column])
+        return to_si(f"1 {unit}", _SI[column]), _SI[column]
     except ValueError as error:
         scaled = "; scale the column to lengths first" if column != "t" else ""
         raise ResultError(

@@ -33,6 +33,8 @@ _NEWTON = 3
 #: Relative change of a stiffness at which two rates of a bead with memory are equal, and the error
 #: of the sum of amplitudes that shows it.
 _DOUBLE = 1e-7
+#: Distance of a rate from that of the diode, of it, below which they count as equal.
+_EQUAL = 1e-6
 
 
 def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
@@ -123,9 +125,13 @@ class TrappedBead:
     s tau_f/9) with tau_f = 9 m_f/(2 beta): it remembers, and adds m_f/2 to the mass. In time it is
     a sum of exponentials (`tweezer.fluid.memory`).
 
-    A recorded position is the mean over the exposure (motion blur: W. P. Wong and K. Halvorsen,
-    Opt. Express 14, 12517 (2006)). By the exposure a decay e^-rt becomes
-    (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and 2 (rW - 1 + e^-rW)/(rW)^2 at t = 0.
+    A detector gives `response` volts a metre (1 for positions in metres), of which a diode lets a
+    part a of the light through at once and the rest late: its power is a^2 + (1 - a^2)/(1 +
+    (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). By that a decay
+    e^-rt becomes a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), w = 2 pi f_3. What is
+    recorded is the mean over the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express
+    14, 12517 (2006)): a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
+    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0; and white noise.
     """
 
     stiffness: float
@@ -142,10 +148,18 @@ class TrappedBead:
     """m_f, kg: the mass of the fluid in the bead's place; None: a fluid without inertia"""
     poles: int = USUAL
     """number of poles of the fluid's memory; 24 are exact to 5e-5 in the spectrum below 1 MHz"""
+    diode_frequency: float | None = None
+    """f_3, Hz: where the power of the late part is halved; None: a detector that follows at once"""
+    diode_fraction: float = 0.0
+    """a, from 0 to 1: the part of the signal that a diode detects at once"""
+    noise: float = 0.0
+    """standard deviation of the white noise of a sample, m or V"""
+    response: float = 1.0
+    """signal by position: V/m, or 1 for positions in m"""
 
     @property
     def variance(self) -> float:
-        """Variance of recorded positions, m^2: k_B T/k (equipartition), reduced by the exposure."""
+        """Variance of recorded positions, m^2 or V^2: k_B T/k (equipartition), as detected."""
         return float(self.autocovariance(0.0))
 
     @property
@@ -165,6 +179,11 @@ class TrappedBead:
         The memory of the fluid, whose decay has no slowest time, is left out.
         """
         return 1 / min(rate.real for _, rate in self._forgetful)
+
+    @property
+    def seen_as_it_is(self) -> bool:
+        """Whether what is recorded is the position itself, apart from a factor."""
+        return not (self.exposure or self.diode_frequency or self.noise)
 
     @property
     def roll_off(self) -> float:
@@ -208,11 +227,29 @@ class TrappedBead:
         equipartition = Boltzmann * self.temperature / self.stiffness
         return _plain(zip(equipartition * parts, rates / time, strict=True))
 
+    @cached_property
+    def _detected(self) -> Decays:
+        """Amplitudes (m^2 or V^2) and rates (1/s) of the exponentials in that of the signal."""
+        square = self.response**2
+        decays = [(square * amplitude, rate) for amplitude, rate in self._decays]
+        if not self.diode_frequency:
+            return decays
+        w = 2 * math.pi * self.diode_frequency
+        while any(abs(rate / w - 1) < _EQUAL for _, rate in decays):
+            w *= 1 + 2 * _EQUAL
+        late = 1 - self.diode_fraction**2
+        seen, of_diode = [], 0.0j
+        for amplitude, rate in decays:
+            share = late * amplitude / (1 - (rate / w) ** 2)
+            seen.append((self.diode_fraction**2 * amplitude + share, rate))
+            of_diode -= share * rate / w
+        return _plain([*seen, (of_diode.real, w)])
+
     def autocovariance(self, times: ArrayLike) -> Array:
-        """<x(0) x(t)>, m^2, of recorded positions, at `times` (s)."""
+        """<x(0) x(t)>, m^2 or V^2, of recorded positions, at `times` (s)."""
         past = np.abs(np.asarray(times, np.float64))
-        covariance = np.zeros(past.shape)
-        for amplitude, rate in self._decays:
+        covariance = np.where(past == 0, self.noise**2, 0.0)
+        for amplitude, rate in self._detected:
             decay = np.exp(-rate * past)
             if self.exposure:
                 u, v = rate * self.exposure, rate * np.minimum(past, self.exposure)
@@ -223,15 +260,16 @@ class TrappedBead:
         return covariance
 
     def mean_squared_displacement(self, times: ArrayLike) -> Array:
-        """<(x(t) - x(0))^2>, m^2, of recorded positions, at `times` (s)."""
+        """<(x(t) - x(0))^2>, m^2 or V^2, of recorded positions, at `times` (s)."""
         return 2 * (self.variance - self.autocovariance(times))
 
     def spectrum(self, frequencies: ArrayLike) -> Array:
-        """One-sided power spectral density, m^2/Hz, of the motion itself at `frequencies` (Hz).
+        """One-sided power spectral density, m^2/Hz or V^2/Hz, of the signal at `frequencies` (Hz).
 
-        The Lorentzian, with a mass its inertial form, and with the mass of the fluid its
-        hydrodynamic form, without approximation (K. Berg-Sorensen and H. Flyvbjerg, Rev. Sci.
-        Instrum. 75, 594 (2004)); times sinc^2(f W) for the exposure.
+        Before it is sampled, and without noise. The Lorentzian, with a mass its inertial form, and
+        with the mass of the fluid its hydrodynamic form, without approximation (K. Berg-Sorensen
+        and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)); times what the diode lets through, and
+        sinc^2(f W) for the exposure.
         """
         f = np.asarray(frequencies, np.float64)
         omega = 2 * np.pi * f
@@ -240,12 +278,34 @@ class TrappedBead:
         in_phase = self.stiffness - self._inertia * omega**2 - self.drag * omega * memory
         force = 4 * Boltzmann * self.temperature * viscous
         density = force / (in_phase**2 + (omega * viscous) ** 2)
-        return np.asarray(density * np.sinc(f * self.exposure) ** 2)
+        return np.asarray(density * self._passed(f))
+
+    def _passed(self, frequencies: Array) -> Array:
+        """Power of the signal over that of the motion, of which it is the mean over an exposure."""
+        passed = (self.response * np.sinc(frequencies * self.exposure)) ** 2
+        if self.diode_frequency:
+            square = self.diode_fraction**2
+            passed *= square + (1 - square) / (1 + (frequencies / self.diode_frequency) ** 2)
+        return np.asarray(passed)
+
+    def driven(self, frequencies: ArrayLike) -> Complex:
+        """Signal by motion of the stage, V/m or 1, at `frequencies` (Hz), without noise.
+
+        The fluid moves with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2 x_s, the last
+        for the pressure that moves it (M. R. Maxey and J. J. Riley, Phys. Fluids 26, 883 (1983)).
+        The phase is that of the motion.
+        """
+        f = np.asarray(frequencies, np.float64)
+        s = 2j * np.pi * f
+        fluid = self.displaced_mass or 0.0
+        gamma = self.drag + np.sqrt(s * 4.5 * fluid * self.drag) + s * fluid / 2
+        moved = s * (gamma + s * fluid) / (s * gamma + self.stiffness + (self.mass or 0.0) * s**2)
+        return np.asarray(moved * np.sqrt(self._passed(f)))
 
     def sampled_spectrum(
         self, frequencies: ArrayLike, step: float, samples: float = math.inf
     ) -> Array:
-        """One-sided power spectral density, m^2/Hz, of positions taken every `step` (s).
+        """One-sided power spectral density, m^2/Hz or V^2/Hz, of positions every `step` (s).
 
         It includes all aliases: it is the Fourier sum over the autocovariance of the samples, which
         from lag 1 on is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
@@ -255,9 +315,9 @@ class TrappedBead:
         """
         angle = 2 * np.pi * step * np.asarray(frequencies, np.float64)
         away = 2 * np.sin(angle / 2) ** 2  # 1 - cos
-        turned = away - 1j * np.sin(angle) if any(map(_rings, self._decays)) else away  # 1 - e^ia
+        turned = away - 1j * np.sin(angle) if any(map(_rings, self._detected)) else away  # 1 - e^ia
         density = np.full(angle.shape, self.variance)
-        for amplitude, rate in self._decays:
+        for amplitude, rate in self._detected:
             # sum over lags j of first e^(-(j - 1) rate step + i j angle), less j/samples of each
             first = amplitude * np.exp(-rate * (step - self.exposure))
             if self.exposure:

@@ -1,0 +1,218 @@
+"""The answer of a trapped bead to an oscillating stage: what active calibration measures.
+
+S. F. Tolic-Norrelykke et al., Rev. Sci. Instrum. 77, 103101 (2006): the fluid moves with the stage
+and drags the bead by a way that follows from stiffness and drag, so that the signal of it tells
+volts a metre.
+"""
+
+from __future__ import annotations
+
+import cmath
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from tweezer.analysis.spectra import TrappedBead, power_spectrum
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Largest number of frequencies of a drive
+_MOST_LINES = 8
+#: Smallest amplitude of a frequency that counts as driven, of the largest.
+_WEAKEST = 0.03
+#: Smallest power of it over the medians on both sides.
+_DISTINCT = 1e3
+#: Number of ordinates of such a side, and their distance.
+_SIDE = 7
+#: Part of a drift that is only its rounding.
+_ROUNDING = 1e-6
+#: Accuracy of a frequency, in 1/t of the record.
+_FINE = 1e-4
+#: Smallest number of periods in a record.
+_LEAST_PERIODS = 5
+#: Smallest amplitude of an answer that counts as one, in standard uncertainties.
+_SEEN = 5.0
+#: Number of ordinates on each side of a line that its thermal motion is measured by.
+_AROUND = 50
+
+
+def driven_frequencies(drive: Array, step: float) -> list[float]:
+    """Frequencies (Hz) at which a stage oscillates, the strongest first; none if it does not.
+
+    drive: (n,) m, one every `step` (s). The largest of the spectrum by Hann's window that stands
+    out on both sides, refined where the sum over the record is largest, and so on for what is left
+    without it.
+    """
+    from scipy.fft import rfft
+    from scipy.ndimage import median_filter
+    from scipy.signal.windows import hann
+
+    n = len(drive)
+    times = np.arange(n) * step
+    window = hann(n, sym=False)
+    left = drive
+    found: list[float] = []
+    strongest = 0.0
+    while len(found) < _MOST_LINES:
+        power = np.abs(rfft(window * left)) ** 2
+        beside = np.pad(median_filter(power, _SIDE, mode="nearest"), _SIDE, mode="edge")
+        sides = np.maximum(beside[: -2 * _SIDE], beside[2 * _SIDE :])
+        power[(power <= _DISTINCT * sides) | (np.arange(len(power)) < _LEAST_PERIODS)] = 0.0
+        peak = int(power.argmax())
+        if not power[peak]:
+            break
+
+        def missed(frequency: float, signal: Array = window * left) -> float:
+            return -abs(np.exp(-2j * np.pi * frequency * times) @ signal)
+
+        bin_ = 1 / (n * step)
+        ends = (peak - 0.6) * bin_, (peak + 0.6) * bin_
+        options = {"xatol": _FINE * bin_}
+        best = minimize_scalar(missed, bounds=ends, method="bounded", options=options)
+        amplitude = -2 * best.fun / window.sum()
+        strongest = max(strongest, amplitude)
+        if amplitude < _WEAKEST * strongest:
+            break
+        found.append(float(best.x))
+        left = drive - _motion(drive, found, step)[1]
+    return found
+
+
+def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> int:
+    """The largest number of samples, up to one period less, that is nearest to whole periods."""
+    lengths = np.arange(max(samples - math.ceil(1 / (min(frequencies) * step)), 2), samples + 1)
+    periods = np.outer(frequencies, lengths * step)
+    return int(lengths[::-1][np.abs(periods - np.rint(periods)).max(axis=0)[::-1].argmin()])
+
+
+def _motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
+    """Amplitudes c of Re(c e^(i w t)) in a signal, and their sum with its mean (n,)."""
+    angles = 2 * np.pi * step * np.outer(frequencies, np.arange(len(signal)))
+    waves = np.vstack([np.ones(len(signal)), np.cos(angles), np.sin(angles)])
+    parts = np.linalg.solve(waves @ waves.T, waves @ signal)
+    cosines, sines = np.split(parts[1:], 2)
+    return cosines - 1j * sines, parts @ waves
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The motion of a stage in one record."""
+
+    frequencies: tuple[float, ...]
+    """Hz"""
+    amplitudes: Complex
+    """(frequencies,) m, with their phases"""
+    uncertainty: Array
+    """(frequencies,) standard uncertainty of their real and of their imaginary parts, m"""
+    samples: int
+    """whole periods of the record"""
+    step: float
+    """s"""
+
+    @classmethod
+    def of(cls, drive: Array, step: float) -> Drive | None:
+        """That of `drive` (n,), m; None if it does not oscillate."""
+        from scipy.signal import detrend
+
+        extent = np.ptp(drive)
+        drive = detrend(drive)
+        frequencies = driven_frequencies(drive, step)
+        if not frequencies or np.ptp(drive) < _ROUNDING * extent:
+            return None
+        samples = whole_periods(frequencies, len(drive), step)
+        amplitudes, moved = _motion(drive[:samples], frequencies, step)
+        still = drive[:samples] - moved
+        error = [_thermal(still, step, frequencies, each) for each in frequencies]
+        return cls(tuple(frequencies), amplitudes, np.sqrt(error), samples, step)
+
+    def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...]]:
+        """The signal (samples,) without its answers to the drive, and those that are seen."""
+        amplitudes, moved = _motion(signal[: self.samples], self.frequencies, self.step)
+        still = signal[: self.samples] - moved + signal[: self.samples].mean()
+        found = []
+        for f, stage, error, answer in zip(
+            self.frequencies, self.amplitudes, self.uncertainty, amplitudes, strict=True
+        ):
+            variance = _thermal(still, self.step, self.frequencies, f)
+            power = abs(answer) ** 2 - variance  # thermal motion adds to it
+            if power > _SEEN**2 * variance:
+                seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
+                found.append(Answer(f, float(abs(stage)), float(error), *seen))
+        return still, tuple(found)
+
+
+def _thermal(still: Array, step: float, lines: Sequence[float], at: float) -> float:
+    """Variance of the real part of an amplitude by the spectrum around it: S/t."""
+    frequencies, density = power_spectrum(still, step)
+    others = np.ones(len(frequencies), bool)
+    for line in lines:
+        others &= np.abs(frequencies - line) > 2.5 * frequencies[0]
+    here = int(np.searchsorted(frequencies, at))
+    around = slice(max(here - _AROUND, 0), here + _AROUND)
+    return float(density[around][others[around]].mean()) / (len(still) * step)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The amplitude of a bead's signal at one frequency of the stage."""
+
+    frequency: float
+    """Hz"""
+    stage: float
+    """amplitude of the stage, m"""
+    stage_uncertainty: float
+    """its standard uncertainty, m"""
+    signal: float
+    """amplitude of the signal, m or V"""
+    signal_uncertainty: float
+    """its standard uncertainty, by the thermal motion around it, m or V"""
+    phase: float
+    """of the signal before the stage, rad"""
+
+    def misfit(self, bead: TrappedBead) -> float:
+        """Deviation from the amplitude of that bead, in standard uncertainties."""
+        per_metre = abs(complex(bead.driven(self.frequency)))
+        error = math.hypot(self.signal_uncertainty, per_metre * self.stage_uncertainty)
+        return (self.signal - per_metre * self.stage) / error
+
+    def late(self, bead: TrappedBead) -> tuple[float, float]:
+        """Phase by which the signal, of whichever sign, is behind that bead's, and its standard
+        uncertainty, rad.
+        """
+        behind = cmath.phase(complex(bead.driven(self.frequency))) - self.phase
+        error = math.hypot(
+            self.signal_uncertainty / self.signal, self.stage_uncertainty / self.stage
+        )
+        return (behind + math.pi / 2) % math.pi - math.pi / 2, error
+
+    def per(self, response: float) -> Answer:
+        """The same, with the signal over a response."""
+        return dataclasses.replace(
+            self,
+            signal=self.signal / response,
+            signal_uncertainty=self.signal_uncertainty / response,
+        )
+
+
+@dataclass(frozen=True)
+class KnownDrag:
+    """A drag that is known from elsewhere, with an uncertainty."""
+
+    drag: float
+    """kg/s"""
+    uncertainty: float
+    """standard uncertainty of its logarithm"""
+
+    def misfit(self, bead: TrappedBead) -> float:
+        """Deviation from the drag of that bead, in standard uncertainties."""
+        return math.log(bead.drag / self.drag) / self.uncertainty
+
+    def per(self, _: float) -> KnownDrag:
+        """The same: a drag has nothing to do with the detector."""
+        return self
