@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force integrate brownian scaling depth calibrate
+BENCHMARKS := force integrate brownian scaling depth calibrate hydro
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report scaling_report depth_report calibrate_report
+REPORTS := report integrate_report brownian_report summary_report scaling_report depth_report calibrate_report hydro_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
@@ -34,6 +34,9 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 		--set simulation.samples=50001 --duration "1 s" --seed 1 --overwrite
 	$(BIN)/tweezer calibrate silica-1um.nc --skip "20 ms" \
 		--plot docs/figures/calibrate-silica-1um.png
+	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \
+		--set simulation.samples=50001 --duration "0.6 s" --seed 1 --out fast.nc --overwrite
+	$(BIN)/tweezer calibrate fast.nc --skip "20 ms" --plot docs/figures/calibrate-fast.png
 	$(BIN)/tweezer reproduce --out docs/figures/thesis
 	$(QUOTE)
 

@@ -38,6 +38,7 @@ FIRST = [
     "derivation",
     "tests/thesis/test_thesis.py",
     "tests/analysis/test_calibrate.py",
+    "tests/analysis/test_detected_bead.py",
     "tests/test_notebooks.py",
     "tests/test_docs.py",
     "tests/test_stress.py",

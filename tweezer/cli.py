@@ -724,6 +724,10 @@ _add_benchmark(
     "calibrate", "calibrate_report",
     "Calibration: coverage, and what is marked. Known traps.",
 )  # fmt: skip
+_add_benchmark(
+    "hydro", "hydro_report",
+    "Calibration of fast records: bias. The fluid's inertia, detectors, a driven stage; pylake.",
+)  # fmt: skip
 
 
 def _benchmark(name: str) -> ModuleType:
@@ -1092,16 +1096,13 @@ def _detected(axis: AxisCalibration, unit: str) -> Iterable[str]:
         yield "; ".join(told)
     if axis.sensitivity is not None:
         drag = axis.free_fit
-        parts = [
-            _scaled(axis.sensitivity, axis.sensitivity_uncertainty, 1e6, "um/V")
-            if unit == "V"
-            else f"{_scaled(axis.sensitivity, axis.sensitivity_uncertainty, 1.0, 'm')} a metre",
-            _scaled(axis.force_sensitivity, axis.force_sensitivity_uncertainty, 1e12, "pN/V")
-            if unit == "V"
-            else "",
-            f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}",
-        ]
-        yield "; ".join(filter(None, parts))
+        metres = axis.sensitivity, axis.sensitivity_uncertainty
+        force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
+        parts = [f"recorded metres are {_scaled(*metres, 1.0, 'm')}"]
+        if unit == "V":
+            parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
+        parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
+        yield "; ".join(parts)
     for each in axis.answers:
         answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
         yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"

@@ -158,7 +158,10 @@ def test_estimates_with_memory_are_as_uncertain_as_they_say():
             without = tweezer.calibrate(recording(x, step), temperature=T, exposure=0.0).axes[0]
             off = (without.fit.bead.drag - true.drag) / without.fit.drag_uncertainty
             assert abs(off) > 10
-            assert all(estimate.caveat for estimate in without.estimates)
+            assert all(
+                "the inertia of the fluid counts: is it given?" in estimate.caveat
+                for estimate in without.estimates
+            )
     assert len(scores) == 7
     for method, values in scores.items():
         assert abs(np.mean(values)) < 1.0, method
@@ -274,7 +277,7 @@ def test_a_detector_is_fitted(name, truth, of, asked):
     assert set(scores) == {name, "power spectrum", "equipartition", "potential"}
     for each in scores.values():
         assert abs(np.mean(each)) < 1.3
-        assert np.std(each) < 1.9
+        assert 0.6 < np.std(each) < 1.9
 
 
 def test_a_detector_that_is_given_is_one_that_is_fitted():
@@ -385,7 +388,14 @@ def test_stiffness_drag_and_volts_by_a_drive(lines):
         assert not found.findings
         assert [a.frequency for a in found.answers] == pytest.approx(list(lines), abs=0.01)
         fit, k = found.free_fit, found.estimates[0]
+        for each, (f, size) in zip(found.answers, lines.items(), strict=True):
+            moved_by = 3e6 * size * abs(answer(TRUE, f))
+            score = (each.signal - moved_by) / each.signal_uncertainty
+            scores.setdefault(f"{f} Hz", []).append(score)
+        equal = found["equipartition"]
+        assert equal.uncertainty == pytest.approx(k.uncertainty, rel=0.1)  # that of the volts
         for name, value, uncertainty, true in (
+            ("equipartition", equal.stiffness, equal.uncertainty, TRUE.stiffness),
             ("stiffness", k.stiffness, k.uncertainty, TRUE.stiffness),
             ("drag", fit.bead.drag, fit.drag_uncertainty, TRUE.drag),
             ("volts", found.sensitivity, found.sensitivity_uncertainty, 1 / 3e6),
@@ -393,8 +403,8 @@ def test_stiffness_drag_and_volts_by_a_drive(lines):
         ):
             scores.setdefault(name, []).append((value - true) / uncertainty)
     for each in scores.values():
-        assert abs(np.mean(each)) < 1.2
-        assert np.std(each) < 1.8
+        assert abs(np.mean(each)) < 1.0
+        assert 0.4 < np.std(each) < 1.8
 
 
 def test_a_drive_and_a_drag_that_contradict_it():
@@ -438,6 +448,8 @@ def test_what_is_wrong_with_a_drive_is_said():
             calibrated(x, other)
     with pytest.raises(tweezer.ResultError, match="drive of shape"):
         calibrated(x, stage[:-1])
+    with pytest.raises(tweezer.ResultError, match=r"drive extends over 2 m.*Is its unit missing"):
+        calibrated(x, np.sin(300 * times))
 
 
 def test_an_axis_that_is_not_driven_has_the_drag_of_one_that_is():

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import itertools
 import json
 import math
 import os
@@ -23,6 +24,8 @@ from tests.benchmarks import (
     depth_report,
     estimate,
     force,
+    hydro,
+    hydro_report,
     integrate_report,
     numpy_sum,
     pages,
@@ -235,7 +238,8 @@ def test_peers_integrate_our_equations(changes):
 @pytest.mark.parametrize(
     ("name", "report"),
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
-     ("scaling", scaling_report), ("depth", depth_report), ("calibrate", calibrate_report)],
+     ("scaling", scaling_report), ("depth", depth_report), ("calibrate", calibrate_report),
+     ("hydro", hydro_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -448,6 +452,32 @@ def test_durations():
 
 def test_page_quotes_the_committed_calibration():
     assert pages.quoted("calibrate") == calibrate_report.block(pages.committed("calibrate"))
+
+
+def test_page_quotes_the_committed_calibration_of_fast_records():
+    assert pages.quoted("hydro") == hydro_report.block(pages.committed("hydro"))
+
+
+@pytest.mark.parametrize("study", [hydro.PASSIVE[1], hydro.DETECTORS[3], hydro.DRIVEN[0]])
+def test_fast_records_are_counted(study):
+    """Two short ones: numbers of each way, and of the truth that they are compared with."""
+    short = study._replace(samples=2**16 if study.drive else 2**14)  # pylake wants periods
+    found = hydro.judged([hydro.calibrated(short, 1, 2)])
+    ways = {each["by"] for each in found["numbers"]}
+    assert ways >= {
+        "passive": {"volts", "volts, no inertia", "pylake", "pylake, no inertia"},
+        "detector": {"drag fitted"}, "driven": {"volts", "pylake"},
+    }[study.kind]  # fmt: skip
+    for each in found["numbers"]:
+        assert each["numbers"] <= 2
+        if "no inertia" not in each["by"] and "as called" not in each["by"]:
+            assert abs(each["mean_score"]) < 4
+    ours, theirs = (
+        [each for each in found["numbers"] if each["by"] == by] for by in ("volts", "pylake")
+    )
+    for a, b in itertools.product(ours, theirs):
+        if a["quantity"] == b["quantity"]:  # of the same records, within both errors
+            assert abs(a["bias"] - b["bias"]) < a["uncertainty"] + b["uncertainty"]
 
 
 def test_records_of_the_calibration_are_counted():

@@ -377,7 +377,10 @@ def calibrate(
             beside = (_told_by(next(iter(axes.values()))),)
         without = () if moved is None else moved.frequencies
         try:
-            with warnings.catch_warnings(action="error", category=LinAlgWarning):
+            with (
+                warnings.catch_warnings(action="error", category=LinAlgWarning),
+                np.errstate(divide="raise", over="raise", invalid="raise"),
+            ):
                 axes[axis] = _calibrated(axis, signal, step, known, beside, without)
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
@@ -477,6 +480,12 @@ class _Known:
     """findings against every number that uses the dynamics"""
 
     @property
+    def all_frequencies(self) -> bool:
+        """Whether the spectrum is known up to Nyquist's frequency, or what it tells there asked."""
+        bead = self.bead
+        return bool(self.detector or bead.displaced_mass or bead.diode_frequency or bead.noise)
+
+    @property
     def drag(self) -> bool:
         """Whether the drag is given."""
         return not math.isnan(self.bead.drag)
@@ -506,13 +515,14 @@ def _fits(
         first = dataclasses.replace(given, mass=None, displaced_mass=None, drag=math.nan)
     start = best_start(whole, signal, first)
     if not (scaled or detector):
-        to_the_end = bool(given.diode_frequency or given.noise)
-        part = usable(whole, start, to_the_end=to_the_end)
+        part = usable(whole, start, to_the_end=known.all_frequencies)
         free = fit = fitted(part, start, MOTION)
         if known.drag:
             fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), STIFFNESS)
         return Fits(whole, fit, free)
-    part = usable(whole, start, to_the_end=bool(detector or given.diode_frequency or given.noise))
+    part = usable(whole, start, to_the_end=known.all_frequencies)
+    if part.counts.sum() < _LEAST_BLOCKS / 2:
+        raise ArithmeticError("too few frequencies for a fit")
     early = part
     if detector:
         low = part.frequencies <= _BEFORE_DETECTOR * start.roll_off

@@ -53,6 +53,8 @@ _HARM_IF_ANY = 1.0
 _EXPOSURES = (1.0, 0.5, 0.25)
 #: Twice the difference of log-likelihoods that excludes an exposure: p = 0.014.
 _NOT_EXCLUDED = 6.0
+#: Highest frequency, Hz, up to which the inertia of a fluid is not suspected.
+_FAST = 5e3
 #: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2
 #: Smallest fraction of its information that white noise keeps beside stiffness and drag.
@@ -243,7 +245,12 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     per_noise = 1 / expected
     density = np.concatenate([part.density, beyond.density / gain])
     slopes = np.hstack(
-        [free.slopes, dataclasses.replace(beyond, samples=math.inf).slopes(free.bead, free.free)]
+        [
+            free.slopes,
+            dataclasses.replace(beyond, samples=math.inf, floor=part.floor).slopes(
+                free.bead, free.free
+            ),
+        ]
     )
     fitting = np.hstack([part.counts * free.slopes, np.zeros((len(free.free), beyond.counts.size))])
     covariance = free.covariance
@@ -339,7 +346,11 @@ def _line(positions: Array, step: float, fits: Fits) -> Finding | None:
 def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None:
     if spectrum_p_value(positions, step, free) >= IMPROBABLE:
         return None
-    return Finding("spectrum", "the spectrum is not that of a trapped bead")
+    text = "the spectrum is not that of a trapped bead"
+    highest = float(free.periodogram.frequencies[-1])
+    if not free.bead.displaced_mass and highest > _FAST:
+        text += f"; up to {1e-3 * highest:.2g} kHz the inertia of the fluid counts: is it given?"
+    return Finding("spectrum", text)
 
 
 def _drag(fits: Fits) -> Finding | None:

@@ -83,6 +83,9 @@ class Recording:
             if drive.shape != self.times.shape:
                 self._refuse(f"drive of shape {drive.shape}; must be {self.times.shape}")
             finite &= np.isfinite(drive)
+            if np.ptp(drive) > _EXTENTS[1]:
+                extent = f"{np.ptp(drive):.3g} m; must be at most {_EXTENTS[1]:g} m"
+                self._refuse(f"its drive extends over {extent}. Is its unit missing?")
         if not finite.all():
             at = int(np.argmin(finite))
             self._refuse("not finite; calibrate the samples before and after it apart", at)

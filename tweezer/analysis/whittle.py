@@ -35,11 +35,11 @@ _DIFFERENCE = 1e-4
 #: Largest step of Fisher's scoring, in each coordinate.
 _LONGEST = 1.0
 #: Largest number of steps of Fisher's scoring.
-_MOST_STEPS = 200
+_MOST_STEPS = 60
 #: First damping of its steps, and the one at which it ends.
 _DAMPING = (1e-3, 1e9)
 #: Standard uncertainties by which a part of the detector is seen, and that bound one that is not.
-_SEEN, _BOUND = 3.0, 2.0
+_SEEN, _BOUND = 4.0, 2.0
 
 #: Parameters of a fit of the motion alone.
 STIFFNESS = ("stiffness",)
@@ -118,6 +118,8 @@ class Periodogram:
     """s"""
     samples: float
     """length of the record; infinite if leakage is left out"""
+    floor: float
+    """density at the highest frequencies of the record: the unit of that of white noise"""
     beside: tuple[Evidence, ...] = ()
     """what else is known"""
 
@@ -140,12 +142,7 @@ class Periodogram:
             np.add.reduceat(values * used, starts)[kept] / counts[kept]
             for values in (frequencies, density)
         )
-        return cls(f, mean, counts[kept], step, len(positions))
-
-    @property
-    def floor(self) -> float:
-        """The density at the highest frequencies."""
-        return float(self.density[-1])
+        return cls(f, mean, counts[kept], step, len(positions), float(mean[-1]))
 
     def __getitem__(self, part: slice | NDArray[np.bool_]) -> Periodogram:
         return dataclasses.replace(
@@ -160,6 +157,7 @@ class Periodogram:
         return dataclasses.replace(
             self,
             density=self.density / response**2,
+            floor=self.floor / response**2,
             beside=tuple(each.per(response) for each in self.beside),
         )
 
@@ -169,10 +167,14 @@ class Periodogram:
 
     def log_likelihood(self, bead: TrappedBead) -> float:
         """Log-likelihood of exponential ordinates (P. Whittle, Ark. Mat. 2, 423 (1953))."""
-        expected = self.expected(bead)
+        try:
+            with np.errstate(all="raise", under="ignore"):
+                expected = self.expected(bead)
+                squares = sum(each.misfit(bead) ** 2 for each in self.beside)
+        except ArithmeticError:
+            return -math.inf
         if not (expected > 0).all():  # rounding, far from any real bead
             return -math.inf
-        squares = sum(each.misfit(bead) ** 2 for each in self.beside)
         return -float(self.counts @ (np.log(expected) + self.density / expected)) - squares / 2
 
     def at(
@@ -194,12 +196,13 @@ class Periodogram:
     ) -> Array:
         """(free, ...): slopes of `of` by the coordinates, from inside where those end."""
         here, slopes = self.coordinates(bead, free), []
-        for i, name in enumerate(free):
-            ends = np.clip(here[i] + _DIFFERENCE * np.array([-1, 1]), *COORDINATES[name].ends)
-            below, above = (
-                of(self.at(bead, free, [*here[:i], end, *here[i + 1 :]])) for end in ends
-            )
-            slopes.append((above - below) / (ends[1] - ends[0]))
+        with np.errstate(all="raise", under="ignore"):
+            for i, name in enumerate(free):
+                ends = np.clip(here[i] + _DIFFERENCE * np.array([-1, 1]), *COORDINATES[name].ends)
+                below, above = (
+                    of(self.at(bead, free, [*here[:i], end, *here[i + 1 :]])) for end in ends
+                )
+                slopes.append((above - below) / (ends[1] - ends[0]))
         return np.array(slopes)
 
     def slopes(self, bead: TrappedBead, free: Sequence[str]) -> Array:
@@ -261,13 +264,22 @@ class WhittleFit:
         of_free = np.array([weights.get(name, 0.0) for name in self.free])
         return math.sqrt(of_free @ self.covariance @ of_free)
 
+    def _gain(self, name: str) -> float:
+        """Log-likelihood over that of a fit without a part of the detector."""
+        without: dict[str, float | None] = {name: 0.0}
+        if name == "diode_frequency":
+            without = {name: None, "diode_fraction": 0.0}
+        bead = dataclasses.replace(self.bead, **without)  # type: ignore[arg-type]
+        free = tuple(each for each in self.free if each not in without)
+        return self.log_likelihood - fitted(self.periodogram, bead, free).log_likelihood
+
     def detected(self, name: str) -> Detected:
         """A fitted parameter of the detector."""
         coordinate, i = COORDINATES[name], self.free.index(name)
         x, error = coordinate.of(self.bead, self.periodogram), math.sqrt(self.covariance[i, i])
         value = coordinate.to(x, self.periodogram)
-        seen = x > _SEEN * error and value is not None
-        uncertainty = value * error / (2 * x) if seen and value is not None else None
+        seen = x > _SEEN * error and self._gain(name) > _SEEN**2 / 2
+        uncertainty = value * error / (2 * x) if seen and value else None
         highest, end = x + _BOUND * error, _TRIVIAL.get(name, math.inf)
         if name == "noise":  # there is no more than all there is
             highest = min(highest, 1.0)
