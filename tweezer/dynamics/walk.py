@@ -14,7 +14,7 @@ from scipy.constants import Boltzmann
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
-from tweezer.dynamics.brownian import march, noise, propagator
+from tweezer.dynamics.brownian import march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -24,6 +24,7 @@ from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.fluid import DRAG_KERNEL
+from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
 from tweezer.scene import Scene
@@ -91,8 +92,8 @@ class Walk:
         """
         start, plan, n = self.scene.start, self.plan, len(trajectories)
         inertial, rotates = "vx" in self.columns, "e0" in self.columns
-        numbers = np.empty((9, n))
-        if start.drawn in ("ball", "boltzmann"):
+        numbers = np.empty((9 + self.hidden, n))
+        if start.drawn in ("ball", "boltzmann") or self.hidden:
             noise.normals(self.seed, trajectories, 0, noise.START, numbers)
         drawn = numbers.T
         thermal = start.drawn == "boltzmann"
@@ -106,7 +107,13 @@ class Walk:
             x = np.tile(plan.centre[:3], (n, 1))
         speed = np.sqrt(plan.diffusion / plan.tau)
         v = drawn[:, 3:6] * speed[:3] if thermal else np.tile(start.velocity, (n, 1))
-        if thermal and self.equilibrium is not None:
+        hidden = np.empty((n, 0))
+        if self.hidden:
+            place, z = self._memory(drawn, v, thermal=thermal)
+            x += place
+            v = np.einsum("akn,ak->na", z, self.weights.memory[:, memory.SEEN])
+            hidden = z.reshape(-1, n).T
+        elif thermal and self.equilibrium is not None:
             tau = plan.tau[:3] if inertial else np.zeros(3)
             rates = _rates(self.equilibrium, plan.mobility)
             root = propagator.stationary_root(tau, rates, plan.diffusion[:3])
@@ -123,7 +130,32 @@ class Walk:
             if inertial:
                 w = rotation_matrices(e[None])[0] @ start.angular_velocity
                 parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
-        return np.ascontiguousarray(np.hstack([*parts, np.full((n, 1), np.inf)]))
+        return np.ascontiguousarray(np.hstack([*parts, hidden, np.full((n, 1), np.inf)]))
+
+    def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
+        """Places from where beads start, (n, 3), and z (3, k, n): a fluid of the temperature.
+
+        drawn: the numbers (n, 9 + hidden). v: the velocity (n, 3), unless it is thermal.
+        """
+        of_step, n = self.weights.memory, len(drawn)
+        normal = drawn[:, 9:].T.reshape(3, -1, n)
+        z = of_step[:, memory.ROOT :] @ normal
+        if not thermal:
+            # given the velocity: in a fluid at rest on average, of a bead struck to it
+            seen = of_step[:, memory.SEEN]
+            short = v.T - np.einsum("akn,ak->an", z, seen)
+            return np.zeros((n, 3)), z + seen[..., None] * (
+                short / (seen**2).sum(axis=1, keepdims=True)
+            )[:, None]
+        if self.equilibrium is None:
+            return np.zeros((n, 3)), z
+        rates = _rates(self.equilibrium, self.plan.mobility)
+        if self.weights.kappa.any() and not _diagonal(rates):
+            both = np.concatenate([drawn[:, :3], drawn[:, 9:]], axis=1)
+            both = both @ propagator.stationary_root_with_memory(self.weights, rates).T
+            return both[:, :3], both[:, 3:].T.reshape(normal.shape)
+        root = propagator.stationary_root(np.zeros(3), rates, self.plan.diffusion[:3])
+        return drawn[:, :3] @ root.T, z
 
     def seen(self, states: Array) -> Array:
         """The samples (n, len(columns)) that states show."""
@@ -164,7 +196,7 @@ class Walk:
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
         """The loop, and what it takes that stays."""
         scheme = _scheme(self.scene.simulation)
-        steps = march.steps(scheme, self.columns)
+        steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)
         return (force, steps, self.plan, self.weights), march.loop()
 
@@ -178,6 +210,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     than that allows (`tweezer.dynamics.brownian.rotation`). Under a drag that depends on the place
     it is the overdamped model and the method of Euler and Maruyama instead, and a bead diffuses in
     a step over a twentieth of the length in which the drag changes, at most.
+
+    A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`
+    where the method takes it.
 
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
@@ -201,6 +236,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         problem = problem.decided(simulation={"method": "heun" if uniform else "euler-maruyama"})
         about = "exact drag and noise, weak order 2" if uniform else "the drag depends on the place"
         reasons.append(f"{problem.scene.simulation.method}: {about}")
+    problem, about = _with_inertia_of_the_fluid(problem)
+    if about:
+        reasons.append(about)
     scene, bead = problem.scene, problem.bead
     simulation = scene.simulation
     model = MODELS[str(simulation.model)]
@@ -208,7 +246,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     dims = 6 if problem.rotates else 3
     tau, mobility = np.zeros(dims), problem.mobility[:dims]
     if inertial:
-        inertias = np.repeat([bead.mass, bead.moments_of_inertia[0]], 3)[:dims]
+        inertias = np.repeat([problem.effective_mass, bead.moments_of_inertia[0]], 3)[:dims]
         tau = inertias * mobility
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
@@ -235,6 +273,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             "sphere; allowed: model = 'overdamped', or no moments"
         )
     equilibrium = problem.equilibrium
+    rates = np.zeros((3, 3)) if equilibrium is None else _rates(equilibrium, mobility)
     if equilibrium is None:
         for key, value, needing in (
             ("simulation.method", simulation.method, METHODS[simulation.method].spring_only),
@@ -242,9 +281,8 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         ):
             if needing:
                 raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
-    kappa, centre, rates = np.zeros(dims), np.zeros(dims), np.zeros((3, 3))
+    kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
-        rates = _rates(equilibrium, mobility)
         kappa[:3] = np.diag(rates)
         centre[:3] = equilibrium.position
     diffusion = Boltzmann * scene.medium.temperature * mobility
@@ -263,6 +301,8 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     # rotational diffusion without inertia is drawn by itself
     shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
     linear = Linear(tau, kappa, shaken, problem.relaxation_time, rates)
+    if scene.medium.inertia == "memory":
+        linear = linear._replace(times=problem.modes.times, parts=problem.modes.weights)
     weights = _scheme(simulation).weights(step, linear)
     if not inertial:
         tau = np.full(dims, problem.relaxation_time)
@@ -286,7 +326,39 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         columns += ["wx", "wy", "wz"]
     return Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
+        3 * weights.memory.shape[2],
     )  # fmt: skip
+
+
+def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
+    """A problem whose model and method are decided with what it has of the fluid's inertia, and why.
+
+    Raises `SceneError` if the scene names a memory that cannot be followed.
+    """
+    medium, simulation = problem.scene.medium, problem.scene.simulation
+    if medium.inertia in ("none", "added-mass"):
+        return problem, ""
+    missing = ""
+    if not _scheme(simulation).memory or not MODELS[str(simulation.model)].inertia:
+        missing = f"{simulation.model}, {simulation.method} takes no memory"
+    elif not (problem.drag.uniform and np.ptp(problem.mobility[:3]) == 0):
+        missing = "the drag depends on the place or the direction"
+    elif METHODS[simulation.method].spring_only and problem.equilibrium is not None:
+        if not _diagonal(_rates(problem.equilibrium, problem.mobility)):
+            missing = f"{simulation.method} takes no spring that couples the axes; heun does"
+    if medium.inertia == "memory":
+        if missing:
+            raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
+    elif simulation.model != "full":
+        missing = missing or f"with the model {simulation.model} only where it is named"
+    if missing:
+        return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
+    problem = problem.decided(medium={"inertia": "memory", "poles": medium.poles or USUAL})
+    return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"
+
+
+def _diagonal(rates: Array) -> bool:
+    return np.array_equal(rates, np.diag(np.diag(rates)))
 
 
 def _rates(equilibrium: Equilibrium, mobility: Array) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
+from tweezer.dynamics.brownian import memory, propagator
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
@@ -58,7 +59,8 @@ class Beads(NamedTuple):
     x: Array
     """(dims, w) m, and rad"""
     v: Array
-    """(dims, w); (0, w) without inertia"""
+    """(dims, w); (0, w) without inertia. In a fluid with memory the first three rows are up to date
+    at samples alone, and the n hidden variables of each axis of translation follow the rows"""
     e: Array
     """(n, 4); (0, 4) without rotation"""
     u: Array
@@ -80,16 +82,17 @@ class Beads(NamedTuple):
 
 
 @njit
-def beads(n, dims, inertial, gradient, uniform):  # type: ignore[no-untyped-def]
-    """Room for n beads."""
+def beads(n, dims, inertial, gradient, uniform, hidden=0):  # type: ignore[no-untyped-def]
+    """Room for n beads, with so many hidden variables an axis."""
     gradients = n if gradient else 0
     places = 0 if uniform else n
     width = -(-n // LANES) * LANES
     e = np.zeros((n if dims == 6 else 0, 4))
     return Beads(
-        np.zeros((dims, width)), np.zeros((dims if inertial else 0, width)), e,
+        np.zeros((dims, width)), np.zeros((dims + 3 * hidden if inertial else 0, width)), e,
         np.zeros((dims, width)), np.zeros((dims, width)), np.zeros((dims, width)),
-        np.zeros((dims, width)), np.zeros((2 * dims if inertial else dims, width)), np.zeros(1),
+        np.zeros((dims, width)), np.zeros((2 * dims if inertial else dims, width)),
+        np.zeros(1),
         Pose(np.zeros(n), np.zeros((width, 3))[:n], e),
         Wrench(
             np.zeros((width, 3))[:n], np.zeros((width, 3))[:n], np.zeros((gradients, 3, 3)),
@@ -122,13 +125,21 @@ def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-un
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
+def without_memory(weights):  # type: ignore[no-untyped-def]
+    """The first coordinate that has none."""
+    return 3 if weights.memory.shape[2] > 0 else 0
+
+
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
-    """What drag, u and noise make of the velocities, in place."""
+    """What drag, u and noise make of the velocities, or of the memory, in place."""
     dims, width = beads.x.shape
     v, u, normal = beads.v, beads.u, beads.normal
     if v.shape[0] == 0:
         return
-    for k in range(dims):
+    if weights.memory.shape[2] > 0:
+        memory.after(weights, beads)
+    for k in range(without_memory(weights), dims):
         decay, by_u = weights.decay[k], weights.v_by_u[k]
         shared, own = weights.noise_xv[k], weights.noise_v[k]
         for i in range(k * width, (k + 1) * width, LANES):
@@ -143,7 +154,7 @@ PLAN = typeof(
         0, 0.0, 0, 0.0, 0.0, _empty, _empty, _empty, _empty, _empty, 0.0, True, Part(0, packed())
     )
 )  # fmt: skip
-WEIGHTS = typeof(Weights(*[_empty] * (len(Weights._fields) - 2)))
+WEIGHTS = typeof(Weights(*[_empty] * (len(Weights._fields) - 3)))
 STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True, True)))
 """signature of a scheme's step"""
 
@@ -161,6 +172,17 @@ class Linear(NamedTuple):
     """s, m/beta_v (4.6) of the bead, whatever the model"""
     rates: Array
     """(3, 3) 1/s, mobility times stiffness: what the spring does between the coordinates too"""
+    times: Array = _empty
+    """(n,) s, the tau_j of a fluid with memory (`tweezer.dynamics.brownian.memory`); else empty"""
+    parts: Array = _empty
+    """(n,) its a_j"""
+
+    def exact(self, step: float, kappa: Array) -> Weights:
+        """Drag, noise and springs of these rates, exactly."""
+        weights = propagator.exact(step, self.tau, kappa, self.diffusion)
+        if not len(self.times):
+            return weights
+        return propagator.with_memory(step, self.times, self.parts, weights, self.diffusion)
 
 
 class Scheme(NamedTuple):
@@ -178,6 +200,8 @@ class Scheme(NamedTuple):
     """whether the noise of the position is apart from that of the velocity"""
     samples_ahead: bool = False
     """whether a sample is the place that the last step asked the force at"""
+    memory: bool = False
+    """whether it follows the memory of the fluid"""
     force_first: bool = False
     """whether a step wants the slow velocity of the one before"""
     resolves_drag: bool = False

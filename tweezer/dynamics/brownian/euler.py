@@ -18,8 +18,14 @@ from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.lanes import spread as spread_out
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian import propagator
-from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
+from tweezer.dynamics.brownian import memory, propagator
+from tweezer.dynamics.brownian.batch import (
+    Linear,
+    Scheme,
+    slow_velocities,
+    velocities_after,
+    without_memory,
+)
 from tweezer.dynamics.brownian.propagator import Weights
 
 
@@ -93,8 +99,10 @@ def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
 @named_njit(inner=True, error_model="numpy")
 def _move(weights, beads):  # type: ignore[no-untyped-def]
     dims, width = beads.x.shape
-    x, v = beads.x, beads.v
-    for k in range(dims):
+    x, v, first = beads.x, beads.v, without_memory(weights)
+    if first > 0:
+        memory.lead(weights, beads, x)
+    for k in range(first, dims):
         by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
         for i in range(k * width, (k + 1) * width, LANES):
             led = lanes(x, i) + by_u * lanes(beads.u, i) + spread * lanes(beads.normal, i)
@@ -127,7 +135,7 @@ def weights(step: float, linear: Linear) -> Weights:
 
 def harmonic_weights(step: float, linear: Linear) -> Weights:
     """Drag, spring and noise, exactly, of a stiffness with whatever entries."""
-    alone = propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    alone = linear.exact(step, linear.kappa)
     if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
         return alone
     both = propagator.coupled(step, linear.tau[:3], linear.rates, linear.diffusion[:3])
@@ -135,4 +143,4 @@ def harmonic_weights(step: float, linear: Linear) -> Weights:
 
 
 EULER_MARUYAMA = Scheme(step, weights, force_calls=1, resolves_drag=True)
-HARMONIC = Scheme(harmonic_step, harmonic_weights, force_calls=0)
+HARMONIC = Scheme(harmonic_step, harmonic_weights, force_calls=0, memory=True)

@@ -12,12 +12,13 @@ from __future__ import annotations
 from tweezer.compiled import cached_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.brownian.batch import (
     Linear,
     Scheme,
     slow_velocities,
     velocities_after,
+    without_memory,
 )
 from tweezer.dynamics.brownian.propagator import Weights
 
@@ -28,9 +29,11 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
     x, v, u, ahead, u_ahead = beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead
-    inertial = v.shape[0] > 0
+    inertial, first = v.shape[0] > 0, without_memory(weights)
     slow_velocities(force, plan, beads, beads.now[0], x, u)
-    for k in range(dims):
+    if first > 0:
+        memory.lead(weights, beads, ahead)
+    for k in range(first, dims):
         by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
         for i in range(k * width, (k + 1) * width, LANES):
             led = lanes(x, i) + by_u * lanes(u, i) + spread * lanes(beads.normal, i)
@@ -39,7 +42,9 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
             store(ahead, i, led)
     velocities_after(weights, beads)
     slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
-    for k in range(dims):
+    if first > 0:
+        memory.rise(weights, beads)
+    for k in range(first, dims):
         kappa, by_rise, v_by_rise = weights.kappa[k], weights.by_rise[k], weights.v_by_rise[k]
         for i in range(k * width, (k + 1) * width, LANES):
             # of the force beyond the spring
@@ -51,7 +56,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 def weights(step: float, linear: Linear) -> Weights:
     """Drag, spring and noise, exactly."""
-    return propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    return linear.exact(step, linear.kappa)
 
 
-HEUN = Scheme(step, weights, force_calls=2)
+HEUN = Scheme(step, weights, force_calls=2, memory=True)

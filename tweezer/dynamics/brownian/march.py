@@ -15,7 +15,7 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.dynamics.brownian import batch, rotation
+from tweezer.dynamics.brownian import batch, memory, rotation
 from tweezer.dynamics.brownian.batch import PART, PLAN, STEP, WEIGHTS, Scheme
 from tweezer.dynamics.brownian.noise import NOISE, normals
 
@@ -38,20 +38,25 @@ class Steps(NamedTuple):
     """where the orientation begins; -1 without rotation"""
     angular_velocity: int
     """where the angular velocity begins, about the inertial axes; -1 without one of the two"""
+    memory: int
+    """count of the hidden variables of each axis of translation; they follow the columns"""
     gradient: int
     samples_ahead: int
     force_first: int
     """see `Scheme`"""
 
 
-def steps(scheme: Scheme, columns: tuple[str, ...]) -> Steps:
-    """The steps of a scheme, for states of these columns (`tweezer.dynamics.walk.Walk`)."""
+def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
+    """The steps of a scheme, for states of these columns (`tweezer.dynamics.walk.Walk`).
+
+    hidden: count of the numbers of a state that are hidden.
+    """
     places = [columns.index(name) if name in columns else -1 for name in ("vx", "e0", "wx")]
     dims = 6 if "e0" in columns else 3
     # without inertia a rotation's noise is drawn by itself
     draws = dims * (2 if scheme.noise_of_position else 1) if "vx" in columns else 3
     flags = scheme.gradient, scheme.samples_ahead, scheme.force_first
-    return Steps(address(scheme.step, STEP), draws, *places, *map(int, flags))
+    return Steps(address(scheme.step, STEP), draws, *places, hidden // 3, *map(int, flags))
 
 
 @functools.cache
@@ -72,12 +77,15 @@ def loop() -> Any:
         purpose = np.int64(NOISE)  # a constant would be compiled apart
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
-            beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform)
+            beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform, steps.memory)
             who = np.zeros(beads.x.shape[1], np.int64)
             who[:n] = trajectories[begin : begin + n]
             x, normal = beads.x, beads.normal[: steps.draws]
+            hidden = beads.v[dims:]
             for i in range(n):
                 _load(steps, states[begin + i], beads, i)
+            if steps.memory > 0:
+                hidden[:, :n] = states[begin : begin + n, last - hidden.shape[0] : last].T
             if steps.force_first:
                 now = sample * plan.per_sample * plan.step
                 batch.slow_velocities(force, plan, beads, now, x, beads.u)
@@ -99,6 +107,8 @@ def loop() -> Any:
                                 if states[begin + i, last] == np.inf:
                                     states[begin + i, last] = (at + 1) * plan.step
                                 _park(beads, i)
+                if steps.memory > 0:
+                    memory.velocities(weights, beads)
                 for i in range(n):
                     if states[begin + i, last] < np.inf:
                         out[begin + i, number] = np.nan
@@ -108,6 +118,8 @@ def loop() -> Any:
                         _save(steps, beads, x, i, out[begin + i, number])
             for i in range(n):
                 _save(steps, beads, x, i, states[begin + i])
+            if steps.memory > 0:
+                states[begin : begin + n, last - hidden.shape[0] : last] = hidden[:, :n].T
         return -1
 
     signature = types.int64(
@@ -138,7 +150,7 @@ def _all_there(plan, x, n):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _load(steps, state, beads, i):  # type: ignore[no-untyped-def]
-    """Bead i from a state."""
+    """Bead i from a state, but for what is hidden."""
     for k in range(3):
         beads.x[k, i] = state[k]
     if steps.velocity >= 0:

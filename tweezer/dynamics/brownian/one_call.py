@@ -13,8 +13,14 @@ import numpy as np
 from tweezer.compiled import cached_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian import propagator
-from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities, velocities_after
+from tweezer.dynamics.brownian import memory
+from tweezer.dynamics.brownian.batch import (
+    Linear,
+    Scheme,
+    slow_velocities,
+    velocities_after,
+    without_memory,
+)
 from tweezer.dynamics.brownian.propagator import Weights
 
 
@@ -24,7 +30,15 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     dims, width = beads.x.shape
     x, v, u, ahead = beads.x, beads.v, beads.u, beads.ahead
-    for k in range(dims):
+    first = without_memory(weights)
+    if first > 0:
+        u[:3] = 0.0
+        memory.lead(weights, beads, ahead)
+    for i in range(0, first * width, LANES):
+        led = lanes(ahead, i)
+        store(ahead, i, 0.5 * (lanes(x, i) + led))
+        store(x, i, led)
+    for k in range(first, dims):
         by_v, spread = weights.by_v[k], weights.noise_x[k]
         for i in range(k * width, (k + 1) * width, LANES):
             way = spread * lanes(beads.normal, i)
@@ -42,8 +56,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
 
 def weights(step: float, linear: Linear) -> Weights:
     """Drag and noise, exactly."""
-    none = np.zeros_like(linear.kappa)
-    return propagator.exact(step, linear.tau, none, linear.diffusion)
+    return linear.exact(step, np.zeros_like(linear.kappa))
 
 
-ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True)
+ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True, memory=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.compiled import cache_functions
+from tweezer.dynamics.brownian import memory
 from tweezer.errors import SceneError
 from tweezer.generated import langevin
 
@@ -56,6 +57,9 @@ class Weights(NamedTuple):
     spring couples the coordinates: m = 6, or 3 without inertia; empty where it does not"""
     coupled_noise: Array = np.zeros((0, 0))
     """(m, m) lower triangular, their noise; m and m/s"""
+    memory: Array = memory.NONE
+    """(3, 7 + n, n) see `tweezer.dynamics.brownian.memory`: of the axes of translation, whose by_v, decay, v_by_u, v_by_rise,
+    noise_xv and noise_v are then 0"""
 
 
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
@@ -94,6 +98,31 @@ def exact(h: float, tau: Array, kappa: Array, diffusion: Array) -> Weights:
         for each in zip(tau.tolist(), kappa.tolist(), diffusion.tolist(), strict=True)
     ]
     return Weights(*np.array(columns, dtype=np.float64).T.copy())
+
+
+def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion: Array) -> Weights:
+    """The step of a fluid with memory, for the springs of the exact one without.
+
+    times, parts: (n,) of `tweezer.dynamics.brownian.memory`.
+    """
+    kappa = exact.kappa[:3].tolist()
+    axes = [
+        memory.axis(h, times, parts, *each) for each in zip(kappa, diffusion.tolist(), strict=False)
+    ]
+    none = np.where(np.arange(len(exact.kappa)) < 3, 0.0, 1.0)
+
+    def changed(weight: Array, values: list[float]) -> Array:
+        return np.concatenate([values, weight[3:]])
+
+    return exact._replace(
+        **{name: getattr(exact, name) * none for name in (
+            "by_v", "decay", "v_by_u", "v_by_rise", "noise_xv", "noise_v",
+        )},
+        by_u=changed(exact.by_u, [each.x_by_u for each in axes]),
+        by_rise=changed(exact.by_rise, [each.x_by_rise for each in axes]),
+        noise_x=changed(exact.noise_x, [each.noise_x for each in axes]),
+        memory=memory.together(axes),
+    )  # fmt: skip
 
 
 def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:
@@ -147,6 +176,51 @@ def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
     ]))  # fmt: skip
     A, noise = A * unit / unit[:, None], noise / unit**2
     return unit[:, None] * _root(solve_continuous_lyapunov(A, -np.diag(noise)))
+
+
+def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
+    """Root of the stationary covariance of position and z, (3 + 3 n, 3 + 3 n), under steps of Heun.
+
+    rates: (3, 3) 1/s, mobility times stiffness, as `coupled`; what is beside the spring of the
+    weights acts as the force does. Raises `SceneError` as `stationary_root`.
+    """
+    z, n = weights.memory, weights.memory.shape[2]
+    size = 3 + 3 * n
+    of_x, of_z = np.eye(size)[:3], np.eye(size)[3:]
+
+    def of_axes(weight: Array) -> Array:
+        """(3, n) as the matrix (3, 3 n) of its axis."""
+        made: Array = (np.eye(3)[:, :, None] * weight).reshape(3, 3 * n)
+        return made
+
+    beyond = np.diag(weights.kappa[:3]) - rates
+    u = -rates @ of_x
+    ahead = of_x + of_axes(z[:, memory.X_BY]) @ of_z + weights.by_u[:3, None] * u
+    spread = np.hstack([np.diag(weights.noise_x[:3]), np.zeros((3, 3))])
+    left = z[:, memory.DECAY].reshape(-1, 1) * of_z + of_axes(z[:, memory.BY_U]).T @ u
+    noise = np.hstack([of_axes(z[:, memory.NOISE]).T, of_axes(z[:, memory.OWN]).T])
+    rise, shaken = beyond @ (ahead - of_x), beyond @ spread
+    A = np.vstack([
+        ahead + weights.by_rise[:3, None] * rise, left + of_axes(z[:, memory.BY_RISE]).T @ rise,
+    ])  # fmt: skip
+    noise = np.vstack([
+        spread + weights.by_rise[:3, None] * shaken, noise + of_axes(z[:, memory.BY_RISE]).T @ shaken,
+    ])  # fmt: skip
+    largest = float(np.abs(np.linalg.eigvals(A)).max())
+    if largest >= 1:
+        raise SceneError(
+            "start.drawn = 'boltzmann': there is no stationary motion, as the light pushes the "
+            f"bead round the axis, and its circles grow by {largest - 1:.3g} a step"
+        )
+    covariance = noise @ noise.T
+    while np.abs(A).max() > 0:
+        covariance, A = covariance + A @ covariance @ A.T, A @ A
+        A[np.abs(A) < 1e-300] = 0.0
+    spread = np.sqrt(np.diag(covariance))
+    spread = np.where(spread > 0, spread, 1.0)
+    variance, directions = np.linalg.eigh(covariance / np.outer(spread, spread))
+    root: Array = spread[:, None] * directions * np.sqrt(np.maximum(variance, 0.0))
+    return root
 
 
 def _linear_motion(tau: Array, rates: Array, diffusion: Array) -> tuple[Array, Array]:

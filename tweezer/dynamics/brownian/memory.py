@@ -1,0 +1,244 @@
+"""A step of a bead in a fluid with inertia: its velocity is a sum of independent Langevin ones.
+
+    x' = sum a_j v_j,   tau_j v_j' = u - v_j + sqrt(2 D/a_j) xi_j,   sum a_j = 1,   <v_j^2> = D/(tau_j a_j)
+
+with slow velocity u and the trap's spring in it (`tweezer.fluid.memory`). Over a step h this is
+y -> E y + (what u and its rise give) + noise, in coordinates of variance 1, with E = e^(A h) and a
+covariance of the noise 1 - E E^T. A short step is doubled, which keeps the digits of both. Among the
+velocities E is symmetric (x and the v_j are even and odd under time reversal), so there are
+combinations of them, orthogonal and still independent, that decay each by itself.
+
+What decays within the step merges. Of combinations that are gone after it, however many, two count:
+the one by which they move x, and the one that the velocity has besides.
+
+The noise of n + 1 variables needs n + 1 normal numbers, which would be the dearest part of a step.
+But what is seen of them is two: place and velocity. Whatever noise gives these the same law gives
+the bead the same law, whatever the force: the hidden variables are responses to it plus a Gaussian
+process, of which place and velocity alone matter. So z stands for what the places and velocities up
+to now say of the hidden variables, their conditional mean, and the noise of a step is the news in
+the next place and velocity: two numbers an axis, as without memory (Kalman's filter of observations
+without error, and the innovations of a Gaussian process). The variance of z is short of 1 by what
+places and velocities do not tell, which solves a Riccati equation.
+"""  # fmt: skip
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.compiled import named_njit
+from tweezer.compiled.lanes import LANES, lanes, spread, store
+
+Array = NDArray[np.float64]
+
+#: Size of the longest step of the series, norm of the matrix times the step
+_SHORT = 1 / 64
+#: Terms of the series: of the step, and of its noise
+_TERMS = 12
+#: Decay over a step below which a combination of velocities is gone
+GONE = 1e-10
+#: Part of a combination below which it is rounding
+_ROUNDING = 1e-9
+#: Most doublings of the Riccati equation
+_DOUBLINGS = 100
+
+
+#: Rows of the weights (3, 7 + n, n) of the n hidden variables z of each axis of translation. x gains
+#: X_BY z, m, beside what `Weights` has; z becomes DECAY z + BY_U u + BY_RISE du + NOISE n + OWN n',
+#: with the numbers n and n' of position and velocity; the velocity is SEEN z, m/s. The rows from
+#: ROOT on are a root of the stationary covariance of z. One array, because each costs time in a call
+X_BY, DECAY, BY_U, BY_RISE, NOISE, OWN, SEEN, ROOT = range(8)
+#: Of a bead without memory
+NONE = np.zeros((3, 0, 0))
+
+
+class Axis(NamedTuple):
+    """A step of one axis."""
+
+    z: Array
+    """(7 + n, n) the rows of its hidden variables"""
+    x_by_u: float
+    """s"""
+    x_by_rise: float
+    """s"""
+    noise_x: float
+    """m"""
+
+
+def axis(
+    h: float, times: Array, parts: Array, kappa: float, diffusion: float, gone: float = GONE
+) -> Axis:
+    """The step of an axis whose spring has the rate kappa, 1/s; 0 for none.
+
+    times, parts: (n,) s and 1, the tau_j and a_j. diffusion: kT/beta, m^2/s.
+    """
+    n = len(times)
+    length = math.sqrt(diffusion * h)
+    speed = np.sqrt(diffusion * parts / times)  # of the velocity by coordinates of variance 1
+    pushed = speed / diffusion * length
+    # place in lengths, velocities, slow velocity in lengths over h, and its rise
+    A = np.zeros((n + 3, n + 3))
+    v = np.arange(1, n + 1)
+    A[0, v] = speed / length
+    A[v, 0] = -kappa * pushed
+    A[v, v] = -1 / times
+    A[v, n + 1] = pushed / h
+    A[n + 1, n + 2] = 1 / h
+    shaken = np.zeros_like(A)
+    shaken[v, v] = 2 / times
+    E, Q = _step(A, shaken, h)
+
+    kept = _kept(E[v[:, None], v], E[0, v], speed, gone)
+    T = np.zeros((1 + len(kept), n + 1))
+    T[0, 0], T[1:, 1:] = 1.0, kept
+    decay = ((kept @ E[v[:, None], v]) * kept).sum(axis=1)
+    decay[np.abs(decay) <= gone] = 0.0
+    x_by, seen = kept @ E[0, v], kept @ speed
+    left = np.zeros((len(T), len(T)))
+    left[0, 1:] = x_by
+    np.fill_diagonal(left[1:, 1:], decay)
+    told = np.zeros((2, len(T)))
+    told[0, 0], told[1, 1:] = 1.0, seen / np.linalg.norm(seen)
+    noise, untold = _news(left, T @ Q[: n + 1, : n + 1] @ T.T, told)
+    variance, directions = np.linalg.eigh(np.eye(len(kept)) - untold[1:, 1:])
+    rows = [
+        x_by * length, decay, kept @ E[v, n + 1] * h / length, kept @ E[v, n + 2] * h / length,
+        noise[1:, 0], noise[1:, 1], seen, *(directions * np.sqrt(np.maximum(variance, 0.0))),
+    ]  # fmt: skip
+    return Axis(np.array(rows), h * E[0, n + 1], h * E[0, n + 2], length * noise[0, 0])
+
+
+def together(axes: list[Axis]) -> Array:
+    """The weights of z of the axes, (3, 7 + n, n); what an axis has fewer of is zero."""
+    n = max(each.z.shape[1] for each in axes)
+    return np.array([np.pad(each.z, (0, n - each.z.shape[1])) for each in axes])
+
+
+def _step(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
+    """e^(A h), and the covariance of the noise of dy = A y dt + sqrt(shaken) dW over the step.
+
+    By series of a short step, doubled: sizes of the coordinates do not matter to their digits.
+    """
+    halvings = max(0, math.ceil(math.log2(max(np.linalg.norm(A, 2) * h / _SHORT, 1.0))))
+    A, covariance = A * math.ldexp(h, -halvings), np.zeros_like(A)
+    change, power, noise = np.zeros_like(A), np.eye(len(A)), shaken * math.ldexp(h, -halvings)
+    for k in range(1, _TERMS):
+        power = power @ A / k
+        change = change + power
+        covariance = covariance + noise
+        noise = (A @ noise + noise @ A.T) / (k + 1)
+    for _ in range(halvings):
+        left = np.eye(len(A)) + change
+        covariance = covariance + left @ covariance @ left.T
+        change = 2 * change + change @ change
+    return np.eye(len(A)) + change, covariance
+
+
+def _kept(E: Array, x_by: Array, seen: Array, gone: float) -> Array:
+    """Orthonormal combinations (m, n) of velocities to follow: their step E is symmetric.
+
+    x_by, seen: (n,), by which they move x and are the velocity.
+    """
+    decay, directions = np.linalg.eigh((E + E.T) / 2)
+    slow = directions[:, np.abs(decay) > gone].T
+    found = [*slow]
+    for row in (x_by, seen):
+        rest = row
+        for _ in range(2):  # once more, for the digits
+            rest = rest - sum((each * (each @ rest) for each in found), np.zeros_like(rest))
+        if np.linalg.norm(rest) > _ROUNDING * np.linalg.norm(row):
+            found.append(rest / np.linalg.norm(rest))
+    return np.array(found)
+
+
+def _news(left: Array, noise: Array, told: Array) -> tuple[Array, Array]:
+    """Noise (n, 2) of what two combinations of y -> left y + noise tell, and the covariance of y
+    that they do not tell; told: (2, n).
+
+    The latter solves S = P - P C^T (C P C^T)^-1 C P of P = left S left^T + noise. By doubling: E.
+    K.-W. Chu, H.-Y. Fan, W.-W. Lin, Linear Algebra Appl. 396, 55 (2005).
+    """
+    one = np.eye(len(left))
+    of_told = told @ noise @ told.T
+    gain = np.linalg.solve(of_told, told @ noise).T
+    H = told @ left
+    A, G = (left - gain @ H).T, H.T @ np.linalg.solve(of_told, H)
+    S = noise - gain @ told @ noise
+    S = (S + S.T) / 2
+    for _ in range(_DOUBLINGS):
+        ahead, more = np.linalg.solve(one + G @ S, A), np.linalg.solve(one + G @ S, G)
+        change = A.T @ S @ ahead
+        G = G + A @ (more + more.T) @ A.T / 2
+        S, A = S + (change + change.T) / 2, A @ ahead
+        if np.abs(change).max() < 1e-17:
+            break
+    P = left @ S @ left.T + noise
+    root = np.linalg.cholesky(told @ P @ told.T)
+    return np.linalg.solve(root, told @ P).T, S
+
+
+@named_njit(inner=True, error_model="numpy")
+def lead(weights, beads, out):  # type: ignore[no-untyped-def]
+    """Where u at the begin of the step, memory and noise lead; out may be x."""
+    x, u, z, normal = beads.x, beads.u, beads.v, beads.normal
+    memory, n = weights.memory, weights.memory.shape[2]
+    dims, width = x.shape
+    for k in range(3):
+        by_u, wide = weights.by_u[k], weights.noise_x[k]
+        for i in range(0, width, LANES):
+            at = k * width + i
+            led = lanes(x, at) + by_u * lanes(u, at) + wide * lanes(normal, at)
+            for j in range(n):
+                led = led + memory[k, X_BY, j] * lanes(z, (dims + k * n + j) * width + i)
+            store(out, at, led)
+
+
+@named_njit(inner=True, error_model="numpy")
+def after(weights, beads):  # type: ignore[no-untyped-def]
+    """What u and noise make of z, in place."""
+    u, z, normal = beads.u, beads.v, beads.normal
+    dims, width = beads.x.shape
+    memory, n = weights.memory, weights.memory.shape[2]
+    for k in range(3):
+        for i in range(0, width, LANES):
+            at = k * width + i
+            pull, news, own = lanes(u, at), lanes(normal, at), lanes(normal, at + dims * width)
+            for j in range(n):
+                here = (dims + k * n + j) * width + i
+                pushed = memory[k, BY_U, j] * pull + memory[k, NOISE, j] * news
+                left = memory[k, DECAY, j] * lanes(z, here)
+                store(z, here, left + (pushed + memory[k, OWN, j] * own))
+
+
+@named_njit(inner=True, error_model="numpy")
+def rise(weights, beads):  # type: ignore[no-untyped-def]
+    """What the rise of the force beyond the spring adds to where u led, in place; and to z."""
+    x, u, z, ahead = beads.x, beads.u, beads.v, beads.ahead
+    memory, n = weights.memory, weights.memory.shape[2]
+    dims, width = x.shape
+    for k in range(3):
+        kappa, by_rise = weights.kappa[k], weights.by_rise[k]
+        for i in range(0, width, LANES):
+            at = k * width + i
+            rise = lanes(beads.u_ahead, at) - lanes(u, at)
+            rise = rise + kappa * (lanes(ahead, at) - lanes(x, at))
+            store(x, at, lanes(ahead, at) + by_rise * rise)
+            for j in range(n):
+                here = (dims + k * n + j) * width + i
+                store(z, here, lanes(z, here) + memory[k, BY_RISE, j] * rise)
+
+
+@named_njit(inner=True, error_model="numpy")
+def velocities(weights, beads):  # type: ignore[no-untyped-def]
+    """The velocities of translation that z stands for, to `v`."""
+    memory, n, z = weights.memory, weights.memory.shape[2], beads.v
+    dims, width = beads.x.shape
+    for k in range(3):
+        for i in range(0, width, LANES):
+            v = spread(0.0)
+            for j in range(n):
+                v = v + memory[k, SEEN, j] * lanes(z, (dims + k * n + j) * width + i)
+            store(beads.v, k * width + i, v)
