@@ -31,8 +31,8 @@ FAR = 5.0
 
 DARK = tweezer.load_scene("silica-1um").replace(
     forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
-    start={"position": [0, 0, 0]},
-)
+    start={"position": [0, 0, 0]}, medium={"inertia": "none"},
+)  # fmt: skip
 KT = 1.380649e-23 * DARK.medium.temperature
 STIFFNESS = 6e-5
 BEAD = tweezer.bead_properties(DARK)
@@ -477,7 +477,7 @@ def test_boltzmann_start_is_the_stationary_distribution():
     """Of the real trap: positions by its stiffness, velocities by kT/m. KS at one seed in 1e5."""
     scene = tweezer.load_scene("silica-1um").replace(
         forces={"brownian": True, "brownian_torque": True}, start={"drawn": "boltzmann"},
-        simulation={"model": "full"},
+        simulation={"model": "full"}, medium={"inertia": "none"},
     )  # fmt: skip
     one = walk(scene, 4)
     states = one.start(np.arange(5000))
@@ -893,7 +893,9 @@ def test_evaluators_agree_along_a_path():
 @pytest.mark.parametrize("model", ["full", "scaled", "overdamped", "first-order"])
 def test_the_spring_taken_exactly_is_that_of_the_scene(model):
     """By `characterise`, and for first order the rate of the slow decay, kappa (1 + kappa tau)."""
-    scene = REAL.replace(simulation={"model": model, "scaling_factor": 0.1})
+    scene = REAL.replace(
+        simulation={"model": model, "scaling_factor": 0.1}, medium={"inertia": "none"}
+    )
     one = walk(scene)
     stiffness = np.diag(tweezer.characterise(scene).equilibrium.stiffness)
     kappa = stiffness / DRAG

@@ -111,7 +111,7 @@ class Walk:
         if self.hidden:
             place, z = self._memory(drawn, v, thermal=thermal)
             x += place
-            v = np.einsum("akn,ak->na", z, self.weights.memory[:, memory.SEEN])
+            v = _summed(self.weights.memory[:, None, memory.SEEN], z)[:, 0].T
             hidden = z.reshape(-1, n).T
         elif thermal and self.equilibrium is not None:
             tau = plan.tau[:3] if inertial else np.zeros(3)
@@ -139,23 +139,22 @@ class Walk:
         """
         of_step, n = self.weights.memory, len(drawn)
         normal = drawn[:, 9:].T.reshape(3, -1, n)
-        z = of_step[:, memory.ROOT :] @ normal
+        z = _summed(of_step[:, memory.ROOT :], normal)
         if not thermal:
             # given the velocity: in a fluid at rest on average, of a bead struck to it
             seen = of_step[:, memory.SEEN]
-            short = v.T - np.einsum("akn,ak->an", z, seen)
-            return np.zeros((n, 3)), z + seen[..., None] * (
-                short / (seen**2).sum(axis=1, keepdims=True)
-            )[:, None]
+            short = v.T[:, None] - _summed(seen[:, None], z)
+            share = seen / (seen**2).sum(axis=1, keepdims=True)
+            return np.zeros((n, 3)), z + share[..., None] * short
         if self.equilibrium is None:
             return np.zeros((n, 3)), z
         rates = _rates(self.equilibrium, self.plan.mobility)
         if self.weights.kappa.any() and not _diagonal(rates):
-            both = np.concatenate([drawn[:, :3], drawn[:, 9:]], axis=1)
-            both = both @ propagator.stationary_root_with_memory(self.weights, rates).T
-            return both[:, :3], both[:, 3:].T.reshape(normal.shape)
+            root = propagator.stationary_root_with_memory(self.weights, rates)
+            both = _summed(root[None], np.hstack([drawn[:, :3], drawn[:, 9:]]).T[None])[0]
+            return both[:3].T, both[3:].reshape(normal.shape)
         root = propagator.stationary_root(np.zeros(3), rates, self.plan.diffusion[:3])
-        return drawn[:, :3] @ root.T, z
+        return _summed(root[None], drawn[:, :3].T[None])[0].T, z
 
     def seen(self, states: Array) -> Array:
         """The samples (n, len(columns)) that states show."""
@@ -331,7 +330,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
 
 
 def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
-    """A problem whose model and method are decided with what it has of the fluid's inertia, and why.
+    """A problem of a decided model and method with what it has of the fluid's inertia, and why.
 
     Raises `SceneError` if the scene names a memory that cannot be followed.
     """
@@ -343,9 +342,12 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
         missing = f"{simulation.model}, {simulation.method} takes no memory"
     elif not (problem.drag.uniform and np.ptp(problem.mobility[:3]) == 0):
         missing = "the drag depends on the place or the direction"
-    elif METHODS[simulation.method].spring_only and problem.equilibrium is not None:
-        if not _diagonal(_rates(problem.equilibrium, problem.mobility)):
-            missing = f"{simulation.method} takes no spring that couples the axes; heun does"
+    elif (
+        METHODS[simulation.method].spring_only
+        and problem.equilibrium is not None
+        and not _diagonal(_rates(problem.equilibrium, problem.mobility))
+    ):
+        missing = f"{simulation.method} takes no spring that couples the axes; heun does"
     if medium.inertia == "memory":
         if missing:
             raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
@@ -355,6 +357,14 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     problem = problem.decided(medium={"inertia": "memory", "poles": medium.poles or USUAL})
     return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"
+
+
+def _summed(matrices: Array, columns: Array) -> Array:
+    """Products of matrices (k, i, j) and columns (k, j, n): the same bits for whatever n."""
+    made = np.zeros((*matrices.shape[:2], columns.shape[2]))
+    for j in range(columns.shape[1]):
+        made += matrices[:, :, j, None] * columns[:, None, j]
+    return made
 
 
 def _diagonal(rates: Array) -> bool:

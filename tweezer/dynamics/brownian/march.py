@@ -32,14 +32,14 @@ class Steps(NamedTuple):
     """address of its step"""
     draws: int
     """normal numbers of a step"""
+    memory: int
+    """count of the hidden variables of each axis of translation; they follow the columns"""
     velocity: int
     """where the velocity begins in a state; -1 without inertia"""
     orientation: int
     """where the orientation begins; -1 without rotation"""
     angular_velocity: int
     """where the angular velocity begins, about the inertial axes; -1 without one of the two"""
-    memory: int
-    """count of the hidden variables of each axis of translation; they follow the columns"""
     gradient: int
     samples_ahead: int
     force_first: int
@@ -56,7 +56,7 @@ def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
     # without inertia a rotation's noise is drawn by itself
     draws = dims * (2 if scheme.noise_of_position else 1) if "vx" in columns else 3
     flags = scheme.gradient, scheme.samples_ahead, scheme.force_first
-    return Steps(address(scheme.step, STEP), draws, *places, hidden // 3, *map(int, flags))
+    return Steps(address(scheme.step, STEP), draws, hidden // 3, *places, *map(int, flags))
 
 
 @functools.cache

@@ -1,12 +1,13 @@
 """A step of a bead in a fluid with inertia: its velocity is a sum of independent Langevin ones.
 
-    x' = sum a_j v_j,   tau_j v_j' = u - v_j + sqrt(2 D/a_j) xi_j,   sum a_j = 1,   <v_j^2> = D/(tau_j a_j)
+    x' = sum a_j v_j,   tau_j v_j' = u - v_j + sqrt(2 D/a_j) xi_j,   sum a_j = 1,
 
-with slow velocity u and the trap's spring in it (`tweezer.fluid.memory`). Over a step h this is
-y -> E y + (what u and its rise give) + noise, in coordinates of variance 1, with E = e^(A h) and a
-covariance of the noise 1 - E E^T. A short step is doubled, which keeps the digits of both. Among the
-velocities E is symmetric (x and the v_j are even and odd under time reversal), so there are
-combinations of them, orthogonal and still independent, that decay each by itself.
+with <v_j^2> = D/(tau_j a_j), the slow velocity u and the trap's spring in it
+(`tweezer.fluid.memory`). Over a step h this is y -> E y + (what u and its rise give) + noise, in
+coordinates of variance 1, with E = e^(A h) and a covariance of the noise 1 - E E^T. A short step is
+doubled, which keeps the digits of both. Among the velocities E is symmetric (x and the v_j are even
+and odd under time reversal), so there are combinations of them, orthogonal and still independent,
+that decay each by itself.
 
 What decays within the step merges. Of combinations that are gone after it, however many, two count:
 the one by which they move x, and the one that the velocity has besides.
@@ -19,7 +20,7 @@ to now say of the hidden variables, their conditional mean, and the noise of a s
 the next place and velocity: two numbers an axis, as without memory (Kalman's filter of observations
 without error, and the innovations of a Gaussian process). The variance of z is short of 1 by what
 places and velocities do not tell, which solves a Riccati equation.
-"""  # fmt: skip
+"""
 
 from __future__ import annotations
 
@@ -45,11 +46,10 @@ _ROUNDING = 1e-9
 #: Most doublings of the Riccati equation
 _DOUBLINGS = 100
 
-
-#: Rows of the weights (3, 7 + n, n) of the n hidden variables z of each axis of translation. x gains
-#: X_BY z, m, beside what `Weights` has; z becomes DECAY z + BY_U u + BY_RISE du + NOISE n + OWN n',
-#: with the numbers n and n' of position and velocity; the velocity is SEEN z, m/s. The rows from
-#: ROOT on are a root of the stationary covariance of z. One array, because each costs time in a call
+#: Rows of the weights (3, 7 + n, n) of the n hidden variables z of each axis of translation. x
+#: gains X_BY z, m, beside what `Weights` has; z becomes DECAY z + BY_U u + BY_RISE du + NOISE n +
+#: OWN n', with the numbers n and n' of position and velocity; the velocity is SEEN z, m/s. The rows
+#: from ROOT on are a root of the stationary covariance of z. One array: each costs time in a call
 X_BY, DECAY, BY_U, BY_RISE, NOISE, OWN, SEEN, ROOT = range(8)
 #: Of a bead without memory
 NONE = np.zeros((3, 0, 0))
@@ -122,7 +122,8 @@ def _step(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
 
     By series of a short step, doubled: sizes of the coordinates do not matter to their digits.
     """
-    halvings = max(0, math.ceil(math.log2(max(np.linalg.norm(A, 2) * h / _SHORT, 1.0))))
+    size = float(np.linalg.norm(A, 2)) * h
+    halvings = max(0, math.ceil(math.log2(max(size / _SHORT, 1.0))))
     A, covariance = A * math.ldexp(h, -halvings), np.zeros_like(A)
     change, power, noise = np.zeros_like(A), np.eye(len(A)), shaken * math.ldexp(h, -halvings)
     for k in range(1, _TERMS):

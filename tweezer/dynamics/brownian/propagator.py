@@ -58,8 +58,8 @@ class Weights(NamedTuple):
     coupled_noise: Array = np.zeros((0, 0))
     """(m, m) lower triangular, their noise; m and m/s"""
     memory: Array = memory.NONE
-    """(3, 7 + n, n) see `tweezer.dynamics.brownian.memory`: of the axes of translation, whose by_v, decay, v_by_u, v_by_rise,
-    noise_xv and noise_v are then 0"""
+    """(3, 7 + n, n) see `tweezer.dynamics.brownian.memory`: of the axes of translation, whose by_v,
+    decay, v_by_u, v_by_rise, noise_xv and noise_v are then 0"""
 
 
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
@@ -204,7 +204,8 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
         ahead + weights.by_rise[:3, None] * rise, left + of_axes(z[:, memory.BY_RISE]).T @ rise,
     ])  # fmt: skip
     noise = np.vstack([
-        spread + weights.by_rise[:3, None] * shaken, noise + of_axes(z[:, memory.BY_RISE]).T @ shaken,
+        spread + weights.by_rise[:3, None] * shaken,
+        noise + of_axes(z[:, memory.BY_RISE]).T @ shaken,
     ])  # fmt: skip
     largest = float(np.abs(np.linalg.eigvals(A)).max())
     if largest >= 1:
