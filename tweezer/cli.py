@@ -521,8 +521,8 @@ def reproduce(
     what: Annotated[
         list[str] | None,
         typer.Argument(
-            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; waves; study. "
-            "All if none.",
+            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; waves; memory; "
+            "study. All if none.",
             metavar="WHAT",
         ),
     ] = None,
@@ -531,8 +531,8 @@ def reproduce(
 ) -> None:
     """Reproduce the thesis: figures and claims.
 
-    The claims with verdicts, what becomes of them with light as waves, and the
-    lost 500 nm bead.
+    The claims with verdicts, what becomes of them with light as waves and in a
+    fluid with inertia, and the lost 500 nm bead.
     """
     from tweezer.thesis import reproduce as reproduced
 
@@ -721,6 +721,10 @@ _add_benchmark(
     "Depth from tracks: coverage and bias. Of starts in z that tracks in the plane tell.",
 )  # fmt: skip
 _add_benchmark(
+    "fluid", "fluid_report",
+    "The fluid's inertia: error against poles. Force calls of captures, thermal steps.",
+)  # fmt: skip
+_add_benchmark(
     "calibrate", "calibrate_report",
     "Calibration: coverage, and what is marked. Known traps.",
 )  # fmt: skip
@@ -901,6 +905,7 @@ def _print_summary(scene: Scene, result: Run) -> None:
     else:
         _add_approach(table, summary)
     table.add_row("model, method", f"{model}; {attributes['method']}")
+    table.add_row("inertia of the fluid", attributes["fluid_inertia"])
     where = " at the samples" if summary.by_samples else ""
     largest, error = summary.largest_force, summary.force_error
     table.add_row("force by", attributes["force_evaluator"])
@@ -916,8 +921,8 @@ def _print_summary(scene: Scene, result: Run) -> None:
             for error in (attributes["integration_error"], attributes["model_error"])
         )
         table.add_row("error of the integration", integration)
-        if model != "full":
-            table.add_row("off the unscaled equations", by_model)
+        if attributes["model_error"] != 0:
+            table.add_row("off the motion with all inertia", by_model)
     table.add_row("steps", f"{attributes['steps']}")
     table.add_row("force calls", f"{attributes['force_calls']}")
     if summary.by_samples:

@@ -67,11 +67,11 @@ def simulate(
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
-    attributes hold the scene, also as given, the versions, the model, the method, what gave the
-    force, steps, force calls, `step_time` (s, of stepping alone), `wall_time` of the run (s, with
-    binding, events and output, without compiling, `compile_time`, and
-    without the errors), how the run ended, the events, `integration_error` and `model_error` (m,
-    the largest at any time: see `tweezer.dynamics.budget`), and what `tweezer.summarise` reads.
+    attributes hold the scene, also as given, the versions, the model, the method, the inertia of
+    the fluid, what gave the force, steps, force calls, `step_time` (s, of stepping alone),
+    `wall_time` of the run (s, with binding, events and output, without compiling, `compile_time`,
+    and without the errors), how the run ended, the events, `integration_error` and `model_error`
+    (m, the largest at any time: see `tweezer.dynamics.budget`), and what `tweezer.summarise` reads.
     `status` is "complete", "lost", "ended" (by an event of yours), "interrupted" or "failed"; a run
     that ended early holds what it reached, and a failed one also warns (`PhysicsWarning`).
 
@@ -260,12 +260,21 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
+        "fluid_inertia": _inertia_of_the_fluid(scene),
         "force_evaluator": evaluators_of(scene),
         **others,
         **worth_attributes(scene),
         "chosen": why,
         **versions(),
     }
+
+
+def _inertia_of_the_fluid(scene: Scene) -> str:
+    """What of it a run had, of a scene with everything decided."""
+    medium = scene.medium
+    return (
+        f"memory, {medium.poles} poles" if medium.inertia == "memory" else medium.inertia or "none"
+    )
 
 
 def _adjusted(

@@ -23,6 +23,7 @@ from tests.benchmarks import (
     calibrate_report,
     depth_report,
     estimate,
+    fluid_report,
     force,
     hydro,
     hydro_report,
@@ -238,8 +239,8 @@ def test_peers_integrate_our_equations(changes):
 @pytest.mark.parametrize(
     ("name", "report"),
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
-     ("scaling", scaling_report), ("depth", depth_report), ("calibrate", calibrate_report),
-     ("hydro", hydro_report)],
+     ("fluid", fluid_report), ("scaling", scaling_report), ("depth", depth_report),
+     ("calibrate", calibrate_report), ("hydro", hydro_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -256,6 +257,23 @@ def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
         else:
             filled = [[word for cell in row for word in cell.split()] for row in rows]
             assert lines == [row for row in filled if row]
+
+
+def test_quick_run_of_the_fluid(command_line, tmp_path):
+    path = tmp_path / "fluid.json"
+    command_line("bench", "fluid", "--quick", "--out", path)
+    results = json.loads(path.read_text())
+    coarse, fine = results["modes"]
+    assert fine["poles"] == 2 * coarse["poles"]
+    for quantity in ("velocity", "displacement", "spectrum", "relaxation", "tail"):
+        assert fine[quantity] < 0.1 * coarse[quantity]
+    (capture,) = results["captures"]
+    assert capture["by_poles"][1]["error_um"] < 1e-5 < 0.06 < capture["without_um"]
+    assert fluid_report.figure(results).axes
+
+
+def test_page_quotes_the_committed_fluid():
+    assert pages.quoted("fluid") == fluid_report.written(pages.committed("fluid"))
 
 
 def test_page_quotes_the_committed_integration():

@@ -34,7 +34,7 @@ NODES = {n: (np.array(p), np.array(c)) for n, (p, c) in memory_poles.NODES.items
 USUAL = 24
 #: Halvings of an interval that leave nothing but rounding
 _HALVINGS = 110
-#: Error of a way over that of the root (`memory_poles.BOUNDS`) and the lag, measured
+#: Error of the lag over that of a mean squared displacement (`memory_poles.ERRORS`), measured
 _ERROR_PER_LAG = 3.0
 #: Part of a tolerance that the poles may take
 _PART = 0.3
@@ -87,7 +87,7 @@ def modes(mass: float, drag: float, displaced_mass: float, poles: int) -> Modes:
 
 def enough_poles(way: float, tolerance: float) -> int:
     """Fewest poles by which a way behind, `way` m, is off by a part of `tolerance`, m, at most."""
-    for n, (error, *_) in memory_poles.BOUNDS.items():
+    for n, (_, error, *_) in memory_poles.ERRORS.items():
         if _ERROR_PER_LAG * error * way <= _PART * tolerance:
             return n
     return max(NODES)

@@ -2,11 +2,12 @@
 
 Everything here is computed with the thesis's printed parameters (Tables B.1 to B.4 and 5.1), by its
 own model and, beside it, by the unscaled equations; in the light of rays, and in the same light as
-waves.
+waves; and in a fluid with inertia.
 """
 
 from tweezer.thesis.captures import Capture, captures
 from tweezer.thesis.figures import FIGURES, figure
+from tweezer.thesis.fluid_inertia import Remembered, remembered
 from tweezer.thesis.lost_bead import Study, Variant, study
 from tweezer.thesis.runs import BEADS, THEORIES, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
@@ -19,12 +20,14 @@ __all__ = [
     "Capture",
     "Claim",
     "Motions",
+    "Remembered",
     "Study",
     "Variant",
     "captures",
     "claims",
     "figure",
     "motions",
+    "remembered",
     "reproduce",
     "study",
 ]

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from tweezer.bead import bead_properties
 from tweezer.errors import SceneError
 from tweezer.io import scene_of
+from tweezer.thesis.fluid_inertia import READINGS, Remembered
 from tweezer.thesis.lost_bead import Study
 from tweezer.thesis.runs import BEADS, Motions, closest_approach
 
@@ -228,6 +229,47 @@ def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
         below.set(xlabel="time (ms)", ylabel="q3, from the focus (µm)")
     panels[0, 0].legend(frameon=False)
     drawn.suptitle("The unscaled beads in the thesis's light: rays, and exact", fontsize=11)
+    return drawn
+
+
+_READING_LINES = dict(zip(READINGS, ("-", "--", ":"), strict=True))
+
+
+def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -> Figure:
+    """|q2| of the three unscaled beads without and with the fluid's inertia, in the light of rays;
+    and q2 with the printed a2, by what it divides.
+    """
+    of_rays = {each.bead: each for each in found if each.theory == "rays"}
+    drawn = Figure(figsize=(11.0, 6.0), layout="constrained")
+    panels = drawn.subplots(2, len(BEADS))
+    for bead, (above, below) in zip(BEADS, panels.T, strict=True):
+        motions, each = by_bead[bead], of_rays[bead]
+        for run, colour, style, name in (
+            (motions.unscaled, _MUTED, "--", "without"),
+            (motions.remembering, _DARK["unscaled"], "-", "with the fluid's inertia"),
+        ):
+            away = np.abs(run["position"].sel(axis="y").values) / 1e-9
+            above.plot(_time(run), away, color=colour, ls=style, lw=1.5, label=name)
+        ends = each.within[1] * _MILLI
+        above.set(
+            title=f"{bead[:-2]} nm", ylabel="|q2| (nm)", yscale="log", ylim=(1e-2, 3e3),
+            xlim=(0.8 * ends, 1.35 * ends),
+        )  # fmt: skip
+        for scaled in each.scaled:
+            below.plot(
+                scaled.time * _MILLI, scaled.q2 * _MICRO, color=_DARK["thesis"], lw=1.3,
+                ls=_READING_LINES[scaled.reading], label=f"{scaled.reading}: {scaled.outcome}",
+            )  # fmt: skip
+        below.axhline(0, color=_MUTED, lw=0.6)
+        below.set(
+            xlabel="time (ms)", ylabel="q2 (µm), printed a₂", ylim=(-0.3, 0.3),
+            xlim=(0.9 * ends, 2.1 * ends),
+        )  # fmt: skip
+        below.legend(frameon=False, fontsize=7, title="has inertia", title_fontsize=7)
+    panels[0, 0].legend(frameon=False, fontsize=8)
+    drawn.suptitle(
+        "The fluid's inertia: the unscaled beads, and three readings of the scaling", fontsize=11
+    )
     return drawn
 
 

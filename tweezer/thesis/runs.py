@@ -43,7 +43,7 @@ _NOISE = {"brownian": True, "brownian_torque": True}
 
 @dataclass(frozen=True)
 class Motions:
-    """Four runs of one bead of the thesis, released as in Table 5.1."""
+    """Five runs of one bead of the thesis, released as in Table 5.1."""
 
     bead: str
     """one of `BEADS`"""
@@ -58,6 +58,8 @@ class Motions:
     """full model (A.25), the integral over the lens, no moment of the light; no noise"""
     unscaled_thermal: xr.Dataset
     """the same with thermal force and torque"""
+    remembering: xr.Dataset
+    """the unscaled bead in a fluid with inertia; no noise"""
 
     @functools.cached_property
     def scene(self) -> Scene:
@@ -110,16 +112,18 @@ def unscaled_scene(bead: str, theory: str = "rays") -> Scene:
 
 
 def motions(bead: str, seed: int = 1, theory: str = "rays") -> Motions:
-    """The four motions of a bead of `BEADS`; seed: of the thermal ones; theory: of `THEORIES`."""
+    """The five motions of a bead of `BEADS`; seed: of the thermal ones; theory: of `THEORIES`."""
     thesis, unscaled = thesis_scene(bead, theory), unscaled_scene(bead, theory)
     noisy = thesis.replace(forces=_NOISE, simulation={"method": "auto"})
+    densely = _densely_sampled(unscaled)
     return Motions(
         bead=bead,
         theory=theory,
         thesis=simulate(_densely_sampled(thesis)),
         thesis_thermal=simulate(noisy, seed=seed),
-        unscaled=simulate(_densely_sampled(unscaled), tolerance=_TOLERANCE),
+        unscaled=simulate(densely, tolerance=_TOLERANCE),
         unscaled_thermal=simulate(unscaled.replace(forces=_NOISE), seed=seed),
+        remembering=simulate(densely.replace(medium={"inertia": "memory"}), tolerance=_TOLERANCE),
     )
 
 

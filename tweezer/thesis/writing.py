@@ -1,5 +1,5 @@
 """Write the thesis's figures, its claims with their verdicts by rays and by waves, the captures of
-both, and the study of the lost bead.
+both, also in a fluid with inertia, and the study of the lost bead.
 """
 
 from __future__ import annotations
@@ -16,15 +16,22 @@ from tweezer.arguments import check_seed
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
 from tweezer.thesis.captures import Capture, captures
-from tweezer.thesis.figures import FIGURES, captures_figure, figure, study_figure
+from tweezer.thesis.figures import (
+    FIGURES,
+    captures_figure,
+    figure,
+    memory_figure,
+    study_figure,
+)
+from tweezer.thesis.fluid_inertia import READINGS, Remembered, Scaled, remembered
 from tweezer.thesis.lost_bead import Study, study
 from tweezer.thesis.runs import BEADS, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
 
 #: Names of what `reproduce` can write besides figures
-TABLES = ("claims", "waves", "study")
+TABLES = ("claims", "waves", "memory", "study")
 #: Approximate durations, in units of a figure
-_WORK = {"motions": 15.0, "waves": 2.0, "claims": 25.0, "study": 60.0}
+_WORK = {"motions": 15.0, "waves": 2.0, "memory": 3.0, "claims": 25.0, "study": 60.0}
 
 
 @dataclass(frozen=True)
@@ -49,7 +56,8 @@ def reproduce(
 
     what: numbers of figures ("5.1" to "5.15", "C.1" to "C.12"), written as PNG; "claims", written
     as claims.json and claims.md; "waves", the captures by rays and by waves, as waves.png,
-    waves.json and waves.md; "study", of the 500 nm bead, as study.png and study.json.
+    waves.json and waves.md; "memory", the same in a fluid with inertia, as memory.png, memory.json
+    and memory.md; "study", of the 500 nm bead, as study.png and study.json.
     Everything if empty. seed: of the thermal motions. progress: called with the finished part.
 
     Existing files are replaced one by one, each as a whole. Before any computation raises
@@ -69,7 +77,7 @@ def reproduce(
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise ResultError(f"{out}: cannot be made: {error.strerror}") from None
-    in_waves = "claims" in asked or "waves" in asked
+    in_waves = not {"claims", "waves", "memory"}.isdisjoint(asked)
     needed = [
         bead
         for bead in BEADS
@@ -102,6 +110,11 @@ def reproduce(
         files += _write_captures(captures((by_bead, by_waves)), folder)
         files.append(_save(captures_figure((by_bead, by_waves)), folder / "waves.png"))
         did(_WORK["waves"])
+    if "memory" in asked:
+        found = remembered((by_bead, by_waves))
+        files += _write_remembered(found, folder)
+        files.append(_save(memory_figure(by_bead, found), folder / "memory.png"))
+        did(_WORK["memory"])
     if "study" in asked:
         files += _write_study(study(lambda part: did(part * _WORK["study"])), folder)
     return Reproduction(files, decided)
@@ -159,6 +172,40 @@ def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
         for each in found
     ]  # fmt: skip
     return [as_json, _write_table(heading, rows, folder / "waves.md")]
+
+
+def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
+    as_json = folder / "memory.json"
+    entries = [dataclasses.asdict(each) for each in found]
+    for entry in entries:
+        for scaled in entry["scaled"]:
+            del scaled["time"], scaled["q2"]
+    write_json(entries, as_json)
+    heading = (
+        "bead, light", "off without it by up to", "within a radius after", "overshoot",
+        *(f"printed a2, inertia of {reading}" for reading in READINGS),
+    )  # fmt: skip
+    rows = [
+        (
+            f"{each.bead[:-2]} nm, {each.theory}", f"{each.off * 1e6:.2f} µm",
+            " → ".join(f"{time * 1e3:.2f}" for time in each.within) + " ms",
+            " → ".join(_nanometres(length) for length in each.overshoot) + " nm",
+            *(_fate(scaled) for scaled in each.scaled),
+        )
+        for each in found
+    ]  # fmt: skip
+    return [as_json, _write_table(heading, rows, folder / "memory.md")]
+
+
+def _fate(scaled: Scaled) -> str:
+    if scaled.outcome != "captured":
+        return scaled.outcome
+    return f"overshoots by {_nanometres(scaled.overshoot)} nm" if scaled.overshoot else "captured"
+
+
+def _nanometres(length: float) -> str:
+    """In nm, to two digits or whole numbers."""
+    return f"{length * 1e9:.0f}" if length > 1e-8 else f"{length * 1e9:.2g}"
 
 
 def _write_table(heading: Sequence[str], rows: Sequence[Sequence[str]], path: Path) -> Path:

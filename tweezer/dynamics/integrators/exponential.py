@@ -76,6 +76,9 @@ _SLOWEST = 1e-2
 _HALVINGS = 20
 #: First step, over the time in which the force changes
 _FIRST = 0.1
+#: First step over the shortest relaxation time that is seen: of one mode, and of many, whose sum a
+#: polynomial holds over some decades of times
+_LAYER, _LAYERS = 0.5, 50.0
 #: Longer than any run, s
 _FOREVER = 1e9
 #: Effect of the initial layer on the force, in what is allowed, below which steps pass over it
@@ -787,7 +790,8 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
     times, weights = how.modes.times[:3], how.modes.weights[:3]
     v = y[3 : 3 + times.size].reshape(times.shape)
     seen = rate * weights * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
-    first = 0.5 * float(times[seen].min(initial=math.inf))
+    layer = _LAYER if times.shape[1] == 1 else _LAYERS
+    first = layer * float(times[seen].min(initial=math.inf))
     return how._replace(
         first=min(first, _FIRST / rate if rate > 0.0 else _FOREVER), foretold=foretold,
         carried=np.array([0.0, 0.0, 0.0, 1.0]),

@@ -1,0 +1,98 @@
+"""The results of the benchmark of the fluid's inertia as tables, as a figure, and on their page.
+
+`python -m tests.benchmarks.fluid_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.fluid import Results
+from tests.benchmarks.report import rounded
+
+#: what of the modes is compared, and how
+_QUANTITIES = {
+    "velocity": "correlation of the velocity, of kT/M",
+    "displacement": "mean squared displacement",
+    "spectrum": "spectrum below 1 MHz",
+    "relaxation": "relaxation in a trap",
+    "tail": "tail to 1e5 τ_f",
+}
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """Modes, captures, force calls, thermal steps; the first row of each is its headings."""
+    of_modes = [
+        ["poles", *_QUANTITIES.values(), "ms to find the modes"],
+        *(
+            [f"{each['poles']}", *(f"{each[name]:.1e}" for name in _QUANTITIES),
+             f"{1e3 * each['seconds']:.2f}"]
+            for each in results["modes"]
+        ),
+    ]  # fmt: skip
+    captures = [
+        ["capture, until", "without memory, µm", "usual poles, at 1e-7", "at 1e-9",
+         *(f"{each['poles']} poles" for each in results["captures"][0]["by_poles"])],
+        *(
+            [
+                f"{of['bead']}, {of['until_ms']:.0f} ms", f"{of['without_um']:.2g}",
+                *(f"{each['error_um']:.1e} ({each['poles']})" for each in of["usual"]),
+                *(f"{each['error_um']:.1e}" for each in of["by_poles"]),
+            ]
+            for of in results["captures"]
+        ),
+    ]  # fmt: skip
+    calls = [
+        ["capture, light", "tolerance", "force calls without", "with (poles)", "ratio",
+         "ms without", "ms with"],
+        *(
+            [
+                f"{of['bead']}, {of['theory']}", f"{of['tolerance']:.0e}",
+                f"{of['none']['force_calls']}",
+                f"{of['memory']['force_calls']} ({of['memory']['poles']})",
+                f"{of['memory']['force_calls'] / of['none']['force_calls']:.2f}",
+                rounded(of["none"]["ms"]), rounded(of["memory"]["ms"]),
+            ]
+            for of in results["calls"]
+        ),
+    ]  # fmt: skip
+    steps = [
+        ["thermal step of heun, map", "ns", "over that without memory"],
+        *(
+            [f"{of['poles']} poles" if of["poles"] else "without memory", f"{of['ns']:.0f}",
+             f"{of['times']:.2f}"]
+            for of in results["steps"]
+        ),
+    ]  # fmt: skip
+    return [of_modes, captures, calls, steps]
+
+
+def figure(results: Results) -> Figure:
+    """Errors against the number of poles: of the modes, and of captures."""
+    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    left, right = drawn.subplots(1, 2, sharex=True)
+    poles = [each["poles"] for each in results["modes"]]
+    for (name, label), marker in zip(_QUANTITIES.items(), "osD^v", strict=True):
+        left.semilogy(poles, [each[name] for each in results["modes"]], marker + "-", label=label)
+    left.set(xlabel="poles", ylabel="largest error, four beads")
+    left.legend(frameon=False, fontsize=8)
+    for of, marker in zip(results["captures"], "osD", strict=False):
+        each = of["by_poles"]
+        (line,) = right.semilogy(
+            [one["poles"] for one in each], [one["error_um"] for one in each], marker + "-",
+            label=of["bead"],
+        )  # fmt: skip
+        right.axhline(of["without_um"], color=line.get_color(), lw=1, ls="--")
+    right.set(xlabel="poles", ylabel="off the exact memory (µm); dashed: without memory")
+    right.legend(frameon=False, fontsize=8)
+    return drawn
+
+
+def written(results: Results) -> str:
+    """The block of the page."""
+    return pages.block("fluid", pages.tables(tables(results))[:-1], results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("fluid", written, figure)
