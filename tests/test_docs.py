@@ -39,6 +39,7 @@ NOT_RUN = {
     "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
+    "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",
     "python tests/test_notebooks.py": "writes into the checkout; tests/test_notebooks.py",
 }
 
