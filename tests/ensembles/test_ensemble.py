@@ -44,7 +44,7 @@ FREE = tweezer.load_scene("silica-1um").replace(
 DIFFUSION = Boltzmann * FREE.medium.temperature / tweezer.bead_properties(FREE).drag
 #: the same, lost soon: a third of the beads within the 10 ms
 LEAVING = FREE.replace(simulation={"loss_distance": 600e-9})
-#: and with velocities
+#: and with velocities, in a fluid with memory
 INERTIAL = FREE.replace(simulation={"model": "full"})
 #: and with a rotation
 TURNING = INERTIAL.replace(
@@ -124,27 +124,35 @@ def test_trajectories_are_those_of_one_walk(scene, small, tmp_path):
     xr.testing.assert_equal(opened, runs)
 
 
-@pytest.mark.parametrize(("batch", "window"), [(64, 2**14), (64, 7), (8, 32), (16, 1)], ids=str)
-def test_the_same_bits_in_any_blocks_and_windows(batch, window, monkeypatch, tmp_path):
-    expected = tweezer.ensemble(LEAVING, 70, seed=1)
+@pytest.mark.parametrize(
+    ("scene", "batch", "window"),
+    [(LEAVING, 64, 2**14), (LEAVING, 64, 7), (LEAVING, 8, 32), (LEAVING, 16, 1), (INERTIAL, 8, 32),
+     (INERTIAL, 16, 1)],
+    ids=str,
+)  # fmt: skip
+def test_the_same_bits_in_any_blocks_and_windows(scene, batch, window, monkeypatch, tmp_path):
+    expected = tweezer.ensemble(scene, 70, seed=1)
     monkeypatch.setattr(job, "_BATCH", batch)
-    monkeypatch.setattr(job, "_WINDOW_NUMBERS", 3 * batch * window)
-    runs = tweezer.ensemble(LEAVING, 70, seed=1, out=tmp_path / "runs.zarr")
-    for name in ("position", "lost_time"):
+    columns = 3 if scene is LEAVING else 6
+    monkeypatch.setattr(job, "_WINDOW_NUMBERS", columns * batch * window)
+    runs = tweezer.ensemble(scene, 70, seed=1, out=tmp_path / "runs.zarr")
+    for name in ("position", "lost_time", *(["velocity"] if columns == 6 else [])):
         assert runs[name].values.tobytes() == expected[name].values.tobytes()
     chunks = xr.open_zarr(tmp_path / "runs.zarr", chunks=None)["position"].encoding["chunks"]
     assert chunks == (min(70, batch), min(101, window), 3)
 
 
+@pytest.mark.parametrize("scene", [LEAVING, INERTIAL], ids=["overdamped", "memory"])
 @pytest.mark.parametrize("gathered", [False, True])
-def test_the_same_bytes_on_any_threads(gathered, small, tmp_path):
+def test_the_same_bytes_on_any_threads(scene, gathered, small, tmp_path):
     contents = []
     for workers in (1, 2, 5):
         out = tmp_path / f"{workers}{'.nc' if gathered else '.zarr'}"
-        tweezer.ensemble(LEAVING, 100, seed=2, statistics=gathered, out=out, workers=workers)
+        tweezer.ensemble(scene, 100, seed=2, statistics=gathered, out=out, workers=workers)
         contents.append(content(out))
     assert contents[0] == contents[1] == contents[2]
-    assert len(contents[0]) == (1 if gathered else 4 * 13 + 13 + 7)
+    if scene is LEAVING:
+        assert len(contents[0]) == (1 if gathered else 4 * 13 + 13 + 7)
 
 
 def test_angular_velocity_is_about_the_axes_of_the_body(small, tmp_path):

@@ -19,18 +19,20 @@ import numpy as np
 import pytest
 
 import tweezer
-from tests.ensembles.test_ensemble import FREE, content, interrupt_after
+from tests.ensembles.test_ensemble import FREE, INERTIAL, content, interrupt_after
 from tweezer.ensembles import job, statistics, store
 
 KILLS = int(os.environ.get("TWEEZER_KILLS", "3"))
 TRAJECTORIES = 1024
 
 
-def work(out: Path, gathered: bool, scheduler: str | None = None) -> None:
+def work(
+    out: Path, gathered: bool, scheduler: str | None = None, scene: tweezer.Scene = FREE
+) -> None:
     """Compute an ensemble of 16 blocks of 7 windows, or go on with it."""
     job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
     kind = {"seed": 8, "statistics": gathered, "scheduler": scheduler, "resume": True}
-    tweezer.ensemble(FREE, TRAJECTORIES, out=out, **kind)
+    tweezer.ensemble(scene, TRAJECTORIES, out=out, **kind)
 
 
 @pytest.fixture(scope="module")
@@ -73,10 +75,11 @@ def has_written(process, out: Path, number: int, seen: set[tuple[Path, int]]) ->
 
 
 @pytest.mark.parametrize("gathered", [False, True])
-def test_killed_at_random_and_resumed(gathered, process, tmp_path):
+@pytest.mark.parametrize("scene", [FREE, INERTIAL], ids=["overdamped", "memory"])
+def test_killed_at_random_and_resumed(scene, gathered, process, tmp_path):
     suffix = ".nc" if gathered else ".zarr"
     whole = tmp_path / f"whole{suffix}"
-    finished = process(whole, gathered)
+    finished = process(whole, gathered, None, scene)
     finished.join()
     assert finished.exitcode == 0
     expected = content(whole)
@@ -87,7 +90,7 @@ def test_killed_at_random_and_resumed(gathered, process, tmp_path):
         out = tmp_path / f"{stores}{suffix}"
         while not out.exists() or out.with_name(f"{out.name}.part").exists():  # until all is done
             before = written(out)
-            going = process(out, gathered)
+            going = process(out, gathered, None, scene)
             if kills < KILLS:
                 number = len(before) + draw.integers(1, 40)  # the first is the lock
                 wait_for(functools.partial(has_written, going, out, number, before))

@@ -110,4 +110,9 @@ def walk_in(walk, field, kappa=0.0):
         if "vx" not in walk.columns:
             shaken[3:] = 0.0
         weights = propagator.exact(walk.step, tau, rates, shaken)
+        if walk.hidden:
+            modes = walk.problem.modes
+            weights = propagator.with_memory(walk.step, modes.times, modes.weights, weights, shaken)
+            hidden = 3 * weights.memory.shape[2]
+            walk = dataclasses.replace(walk, hidden=hidden)
     return dataclasses.replace(walk, problem=in_place(walk.problem, field), weights=weights)

@@ -300,7 +300,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     # rotational diffusion without inertia is drawn by itself
     shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
     linear = Linear(tau, kappa, shaken, problem.relaxation_time, rates)
-    if scene.medium.inertia == "memory":
+    if scene.medium.inertia == "memory" and len(problem.modes.times) > 1:
         linear = linear._replace(times=problem.modes.times, parts=problem.modes.weights)
     weights = _scheme(simulation).weights(step, linear)
     if not inertial:
