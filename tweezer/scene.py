@@ -24,6 +24,8 @@ from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.sections import (
     ALTERNATIVES,
     BELONGING,
+    FILLED,
+    OF_A_NAME,
     WITHIN_LAYERS,
     Bead,
     Beam,
@@ -35,7 +37,8 @@ from tweezer.sections import (
     Start,
 )
 from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
-from tweezer.units import TABLE_RADII, quantity_of, to_si
+from tweezer.units import TABLE_RADII, TEMPERATURE, quantity_of, to_si
+from tweezer.water import LIQUID, Water, water
 
 SHIPPED = Path(__file__).parent / "scenes"
 
@@ -93,6 +96,23 @@ class Scene(Section):
         return f"<Scene {self.name!r}: {told}>"
 
     __str__ = __repr__
+
+    @model_validator(mode="before")
+    @classmethod
+    def _medium_by_name(cls, data: Any) -> Any:
+        """Fill in what the medium's name gives and the scene does not.
+
+        After what follows here: what comes before validation goes from the last to the first.
+        """
+        medium = data.get("medium") if isinstance(data, dict) else None
+        if not isinstance(medium, dict) or medium.get("name") != "water":
+            return data
+        missing = [key for key in OF_A_NAME if medium.get(key) is None]
+        if not missing:
+            return data
+        found = _of_water(data, medium, indexed="refractive_index" in missing)
+        filled = {key: getattr(found, key) for key in missing}
+        return {**data, "medium": {**medium, **filled, FILLED: missing}}
 
     @model_validator(mode="before")
     @classmethod
@@ -312,10 +332,13 @@ class Scene(Section):
     @property
     def _of_another_temperature(self) -> str:
         """What of the medium a change of the temperature would change, and nobody did."""
-        if "medium.viscosity" in self.changed:
+        if "medium.viscosity" in self.changed or "viscosity" in self.medium.filled:
             return ""
-        keys = ("viscosity", "density", "refractive_index")
-        *most, last = [key for key in keys if f"medium.{key}" not in self.changed]
+        keys = [
+            key for key in ("viscosity", "density", "refractive_index")
+            if f"medium.{key}" not in self.changed and key not in self.medium.filled
+        ]  # fmt: skip
+        *most, last = keys
         return f"{', '.join(most)} and {last}" if most else last
 
     @property
@@ -474,6 +497,32 @@ class Scene(Section):
         return _validated(data, sections)
 
 
+def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
+    """Water in a scene as it is given; indexed: at the wavelength of its beams."""
+    beams = [data.get("beam"), *(data.get("more_beams") or ())]
+    try:
+        temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
+        wavelengths = [
+            to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
+            for beam in beams
+        ]
+    except (ValueError, AttributeError):
+        return Water(1000.0, 1e-3, 1.33)  # what is wrong is found where the keys are read
+    if indexed and max(wavelengths) > min(wavelengths):
+        raise refusal(
+            "medium.name = 'water': has another index for each of the beams' wavelengths; give "
+            "medium.refractive_index"
+        )
+    try:
+        return water(temperature, *wavelengths[:1] if indexed else ())
+    except ValueError as error:
+        cold_or_hot = not LIQUID[0] <= temperature <= LIQUID[1]
+        key = "medium.temperature" if cold_or_hot else "beam.wavelength"
+        given = medium["temperature"] if cold_or_hot else wavelengths[0]
+        way_out = "" if cold_or_hot else "; give medium.refractive_index"
+        raise refusal(f"{key} = {given!r}: {error}{way_out}") from None
+
+
 def _kind(section: str) -> str:
     """What a section is: beam[2] is a beam."""
     return "beam" if _NUMBERED.fullmatch(section) else section
@@ -533,6 +582,8 @@ def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair and set(pair) & set(changes):
             return True
+    if section == "medium" and key in OF_A_NAME and changes.get("name"):
+        return True
     if section == "bead" and "layers" in changes:
         return key in WITHIN_LAYERS
     if section == "bead" and key == "layers":

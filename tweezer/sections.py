@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 from pydantic import (
     AfterValidator,
     Field,
+    ModelWrapValidatorHandler,
+    PrivateAttr,
     SerializerFunctionWrapHandler,
     StrictBool,
     StrictInt,
@@ -241,12 +243,25 @@ def _complex(index: float | tuple[float, float]) -> complex:
     return complex(*index) if isinstance(index, tuple) else complex(index)
 
 
+#: keys of the medium that a name gives
+OF_A_NAME = ("refractive_index", "density", "viscosity")
+#: key under which a scene says which of them it has filled in
+FILLED = "filled in"
+
+
 class Medium(Section):
     """The fluid around the bead."""
 
-    refractive_index: RefractiveIndex = Field(description="refractive index n_m")
-    density: Density = Field(description="density rho_m")
-    viscosity: Viscosity = Field(description="dynamic viscosity mu_m")
+    name: Literal["water"] | None = Field(
+        None,
+        description="water: refractive index (at the beam's wavelength), density and viscosity are "
+        "those of water at the temperature, where the scene has no numbers of its own",
+    )
+    refractive_index: RefractiveIndex = Field(
+        description="refractive index n_m; not needed with a `name`"
+    )
+    density: Density = Field(description="density rho_m; not needed with a `name`")
+    viscosity: Viscosity = Field(description="dynamic viscosity mu_m; not needed with a `name`")
     temperature: Temperature = Field(description="absolute temperature T")
     mean_free_path: PositiveLength = Field(
         3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
@@ -261,6 +276,29 @@ class Medium(Section):
         description="number of poles of the memory; none given: what the duration and the "
         "tolerance need",
     )
+
+    _filled: frozenset[str] = PrivateAttr(frozenset())
+
+    @property
+    def filled(self) -> frozenset[str]:
+        """Keys whose numbers are those of the `name`."""
+        return self._filled
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _by_name(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Remember which numbers the scene has filled in."""
+        if not isinstance(data, dict) or FILLED not in data:
+            return validated(data)
+        medium = validated({key: value for key, value in data.items() if key != FILLED})
+        medium._filled = frozenset(data[FILLED])
+        return medium
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without the numbers of the name."""
+        said: dict[str, Any] = as_dict(self)
+        return {key: value for key, value in said.items() if key not in self._filled}
 
     @model_validator(mode="after")
     def _poles_of_a_memory(self) -> Self:
