@@ -69,6 +69,8 @@ _BEADS, _STEPS = 256, 20
 _MANY = 1024
 #: models and schemes whose step is shown beside its parts
 PARTED = (("full", "heun"), ("full", "one-call"), ("overdamped", "heun"))
+#: poles of the fluid's memory whose step is shown there; all else is of a fluid without inertia
+POLES = (16, 24)
 
 MODELS = (
     ("full", "heun"), ("full", "one-call"), ("full", "harmonic"), ("full", "euler-maruyama"),
@@ -225,8 +227,9 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
 def trap_of_scene() -> Trap:
     """The trap that all is about."""
     scene = tweezer.load_scene(SCENE).replace(
-        forces={"brownian": True}, optics={"evaluator": "map"}, start={"drawn": "boltzmann"}
-    )
+        forces={"brownian": True}, optics={"evaluator": "map"}, start={"drawn": "boltzmann"},
+        medium={"inertia": "none"},
+    )  # fmt: skip
     equilibrium = walk(scene).equilibrium
     assert equilibrium is not None
     bead = tweezer.bead_properties(scene)
@@ -313,6 +316,15 @@ def parts(trap: Trap, effort: Effort) -> dict[str, float]:
             for model, method in PARTED:
                 walked = _sampled(of_theory, model, method, 0.1 / trap.kappa)
                 calls[f"{theory}: {model} {method}"] = Call(_some_steps(walked), _BEADS * _STEPS)
+        for poles in POLES:
+            medium = {"inertia": "memory", "poles": poles}
+            remembering = dataclasses.replace(
+                of_theory, scene=of_theory.scene.replace(medium=medium)
+            )
+            walk_with = _sampled(remembering, "full", "heun", 0.1 / trap.kappa)
+            calls[f"{theory}: full heun, memory of {poles} poles"] = Call(
+                _some_steps(walk_with), _BEADS * _STEPS
+            )
         places = np.ascontiguousarray(walked.start(who)[:, :3])
         for what, gradient in (("map", False), ("map with gradient", True)):
             light = bound_force(walked.problem.force, gradient=gradient)

@@ -271,7 +271,8 @@ def block(results: Results) -> str:
     explained = (
         f"Thermal motion of the bead of `{results['scene']}` (trap time "
         f"{1e6 * trap['trap_time_s']:.0f} µs, relaxation time "
-        f"{1e9 * trap['relaxation_time_s']:.0f} ns). Rates: 3-D, table force, steady state. "
+        f"{1e9 * trap['relaxation_time_s']:.0f} ns), the fluid without inertia. Rates: 3-D, table "
+        "force, steady state. "
         "Biases: relative, in wells of the trap's stiffness where the truth is a quadrature, ± one "
         "standard error. The corner frequency is that of the fall of the autocorrelation, against "
         "the inertial motion. One-call places are for distributions, not for spectra. "
