@@ -88,7 +88,9 @@ class Scene(Section):
         if self.name in (shipped := shipped_scenes()):
             here = by_key(self.model_dump())
             there = by_key(load_scene(shipped[self.name]).model_dump())
-            changed = [key for key in sorted(here | there) if here.get(key) != there.get(key)]
+            filled = {f"medium.{key}" for key in self.medium.filled}
+            keys = sorted((here.keys() | there.keys()) - filled)
+            changed = [key for key in keys if here.get(key) != there.get(key)]
             if ("beam.power" in here) != ("beam.power" in there):
                 told += f"; {_counted(self.beams)}"
                 changed = [key for key in changed if not key.startswith("beam")]
