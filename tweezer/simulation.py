@@ -200,7 +200,7 @@ def _thermal_run(
         **seconds,
         "step_time": step_time,
         "integration_error": math.nan,
-        "model_error": 0.0 if scene.simulation.model == "full" else math.nan,
+        "model_error": 0.0 if _has_all_inertia(scene) else math.nan,
     }
     if status == "failed":
         warn(f"{scene.name}: {message}")
@@ -267,6 +267,10 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         "chosen": why,
         **versions(),
     }
+
+
+def _has_all_inertia(scene: Scene) -> bool:
+    return scene.simulation.model == "full" and scene.medium.inertia == "memory"
 
 
 def _inertia_of_the_fluid(scene: Scene) -> str:

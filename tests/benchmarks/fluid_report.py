@@ -84,7 +84,8 @@ def figure(results: Results) -> Figure:
             label=of["bead"],
         )  # fmt: skip
         right.axhline(of["without_um"], color=line.get_color(), lw=1, ls="--")
-    right.set(xlabel="poles", ylabel="off the exact memory (µm); dashed: without memory")
+    right.set(xlabel="poles", ylabel="off the exact memory (µm)")
+    right.set_title("captures; dashed: without memory", fontsize=9)
     right.legend(frameon=False, fontsize=8)
     return drawn
 
