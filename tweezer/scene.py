@@ -277,11 +277,13 @@ class Scene(Section):
         said = f"medium.inertia = {inertia!r}"
         if model and not MODELS[model].inertia:
             having = " and ".join(each.name for each in MODELS.values() if each.inertia)
-            raise refusal(
-                f"{said}: not with simulation.model = {model!r}, which knows no past: it leaves "
-                f"out that the bead falls behind by up to {self.lag:.2g} s times its speed; "
-                f"allowed: {having}"
-            )
+            past = ""
+            if inertia == "memory":
+                past = (
+                    ", which knows no past: it leaves out that the bead falls behind by up to "
+                    f"{self.lag:.2g} s times its speed"
+                )
+            raise refusal(f"{said}: not with simulation.model = {model!r}{past}; allowed: {having}")
         if inertia != "memory":
             return
         if method != "auto" and not METHODS[method].memory:
@@ -290,10 +292,6 @@ class Scene(Section):
             raise refusal(
                 f"{said}: not with simulation.method = {method!r}; allowed: auto, "
                 f"{', '.join(allowed)}"
-            )
-        if self.bead.moments_of_inertia:
-            raise refusal(
-                f"{said}: not with bead.moments_of_inertia; allowed: 'none', 'added-mass'"
             )
 
     def _wider_than_a_square(self, beam: Beam) -> None:

@@ -147,7 +147,6 @@ def test_a_rigid_body_without_memory_is_told_its_lag():
         ),
         ({"simulation": {"model": "first-order"}}, "knows no past"),
         ({"simulation": {"method": "dop853"}}, "allowed: auto, exponential"),
-        ({"bead": {"moments_of_inertia": [4e-29, 5e-29, 6e-29]}}, "not with bead.moments"),
         ({"medium": {"inertia": "none", "poles": 16}}, "not with inertia = 'none'"),
     ],
 )
@@ -155,6 +154,28 @@ def test_what_has_no_memory_is_refused(changes, told):
     memory = {"medium": {"inertia": "memory"}}
     with pytest.raises(tweezer.SceneError, match=told):
         tweezer.load_scene("silica-1um").replace(**memory | changes)
+
+
+@pytest.mark.parametrize("inertia", ["none", "added-mass", "memory", None])
+def test_moments_of_a_bead_that_does_not_rotate_change_nothing(inertia):
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": inertia}, simulation={"duration": "10 us", "samples": 3}
+    )
+    run = tweezer.simulate(scene.replace(bead={"moments_of_inertia": [4e-29, 5e-29, 6e-29]}))
+    np.testing.assert_array_equal(run["position"], tweezer.simulate(scene)["position"])
+
+
+def test_a_memory_is_not_in_the_rates_for_other_solvers():
+    equations = bind(tweezer.load_scene("silica-1um").replace(medium={"inertia": "memory"}))
+    for of in (equations.rhs, equations.jacobian):
+        with pytest.raises(tweezer.SceneError, match="not in `rhs`, which knows no past"):
+            of(0.0, equations.initial_state)
+
+
+def test_poles_where_there_is_no_memory_are_refused():
+    scene = tweezer.load_scene("silica-1um").replace(medium={"poles": 24})
+    with pytest.raises(tweezer.SceneError, match="poles = 24: no memory: dop853 takes no memory"):
+        tweezer.simulate(scene, method="dop853")
 
 
 def test_a_number_of_poles_without_a_table_is_refused():

@@ -315,8 +315,10 @@ def calibrate(
         resistance = drag_of(recording.scene)
         if drag is None and resistance.uniform:  # another is fitted
             drag = 1 / float(resistance.mobilities(np.zeros((1, 3))).value[0, 0])
-        if mass is None and fluid is None:
-            mass, fluid = _inertia(recording.scene)
+        of_scene = _inertia(recording.scene)
+        mass = of_scene[0] if mass is None else mass
+        if fluid is None:
+            fluid = of_scene[1]
             poles = recording.scene.medium.poles or poles
         exposure = 0.0 if exposure is None and "exposure" not in detector else exposure
     if temperature is None:

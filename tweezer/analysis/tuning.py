@@ -75,7 +75,8 @@ def tune(
 
     factors: from epsilon to 1 if not given. duration: s, the scene's if not given; the thesis
     compares over a short time. method: of the scaled runs; the thesis's Dormand-Prince if not
-    given. The unscaled response is integrated by the exponential method. Each response is
+    given. The unscaled response is integrated by the exponential method. Both are in a fluid
+    without inertia, as in the thesis, whatever the scene says. Each response is
     integrated a second time, to a sixteenth of the tolerances; the distance between the two is its
     error. progress: called with the finished part.
 
@@ -85,6 +86,7 @@ def tune(
     """
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
+    scene = scene.replace(medium={"inertia": "none", "poles": None})
     scenes = scaled_scenes(scene, factors, method)
     same = {"scaling_factor": None, "step": None, "rotation_state": "angular-velocity"}
     exact = _response(scene.replace(simulation={"model": "full", "method": "exponential", **same}))

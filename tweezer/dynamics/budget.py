@@ -18,7 +18,7 @@ from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
-from tweezer.fluid import more_poles
+from tweezer.fluid import other_poles
 
 Array = NDArray[np.float64]
 
@@ -45,9 +45,9 @@ class ErrorBudget:
     """Errors of the positions of a run, m; NaN where unknown."""
 
     integration_error: float
-    """of a compiled method, thrice the largest distance to a run with every step halved, and more
-    poles of the fluid's memory; a solver of SciPy's is compared with a compiled method of tighter
-    tolerances instead"""
+    """of a compiled method, thrice the largest distance to a run with every step halved, and
+    another number of poles of the fluid's memory; a solver of SciPy's is compared with a compiled
+    method of tighter tolerances instead"""
     model_error: float
     """largest distance to the unscaled equations with all inertia, the fluid's too, integrated by
     the exponential method; 0 for them. For a body that it cannot integrate NaN, or with the model
@@ -84,7 +84,7 @@ def _of_integration(
         problem, ratio = _compiled(equations), 1.0
         how: dict[str, Any] = {"tightened": TIGHTER}
     else:
-        problem = _with_more_poles(equations.problem.changed(method=run.method))
+        problem = _with_other_poles(equations.problem.changed(method=run.method))
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
     compared, distance = _compared(problem, run, position, events=events, **how)
     if compared is None and "prescribed" in how:  # a force that bends may want shorter steps still
@@ -92,10 +92,10 @@ def _of_integration(
     return Finer(compared, ratio) if compared else None, ratio * distance
 
 
-def _with_more_poles(problem: Problem) -> Problem:
-    """The same with a finer memory, if it has one."""
+def _with_other_poles(problem: Problem) -> Problem:
+    """The same with another number of poles, a larger one if there is, if it has a memory."""
     poles = problem.scene.medium.poles
-    return problem.decided(medium={"poles": more_poles(poles)}) if poles else problem
+    return problem.decided(medium={"poles": other_poles(poles)}) if poles else problem
 
 
 def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:

@@ -67,6 +67,8 @@ def _inertia(problem: Problem) -> tuple[Problem, str]:
     if missing and medium.inertia == "memory":
         raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
     if missing:
+        if medium.poles is not None:
+            raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     way = scene.lag * problem.fastest
     poles = medium.poles or enough_poles(way, simulation.position_tolerance)

@@ -210,12 +210,21 @@ class EquationsOfMotion:
     def rhs(self, t: float, y: Array) -> Array:
         """Rate of change of the state y, as solvers call it.
 
-        Raises `IntegrationError` where it is not finite.
+        Raises `IntegrationError` where it is not finite, and `SceneError` for a motion with memory,
+        of which it is no part.
         """
+        self._refuse_memory()
         inputs = (each[0] for each in self._rhs_inputs(np.array([t]), y[None]))
         rates = np.empty(self._size)
         self.module.rhs(t, y, *inputs, self.params, rates)
         return _finite(rates)
+
+    def _refuse_memory(self) -> None:
+        if self.remembers:
+            raise SceneError(
+                "medium.inertia = 'memory': not in `rhs`, which knows no past; allowed: 'none', "
+                "'added-mass', or the method exponential"
+            )
 
     def _rates(self, times: Array, states: Array) -> Array:
         """Rates of change of `states`, (n, state), at `times` (n,) s, all at once.
@@ -228,7 +237,8 @@ class EquationsOfMotion:
         return _finite(rates)
 
     def jacobian(self, t: float, y: Array) -> Array:
-        """d(rate i)/d(state j), as implicit solvers call it."""
+        """d(rate i)/d(state j), as implicit solvers call it; raises as `rhs`."""
+        self._refuse_memory()
         derivative = np.empty((self._size, self._size))
         inputs = (each[0] for each in self._jacobian_inputs(np.array([t]), y[None]))
         self.module.jacobian(t, y, *inputs, self.params, derivative)
@@ -437,7 +447,8 @@ class _Released:
 def bind(scene: Scene | Problem) -> EquationsOfMotion:
     """The equations of motion of `scene`: the smallest emitted model that holds all it needs.
 
-    Of a scene that names no model, the unscaled ones.
+    Of a scene that names no model, the unscaled ones; of one that leaves the fluid's inertia open,
+    without it (`tweezer.simulate` decides that).
     """
     problem = bound_once(scene)
     model = MODELS[problem.scene.simulation.model or "full"]

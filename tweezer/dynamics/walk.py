@@ -354,6 +354,8 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
     elif simulation.model != "full":
         missing = missing or f"with the model {simulation.model} only where it is named"
     if missing:
+        if medium.poles is not None:
+            raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     problem = problem.decided(medium={"inertia": "memory", "poles": medium.poles or USUAL})
     return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"

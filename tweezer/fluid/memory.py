@@ -93,6 +93,7 @@ def enough_poles(way: float, tolerance: float) -> int:
     return max(NODES)
 
 
-def more_poles(poles: int) -> int:
-    """The next larger number of poles; the largest one itself."""
-    return min((n for n in NODES if n > poles), default=poles)
+def other_poles(poles: int) -> int:
+    """The next larger number of poles; of the largest one the next smaller."""
+    numbers = sorted(NODES)
+    return min((n for n in numbers if n > poles), default=numbers[-2])
