@@ -93,6 +93,25 @@ def test_equipartition_at_any_step(poles, step):
     assert abs(X[0, 1]) < 1e-9 * math.sqrt(X[0, 0] * X[1, 1])
 
 
+@pytest.mark.parametrize("step", STEPS)
+def test_one_call_scheme_has_exact_moments_where_it_asks_the_force(step):
+    """Of x* = x + (memory and noise)/2 in a harmonic trap, and of the velocity."""
+    w = steps_of(step * TRAP, 16, 0.0)
+    n = w.z.shape[1]
+    E, noise, seen = np.zeros((n + 1, n + 1)), np.zeros((n + 1, 2)), np.zeros((2, n + 1))
+    half = np.append(1.0, w.z[memory.X_BY] / 2)
+    E[0] = 2 * half - np.append(1.0, np.zeros(n)) - KAPPA * w.x_by_u * half
+    E[1:] = -KAPPA * np.outer(w.z[memory.BY_U], half)
+    E[1:, 1:] += np.diag(w.z[memory.DECAY])
+    noise[0, 0] = w.noise_x * (1 - KAPPA * w.x_by_u / 2)
+    noise[1:] = w.z[[memory.NOISE, memory.OWN]].T
+    noise[1:, 0] -= KAPPA * w.z[memory.BY_U] * w.noise_x / 2
+    seen[0], seen[1, 1:] = half, w.z[memory.SEEN]
+    X = seen @ stationary(E, noise) @ seen.T
+    assert abs((X[0, 0] + w.noise_x**2 / 4) * KAPPA / DIFFUSION - 1) < 1e-9
+    assert abs(X[1, 1] / SPEED2 - 1) < 1e-11
+
+
 @pytest.mark.parametrize("poles", [16, 36])
 @pytest.mark.parametrize("step", STEPS)
 def test_places_and_velocities_have_the_covariances_of_the_whole_motion(poles, step):
