@@ -278,7 +278,12 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     text = (
         "the bead moves less from sample to sample than in a trap: motion blur? Give the exposure"
     )
-    if not free.bead.seen_as_it_is:
+    if not free.bead.displaced_mass and float(part.frequencies[-1]) > _FAST:
+        text = (
+            "the bead moves less from sample to sample than in a trap: by the inertia of the "
+            "fluid, or motion blur?"
+        )
+    elif not free.bead.seen_as_it_is:
         text = "the bead moves less from sample to sample than this detector would show"
     return Finding("blur", text)
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
 
+from tweezer.fluid import drag_at
 from tweezer.fluid.memory import NODES, USUAL
 
 Array = NDArray[np.float64]
@@ -272,13 +273,11 @@ class TrappedBead:
         sinc^2(f W) for the exposure.
         """
         f = np.asarray(frequencies, np.float64)
-        omega = 2 * np.pi * f
-        memory = np.sqrt(omega * 4.5 * (self.displaced_mass or 0.0) / self.drag / 2)
-        viscous = self.drag * (1 + memory)
-        in_phase = self.stiffness - self._inertia * omega**2 - self.drag * omega * memory
-        force = 4 * Boltzmann * self.temperature * viscous
-        density = force / (in_phase**2 + (omega * viscous) ** 2)
-        return np.asarray(density * self._passed(f))
+        s = 2j * np.pi * f
+        gamma = drag_at(f, self.drag, self.displaced_mass or 0.0)
+        resistance = self.stiffness + s * gamma + (self.mass or 0.0) * s**2
+        force = 4 * Boltzmann * self.temperature * gamma.real
+        return np.asarray(force / np.abs(resistance) ** 2 * self._passed(f))
 
     def _passed(self, frequencies: Array) -> Array:
         """Power of the signal over that of the motion, of which it is the mean over an exposure."""
@@ -298,7 +297,7 @@ class TrappedBead:
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
         fluid = self.displaced_mass or 0.0
-        gamma = self.drag + np.sqrt(s * 4.5 * fluid * self.drag) + s * fluid / 2
+        gamma = drag_at(f, self.drag, fluid)
         moved = s * (gamma + s * fluid) / (s * gamma + self.stiffness + (self.mass or 0.0) * s**2)
         return np.asarray(moved * np.sqrt(self._passed(f)))
 

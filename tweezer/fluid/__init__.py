@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tweezer.fluid.binding import drag
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
-from tweezer.fluid.memory import Modes, enough_poles, modes, other_poles, single
+from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
 
 __all__ = [
     "DRAG_KERNEL",
@@ -14,6 +14,7 @@ __all__ = [
     "Stokes",
     "by_axis",
     "drag",
+    "drag_at",
     "enough_poles",
     "modes",
     "other_poles",

@@ -24,9 +24,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.errors import SceneError
-from tweezer.generated import memory_poles
+from tweezer.generated import hydrodynamics, memory_poles
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: The emitted drag as Python: it is asked for at some frequencies, which a compiler would not repay
+_drag_of_translation = np.vectorize(hydrodynamics.drag_of_translation.py_func, otypes="dd")
 
 #: Poles of the root by their number: p_k and c_k
 NODES = {n: (np.array(p), np.array(c)) for n, (p, c) in memory_poles.NODES.items()}
@@ -53,6 +57,17 @@ class Modes(NamedTuple):
         """Velocities of the modes, (modes,), of a bead struck to 1 m/s in fluid at rest."""
         stroke: Array = 1 / (self.times * (self.weights / self.times).sum())
         return stroke
+
+
+def drag_at(frequencies: Array, drag: float, displaced_mass: float) -> Complex:
+    """gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz, with the added mass.
+
+    drag, displaced_mass: as of `modes`.
+    """
+    real, imaginary = _drag_of_translation(
+        2 * np.pi * frequencies, drag, 4.5 * displaced_mass / drag
+    )
+    return np.asarray(real + 1j * imaginary)
 
 
 def single(time: float) -> Modes:
