@@ -15,7 +15,7 @@ from tweezer.dynamics.budget import TIGHTER
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.errors import TweezerError
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 
 #: Number of a2 per decade, from epsilon to 1, if none are given
 _PER_DECADE = 3
@@ -84,9 +84,9 @@ def tune(
     1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
     take.
     """
+    scene = checked_scene(scene).replace(medium={"inertia": "none", "poles": None})
     if duration is not None:
         scene = scene.replace(simulation={"duration": duration})
-    scene = scene.replace(medium={"inertia": "none", "poles": None})
     scenes = scaled_scenes(scene, factors, method)
     same = {"scaling_factor": None, "step": None, "rotation_state": "angular-velocity"}
     exact = _response(scene.replace(simulation={"model": "full", "method": "exponential", **same}))
