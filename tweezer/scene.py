@@ -1,4 +1,4 @@
-"""The description of one experiment: bead, medium, lens, beam, start, forces, optics, simulation.
+"""The description of one experiment: bead, medium, lens, beam, wall, start, forces, and so on.
 
 Scenes are TOML files. Quantities may carry units ("500 nm"); bare numbers are SI. A scene is
 immutable, and every way to make one validates it.
@@ -35,6 +35,7 @@ from tweezer.sections import (
     Optics,
     Simulation,
     Start,
+    Wall,
 )
 from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
 from tweezer.units import TABLE_RADII, TEMPERATURE, quantity_of, to_si
@@ -47,6 +48,13 @@ KNUDSEN_LIMIT = 1e-3
 
 #: the key that a scene has in place of one that says the same
 _HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
+
+#: Thickness of the thinnest cell of two walls, in radii
+THINNEST = 20.0
+#: Distance of a wall from the bead's centre from which on memory leaves it out, in radii
+FREE = 20.0
+#: Part of a depth within which two places are one
+_SAME_PLACE = 1e-9
 
 #: One of several beams, counted from 1
 _NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
@@ -77,6 +85,7 @@ class Scene(Section):
         (), description="of a file with several [[beam]]: all but the first"
     )
     start: Start
+    wall: Wall | None = Field(None, description="a plane that ends the fluid; none if not given")
     forces: Forces = Field(default_factory=Forces)
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
@@ -115,6 +124,23 @@ class Scene(Section):
         found = _of_water(data, medium, indexed="refractive_index" in missing)
         filled = {key: getattr(found, key) for key in missing}
         return {**data, "medium": {**medium, **filled, FILLED: missing}}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _wall_of_the_cover(cls, data: Any) -> Any:
+        """Put the wall where the face of the cover is, if the scene does not say where it is."""
+        if not isinstance(data, dict) or not isinstance(wall := data.get("wall"), dict):
+            return data
+        lens = data.get("lens")
+        cover = lens.get("cover") if isinstance(lens, dict) else getattr(lens, "cover", None)
+        if wall.get("position") is not None or cover is None:
+            return data
+        try:
+            depth = cover.get("depth") if isinstance(cover, dict) else cover.depth
+            position = -to_si(depth, "m")
+        except (ValueError, AttributeError):
+            return data  # what is wrong is found where the cover is read
+        return {**data, "wall": {**wall, "position": position, FILLED: ["position"]}}
 
     @model_validator(mode="before")
     @classmethod
@@ -173,6 +199,7 @@ class Scene(Section):
         if self.lens.cover is not None:
             self._foci_at_the_depth()
         self._thermal()
+        self._beside_the_wall()
         self._inertia_of_the_fluid()
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise refusal("start.frame = 'lens': needs lens.focal_length")
@@ -232,6 +259,39 @@ class Scene(Section):
                 f"simulation.loss_distance = {self.simulation.loss_distance:.3g} m"
             )
 
+    def _beside_the_wall(self) -> None:
+        """Refuse a bead in a wall, a cell that is too thin, and what needs a wall without one."""
+        wall, radius = self.wall, self.bead.radius
+        if wall is None:
+            if self.forces.dlvo is not None:
+                raise refusal("forces.dlvo: needs a [wall]")
+            return
+        cover = self.lens.cover
+        if cover is not None and (
+            wall.side == "below" or abs(wall.position + cover.depth) > _SAME_PLACE * cover.depth
+        ):
+            raise refusal(
+                f"wall.position = {wall.position:g}, side = {wall.side!r}: with lens.cover the "
+                f"wall is its face, at {-cover.depth:g}, and the bead above it"
+            )
+        z, ball = self.start_position[2], self.start.ball_radius or 0.0
+        room = {"wall": self.gap(z)}
+        if wall.opposite is not None:
+            thickness = abs(wall.opposite - wall.position)
+            if thickness < THINNEST * radius:
+                raise refusal(
+                    f"wall.opposite = {wall.opposite:g}: {thickness:.3g} m from wall.position; "
+                    f"must be at least {THINNEST:g} radii, {THINNEST * radius:.3g} m: nearer planes do "
+                    "not add up"
+                )
+            room["wall.opposite"] = thickness - 2 * radius - self.gap(z)
+        for name, gap in room.items():
+            if gap - ball <= 0:
+                raise refusal(
+                    f"start.position = {list(self.start.position)}: the bead must start beside "
+                    f"{name}, not in it; its gap would be {gap - ball:.3g} m"
+                )
+
     def _thermal(self) -> None:
         """Refuse what does not go with thermal motion, or not without."""
         method, model = self.simulation.method, self.simulation.model
@@ -286,6 +346,18 @@ class Scene(Section):
             raise refusal(f"{said}: not with simulation.model = {model!r}{past}; allowed: {having}")
         if inertia != "memory":
             return
+        if self.wall is not None:
+            room = self.gap(self.start_position[2])
+            if self.wall.opposite is not None:
+                room = min(
+                    room, abs(self.wall.opposite - self.start_position[2]) - self.bead.radius
+                )
+            if room + self.bead.radius < FREE * self.bead.radius:
+                raise refusal(
+                    f"{said}: not with a wall nearer than {FREE:g} radii, which takes up the "
+                    "vorticity that the bead sheds (the tail falls as t^(-5/2), not t^(-3/2)); "
+                    "allowed: 'none', 'added-mass'"
+                )
         if method != "auto" and not METHODS[method].memory:
             brownian = self.forces.brownian
             allowed = [each.name for each in methods(thermal=brownian) if each.memory]
@@ -362,6 +434,15 @@ class Scene(Section):
         the force changes slowly; tau_f is `vorticity_time`.
         """
         return 2 * math.sqrt(self.vorticity_time * self.simulation.duration / math.pi)
+
+    def gap(self, z: Any) -> Any:
+        """Distance of the bead's surface from the wall, m, with its centre at z, m from the focus.
+
+        Raises `SceneError` for a scene without a wall.
+        """
+        if self.wall is None:
+            raise SceneError("wall: the scene has none")
+        return self.wall.normal * (z - self.wall.position) - self.bead.radius
 
     @property
     def rotates(self) -> bool:

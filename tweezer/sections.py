@@ -33,6 +33,7 @@ from tweezer.units import (
     BeamSigma,
     ComplexIndex,
     Density,
+    Energy,
     LossDistance,
     MomentOfInertia,
     PositiveLength,
@@ -245,11 +246,38 @@ def _complex(index: float | tuple[float, float]) -> complex:
 
 #: keys of the medium that a name gives
 OF_A_NAME = ("refractive_index", "density", "viscosity")
-#: key under which a scene says which of them it has filled in
+#: key under which a scene says which keys of a section it has filled in
 FILLED = "filled in"
 
 
-class Medium(Section):
+class Filled(Section):
+    """A section of which the scene may fill in some keys: they are not said again when it is."""
+
+    _filled: frozenset[str] = PrivateAttr(frozenset())
+
+    @property
+    def filled(self) -> frozenset[str]:
+        """Keys whose values the scene has filled in."""
+        return self._filled
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Remember which they are."""
+        if not isinstance(data, dict) or FILLED not in data:
+            return validated(data)
+        section = validated({key: value for key, value in data.items() if key != FILLED})
+        section._filled = frozenset(data[FILLED])
+        return section
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without what the scene has filled in."""
+        said: dict[str, Any] = as_dict(self)
+        return {key: value for key, value in said.items() if key not in self._filled}
+
+
+class Medium(Filled):
     """The fluid around the bead."""
 
     name: Literal["water"] | None = Field(
@@ -277,29 +305,6 @@ class Medium(Section):
         "tolerance need",
     )
 
-    _filled: frozenset[str] = PrivateAttr(frozenset())
-
-    @property
-    def filled(self) -> frozenset[str]:
-        """Keys whose numbers are those of the `name`."""
-        return self._filled
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _by_name(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """Remember which numbers the scene has filled in."""
-        if not isinstance(data, dict) or FILLED not in data:
-            return validated(data)
-        medium = validated({key: value for key, value in data.items() if key != FILLED})
-        medium._filled = frozenset(data[FILLED])
-        return medium
-
-    @model_serializer(mode="wrap")
-    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the numbers of the name."""
-        said: dict[str, Any] = as_dict(self)
-        return {key: value for key, value in said.items() if key not in self._filled}
-
     @model_validator(mode="after")
     def _poles_of_a_memory(self) -> Self:
         if self.poles is not None and self.inertia not in (None, "memory"):
@@ -317,6 +322,37 @@ class Cover(Section):
         description="distance from the face to the nominal focus, where the light would converge "
         "without the face"
     )
+
+
+class Wall(Filled):
+    """A plane across the light that ends the fluid; the bead is on one side of it."""
+
+    position: Annotated[float, Quantity("m", -1e-2, 1e-2)] = Field(
+        description="z of the plane, along the light from the focus; with lens.cover it is the "
+        "face of the cover and need not be given"
+    )
+    side: Literal["above", "below"] = Field(
+        "above", description="where the bead is: above, at larger z than the plane, or below"
+    )
+    opposite: Annotated[float, Quantity("m", -1e-2, 1e-2)] | None = Field(
+        None,
+        description="z of a second plane, on the other side of the bead. Friction by two planes is "
+        "that of each added up (Oseen)",
+    )
+
+    @property
+    def normal(self) -> float:
+        """Direction along z from the plane to the bead: 1 above, -1 below."""
+        return 1.0 if self.side == "above" else -1.0
+
+    @model_validator(mode="after")
+    def _opposite_beyond(self) -> Self:
+        if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
+            raise refusal(
+                f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "
+                f"position = {self.position:g}"
+            )
+        return self
 
 
 class Lens(Section):
@@ -506,6 +542,18 @@ class Start(Section):
         return self
 
 
+class Dlvo(Section):
+    """Force between bead and wall across an electrolyte: B exp(-gap/l_D) - A_H r/(6 gap)."""
+
+    strength: Energy = Field(
+        description="B of the repulsion of the double layers, of sphere and plane"
+    )
+    debye_length: PositiveLength = Field(description="Debye length l_D")
+    hamaker_constant: Energy = Field(
+        0.0, description="A_H of the attraction of van der Waals, without its retardation"
+    )
+
+
 class Forces(Section):
     """Which forces act, besides drag."""
 
@@ -518,6 +566,10 @@ class Forces(Section):
     )
     gravitational_acceleration: Acceleration = Field(
         9.80665, description="g, against the light; negative for light that shines downwards"
+    )
+    dlvo: Dlvo | None = Field(
+        None,
+        description="force between the bead and the wall (Derjaguin, Landau, Verwey, Overbeek)",
     )
 
 

@@ -27,6 +27,7 @@ _NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
 _NAME = (
     r"(?:[fpnuµμmcdk]?(?:m|s|sec|W|g|Pa|P|K|N|l|L|rad)"
+    r"|[zafpnm]?J|joules?|eV"
     r"|(?:femto|pico|nano|micro|milli|centi|kilo)?"
     r"(?:meter|metre|second|watt|gram|pascal|poise|kelvin|newton|liter|litre|radian)s?"
     r"|microns?|angstroms?|Å|min|minutes?|h|hours?|days?"
@@ -50,6 +51,7 @@ FREQUENT = {
     "m/s": {"um/s": 1e-6, "mm/s": 1e-3, "m/s": 1.0},
     "m/s^2": {"m/s^2": 1.0},
     "1/s": {"Hz": 1.0, "kHz": 1e3},
+    "J": {"J": 1.0, "aJ": 1e-18, "zJ": 1e-21},
     "V": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "nV": 1e-9},
 }
 #: K at 0 degC
@@ -67,6 +69,7 @@ _USUAL = {
     "1/s": ("Hz", "kHz"),
     "rad": ("rad", "deg"),
     "V": ("V", "mV", "uV"),
+    "J": ("aJ", "zJ", "J"),
 }
 
 
@@ -330,4 +333,5 @@ Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
 Frequency = Annotated[float, Quantity("1/s", 1e-6, 1e12)]
 Angle = Annotated[float, Quantity("rad", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
+Energy = Annotated[float, Quantity("J", -1e-12, 1e-12, usual=(0, 1e-15))]
 MomentOfInertia = Annotated[float, Quantity("kg m^2", 1e-50, 1e-3)]
