@@ -15,6 +15,7 @@ from .analysis import (
     load_track,
     potential,
     summarise,
+    trap_over_heights,
     tune,
 )
 from .bead import BeadProperties, bead_properties
@@ -76,5 +77,6 @@ __all__ = [
     "shipped_scenes",
     "simulate",
     "summarise",
+    "trap_over_heights",
     "tune",
 ]

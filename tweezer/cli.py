@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         Calibration,
         DepthFit,
         Efficiency,
+        Escape,
         Finding,
         Recording,
         Summary,
@@ -211,17 +212,29 @@ def run(
 @app.command()
 def trap(
     scene: SceneName,
+    heights: Annotated[
+        tuple[str, str] | None,
+        typer.Option(
+            help='Heights of the focus above the wall: "1 um" "10 um". Stiffness, equilibrium and '
+            "drag at each."
+        ),
+    ] = None,
+    count: Annotated[int, typer.Option(help="How many heights.", min=1, max=10_000)] = 19,
     set: Changes = None,
-    out: JsonFile = None,
+    out: Annotated[Path | None, typer.Option(help="JSON file to write; of heights NetCDF.")] = None,
     plot: FigureFile = None,
 ) -> None:
     """Characterise the trap of SCENE.
 
-    Equilibrium, stiffness, escape, range, efficiencies.
+    Equilibrium, stiffness, escape, range, efficiencies; or what changes with the height above a
+    wall.
     """
     described = _described(scene, _settings(set or []))
-    out = out and _writable(out, ("json",))
+    out = out and _writable(out, ("nc",) if heights else ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
+    if heights:
+        _trap_over(described, heights, count, out, plot)
+        return
     _bind_light(described)
 
     from tweezer.analysis import characterise
@@ -235,6 +248,39 @@ def trap(
 
         _write_figure(trap_figure(described, characterised), plot)
     _tell_written(out, plot)
+
+
+def _trap_over(
+    scene: Scene, ends: tuple[str, str], count: int, out: Path | None, plot: Path | None
+) -> None:
+    """The trap over heights: table, file, figure; of an interrupted one what was reached."""
+    from tweezer.optics import ray_optics_caveat
+    from tweezer.units import PositiveLength
+
+    low, high = (_quantity("--heights", text, PositiveLength) for text in ends)
+    step = (high - low) / max(count - 1, 1)
+    if caveat := ray_optics_caveat(scene):
+        _show_warning(caveat)
+    with (
+        _progress(scene.name, 1.0) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
+    ):
+        from tweezer.analysis import trap_over_heights
+
+        found = trap_over_heights(scene, [low + i * step for i in range(count)], progress=progress)
+    _print_heights(found)
+    if out:
+        from tweezer.io import save_run
+
+        save_run(found, out)
+    if plot and found.sizes["height"]:
+        from tweezer.plots import heights_figure
+
+        _write_figure(heights_figure(found), plot)
+    _tell_written(out, plot)
+    if found.attrs["status"] == "interrupted":
+        _complain(f"{scene.name}: interrupted after {found.sizes['height']} of {count} heights")
+        raise typer.Exit(_INTERRUPTED)
 
 
 @app.command()
@@ -900,6 +946,9 @@ def _print_summary(scene: Scene, result: Run) -> None:
     when = _located(summary.outcome_time, summary.outcome_time_error, 1e3, "ms")
     table.add_row("outcome", f"{summary.outcome}, {when}")
     table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
+    if summary.smallest_gap is not None:
+        gap = _located(summary.smallest_gap, summary.smallest_gap_error, 1e6, "um")
+        table.add_row("smallest gap to the wall", gap)
     if scene.forces.brownian:
         table.add_row("seed of the thermal motion", f"{attributes['seed']}")
     else:
@@ -1196,6 +1245,10 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
         if worth and worth.stiffness_across:
             across, along = between(worth.stiffness_across), between(worth.stiffness_along)
             table.add_row("  by wave optics", f"{across} times that, z {along} times")
+        if characterised.gap is not None and characterised.drag is not None:
+            table.add_row("gap to the wall there", f"{_micrometres(characterised.gap)} um")
+            drag = _three(*(1e9 * each for each in characterised.drag))
+            table.add_row("drag there (x, y, z)", f"{drag} nN s/m")
         table.add_row("corner frequencies", f"{_three(*frequencies)} Hz{doubt}")
     if characterised.absorbed_power is not None and characterised.torque is not None:
         table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
@@ -1223,6 +1276,30 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
         _print_escapes(characterised)
 
 
+def _print_heights(found: xr.Dataset) -> None:
+    """A row for each height."""
+    rows = [
+        ["height, um", "equilibrium, um", "gap, um", "stiffness (x, y, z), pN/um",
+         "drag across, along, times", "corner frequencies, Hz"]
+    ]  # fmt: skip
+    for at in (found.isel(height=i) for i in range(found.sizes["height"])):
+        first = _micrometres(float(at["height"]))
+        if (state := str(at["state"].values)) != "held":
+            rows.append([first, state, *4 * [""]])
+            continue
+        x, y, z = at["equilibrium"].values
+        across, _, along = at["drag"].values / found["free_drag"].values
+        rows.append([
+            first,
+            _micrometres(z) if x == y == 0 else ", ".join(map(_micrometres, (x, y, z))),
+            f"{1e6 * float(at['gap']):.4g}",
+            _three(*(1e6 * at["stiffness"].values)),
+            f"{across:.4g}, {along:.4g}",
+            _three(*at["corner_frequency"].values),
+        ])  # fmt: skip
+    _print_benchmark(rows)
+
+
 def _where(place: Equilibrium) -> str:
     return f"{', '.join(map(_micrometres, place.position))} um"
 
@@ -1246,10 +1323,16 @@ def _print_escapes(characterised: Trap) -> None:
             f"{1e12 * escape.force:.4g}",
             f"{1e6 * escape.force_at:.4g}",
             f"{escape.energy_kT:.4g}",
-            beyond if escape.range is None else f"{1e6 * escape.range:.4g}",
+            _range(escape, beyond),
             *([by_waves] if worth else []),
         )
     _out.print(table)
+
+
+def _range(escape: Escape, beyond: str) -> str:
+    if escape.wall_at is not None:
+        return f"wall at {_micrometres(escape.wall_at)}"
+    return beyond if escape.range is None else f"{1e6 * escape.range:.4g}"
 
 
 def _micrometres(metres: float) -> str:

@@ -14,10 +14,10 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.constants import Boltzmann
 
 from tweezer import analysis
-from tweezer.bead import bead_properties
+from tweezer.dynamics import bound_once
 from tweezer.fluid import drag
 from tweezer.io import scene_of
-from tweezer.optics import cone, optical_force, optical_jacobian, ray_optics_caveat
+from tweezer.optics import cone, optical_jacobian, ray_optics_caveat
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 _MICRO, _MILLI, _PICO, _NANO = 1e6, 1e3, 1e12, 1e9
 _COLOURS = {"x": "#4477aa", "y": "#ee6677", "z": "#228833"}
 _LIGHT, _PATH, _MUTED = "#cc3311", "#332288", "#777777"
+#: Style of what is solid
+_SOLID: dict[str, Any] = {"fc": "#dddddd", "ec": "#aaaaaa", "hatch": "///", "lw": 0, "zorder": 0}
 #: Force below which no field lines are drawn, as a part of the largest
 _NO_LINES = 1e-3
 
@@ -129,6 +131,8 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     across = np.abs(np.append(lateral, foci[:, :2] @ direction)).max()
     along = np.abs(np.append(z, foci[:, 2])).max()
     reach = 1.15 * max(across + radius, along + radius, 3 * radius)
+    near = [plane for plane, _ in _planes(scene) if abs(plane) < 1.5 * reach]
+    reach = max(reach, *(1.15 * abs(plane) for plane in near), 0.0)
     _draw_cones(axes, scene, reach, direction, color=_LIGHT, alpha=0.07, lw=0, zorder=0)
     axes.plot(lateral, z, color=_PATH, zorder=3, **_style(run, 1.6))
     for i, filled in ((0, False), (-1, True)):
@@ -136,6 +140,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
             Circle((lateral[i], z[i]), radius, facecolor=_PATH if filled else "none",
                    edgecolor=_PATH, alpha=0.35 if filled else 0.9, lw=1.0, zorder=2)
         )  # fmt: skip
+    _draw_walls(axes, scene, reach)
     below = z[len(z) // 2] > z[0]  # the side without the path
     axes.annotate(
         "start", (lateral[0], z[0] - radius if below else z[0] + radius), ha="center",
@@ -149,6 +154,24 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     )  # fmt: skip
     shown = "path" if _resolved(run) else "samples"
     axes.set_title(f"{shown}, bead and cone of light to scale; + focus", fontsize=9)
+
+
+def _planes(scene: Scene) -> list[tuple[float, float]]:
+    """Of each wall its z, um, and the direction along z from it to the bead."""
+    wall = scene.wall
+    if wall is None:
+        return []
+    places = [(wall.position, wall.normal), (wall.opposite, -wall.normal)]
+    return [(_MICRO * z, normal) for z, normal in places if z is not None]
+
+
+def _draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
+    """What is solid, in a figure with z upwards to `reach`, um; where the bead's centre stops."""
+    for plane, normal in _planes(scene):
+        if abs(plane) < reach:
+            axes.axhspan(plane, -normal * reach, **_SOLID)
+            touching = plane + normal * scene.bead.radius * _MICRO
+            axes.axhline(touching, color=_MUTED, lw=0.8, ls="--", zorder=2)
 
 
 def _draw_cones(
@@ -177,9 +200,24 @@ def _draw_position(axes: Axes, run: xr.Dataset) -> None:
             _milliseconds(run), values, color=colour, label=axis, zorder=3 - below / 4, **style
         )
     axes.axhline(0, color=_MUTED, lw=0.6)
+    _draw_contact(axes, scene_of(run))
     _mark_closest_approach(axes, run, "")
     axes.set_ylabel("position (µm)")
     axes.legend(frameon=False, ncols=3, fontsize=9)
+
+
+def _draw_contact(axes: Axes, scene: Scene) -> None:
+    """Where z has the bead touch a wall, if that is about where the axes end."""
+    low, high = axes.get_ylim()
+    for plane, normal in _planes(scene):
+        touching = plane + normal * scene.bead.radius * _MICRO
+        if abs(touching - (low + high) / 2) < high - low:
+            axes.axhline(touching, color=_COLOURS["z"], lw=0.8, ls="--", zorder=2)
+            axes.annotate(
+                "z where the bead touches the wall", (1, touching),
+                xycoords=("axes fraction", "data"), xytext=(-3, 3), textcoords="offset points",
+                ha="right", fontsize=7, color=_MUTED,
+            )  # fmt: skip
 
 
 def _draw_distance(axes: Axes, run: xr.Dataset) -> None:
@@ -267,7 +305,13 @@ def _reach(scene: Scene, trap: Trap) -> float:
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
-    return optical_force(scene, points) + bead_properties(scene).weight
+    """All forces but drag on a bead at `points` (..., 3) m."""
+    return bound_once(scene).net_force(points.reshape(-1, 3)).reshape(points.shape)
+
+
+def _free(scene: Scene, z: np.ndarray) -> np.ndarray:
+    """Those of z, m, at which the bead is not in a wall."""
+    return z if scene.wall is None else z[scene.room(z) > 0]
 
 
 def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
@@ -275,6 +319,11 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     along = "xyz".index(axis)
     centre, reach = _centre(trap), _reach(scene, trap)
     coordinates = np.linspace(-reach, reach, 601)
+    if axis == "z":
+        coordinates = _free(scene, coordinates)
+        for plane, normal in _planes(scene):
+            touching = plane + normal * scene.bead.radius * _MICRO
+            axes.axvspan(touching, -normal * 3 * _MICRO * reach, **_SOLID)
     points = np.tile(centre, (coordinates.size, 1))
     points[:, along] = coordinates
     force = _net_force(scene, points)[:, along] * _PICO
@@ -324,6 +373,8 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
     x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))
     points[..., 0], points[..., 2] = np.meshgrid(x, z)
+    held = z if scene.wall is None else np.clip(z, *_free(scene, z)[[0, -1]])
+    points[..., 2] = held[:, None]  # in a wall no force has a meaning
     force = _net_force(scene, points) * _PICO
     size = np.linalg.norm(force, axis=-1)
     if np.ptp(size) > 0:
@@ -351,8 +402,12 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         )
     reach = _reach(scene, trap) * _MICRO
     if scene.lit:
-        style: dict[str, Any] = {"ec": _LIGHT, "fc": "none", "alpha": 0.6, "lw": 0.8, "zorder": 1}
+        style: dict[str, Any] = {"ec": _LIGHT, "fc": "none", "alpha": 0.6, "lw": 0.8, "zorder": 2.7}
         _draw_cones(axes, scene, reach, np.array([1.0, 0.0]), **style)
+    for plane, normal in _planes(scene):
+        touching = plane + normal * r * _MICRO
+        axes.axhspan(touching, -normal * reach, fc="white", lw=0, zorder=2.5)
+        axes.axhspan(plane, -normal * reach, **(_SOLID | {"zorder": 2.6}))
     if trap.equilibrium:
         axes.add_patch(
             Circle((centre[0] * _MICRO, centre[2] * _MICRO), r * _MICRO, facecolor="none",
@@ -365,6 +420,64 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         xlabel="x (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
     axes.set_title("force on the bead centred there; bead and cone to scale; + focus", fontsize=9)
+
+
+def heights_figure(trap: xr.Dataset) -> Figure:
+    """Stiffness, equilibrium, drag and corner frequency over the height of the focus.
+
+    trap: as `tweezer.trap_over_heights` gives it. Crosses on the axis are heights at which nothing
+    holds the bead.
+    """
+    figure = Figure(figsize=(11.0, 7.0), layout="constrained")
+    panels = figure.subplot_mosaic(
+        [["stiffness", "equilibrium"], ["drag", "corner_frequency"]], sharex=True
+    )
+    height = trap["height"].values * _MICRO
+    drawn = {
+        "stiffness": (trap["stiffness"] * _MICRO, "stiffness (pN/µm)"),
+        "drag": (trap["drag"] / trap["free_drag"], "drag over that far away"),
+        "corner_frequency": (trap["corner_frequency"], "corner frequency (Hz)"),
+    }
+    for name, (values, label) in drawn.items():
+        for axis, style in (("x", ".-"), ("y", "--"), ("z", ".-")):
+            panels[name].plot(
+                height, values.sel(axis=axis), style, color=_COLOURS[axis], lw=1.4, label=axis
+            )
+        panels[name].set(ylabel=label)
+        panels[name].set_ylim(bottom=0)
+    panels["stiffness"].legend(frameon=False, ncols=3, fontsize=9)
+    _draw_equilibria(panels["equilibrium"], trap)
+    lost = trap["state"].values != "held"
+    for axes in panels.values():
+        (crosses,) = axes.plot(
+            height[lost], np.zeros(lost.sum()), "x", color=_LIGHT, ms=6, clip_on=False, zorder=5,
+            transform=axes.get_xaxis_transform(),
+        )  # fmt: skip
+        crosses.set_in_layout(False)
+    for name in ("drag", "corner_frequency"):
+        panels[name].set(xlabel="height of the focus above the wall (µm)")
+    name, evaluated = scene_of(trap).name, trap.attrs["force_evaluator"]
+    _add_title(figure, f"{name}, over the height of its focus · {evaluated}", fontsize=11)
+    _add_caveat(figure, scene_of(trap))
+    return figure
+
+
+def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
+    """Where the bead is held, from the focus; below the line it would be in the wall."""
+    scene = scene_of(trap)
+    normal = scene.wall.normal if scene.wall else 1.0
+    height = trap["height"].values * _MICRO
+    z = trap["equilibrium"].sel(axis="z").values * _MICRO
+    axes.plot(height, z, ".-", color=_COLOURS["z"], lw=1.4, zorder=3)
+    axes.axhline(0, color=_LIGHT, lw=0.6, ls=":")
+    low, high = axes.get_ylim()
+    order = np.argsort(height)
+    touching = normal * (scene.bead.radius * _MICRO - height[order])
+    axes.plot(height[order], touching, color=_MUTED, lw=1.0, label="bead touches the wall")
+    behind = np.minimum(touching, low) if normal > 0 else np.maximum(touching, high)
+    axes.fill_between(height[order], touching, behind, **_SOLID)
+    axes.set(ylim=(low, high), ylabel="equilibrium, z from the focus (µm)")
+    axes.legend(frameon=False, fontsize=9)
 
 
 def tuning_figure(tuning: Tuning, name: str) -> Figure:

@@ -444,6 +444,14 @@ class Scene(Section):
             raise SceneError("wall: the scene has none")
         return self.wall.normal * (z - self.wall.position) - self.bead.radius
 
+    def room(self, z: Any) -> Any:
+        """The gap to the wall, or to the opposite one, m, whichever is smaller; see `gap`."""
+        gap = self.gap(z)
+        if self.wall is None or self.wall.opposite is None:
+            return gap
+        middle = abs(self.wall.opposite - self.wall.position) / 2 - self.bead.radius
+        return middle - abs(gap - middle)
+
     @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""

@@ -12,6 +12,7 @@ from scipy.stats import multivariate_normal
 
 import tweezer
 from tests.benchmarks import depth, depth_report, pages
+from tests.fluid.test_drag import growing
 from tests.reference import memory
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Track, profile
@@ -100,6 +101,37 @@ def test_likelihood_of_a_free_bead(scene, tau):
         expected += multivariate_normal(1e9 * mean[there], 1e18 * total).logpdf(1e9 * values[there])
         expected += there.sum() * math.log(1e9)
     assert found.log_likelihood == pytest.approx(expected, abs=1e-6)
+
+
+def test_where_the_mobility_grows_with_the_height_the_spread_is_the_closed_form(scene):
+    """Mobility b g/l, a weight W: with c = kT/W and rate b W/l, m' = -rate (m - c) of the height,
+    P' = -2 rate P + 2 rate c m of its variance; across, a load drifts by the integral of b m/l.
+    """
+    kT, weight, load, length, height, spread = 4e-21, 2e-14, 1e-14, 2e-6, 3e-6, 50e-9
+    drag = growing(length=length)
+    across, along, *_ = drag.values
+    problem = bound_once(scene.replace(start={"position": [0, 0, 0], "frame": "focus"}))
+    bead = dataclasses.replace(problem.bead, weight=(load, 0.0, -weight))
+    problem = dataclasses.replace(problem, drag=drag, bead=bead)
+    times = np.array([0.0, 0.03, 0.04, 0.17, 0.2, 0.5])
+    found = kalman_filter(bind_translation(problem, "overdamped"))(
+        Bead(
+            scene.bead.radius, 1e-20, kT, np.array([0.0, 0.0, height - length]),
+            np.array([0.0, 0.0, spread]), np.zeros(3), 0.0,
+        ),
+        Camera(times, np.full((6, 2), np.nan), 1e-9, 0.0),
+    )  # fmt: skip
+    c, rate = kT / weight, along * weight / length
+    fallen = np.exp(-rate * times)
+    mean = c + (height - c) * fallen
+    variance = (
+        spread**2 * fallen**2 + c**2 * (1 - fallen**2) + 2 * c * (height - c) * (fallen - fallen**2)
+    )
+    np.testing.assert_allclose(found.predicted[:, 2], mean - length, atol=1e-15)
+    drifted = across / length * load * (c * times + (height - c) * (1 - fallen) / rate)
+    np.testing.assert_allclose(found.predicted[:, 0], drifted, rtol=1e-9)
+    # the noise of a step is the mean of both ends
+    np.testing.assert_allclose(found.deviations[:, 2], np.sqrt(variance), rtol=1e-3)
 
 
 def test_likelihood_in_the_trap(scene):

@@ -321,6 +321,6 @@ def test_what_needs_a_uniform_drag_says_so(dark):
         with pytest.raises(SceneError, match=words):
             integrate(bind(problem), np.array([0.0, 1e-6]))
     with pytest.raises(SceneError, match="the Kalman filter takes a drag"):
-        kalman_filter(bind_translation(problem_of(dark, growing()), "overdamped"))
+        kalman_filter(bind_translation(problem_of(dark, growing()), "full"))
     problem, _ = choose.decided(problem_of(dark.replace(simulation={"model": "full"}), growing()))
     assert problem.scene.simulation.method != "exponential"

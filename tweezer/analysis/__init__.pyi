@@ -14,6 +14,7 @@ from .depth import DepthFit, Minimum, Parameter, fit_depth
 from .derived import derived_quantities
 from .driving import Answer
 from .findings import Finding
+from .heights import trap_over_heights
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
     TrappedBead,
@@ -69,5 +70,6 @@ __all__ = [
     "statistical_inefficiency",
     "summarise",
     "together",
+    "trap_over_heights",
     "tune",
 ]

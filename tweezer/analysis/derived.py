@@ -24,6 +24,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     * kinetic_energy: of translation and, with a rotation, of rotation, J
     * potential_energy: of gravity and buoyancy, zero at the focus, J
     * total_energy: their sum, J. The force of the light has no potential.
+    * gap: beside a wall, distance of the bead's surface from it, from the nearer of two, m
 
     Without a velocity there is no speed, Reynolds number, kinetic and total energy.
     """
@@ -48,6 +49,9 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
             potential, "J", "energy of gravity and buoyancy, zero at the focus"
         ),
     }
+    if scene.wall is not None:
+        gap = scene.room(places[:, 2])
+        variables["gap"] = _number(gap, "m", "distance of the bead's surface from the wall")
     if motion.velocity is not None:
         speed = _length(motion.velocity)
         kinetic = 0.5 * bead.mass * speed**2

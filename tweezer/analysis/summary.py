@@ -72,6 +72,10 @@ class Summary:
     closest_approach_time_error: float | None = None
     """s"""
     largest_reynolds_number_error: float | None = None
+    smallest_gap: float | None = None
+    """between the bead and the wall, or the nearer of two, m; None without a wall"""
+    smallest_gap_error: float | None = None
+    """m"""
 
 
 def summarise(run: xr.Dataset) -> Summary:
@@ -112,6 +116,7 @@ def summary_of(run: Run) -> Summary:
         force_error=float(run["force_error"].max()) if "force_error" in run else math.nan,
         end=_point(position[-1]),
         by_samples=True,
+        smallest_gap=float(run["gap"].min()) if "gap" in run else None,
     )
 
 
@@ -154,6 +159,8 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
         closest_approach_error=_known(errors.closest_approach),
         closest_approach_time_error=_known(errors.closest_approach_time),
         largest_reynolds_number_error=_known(number * errors.largest_speed),
+        smallest_gap=_known(here.smallest_gap),
+        smallest_gap_error=_known(errors.smallest_gap),
     )
     return json.dumps(dataclasses.asdict(found))
 

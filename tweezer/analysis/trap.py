@@ -70,13 +70,17 @@ class Escape:
     force_at: float
     """where, m from the equilibrium"""
     range: float | None
-    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach`"""
+    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach` or
+    a wall"""
     energy: float
-    """work against the force up to there, or over `Trap.reach` where the pull does not end, J"""
+    """work against the force up to there; where the pull does not end, over `Trap.reach` or up to
+    the wall, J"""
     energy_error: float
     """estimated error of the integration, J; that of the force comes on top"""
     energy_kT: float
     """`energy` in k_B T of the medium"""
+    wall_at: float | None
+    """m from the equilibrium to where the bead touches a wall, if it is pulled back all the way"""
 
 
 @dataclass(frozen=True)
@@ -96,8 +100,13 @@ class Trap:
     """of one beam by z, of several by beam, at the time 0; may be empty"""
     equilibrium: Equilibrium | None
     """the stable one nearest the focus"""
+    drag: Point | None
+    """1/mobility along each axis at `equilibrium`, kg/s"""
     corner_frequencies: Point | None
     """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, Hz"""
+    gap: float | None
+    """distance of the bead's surface at `equilibrium` from the wall, the nearer of two, m; None
+    without one"""
     escapes: tuple[Escape, ...]
     """from `equilibrium`, one for each of `DIRECTIONS`; empty without one"""
     evaluator: str
@@ -134,8 +143,10 @@ class Trap:
 def characterise(scene: Scene) -> Trap:
     """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
 
-    The force is that of the scene's light (3.26), by the scene's own evaluator, and of its weight
-    (2.11, 2.12) as far as `scene.forces` has it. Drag and thermal motion play no part.
+    The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
+    (2.11, 2.12) and of a wall, as far as `scene.forces` has them. Drag and thermal motion play no
+    part. Beside a wall the force is that on a bead that does not reach into it, and so are the
+    efficiencies of the light.
 
     Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
     the force is along it. Equilibria are sought there, within `Trap.reach` of the focus: 20 radii,
@@ -165,15 +176,19 @@ def characterise(scene: Scene) -> Trap:
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
-        return light_force(points) + weight
+        others = (each.field(points).force for each in problem.others)
+        return sum(others, light_force(points) + weight)
 
     places = problem.equilibria(net_force)
     equilibrium = nearest_stable(places)
-    corner_frequencies = None
+    drag, corner_frequencies, gap = None, None, None
     escapes: tuple[Escape, ...] = ()
     absorbed, torque = None, None
     if equilibrium:
         mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
+        drag = point(1 / mobility)
+        if scene.wall is not None:
+            gap = float(scene.room(equilibrium.position[2]))
         corner_frequencies = point(np.diag(equilibrium.stiffness) * mobility / (2 * math.pi))
         escapes = tuple(
             _escape(scene, search, net_force, equilibrium.position, name) for name in DIRECTIONS
@@ -186,8 +201,12 @@ def characterise(scene: Scene) -> Trap:
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
     backward, lateral = None, []
     if scene.plain:
-        backward = _efficiency(light_force, "+z", search.whole_line(), unit)
-        lateral = [_efficiency(light_force, axis, search.line(), unit) for axis in ("+x", "+y")]
+        axis = search.whole_line()
+        free = axis if scene.wall is None else axis[scene.room(axis) > 0]
+        backward = _efficiency(light_force, "+z", free, unit) if free.size > 1 else None
+        if scene.wall is None or scene.room(0.0) > 0:
+            across = search.line()
+            lateral = [_efficiency(light_force, to, across, unit) for to in ("+x", "+y")]
     return Trap(
         power_through_pupil=power,
         fraction_through_pupil=power / given if given else None,
@@ -195,7 +214,9 @@ def characterise(scene: Scene) -> Trap:
         lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
         equilibria=places,
         equilibrium=equilibrium,
+        drag=drag,
         corner_frequencies=corner_frequencies,
+        gap=gap,
         escapes=escapes,
         evaluator=evaluators_of(scene),
         force_error=light_force.error,
@@ -228,6 +249,9 @@ def _escape(
     r = scene.bead.radius
     pull = opposite(along(net_force, origin, direction))
     distances = search.line()
+    wall_at = _to_wall(scene, origin, direction, search.reach)
+    if wall_at is not None:
+        distances = np.append(distances[distances < wall_at], wall_at)
     let_go = np.flatnonzero(pull(distances[1:]) <= 0)
     end = None
     if let_go.size:
@@ -247,7 +271,21 @@ def _escape(
         energy=energy,
         energy_error=energy_error,
         energy_kT=energy / (Boltzmann * scene.medium.temperature),
+        wall_at=wall_at if end is None else None,
     )
+
+
+def _to_wall(scene: Scene, origin: Point, direction: str, reach: float) -> float | None:
+    """How far from `origin` a bead touches a wall, m; None if beyond `reach`."""
+    wall = scene.wall
+    if wall is None or direction[1] != "z":
+        return None
+    side = 1.0 if direction[0] == "+" else -1.0
+    plane = wall.position if side == -wall.normal else wall.opposite
+    if plane is None:
+        return None
+    distance = side * (plane - origin[2]) - scene.bead.radius
+    return distance if distance < reach else None
 
 
 def _efficiency(

@@ -6,7 +6,10 @@ inertia (5.2) or with it (A.25, 4.17):
     dx = u dt + sqrt(2 D) dW,    or    dx = (w/tau) dt,  dw = (u(x) - w/tau) dt + sqrt(2 D) dW,
 
 u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The filter's state is that of the model with
-tau v in place of v: all of it in metres. The distribution of its state is taken as Gaussian:
+tau v in place of v: all of it in metres. Where the mobility mu depends on the place, as beside a
+wall, u = mu (F + W) + k_B T dmu/dx and D = k_B T mu there (D. L. Ermak and J. A. McCammon, J. Chem.
+Phys. 69, 1352 (1978)); without inertia alone. The noise of a step is that between its ends: its
+mean. The distribution of its state is taken as Gaussian:
 the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
 A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
 Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
@@ -50,6 +53,8 @@ _RATES = 0.5
 _FAR = 0.3
 #: Upper bound on the steps from one frame to the next
 _MOST_STEPS = 10_000
+#: Distance over which the gradient of a mobility is differenced, in radii
+_BESIDE = 1e-4
 
 _matrix, _vector = types.float64[:, ::1], types.float64[::1]
 
@@ -108,10 +113,13 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
 
     least: a log-likelihood. The filter stops at the frame after which it cannot be reached any
     more, and returns the most that could be; what follows is NaN. It raises `IntegrationError`
-    where the motion cannot be followed. Raises `SceneError` for a drag that depends on the place.
+    where the motion cannot be followed. A drag that is not the same everywhere is taken to depend
+    on z alone. Raises `SceneError` for such a drag of a model with inertia.
     """
-    if not equations.drag.uniform:
-        raise SceneError("the Kalman filter takes a drag that is the same everywhere")
+    if equations.stiff and not equations.drag.uniform:
+        raise SceneError(
+            "the Kalman filter takes a drag that depends on the place without inertia alone"
+        )
     system = equations.system(gradient=True, derivatives=True)
     scale = np.ones(len(equations.initial_state))
     if equations.stiff:
@@ -153,8 +161,7 @@ def _loop() -> Any:
             P[k, k] = bead.spread[k] ** 2
             if n == 6:
                 mean[3 + k] = scale[3 + k] * bead.velocity[k]
-            work.diffusion[k] = bead.kT * work.at.mobility[1 if k == 2 else 0]
-            work.noise[n - 3 + k, n - 3 + k] = 2 * work.diffusion[k]
+        _diffuse(bead, work, work.diffusion)
         time, log_likelihood, step = bead.release, 0.0, np.inf
         frames = camera.times.shape[0]
         # of a coordinate, at most
@@ -185,7 +192,8 @@ class Room(NamedTuple):
     ratio: Array
     """(n, n) what its Jacobian is multiplied by"""
     diffusion: Array
-    """(3,) m^2/s"""
+    """(3,) m^2/s, where a step begins"""
+    diffusion_ahead: Array
     mean: Array
     """(n,) m"""
     P: Array
@@ -228,7 +236,7 @@ class Room(NamedTuple):
 def _room(system, scale):  # type: ignore[no-untyped-def]
     n = scale.shape[0]
     return Room(
-        scale, scale.reshape((n, 1)) / scale, np.zeros(3),
+        scale, scale.reshape((n, 1)) / scale, np.zeros(3), np.zeros(3),
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
@@ -238,8 +246,23 @@ def _room(system, scale):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
-    """Rate of change of the filter's state, and its derivative, by the emitted model."""
+def _diffuse(bead, work, diffusion):  # type: ignore[no-untyped-def]
+    """By the mobility that `work.at` holds."""
+    for k in range(3):
+        diffusion[k] = bead.kT * work.at.mobility[1 if k == 2 else 0]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _resist(system, work, z):  # type: ignore[no-untyped-def]
+    """Fill `work.at` with the mobility at that z."""
+    at = work.at
+    at.pose.position[0, 2] = z
+    call(system.drag.kernel, (at.pose, system.drag.data, at.resisted))
+
+
+@named_njit(inner=True, error_model="numpy")
+def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-untyped-def]
+    """Rate of change of the filter's state, its derivative, by the emitted model; diffusion."""
     at, state, scale = work.at, work.state, work.scale
     n = scale.shape[0]
     for i in range(n):
@@ -267,6 +290,14 @@ def _rates(system, bead, work, place, rate, A):  # type: ignore[no-untyped-def]
         rate[i] *= scale[i]
         for j in range(n):
             A[i, j] *= work.ratio[i, j]
+    _diffuse(bead, work, diffusion)
+    if not system.uniform:  # what the change of the mobility adds to the drift
+        rate[2] += bead.kT * at.mobility_gradient[1, 2]
+        aside = _BESIDE * bead.radius
+        _resist(system, work, place[2] + aside)
+        above = at.mobility_gradient[1, 2]
+        _resist(system, work, place[2] - aside)
+        A[2, 2] += bead.kT * (above - at.mobility_gradient[1, 2]) / (2 * aside)
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -294,6 +325,9 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     """
     mean, P = work.mean, work.P
     n = mean.shape[0]
+    if not system.uniform:
+        _resist(system, work, mean[2])
+        _diffuse(bead, work, work.diffusion)
     variance = P[2, 2] + 2 * work.diffusion[2] * span
     begin, aside = work.begin, work.aside
     for i in range(n):
@@ -342,12 +376,14 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
     A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
     n = mean.shape[0]
-    _rates(system, bead, work, mean, rate, A)
+    _rates(system, bead, work, mean, rate, A, work.diffusion)
     for _ in range(60):
         _exponentials(work, A, rate, step, False)
         for i in range(n):
             work.place[i] = mean[i] + work.forced[0, i]
-        _rates(system, bead, work, work.place, ahead, A_ahead)
+        _rates(system, bead, work, work.place, ahead, A_ahead, work.diffusion_ahead)
+        for k in range(3):
+            work.noise[n - 3 + k, n - 3 + k] = work.diffusion[k] + work.diffusion_ahead[k]
         bent = 0.0
         for i in range(n):
             rise[i] = ahead[i] - rate[i]

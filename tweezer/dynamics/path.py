@@ -154,6 +154,8 @@ class Passage(NamedTuple):
     """s"""
     settled: float
     """s, from when on it stays near where it ends"""
+    smallest_gap: float
+    """m, to the nearer wall"""
 
 
 def passage(
@@ -169,6 +171,9 @@ def passage(
     over = _overshoot(path, times)
     approach = next((each for each in events if each.name == "closest approach"), None)
     distance = time = settled = np.nan
+    nearest = Greatest(np.nan, 0.0, np.nan)
+    if (scene := path.equations.scene).wall is not None:
+        nearest = greatest(lambda at: -scene.room(path.positions(at)[:, 2]), times)
     if approach is not None:
         distance, time = float(np.linalg.norm(approach.state[:3])), approach.time
 
@@ -179,8 +184,8 @@ def passage(
         settled = last_fall(away, times)
     rounding = _CROSSING * path.end
     return (
-        Passage(fastest.value, over.value, distance, time, settled),
-        Passage(fastest.error, over.error, 0.0, rounding, rounding),
+        Passage(fastest.value, over.value, distance, time, settled, -nearest.value),
+        Passage(fastest.error, over.error, 0.0, rounding, rounding, nearest.error),
     )
 
 

@@ -1,0 +1,175 @@
+"""A trap against the height of its focus above a wall: the curves that touch down in a chamber."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.bead import bead_properties
+from tweezer.dynamics import Problem, bound_once
+from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.optics import evaluators_of
+from tweezer.run import variable
+from tweezer.scene import Scene, checked_scene
+from tweezer.version import versions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: what becomes of a bead at a height
+HELD, RESTS, LOST = "held", "rests on the wall", "not held"
+#: Largest height of the focus, m, as `wall.position` has it
+_HIGHEST = 1e-2
+
+
+def trap_over_heights(
+    scene: Scene,
+    heights: Sequence[float] | Array,
+    *,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """The trap of `scene` with its nominal focus at each of `heights`, m from the wall.
+
+    The wall is where `wall.side` has it, or else below the bead; a second wall keeps its distance
+    to the first. With `lens.cover` the wall is its face, and the light is made anew at each height:
+    by the quadrature, where the scene has it from a map. Where the scene starts its bead, and the
+    fluid's inertia, play no part. progress: called with the part done.
+
+    Returns a dataset over `height`, and of vectors over `axis`: the stable `equilibrium` nearest
+    the focus, m from there, and `equilibrium_error`, m, by the error of the force; `gap` of the
+    bead there, m; `stiffness` k_ii, N/m; `drag`, kg/s; `corner_frequency` k_ii/(2 pi drag), Hz;
+    and the drag far from the wall, kg/s. `state` says of each height "held", "rests on the wall",
+    where no equilibrium is and the forces press the bead to the wall, or "not held": numbers are
+    NaN there. The attribute `status` is "complete", or "interrupted" of a dataset with the heights
+    reached before.
+
+    Raises `SceneError` for heights that are none, and for scenes that are not valid at one of them.
+    """
+    given = checked_heights(heights)
+    scenes = [at_height(scene, height) for height in given]
+    states: list[str] = []
+    rows: list[dict[str, Any]] = []
+    status = "complete"
+    try:
+        for each in scenes:
+            # of rays the same caveat at every height
+            ignored = {"action": "ignore", "category": PhysicsWarning} if rows else {}
+            with warnings.catch_warnings(**ignored):  # type: ignore[call-overload]
+                state, row = _trapped(bound_once(each))
+            states.append(state)
+            rows.append(row)
+            if progress:
+                progress(len(rows) / len(scenes))
+    except KeyboardInterrupt:
+        status = "interrupted"
+    return _dataset(scene, given[: len(rows)], states, rows, status)
+
+
+def checked_heights(heights: Sequence[float] | Array) -> Array:
+    """`heights` as an array, or `SceneError` if they are none."""
+    try:
+        given = np.array(heights, np.float64)
+    except (TypeError, ValueError):
+        raise SceneError("heights: must be a list of numbers, m") from None
+    if given.ndim != 1 or not given.size:
+        raise SceneError(f"heights: must be a list, not of shape {given.shape}")
+    for height in given[~((given > 0) & (given <= _HIGHEST))]:
+        raise SceneError(f"heights: {height:g} m: must be above 0, and at most {_HIGHEST:g} m")
+    return given
+
+
+def at_height(scene: Scene, height: float) -> Scene:
+    """`scene` with the nominal focus at that height above the wall, m; see `trap_over_heights`."""
+    wall = checked_scene(scene).wall
+    normal = wall.normal if wall else 1.0
+    position = -normal * height
+    changes: dict[str, Any] = {"wall": {"position": position}}
+    if wall is not None and wall.opposite is not None:
+        changes["wall"]["opposite"] = position + wall.opposite - wall.position
+    if scene.lens.cover is not None:
+        changes["lens"] = {"cover": {"depth": height}}
+        if scene.optics.evaluator == "map":
+            changes["optics"] = {"evaluator": "quadrature"}
+    room = max(0.0, 2 * scene.bead.radius - height)  # a start in the fluid
+    changes["start"] = {
+        "frame": "focus", "position": (0.0, 0.0, normal * room), "drawn": "no", "ball_radius": None,
+    }  # fmt: skip
+    changes["medium"] = {"inertia": "none", "poles": None}
+    return scene.decided(**changes)
+
+
+def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
+    """What becomes of the bead, and the variables at its equilibrium."""
+    place = problem.equilibrium
+    if place is None:
+        return _without(problem), {}
+    points = np.array([place.position])
+    drag = 1 / problem.mobilities(points)[0, :3]
+    stiffness = np.diag(place.stiffness)
+    light = problem.light.field(points)
+    error = float(problem.light.error_of(points, light)[0])
+    return HELD, {
+        "equilibrium": place.position,
+        "equilibrium_error": error / place.eigenvalues[0],
+        "gap": problem.scene.gap(place.position[2]),
+        "stiffness": stiffness,
+        "drag": drag,
+        "corner_frequency": stiffness / (2 * math.pi * drag),
+    }
+
+
+def _without(problem: Problem) -> str:
+    """What becomes of a bead that no equilibrium holds."""
+    scene = problem.scene
+    assert scene.wall is not None
+    touching = scene.wall.position + scene.wall.normal * scene.bead.radius
+    force = problem.net_force(np.array([[0.0, 0.0, touching]]))[0, 2]
+    return RESTS if scene.wall.normal * force < 0 else LOST
+
+
+def _dataset(
+    scene: Scene, heights: Array, states: list[str], rows: list[dict[str, Any]], status: str
+) -> xr.Dataset:
+    import xarray as xr
+
+    def column(name: str, like: Any) -> Array:
+        return np.array([row.get(name, like) for row in rows]).reshape(-1, *np.shape(like))
+
+    vector = {
+        "equilibrium": ("m", "stable equilibrium nearest the focus, from there"),
+        "stiffness": ("N/m", "stiffness at the equilibrium"),
+        "drag": ("kg/s", "drag at the equilibrium"),
+        "corner_frequency": ("Hz", "corner frequency at the equilibrium"),
+    }
+    number = {
+        "equilibrium_error": ("m", "error of the equilibrium, by that of the force"),
+        "gap": ("m", "distance of the bead's surface from the wall at the equilibrium"),
+    }
+    variables = {
+        **{
+            name: variable(("height", "axis"), column(name, [math.nan] * 3), *of)
+            for name, of in vector.items()
+        },
+        **{name: variable(("height",), column(name, math.nan), *of) for name, of in number.items()},
+        "state": (("height",), np.array(states, dtype=str), {"long_name": "what becomes of it"}),
+        "free_drag": variable((), np.array(bead_properties(scene).drag), "kg/s", "drag far away"),
+    }
+    coordinates = {
+        "height": variable(("height",), heights, "m", "height of the nominal focus over the wall"),
+        "axis": (("axis",), np.array(["x", "y", "z"]), {"long_name": "axis, z along the light"}),
+    }
+    attributes = {
+        "title": scene.title,
+        "scene": scene.model_dump_json(exclude_none=True),
+        "status": status,
+        "force_evaluator": evaluators_of(at_height(scene, float(heights[0]))) if len(rows) else "",
+        **versions(),
+    }
+    return xr.Dataset(variables, coordinates, attributes)
