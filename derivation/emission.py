@@ -15,7 +15,7 @@ from pathlib import Path
 import jinja2
 import sympy
 
-from . import memory_poles
+from . import memory_poles, wall, wall_coefficients
 from .lowering import Argument, Function, lower
 from .models import Module, catalogue
 from .printing import code
@@ -27,6 +27,8 @@ GENERATED = SOURCES.parent / "generated"
 _WIDTH = 100
 #: where the table of poles comes from
 _POLES = ("memory_poles.py", "memory_poles.json")
+#: and the mobilities beside a wall
+_WALL = ("wall.py", "wall_coefficients.json")
 
 _PACKAGE = '''"""Numba modules made by `python -m derivation`; do not edit.
 
@@ -56,6 +58,13 @@ def emit() -> dict[str, str]:
     poles = _environment().get_template("memory_poles.py.jinja")
     text = poles.render(tables=memory_poles.load(), sources=_sources(_POLES))
     files["memory_poles.py"] = _formatted(text)
+    beside = _environment().get_template("wall.py.jinja")
+    text = beside.render(
+        wall.tables(wall_coefficients.load()),
+        sources=_sources(_WALL),
+        sympy_version=sympy.__version__,
+    )
+    files["wall.py"] = _formatted(text)
     return files
 
 
@@ -120,9 +129,18 @@ def _environment() -> jinja2.Environment:
         describe=_describe,
         result=_result,
         elements=_out_elements,
+        horner=_horner,
         zip=zip,
     )
     return environment
+
+
+def _horner(coefficients: list[str]) -> str:
+    """A polynomial of x, from its lowest power upwards."""
+    *lower, text = coefficients
+    for at, coefficient in enumerate(reversed(lower)):
+        text = f"({text}) * x + {coefficient}" if at else f"{text} * x + {coefficient}"
+    return text
 
 
 def _formatted(text: str) -> str:

@@ -40,6 +40,7 @@ NOT_RUN = {
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",
+    "python -m derivation.wall_coefficients": "takes minutes; tests/derivation makes parts again",
     "python tests/test_notebooks.py": "writes into the checkout; tests/test_notebooks.py",
 }
 

@@ -9,8 +9,9 @@ from derivation.models import catalogue
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "derivation" / "README.md"
-#: all but the table of poles, which has no symbols
-MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - {"memory_poles"})
+TABLES = {"memory_poles", "wall"}
+#: all but the tables, which are of no equations of the catalogue
+MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - TABLES)
 
 
 def described():

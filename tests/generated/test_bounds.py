@@ -11,8 +11,9 @@ from derivation.models import catalogue
 from tweezer.compiled import cache_functions
 
 ROOT = Path(__file__).parents[2]
-#: all but the table of poles, which has no functions
-MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - {"memory_poles"})
+TABLES = {"memory_poles", "wall"}
+#: all but the tables, which are of no equations of the catalogue
+MODULES = sorted({path.stem for path in (ROOT / "generated").glob("[!_]*.py")} - TABLES)
 
 
 def call_every_function(of=lambda function: function):
