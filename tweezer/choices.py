@@ -134,7 +134,7 @@ METHODS: dict[str, Method] = _by_name(
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
     Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres",
            f"{_METHODS}.exponential:EXPONENTIAL",
-           uniform_drag=True, memory=True),
+           memory=True),
     *(
         Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
                fixed_steps=False, implicit=implicit, multistep=multistep)

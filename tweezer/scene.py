@@ -281,8 +281,8 @@ class Scene(Section):
             if thickness < THINNEST * radius:
                 raise refusal(
                     f"wall.opposite = {wall.opposite:g}: {thickness:.3g} m from wall.position; "
-                    f"must be at least {THINNEST:g} radii, {THINNEST * radius:.3g} m: nearer planes do "
-                    "not add up"
+                    f"must be at least {THINNEST:g} radii, {THINNEST * radius:.3g} m: nearer "
+                    "planes do not add up"
                 )
             room["wall.opposite"] = thickness - 2 * radius - self.gap(z)
         for name, gap in room.items():

@@ -345,6 +345,12 @@ class Wall(Filled):
         """Direction along z from the plane to the bead: 1 above, -1 below."""
         return 1.0 if self.side == "above" else -1.0
 
+    @property
+    def planes(self) -> tuple[tuple[float, float], ...]:
+        """Position, m, and normal of each plane."""
+        first = self.position, self.normal
+        return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
+
     @model_validator(mode="after")
     def _opposite_beyond(self) -> Self:
         if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:

@@ -32,7 +32,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     weight = np.array(bead.weight)
     light = problem.light.field(places, time=times)
     net_force = light.force + weight
-    for each in problem.others:
+    for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
     terminal = net_force * problem.mobilities(places, times)[:, :3]

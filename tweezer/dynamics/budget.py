@@ -18,7 +18,7 @@ from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
-from tweezer.fluid import other_poles
+from tweezer.fluid import drag, other_poles
 
 Array = NDArray[np.float64]
 
@@ -50,8 +50,10 @@ class ErrorBudget:
     method of tighter tolerances instead"""
     model_error: float
     """largest distance to the unscaled equations with all inertia, the fluid's too, integrated by
-    the exponential method; 0 for them. For a body that it cannot integrate NaN, or with the model
-    `full` the largest lag behind which the fluid's inertia leaves it (`Scene.lag`)"""
+    the exponential method; 0 for them, or beside a wall how far its drag would hold the bead up.
+    For a body that it cannot integrate NaN, or with the model `full` the largest lag behind which
+    the fluid's inertia leaves it (`Scene.lag`). Where the drag depends on the place, as beside a
+    wall, that lag and the distance to the unscaled equations"""
     finer: Finer | None
     """what the integration error is by; None where it is unknown"""
 
@@ -121,14 +123,39 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
 
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
     if equations.name.startswith("full") and equations.remembers:
-        return 0.0
+        return _without_wall(equations, run)
     unscaled = _unscaled(equations.problem)
-    if unscaled is None and equations.name.startswith("full"):
-        vorticity_time = equations.bead.vorticity_time
-        velocity = np.asarray(equations.motion(run.times, run.states).velocity)
-        lags = 2 * np.sqrt(vorticity_time * run.times / math.pi)
-        return float((lags * np.linalg.norm(velocity, axis=1)).max())
-    return _compared(unscaled, run, position)[1]
+    if equations.drag.uniform and unscaled is not None:
+        return _compared(unscaled, run, position)[1]
+    if equations.name.startswith("full"):
+        return _lag(equations, run)
+    return _compared(unscaled, run, position)[1] + _lag(equations, run)
+
+
+def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
+    """Part of the way that the drag of a wall, left out beside a memory, would have held up, m."""
+    scene = equations.scene
+    if scene.wall is None:
+        return 0.0
+    motion = equations.motion(run.times, run.states)
+    wall = drag(scene.decided(medium={"inertia": "none", "poles": None}))
+    share = 1 - wall.mobilities(motion.position).value[:, 1] * equations.bead.drag
+    slower = share * np.linalg.norm(np.asarray(motion.velocity), axis=1)
+    return float(np.trapezoid(slower, run.times))
+
+
+def _lag(equations: EquationsOfMotion, run: Integration) -> float:
+    """The largest lag by the fluid's inertia, m, of a run without it.
+
+    Beside a wall vorticity gets no farther than to it.
+    """
+    motion, bead = equations.motion(run.times, run.states), equations.bead
+    times = run.times
+    if equations.scene.wall is not None:
+        height = equations.scene.gap(motion.position[:, 2]) / equations.scene.bead.radius + 1
+        times = np.minimum(times, height**2 * bead.vorticity_time)
+    lags = 2 * np.sqrt(bead.vorticity_time * times / math.pi)
+    return float((lags * np.linalg.norm(np.asarray(motion.velocity), axis=1)).max())
 
 
 def _compiled(equations: EquationsOfMotion) -> Problem | None:
@@ -146,6 +173,8 @@ def _unscaled(problem: Problem) -> Problem | None:
     )  # fmt: skip
     if not bind(full).takes_drag_exactly:
         return None
+    if not full.drag.uniform:
+        return full
     return decided(full.decided(medium={"inertia": "memory"}))[0]
 
 

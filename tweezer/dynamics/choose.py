@@ -9,7 +9,7 @@ from tweezer.choices import METHODS
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import SceneError
-from tweezer.fluid import enough_poles
+from tweezer.fluid import enough_poles, without_wall
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -74,7 +74,8 @@ def _inertia(problem: Problem) -> tuple[Problem, str]:
     poles = medium.poles or enough_poles(way, simulation.position_tolerance)
     return (
         problem.decided(medium={"inertia": "memory", "poles": poles}),
-        f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m",
+        f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m"
+        + without_wall(scene),
     )
 
 
@@ -83,6 +84,8 @@ def _without_memory(problem: Problem) -> str:
     method = problem.scene.simulation.method
     if method != "auto" and not METHODS[method].memory:
         return f"{method} takes no memory"
+    if not problem.drag.uniform:
+        return "the drag depends on the place, as that beside a wall"
     model = problem.scene.simulation.model or "full"
     if not bind(problem.changed(model=model)).takes_drag_exactly:
         return (

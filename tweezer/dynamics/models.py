@@ -22,9 +22,10 @@ from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.fluid import DRAG_KERNEL, Modes
+from tweezer.fluid import DRAG_KERNEL, Modes, Resisted, by_axis
 from tweezer.forces.data import Part, packed
-from tweezer.forces.force import bound, numbered
+from tweezer.forces.force import Force, bound, numbered
+from tweezer.forces.wall import BORN
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
 
@@ -38,6 +39,10 @@ RATE_TIME = 1e-3
 
 #: relaxation times after which nothing is left of the initial layer
 _LAYER = 50.0
+
+
+#: Largest tolerance of a position beside a wall, over the length of the force of contact
+_OF_CONTACT = 0.5
 
 
 @dataclass(frozen=True)
@@ -96,7 +101,7 @@ class EquationsOfMotion:
     def relaxation(self) -> Relaxation:
         """How the velocities follow the force, for the exponential method: by the emitted rates.
 
-        For a drag that is the same everywhere, and equal moments of inertia.
+        For equal moments of inertia; by the drag at the start.
         """
         state, names = self.module.STATE, self.module.PARAMS
         columns = {name: i for i, name in enumerate(state)}
@@ -111,7 +116,7 @@ class EquationsOfMotion:
             scale[3:] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
-        mobility = self.drag.mobilities(np.zeros((1, 3))).value[0]
+        mobility = self._at_start
 
         def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
             wrench, out = np.zeros(6), np.empty(self._size)
@@ -129,11 +134,33 @@ class EquationsOfMotion:
         drift = (times * rates(self.params, rest))[:3]
         if not self._inertial:
             times[:] = 0.0
+        inertia = np.zeros(0)
+        if not self.drag.uniform:  # the weight is part of the force
+            drift, inertia = np.zeros(3), (times / response)[times > 0]
         return Relaxation(
-            bound(self.force, gradient=False), self._modes(times), 0,
+            bound(self.moving, gradient=False), self._modes(times), 0,
             numbered(self.force) or Part(0, packed()), response, drift,
-            0.0, self.problem.fastest, np.zeros(0), np.zeros(0),
+            0.0, self.problem.fastest, inertia, np.zeros(0), np.zeros(0),
         )  # fmt: skip
+
+    @functools.cached_property
+    def _at_start(self) -> Array:
+        """The five mobilities at the start, (5,)."""
+        start = np.array([self.scene.start_position])
+        value: Array = self.drag.mobilities(start).value[0]
+        return value
+
+    @functools.cached_property
+    def moving(self) -> Force:
+        """What moves the bead by mobilities that are the same everywhere.
+
+        The force; where the drag depends on the place, the force that has the same effect with the
+        mobilities at the start.
+        """
+        if self.drag.uniform:
+            return self.force
+        reference = by_axis(self._at_start[None])[0, :3]
+        return Resisted(self.force, self.drag, np.array(self.bead.weight), reference)
 
     def _modes(self, times: Array) -> Modes:
         """Those of a memory, or one by axis, of the relaxation times by the emitted rates."""
@@ -183,7 +210,8 @@ class EquationsOfMotion:
         """Whether the exponential method can integrate them."""
         plain = not self._inertial and "force_gradient" not in self.module.RHS_INPUTS
         linear = self.module.LINEAR_DRAG or plain
-        return linear and self.drag.uniform and not self.force.oriented
+        by_place = self._rotates and not self.drag.uniform
+        return linear and not by_place and not self.force.oriented
 
     @property
     def name(self) -> str:
@@ -407,8 +435,11 @@ class EquationsOfMotion:
 
     def _absolute_tolerance(self) -> Array:
         simulation = self.scene.simulation
+        position = simulation.position_tolerance
+        if self.problem.walls:  # what touches must not sink in
+            position = min(position, _OF_CONTACT * BORN)
         tolerances = {
-            "q": simulation.position_tolerance,
+            "q": position,
             "v": simulation.position_tolerance / RATE_TIME,
             "e": simulation.orientation_tolerance,
             "edot": simulation.orientation_tolerance / RATE_TIME,

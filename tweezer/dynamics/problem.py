@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.constants import speed_of_light
 
 from tweezer.bead import BeadProperties, bead_properties
 from tweezer.equilibria import (
@@ -24,6 +25,7 @@ from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
+from tweezer.forces.wall import Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
 from tweezer.scene import Scene, checked_scene
 
@@ -33,6 +35,8 @@ Array = NDArray[np.float64]
 _PLACES = 64
 #: Number of times, and of kinks, at which a force that changes in time is evaluated
 _TIMES = 32
+#: Force of contact with a wall, over about the largest force towards it
+_HARDNESS = 1e3
 #: Largest distance of these places from the focus, in radii
 _AROUND = 1.5
 
@@ -45,13 +49,21 @@ class Problem:
     bead: BeadProperties
     drag: Drag
     light: LightForce | Beams
+    walls: tuple[Force, ...] = ()
+    """forces of the walls"""
     others: tuple[Force, ...] = ()
     """forces beside those of the scene"""
 
     @functools.cached_property
     def force(self) -> Force:
         """The light and the other forces: all but drag, weight and noise."""
-        return Sum((self.light, *self.others)) if self.others else self.light
+        beside = self.beside_the_light
+        return Sum((self.light, *beside)) if beside else self.light
+
+    @property
+    def beside_the_light(self) -> tuple[Force, ...]:
+        """Forces of walls, and a user's own."""
+        return *self.walls, *self.others
 
     @property
     def rotates(self) -> bool:
@@ -127,8 +139,16 @@ class Problem:
         """
         about = self.scene.bead.radius, self.light.search, self.force, net_force
         if self.scene.plain and not self.others:
-            return tuple(equilibria(*about))
-        return tuple(equilibria_about(self.foci(), *about))
+            found = equilibria(*about)
+        else:
+            found = equilibria_about(self.foci(), *about)
+        return tuple(each for each in found if self._in_the_fluid(each.position[2]))
+
+    def _in_the_fluid(self, z: float) -> bool:
+        """Whether a bead there is in no wall."""
+        radius, wall = self.scene.bead.radius, self.scene.wall
+        planes = () if wall is None else wall.planes
+        return all(normal * (z - position) > radius for position, normal in planes)
 
     def places_about(self, time: float = 0.0) -> Array:
         """Places about the foci at a time, s, and the start last, (n, 3) m."""
@@ -137,7 +157,8 @@ class Problem:
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
         distances = _AROUND * self.scene.bead.radius * rng.random((_PLACES, 1))
         about = [focus + directions * distances for focus in self.foci(time)]
-        return np.vstack([*about, self.scene.start_position])
+        places = np.vstack([*about, self.scene.start_position])
+        return places[[self._in_the_fluid(z) for z in places[:, 2]]]
 
     def times_looked_at(self) -> list[float]:
         """Times at which a force that changes in time is evaluated, s; 0 for one that does not."""
@@ -185,4 +206,29 @@ def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
     if isinstance(others, Force) or not all(isinstance(each, Force) for each in others):
         raise SceneError("forces: must be a list of `tweezer.forces.Force`")
     bead = bead_properties(checked_scene(scene))
-    return Problem(scene, bead, drag(scene), light(scene), tuple(others))
+    walls = _forces_of_walls(scene, bead)
+    return Problem(scene, bead, drag(scene), light(scene), walls, tuple(others))
+
+
+def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
+    """Forces of the walls of a scene: what the scene says, and contact.
+
+    Thermal motion needs no force to stay on its side (`tweezer.dynamics.brownian`).
+    """
+    found: list[Force] = []
+    radius, said = scene.bead.radius, scene.forces.dlvo
+    for position, normal in scene.wall.planes if scene.wall else ():
+        pressing = float(np.linalg.norm(bead.weight)) + _momentum_of_light(scene)
+        if said is not None:
+            constants = said.strength, said.debye_length, said.hamaker_constant
+            found.append(dlvo := Dlvo(radius, position, normal, *constants))
+            pressing += dlvo.attraction
+        if not scene.forces.brownian:
+            found.append(Contact(radius, position, normal, _HARDNESS * (pressing or 1e-12)))
+    return tuple(found)
+
+
+def _momentum_of_light(scene: Scene) -> float:
+    """n_m P/c of all beams, N: about twice what they push a bead by at most."""
+    powers = (beam.power_through_pupil or beam.power or 0.0 for beam in scene.beams)
+    return scene.medium.refractive_index * sum(powers) / speed_of_light if scene.lit else 0.0

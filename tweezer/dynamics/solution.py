@@ -75,6 +75,8 @@ class Solver:
         self._bound: Bound = METHODS[method].load().bound(equations)
         gradient = self._bound.gradient or "force_gradient" in equations.module.RHS_INPUTS
         system = equations.system(gradient=gradient)
+        if self._bound.force is not None:
+            system = system._replace(force=self._bound.force)
         self.control = Control(
             max(simulation.relative_tolerance * tightened, 1e-13),
             equations.absolute_tolerance * tightened,

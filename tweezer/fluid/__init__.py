@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from tweezer.fluid.binding import drag
+from tweezer.fluid.binding import drag, without_wall
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
+from tweezer.fluid.resisted import Resisted
+from tweezer.fluid.wall import BesideWall
 
 __all__ = [
     "DRAG_KERNEL",
+    "BesideWall",
     "Drag",
     "Mobility",
     "Modes",
+    "Resisted",
     "Stokes",
     "by_axis",
     "drag",
@@ -20,4 +24,5 @@ __all__ = [
     "other_poles",
     "single",
     "stokes",
+    "without_wall",
 ]

@@ -33,6 +33,10 @@ from tweezer.dynamics.integrators.system import (
 
 #: a step may grow by this factor
 _GROWTH = 5.0
+#: Factor by which a rate for the dense output alone may be larger than the others
+_WILD = 8.0
+#: Factor of a step whose dense output is not that of the motion
+_SHORTER = 0.3
 
 
 class Tableau(NamedTuple):
@@ -114,6 +118,11 @@ def loop() -> Any:
                 _combined(y, step, k, tableau.extra[extra], stage, inner)
                 rate_of_change(system, at, time + tableau.c[stage] * step, inner, k[stage])
                 counts[2] += 1
+            if adaptive and _wild(tableau, control, y, step, k):
+                rejected = True
+                counts[1] += 1
+                clock[1] = _SHORTER * step
+                continue
             records.begin[written] = time
             records.length[written] = step
             for i in range(n):
@@ -140,6 +149,24 @@ def loop() -> Any:
 
     typed = signature(_TABLEAU)
     return cached_njit(typed, error_model="numpy", nogil=True)(advance)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _wild(tableau, control, y, step, k):  # type: ignore[no-untyped-def]
+    """Whether a rate for the dense output alone is far beyond those that the error is by.
+
+    So it is where it is evaluated behind a wall that the other stages did not touch.
+    """
+    first = len(k) - len(tableau.extra)
+    for i in range(y.size):
+        most = 0.0
+        for stage in range(first):
+            most = max(most, abs(k[stage, i]))
+        allowed = _WILD * most + (control.absolute[i] + control.relative * abs(y[i])) / step
+        for stage in range(first, len(k)):
+            if not abs(k[stage, i]) <= allowed:
+                return True
+    return False
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -9,6 +9,11 @@ alone, with the same J, until the correction is small. In the limit of no inerti
 Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5), of
 order 2 N at the ends of steps with N nodes; the polynomial between them is of order N + 1.
 
+Where the drag depends on the place, u = b(x) F(x) does as well, and nothing above changes: so the
+motion without inertia has the whole order. With inertia the relaxation times stand still for a
+step, at what they are in the middle of it. That is of order 2, and is worth no more than the change
+of these times in a step times that of the velocity: their product is part of the error of a step.
+
 The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
 correction, they end a step that is too long before more is spent on it. An error upstream grows as
 the speed of the bead does: what a step may be off is the tolerance where the bead is as fast as it
@@ -55,9 +60,9 @@ from tweezer.dynamics.integrators.system import (
 )
 from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
 from tweezer.errors import SceneError
-from tweezer.fluid import Modes
+from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
-from tweezer.forces.force import Pose, Wrench, add, clear
+from tweezer.forces.force import Pose, Wrench, add, bound, clear
 from tweezer.generated import kinematics
 
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
@@ -66,6 +71,8 @@ _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
 _ROUNDING = 1e-15
 #: Power of the step that its error goes by
 _ORDER = 10.0
+#: Power of the step that the error of a step goes by in which relaxation times stand still
+_ORDER_OF_FREEZING = 3.0
 #: Safety factor of the next step
 _SAFETY = 0.85
 #: Error, in what is allowed, above which a step ends at once
@@ -131,6 +138,9 @@ class Relaxation(NamedTuple):
     """s, the first step, by the force at the time 0; also after kinks in time"""
     fastest: float
     """m/s, a speed that the bead hardly exceeds"""
+    inertia: Array
+    """(3,) kg, relaxation time over mobility, of a drag by place whose relaxation is followed; else
+    (0,)"""
     foretold: Array
     """(3 NODES,) Legendre's coefficients of u in the last step"""
     carried: Array
@@ -172,6 +182,10 @@ class Work(NamedTuple):
     chi: Array
     rows: Array
     """(NODES NODES,)"""
+    there: Pose
+    """one place"""
+    mobility: Mobility
+    """at it"""
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
@@ -187,7 +201,52 @@ def _room(modes):  # type: ignore[no-untyped-def]
         np.empty(3 * _ALL), np.empty(_ALL), np.empty(3 * _MATRIX), np.empty(3, np.int64),
         np.empty((3, n)), np.empty((modes, n)), np.empty(_ALL * _ALL), np.zeros(_ALL * _ALL),
         np.empty((6, n)), np.empty(_ALL), np.empty(n + 1), np.empty(_MATRIX),
+        Pose(np.empty(1), np.empty((1, 3)), np.empty((0, 4))),
+        Mobility(np.empty((1, 5)), np.empty((0, 5, 3))),
     )  # fmt: skip
+
+
+@named_njit(inner=True, error_model="numpy", forceinline=True)
+def _relaxation_times(system, how, time, place, work, out):  # type: ignore[no-untyped-def]
+    """Fill out (3,) with those that the drag has at a place, s."""
+    work.there.time[0] = time
+    for i in range(3):
+        work.there.position[0, i] = place[i]
+    call(system.drag.kernel, (work.there, system.drag.data, work.mobility))
+    for i in range(3):
+        out[i] = how.inertia[i] * work.mobility.value[0, 1 if i == 2 else 0]
+
+
+@named_njit(inner=True, error_model="numpy", forceinline=True)
+def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
+    """Hold the relaxation times for a step: those where the bead is about in the middle of it.
+
+    They are the last three of the state: what follows a step later reads them there.
+    """
+    for i in range(3):
+        work.powers[0, i] = y[i] + 0.5 * step * y[3 + i]
+    _relaxation_times(system, how, time, work.powers[0], work, work.powers[1])
+    for i in range(3):
+        y[6 + i] = how.modes.times[i, 0] = work.powers[1, i]
+
+
+@named_njit(inner=True, error_model="numpy", forceinline=True)
+def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[no-untyped-def]
+    """How far the bead may be off as its relaxation times stood still in a step, m.
+
+    A velocity that changes by dv in the time that it relaxes in is off by dv times the error of
+    that time: the curvature of its course, and a sixth of its change, as Simpson's rule has them.
+    """
+    begin, end = work.chi[:3], work.chi[3:6]
+    _relaxation_times(system, how, time, y, work, begin)
+    _relaxation_times(system, how, time, new, work, end)
+    most = 0.0
+    for i in range(3):
+        tau = y[6 + i]
+        off = 0.5 * abs(begin[i] + end[i] - 2.0 * tau) + abs(end[i] - begin[i]) / 6.0
+        change = abs(new[3 + i] - y[3 + i]) + abs(y[3 + i] - work.powers[i, 0])
+        most = max(most, off * change * min(1.0, step / tau) if tau > 0.0 else 0.0)
+    return most
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
@@ -625,6 +684,8 @@ def _advance(  # type: ignore[no-untyped-def]
         step, last, why = step_to_try(control, clock, counts, records.begin.size - written)
         if why != GOING_ON:
             return written, why
+        if how.inertia.size > 0:
+            _freeze(system, how, time, step, y, work)
         error, looked, again = -1.0, not adaptive or how.regions.kernel == 0, False
         while error < 0.0:
             _weigh(how, step, y, work)
@@ -646,6 +707,11 @@ def _advance(  # type: ignore[no-untyped-def]
             if turns:
                 _spin(how, work)
                 error = max(error, _turning_error(control, step, work))
+            if how.inertia.size > 0:
+                _to(how.modes, step, step, y, work.powers, work.chi, new)
+                frozen = _error_of_freezing(system, how, time, step, y, new, work)
+                allowed = _allowed(how, control, work)
+                error = max(error, (frozen / allowed) ** (_ORDER / _ORDER_OF_FREEZING))
         if error < 0.0 and not adaptive:
             return written, COLLAPSED if all_finite(work.u) else NOT_FINITE
         if error < 0.0 or (adaptive and not error <= 1.0):
@@ -728,10 +794,13 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
     """States as the loop has them at `times`, ascending, from the steps that hold them."""
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
+    by_place = state.shape[1] == 6 + modes.times.size
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
             step += 1
             parts = 0
+        for i in range(3 if by_place else 0):
+            modes.times[i, 0] = state[step, 6 + i]
         s = times[at] - begin[step]
         _to(modes, s, length[step], state[step], shape[step], chi, out[at])
         if len(modes.times) == 6:
@@ -751,8 +820,8 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs a sphere, a drag that is the same "
-                "everywhere, and forces that do not look at the orientation, which "
+                "simulation.method = 'exponential': needs a sphere, forces that do not look at the "
+                "orientation and, with a rotation, a drag that is the same everywhere, which "
                 f"{equations.name} has not"
             )
         relaxation = equations.relaxation._replace(
@@ -760,6 +829,7 @@ class Exponential:
         )
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
         start = _in_inertial_frame(equations.initial_state, relaxation.modes, columns)
+        start = np.append(start, np.zeros(relaxation.inertia.size))
         relaxation = _begun(equations, relaxation, start)
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
         many = len(relaxation.modes.times)
@@ -769,7 +839,16 @@ class Exponential:
             sample(times, *records, relaxation.modes, allowed, out)
             return _emitted(out, relaxation.modes.weights, columns)
 
-        return Bound(loop(), relaxation, start, (many, NODES), states, True, 1)
+        return Bound(
+            loop(),
+            relaxation,
+            start,
+            (many, NODES),
+            states,
+            True,
+            1,
+            bound(equations.moving, gradient=True),
+        )
 
 
 EXPONENTIAL = Exponential()
@@ -780,7 +859,7 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
 
     And with the force at the begin as what is foretold. y: the state as the loop has it.
     """
-    at = equations.force.field(y[None, :3], gradient=True)
+    at = equations.moving.field(y[None, :3], gradient=True)
     u = how.drift + how.response[:3] * at.force[0]
     foretold = np.zeros(3 * NODES)
     foretold[::NODES] = u
@@ -846,5 +925,5 @@ def _rotation(e: Array) -> Array:
 _none, _table = np.zeros(0), np.zeros((0, 0))
 _nothing = Part(0, packed())
 _RELAXATION = typeof(
-    Relaxation(_nothing, Modes(_table, _table), 0, _nothing, _none, _none, 0.0, 0.0, _none, _none)
+    Relaxation(_nothing, Modes(_table, _table), 0, _nothing, _none, _none, 0.0, 0.0, *[_none] * 3)
 )

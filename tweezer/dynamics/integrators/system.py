@@ -232,9 +232,12 @@ class Equations(Protocol):
     module: ModuleType
     """the emitted one"""
     initial_state: Array
-    force: Force
     absolute_tolerance: Array
     """(state,)"""
+
+    @property
+    def moving(self) -> Force:
+        """What moves the bead by mobilities that are the same everywhere."""
 
     @property
     def name(self) -> str:
@@ -266,6 +269,8 @@ class Bound(NamedTuple):
     """whether the loop takes the gradients of the force, whatever the emitted module takes"""
     calls: int = 0
     """places at which the force was evaluated"""
+    force: Part | None = None
+    """what the loop takes as the force; None: that of the equations"""
 
 
 def signature(method: types.Type) -> Any:

@@ -1,0 +1,107 @@
+"""Forces between a bead and a wall across it: of double layers and van der Waals, and of contact.
+
+Both are functions of the gap between the surfaces alone, and act along the wall's normal.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tweezer.compiled import cached_njit
+from tweezer.forces.data import Data, number, packed
+from tweezer.forces.force import Force, Kernel
+
+#: Smallest gap of two surfaces that touch, m: below it van der Waals's force grows no further
+#: (J. N. Israelachvili, Intermolecular and Surface Forces, 3rd ed., 13.13)
+CLOSEST = 0.165e-9
+#: Length in which the repulsion of atoms that touch falls to 1/e, m (ibid., 7.1)
+BORN = 2e-11
+#: Lengths after which nothing is left of it
+_GONE = 60.0
+
+
+@dataclass(frozen=True)
+class Dlvo(Force):
+    """Force of Derjaguin, Landau, Verwey and Overbeek between a sphere and a plane.
+
+    Its potential is B exp(-gap/l_D) - A_H r/(6 gap): both double layers in Derjaguin's
+    approximation, and van der Waals's attraction next to contact, without retardation. Nearer than
+    `CLOSEST` the force stays as it is there.
+    """
+
+    radius: float
+    """r, m"""
+    position: float
+    """of the wall, m"""
+    normal: float
+    """1 or -1, see `tweezer.sections.Wall`"""
+    strength: float
+    """B, J"""
+    debye_length: float
+    """l_D, m"""
+    hamaker_constant: float
+    """A_H, J"""
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
+        """See `Force.compiled`."""
+        return _add_dlvo, packed(
+            self.radius, self.position, self.normal, self.strength / self.debye_length,
+            1 / self.debye_length, self.hamaker_constant * self.radius / 6,
+        )  # fmt: skip
+
+    @property
+    def attraction(self) -> float:
+        """Van der Waals's force at the closest, N."""
+        return self.hamaker_constant * self.radius / 6 / CLOSEST**2
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _add_dlvo(pose, data, wrench):  # type: ignore[no-untyped-def]
+    radius, position, normal = number(data, 0), number(data, 1), number(data, 2)
+    push, rate, pull = number(data, 3), number(data, 4), number(data, 5)
+    for i in range(len(pose.time)):
+        gap = normal * (pose.position[i, 2] - position) - radius
+        held = max(gap, CLOSEST)
+        repulsion, attraction = push * math.exp(-rate * held), pull / (held * held)
+        wrench.force[i, 2] += normal * (repulsion - attraction)
+        if len(wrench.force_gradient) > 0 and gap > CLOSEST:
+            slope = 2.0 * attraction / held - rate * repulsion
+            wrench.force_gradient[i, 2, 2] += slope
+
+
+@dataclass(frozen=True)
+class Contact(Force):
+    """What keeps a bead that rests on a wall from sinking into it: F_0 exp(-gap/`BORN`).
+
+    Of Born and Mayer's form. A bead pushed by F rests at the gap l ln(F_0/F), which is 7 l and
+    more, l = `BORN`. The mobility towards the wall is there in proportion to the gap, so that it
+    comes to rest at the rate b F/r times a logarithm, with the mobility b far away: no faster than
+    a force like that moves a bead elsewhere, and nothing is stiff.
+    """
+
+    radius: float
+    """r, m"""
+    position: float
+    """of the wall, m"""
+    normal: float
+    """1 or -1, see `tweezer.sections.Wall`"""
+    largest: float
+    """F_0, N: about 1000 times the largest force towards the wall"""
+
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
+        """See `Force.compiled`."""
+        return _add_contact, packed(self.radius, self.position, self.normal, self.largest)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def _add_contact(pose, data, wrench):  # type: ignore[no-untyped-def]
+    radius, position = number(data, 0), number(data, 1)
+    normal, largest = number(data, 2), number(data, 3)
+    for i in range(len(pose.time)):
+        gap = normal * (pose.position[i, 2] - position) - radius
+        if gap < _GONE * BORN:
+            push = largest * math.exp(-max(gap, 0.0) / BORN)
+            wrench.force[i, 2] += normal * push
+            if len(wrench.force_gradient) > 0 and gap > 0.0:
+                wrench.force_gradient[i, 2, 2] -= push / BORN
