@@ -53,6 +53,8 @@ _SEARCH = 0.75
 _TRIALS = 16
 #: Step in z over which the misfit is about a parabola, in radii
 _Z_STEP = 0.03
+#: Smallest gap of a start beside a wall, in radii
+_LEAST_GAP = 1e-3
 #: Number of frames from which the start is guessed
 _FIRST = 7
 #: Standard deviation of the guessed start, in steps between frames
@@ -156,15 +158,16 @@ def fit_depth(
     source: a track, or what `load_track` takes. scene: bead, medium and light; for a run of ours
     its own if not given. noise: standard deviation of a coordinate, m; fitted if not given. search:
     where the start may be, m from the focus; three quarters of the map to both sides if not given:
-    15 radii, and by waves 4 radii and 7 wavelengths in the medium, about. fit: what else is
-    not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release" (the time up
-    to which the bead is held where it starts; the first frame if not fitted). progress: called with
-    the part done, 0 to 1.
+    15 radii, and by waves 4 radii and 7 wavelengths in the medium, about, or up to a wall. fit:
+    what else is not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release"
+    (the time up to which the bead is held where it starts; the first frame if not fitted).
+    progress: called with the part done, 0 to 1.
 
     Assumed of the track: x and y are from the axis of the light, frames have no duration, the noise
     is white and the same in both coordinates, and the scene is known but for what is fitted. The
     bead starts with the scene's velocity if the scene's model is `scaled` (4.17); with any other it
-    goes without inertia (5.2), which moves it by less than a camera sees. The force is that of the
+    goes without inertia (5.2), which moves it by less than a camera sees. Beside a wall it has the
+    mobilities of the place, and no inertia. The force is that of the
     map, made to 20 radii, or by waves to 5 radii and 10 wavelengths in the medium; of the
     quadrature for linear polarisation.
 
@@ -190,8 +193,9 @@ def fit_depth(
     Biometrika 65, 297 (1978)), and of their size where the noise is given.
 
     Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, a search or a
-    name in `fit` that is none; `IntegrationError` where the motion cannot be followed from any
-    start.
+    name in `fit` that is none, or that goes with no wall; `SceneError` for more than one beam, and
+    for the scaled model beside a wall; `IntegrationError` where the motion cannot be followed from
+    any start.
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else scene
@@ -199,7 +203,7 @@ def fit_depth(
         raise ResultError(f"{track.name}: needs a scene")
     if search is None:
         half = _SEARCH * light_of_one_beam(scene).search.reach
-        search = (-half, half)
+        search = _between_walls(scene, -half, half)
     _refuse(track, scene, noise, search, fit)
     likelihood = _Likelihood(track, scene, noise, fit)
 
@@ -252,6 +256,8 @@ def _refuse(
             raise ResultError(f"fit = {name!r}: given more than once")
     if "scaling_factor" in fit and scene.simulation.model != "scaled":
         raise ResultError("fit = 'scaling_factor': needs simulation.model = 'scaled'")
+    if scene.wall is not None:
+        _refuse_in_the_wall(scene, search, fit)
     if "power" in fit and not scene.lit:
         raise ResultError("fit = 'power': the scene has no light")
     farthest = math.hypot(*_start(track.positions), max(abs(low), abs(high)))
@@ -260,6 +266,34 @@ def _refuse(
             f"{track.name}: starts up to {farthest:.3g} m from the focus; must be nearer than "
             f"twice simulation.loss_distance = {scene.simulation.loss_distance:.3g} m"
         )
+
+
+def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence[str]) -> None:
+    if scene.simulation.model == "scaled":
+        raise SceneError(
+            "simulation.model = 'scaled': beside a wall the depth is fitted without inertia; "
+            "allowed: full, overdamped"
+        )
+    if min(map(scene.room, search)) <= 0:
+        low, high = _between_walls(scene, -math.inf, math.inf)
+        raise ResultError(
+            f"search = {search[0]:g} to {search[1]:g} m: reaches into the wall; the bead's centre "
+            f"is between {low:.6g} and {high:.6g} m"
+        )
+    for name in {"power", "radius"}.intersection(fit) if scene.forces.dlvo else ():
+        raise ResultError(f"fit = {name!r}: not with forces.dlvo, which changes otherwise with it")
+
+
+def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
+    """The part of a search, m, that is not in a wall."""
+    wall = scene.wall
+    if wall is None:
+        return low, high
+    for place, normal in ((wall.position, wall.normal), (wall.opposite, -wall.normal)):
+        if place is not None:
+            nearest = place + normal * (1 + _LEAST_GAP) * scene.bead.radius
+            low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
+    return low, high
 
 
 def _start(positions: Array) -> Array:
@@ -371,6 +405,11 @@ class _Likelihood:
         power, size, a2 = (
             math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
         )
+        scene = self._problem.scene
+        if scene.wall is not None and scene.room(z) <= (size - 1) * self.unit:
+            raise IntegrationError(
+                f"a bead of {size * self.unit:.4g} m at {z:.6g} m is in the wall"
+            )
         if (size, a2) not in self._filters:
             self._filters = {(size, a2): kalman_filter(self._equations(size, a2))}
         moving = Bead(
@@ -387,8 +426,11 @@ class _Likelihood:
         radius = size * scene.bead.radius
         factor = a2 * (scene.simulation.scaling_factor or 1.0) if inertial else None
         simulation = scene.simulation.model_copy(update={"scaling_factor": factor})
-        bead = scene.bead.model_copy(update={"radius": radius})
-        scene = scene.model_copy(update={"bead": bead, "simulation": simulation})
+        bead, start = scene.bead.model_copy(update={"radius": radius}), scene.start
+        if scene.wall is not None:  # a place where a bead of any radius has mobilities
+            clear = scene.wall.position + 2 * scene.wall.normal * radius
+            start = start.model_copy(update={"frame": "focus", "position": (0.0, 0.0, clear)})
+        scene = scene.model_copy(update={"bead": bead, "start": start, "simulation": simulation})
         problem = dataclasses.replace(
             self._problem, scene=scene, bead=bead_properties(scene), drag=drag(scene),
             light=self._light.of_radius(radius),

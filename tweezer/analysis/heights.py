@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import warnings
 from collections.abc import Callable, Sequence
@@ -59,9 +60,7 @@ def trap_over_heights(
     status = "complete"
     try:
         for each in scenes:
-            # of rays the same caveat at every height
-            ignored = {"action": "ignore", "category": PhysicsWarning} if rows else {}
-            with warnings.catch_warnings(**ignored):  # type: ignore[call-overload]
+            with _said_once() if rows else contextlib.nullcontext():
                 state, row = _trapped(bound_once(each))
             states.append(state)
             rows.append(row)
@@ -103,6 +102,11 @@ def at_height(scene: Scene, height: float) -> Scene:
     }  # fmt: skip
     changes["medium"] = {"inertia": "none", "poles": None}
     return scene.decided(**changes)
+
+
+def _said_once() -> contextlib.AbstractContextManager[object]:
+    """A context without the caveat of ray optics, which is the same at every height."""
+    return warnings.catch_warnings(action="ignore", category=PhysicsWarning)
 
 
 def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:

@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.bead import bead_properties
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
+from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.forces.force import Force
 from tweezer.io import scene_in
-from tweezer.optics import Beams, LightForce, light
 from tweezer.run import Run
 
 if TYPE_CHECKING:
@@ -81,12 +81,13 @@ class Summary:
 def summarise(run: xr.Dataset) -> Summary:
     """Summary of a run of `tweezer.simulate`.
 
-    Captured: the bead ends within a tenth of its radius of a stable equilibrium of light and
-    weight, located by one Newton step; the time is that from which on it stays there. Thermal
+    Captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
+    drag, located by one Newton step; the time is that from which on it stays there. Thermal
     motion leaves that neighbourhood many times; with it a bead is captured if the mean position
     over the last tenth of the run is within its radius of the equilibrium, and the time is that of
     the first approach to a tenth of its radius. The first closest approach is the first local
-    minimum of the distance to the focus.
+    minimum of the distance to the focus. A bead that rests on a wall, where nothing else holds it,
+    is not captured.
 
     A run stores the summary of its motion between the samples. For a run without it, or a part of a
     run, the summary is from the samples alone, and marked so.
@@ -130,7 +131,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     scene = path.equations.scene
     times, position = run["time"], run["position"]
     nearby = CAPTURE_RADII * scene.bead.radius
-    outcome, outcome_time, rest = _outcome(run, times, position, path.equations.problem.light)
+    outcome, outcome_time, rest = _outcome(run, times, position, path.equations.problem)
     here, located = passage(path, integrated.events, rest, nearby)
     errors = _errors(here, located, budget, rest, nearby)
     outcome_time_error = 0.0
@@ -209,29 +210,29 @@ def _known(value: float) -> float | None:
 
 
 def _outcome(
-    run: Run, times: Array, position: Array, bound: LightForce | Beams | None = None
+    run: Run, times: Array, position: Array, bound: Problem | None = None
 ) -> tuple[str, float, Array]:
     """Outcome, its time by the samples, s, and where the bead settled, (3,) m.
 
-    bound: the light, if it is bound already.
+    bound: the scene, if it is bound already.
     """
     status = run.attributes["status"]
     if status != "complete" or run.attributes.get("other_forces"):
         return status, float(times[-1]), position[-1]
     scene = scene_in(run.attributes)
-    light_force = bound or light(scene)
+    problem = bound or bound_once(scene)
     nearby = CAPTURE_RADII * scene.bead.radius
     if scene.forces.brownian:
         settled = position[-max(1, len(position) // 10) :].mean(axis=0)
-        force = light_force.field(settled[None], time=times[-1]).force[0]
-        force += bead_properties(scene).weight
-        step = _to_stable_equilibrium(light_force, settled, times[-1], force)
+        force = problem.force.field(settled[None], time=times[-1]).force[0]
+        force += problem.bead.weight
+        step = _to_stable_equilibrium(problem.force, settled, times[-1], force)
         near = np.linalg.norm(position - (settled + step), axis=1) < nearby
         if not (np.linalg.norm(step) < scene.bead.radius and near.any()):
             return "not captured", float(times[-1]), settled
         return "captured", float(times[near.argmax()]), settled + step
     last = run["net_force"][-1]
-    step = _to_stable_equilibrium(light_force, position[-1], times[-1], last)
+    step = _to_stable_equilibrium(problem.force, position[-1], times[-1], last)
     if not np.linalg.norm(step) < nearby:
         return "not captured", float(times[-1]), position[-1]
     rest = position[-1] + step
@@ -240,14 +241,12 @@ def _outcome(
     return "captured", float(times[last_away + 1]), rest
 
 
-def _to_stable_equilibrium(
-    light_force: LightForce | Beams, place: Array, time: float, force: Array
-) -> Array:
+def _to_stable_equilibrium(forces: Force, place: Array, time: float, force: Array) -> Array:
     """The Newton step from a position with net force `force` to the equilibrium.
 
     time: s. Infinite if a bead beside it would not return.
     """
-    gradient = light_force.field(place[None], gradient=True, time=time).force_gradient[0]
+    gradient = forces.field(place[None], gradient=True, time=time).force_gradient[0]
     if np.linalg.eigvals(gradient).real.max() >= 0:
         return np.full(3, math.inf)
     return np.linalg.solve(gradient, -force).astype(float)

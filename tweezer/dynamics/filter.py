@@ -53,6 +53,8 @@ _RATES = 0.5
 _FAR = 0.3
 #: Upper bound on the steps from one frame to the next
 _MOST_STEPS = 10_000
+#: Lower bound on the variance of z, m^2
+_LEAST = 1e-40
 #: Distance over which the gradient of a mobility is differenced, in radii
 _BESIDE = 1e-4
 
@@ -328,7 +330,7 @@ def _predict(system, bead, work, span, step):  # type: ignore[no-untyped-def]
     if not system.uniform:
         _resist(system, work, mean[2])
         _diffuse(bead, work, work.diffusion)
-    variance = P[2, 2] + 2 * work.diffusion[2] * span
+    variance = max(P[2, 2] + 2 * work.diffusion[2] * span, _LEAST)
     begin, aside = work.begin, work.aside
     for i in range(n):
         begin[i] = mean[i]
