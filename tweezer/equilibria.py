@@ -46,6 +46,8 @@ class Search(NamedTuple):
     """distance of samples on them"""
     beside: float
     """distance from an equilibrium at which the force must pull back"""
+    besides: tuple[float, ...] = ()
+    """z, m from the origin, of more samples on lines along z: next to walls, say"""
 
     def line(self) -> Array:
         """Samples from 0 to the reach, m."""
@@ -127,7 +129,7 @@ def _zeros_on_axis(
 ) -> Iterator[float]:
     """Changes of sign of the axial force along the axis through a focus, m from there."""
     axial = along(net_force, focus, "+z")
-    z = search.whole_line()
+    z = np.union1d(search.whole_line(), np.array(search.besides) - focus[2])
     sign = np.sign(axial(z))
     z, sign = z[sign != 0], sign[sign != 0]
     for i in np.flatnonzero(np.diff(sign)):

@@ -25,7 +25,7 @@ from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
-from tweezer.forces.wall import Contact, Dlvo
+from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
 from tweezer.scene import Scene, checked_scene
 
@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 _PLACES = 64
 #: Number of times, and of kinks, at which a force that changes in time is evaluated
 _TIMES = 32
+#: Number of places on the axis next to a wall, for forces that act there alone
+_BESIDE_A_WALL = 60
 #: Force of contact with a wall, over about the largest force towards it
 _HARDNESS = 1e3
 #: Largest distance of these places from the focus, in radii
@@ -137,12 +139,22 @@ class Problem:
 
         Of one beam on its axis; of several, and with other forces, near the axis of each.
         """
-        about = self.scene.bead.radius, self.light.search, self.force, net_force
+        search = self.light.search._replace(besides=self._beside_walls())
+        about = self.scene.bead.radius, search, self.force, net_force
         if self.scene.plain and not self.others:
             found = equilibria(*about)
         else:
             found = equilibria_about(self.foci(), *about)
         return tuple(each for each in found if self._in_the_fluid(each.position[2]))
+
+    def _beside_walls(self) -> tuple[float, ...]:
+        """Places on the axis at ever smaller gaps from the walls, z, m from the origin."""
+        if self.scene.wall is None:
+            return ()
+        radius = self.scene.bead.radius
+        gaps = np.geomspace(0.1 * CLOSEST, radius, _BESIDE_A_WALL)
+        z = [position + normal * (radius + gaps) for position, normal in self.scene.wall.planes]
+        return tuple(np.concatenate(z).tolist())
 
     def _in_the_fluid(self, z: float) -> bool:
         """Whether a bead there is in no wall."""
