@@ -1225,7 +1225,8 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
         table.add_row("lateral Q, largest", _efficiency(characterised.lateral_efficiency))
     place, frequencies = characterised.equilibrium, characterised.corner_frequencies
     if place is None or frequencies is None:
-        table.add_row("equilibrium", "no stable equilibrium")
+        on_wall = "; it rests on the wall" if characterised.rests else ""
+        table.add_row("equilibrium", f"no stable equilibrium{on_wall}")
     else:
         (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
         worth = characterised.ray_optics

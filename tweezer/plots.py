@@ -158,11 +158,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
 
 def _planes(scene: Scene) -> list[tuple[float, float]]:
     """Of each wall its z, um, and the direction along z from it to the bead."""
-    wall = scene.wall
-    if wall is None:
-        return []
-    places = [(wall.position, wall.normal), (wall.opposite, -wall.normal)]
-    return [(_MICRO * z, normal) for z, normal in places if z is not None]
+    return [(_MICRO * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
 
 
 def _draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
@@ -305,8 +301,8 @@ def _reach(scene: Scene, trap: Trap) -> float:
 
 
 def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
-    """All forces but drag on a bead at `points` (..., 3) m."""
-    return bound_once(scene).net_force(points.reshape(-1, 3)).reshape(points.shape)
+    """All forces but drag on a bead at `points` (..., 3) m that touches no wall."""
+    return bound_once(scene).net_force_apart(points.reshape(-1, 3)).reshape(points.shape)
 
 
 def _free(scene: Scene, z: np.ndarray) -> np.ndarray:

@@ -286,13 +286,9 @@ def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence
 
 def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
     """The part of a search, m, that is not in a wall."""
-    wall = scene.wall
-    if wall is None:
-        return low, high
-    for place, normal in ((wall.position, wall.normal), (wall.opposite, -wall.normal)):
-        if place is not None:
-            nearest = place + normal * (1 + _LEAST_GAP) * scene.bead.radius
-            low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
+    for plane, normal in scene.wall.planes if scene.wall else ():
+        nearest = plane + normal * (1 + _LEAST_GAP) * scene.bead.radius
+        low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
     return low, high
 
 

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.analysis.trap import pressed
 from tweezer.bead import bead_properties
 from tweezer.dynamics import Problem, bound_once
+from tweezer.equilibria import nearest_stable
 from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import evaluators_of
 from tweezer.run import variable
@@ -111,9 +113,9 @@ def _said_once() -> contextlib.AbstractContextManager[object]:
 
 def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
     """What becomes of the bead, and the variables at its equilibrium."""
-    place = problem.equilibrium
+    place = nearest_stable(problem.equilibria(problem.net_force_apart))
     if place is None:
-        return _without(problem), {}
+        return RESTS if pressed(problem) else LOST, {}
     points = np.array([place.position])
     drag = 1 / problem.mobilities(points)[0, :3]
     stiffness = np.diag(place.stiffness)
@@ -127,15 +129,6 @@ def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
         "drag": drag,
         "corner_frequency": stiffness / (2 * math.pi * drag),
     }
-
-
-def _without(problem: Problem) -> str:
-    """What becomes of a bead that no equilibrium holds."""
-    scene = problem.scene
-    assert scene.wall is not None
-    touching = scene.wall.position + scene.wall.normal * scene.bead.radius
-    force = problem.net_force(np.array([[0.0, 0.0, touching]]))[0, 2]
-    return RESTS if scene.wall.normal * force < 0 else LOST
 
 
 def _dataset(

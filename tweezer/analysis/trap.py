@@ -107,6 +107,8 @@ class Trap:
     gap: float | None
     """distance of the bead's surface at `equilibrium` from the wall, the nearer of two, m; None
     without one"""
+    rests: bool
+    """whether the forces press a bead on the axis to the wall that touches it"""
     escapes: tuple[Escape, ...]
     """from `equilibrium`, one for each of `DIRECTIONS`; empty without one"""
     evaluator: str
@@ -145,8 +147,8 @@ def characterise(scene: Scene) -> Trap:
 
     The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
     (2.11, 2.12) and of a wall, as far as `scene.forces` has them. Drag and thermal motion play no
-    part. Beside a wall the force is that on a bead that does not reach into it, and so are the
-    efficiencies of the light.
+    part, nor does contact: a place where a bead rests on a wall is no equilibrium, and lines end
+    where it would touch.
 
     Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
     the force is along it. Equilibria are sought there, within `Trap.reach` of the focus: 20 radii,
@@ -176,7 +178,7 @@ def characterise(scene: Scene) -> Trap:
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
-        others = (each.field(points).force for each in problem.others)
+        others = (each.field(points).force for each in problem.beside_the_light_apart)
         return sum(others, light_force(points) + weight)
 
     places = problem.equilibria(net_force)
@@ -217,6 +219,7 @@ def characterise(scene: Scene) -> Trap:
         drag=drag,
         corner_frequencies=corner_frequencies,
         gap=gap,
+        rests=pressed(problem),
         escapes=escapes,
         evaluator=evaluators_of(scene),
         force_error=light_force.error,
@@ -228,6 +231,16 @@ def characterise(scene: Scene) -> Trap:
         caveat=ray_optics_caveat(scene),
         ray_optics=ray_optics_worth(scene),
     )
+
+
+def pressed(problem: Problem) -> bool:
+    """Whether the forces on a bead on the axis that touches a wall press it there."""
+    scene = problem.scene
+    for plane, normal in scene.wall.planes if scene.wall else ():
+        touching = plane + normal * scene.bead.radius
+        if normal * problem.net_force_apart(np.array([[0.0, 0.0, touching]]))[0, 2] < 0:
+            return True
+    return False
 
 
 class _LightForce:

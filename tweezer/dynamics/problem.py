@@ -68,6 +68,11 @@ class Problem:
         return *self.walls, *self.others
 
     @property
+    def beside_the_light_apart(self) -> tuple[Force, ...]:
+        """The same on a bead that touches no wall."""
+        return tuple(each for each in self.beside_the_light if not isinstance(each, Contact))
+
+    @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
         return self.scene.rotates or self.force.oriented
@@ -75,6 +80,11 @@ class Problem:
     def net_force(self, positions: Array) -> Array:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
         return self.force.field(positions).force + np.array(self.bead.weight)
+
+    def net_force_apart(self, positions: Array) -> Array:
+        """The same of a bead that touches no wall: without the force of contact."""
+        every = (self.light, *self.beside_the_light_apart)
+        return sum((each.field(positions).force for each in every), np.array(self.bead.weight))
 
     @functools.cached_property
     def mobility(self) -> Array:
