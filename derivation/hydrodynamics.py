@@ -11,6 +11,10 @@ that a free bead has the velocity's autocorrelation kT/Z(s), Z = m s + gamma(s).
 The root in gamma is made of fictitious masses m_k that the bead drags through dashpots beta c_k
 (`derivation.memory_poles`). The noise of each dashpot pushes bead and mass with equal and opposite
 forces; then all velocities are Maxwell's, and independent, in equilibrium.
+
+A wall reflects the flow, and the sphere is in what comes back. Along the wall the flow is a sum of
+waves e^(i q X), of each of which the wall stops both parts: the dipole's, e^(-q z), and the one
+with vorticity, e^(-l z), l^2 = q^2 + alpha^2.
 """
 
 from __future__ import annotations
@@ -101,6 +105,59 @@ DRAG_OF_TRANSLATION = Equation(
     TRANSLATION,
 )
 DRAG_OF_ROTATION = Equation("-", "that of its rotation", r"\gamma_\omega(s)", ROTATION)
+
+# --- what a wall reflects ------------------------------------------------------------------------
+# Of a force of 1 at a height h above a wall at z = 0; times 2 mu_m alpha^2, and e^(i q X).
+q, h, z_up = sp.symbols("q h z_up", positive=True)
+#: decay of the part with vorticity
+decay = sp.Symbol("l_q", positive=True)
+#: sphere over point force: size of both parts of the flow that it makes, and of the force on it in
+#: a flow of each part
+DIPOLE, VORTICAL = 1 + x + x**2 / 3, sp.exp(x)
+_W_p, _W_v = sp.symbols("W_p W_v", positive=True)
+
+
+def below_a_force(*, across: bool) -> tuple[sp.Expr, sp.Expr]:
+    """Velocity along the wave and up, below a force along the wave, or up."""
+    slow, fast = _W_p * sp.exp(q * (z_up - h)), _W_v * sp.exp(decay * (z_up - h))
+    if across:
+        return sp.I * q * (slow - fast), q * slow - q**2 / decay * fast
+    return decay * fast - q * slow, sp.I * q * (slow - fast)
+
+
+def above_a_wall(dipole: sp.Expr, vortical: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """A wave that leaves the wall."""
+    slow, fast = dipole * sp.exp(-q * z_up), vortical * sp.exp(-decay * z_up)
+    return sp.I * q * slow + fast, -q * slow + sp.I * q / decay * fast
+
+
+def _returned(*, across: bool) -> sp.Expr:
+    """What the sphere feels of the wave that its force sends to the wall."""
+    P, V = sp.symbols("P V")
+    there = zip(below_a_force(across=across), above_a_wall(P, V), strict=True)
+    solved = sp.solve([(down + up).subs(z_up, 0) for down, up in there], (P, V), dict=True)[0]
+    felt = above_a_wall(_W_p * solved[P], _W_v * solved[V])[int(across)].subs(z_up, h)
+    return sp.simplify(felt)
+
+
+#: a force along the wave, up, and along the wall but across the wave: a shear wave
+RETURNED_ALONG, RETURNED_ACROSS = _returned(across=False), _returned(across=True)
+RETURNED_SHEAR = -(alpha**2) / decay * _W_v**2 * sp.exp(-2 * decay * h)
+#: G(s), the velocity by a force of 1, is int q dq/(4 pi) of the sum of both, over 2 mu_m alpha^2,
+#: and across the wall int q dq/(2 pi)
+_p, _v = _W_p * sp.exp(-q * h), _W_v * sp.exp(-decay * h)
+REFLECTED_ALONG = Equation(
+    "-",
+    "wave of a force along it that a wall reflects",
+    r"-2\mu_m\alpha^2\hat G_\parallel(q)",
+    ((q * _p - decay * _v) ** 2 + q * decay * (_p - _v) ** 2) / (decay - q),
+)
+REFLECTED_ACROSS = Equation(
+    "-",
+    "wave of a force across the wall",
+    r"-2\mu_m\alpha^2\hat G_\perp(q)",
+    q / decay * ((decay * _p - q * _v) ** 2 + q * decay * (_p - _v) ** 2) / (decay - q),
+)
 
 # --- on s = i w ----------------------------------------------------------------------------------
 w, tau, y = sy.FREQUENCY.symbol, sy.VORTICITY_TIME.symbol, sy.ROOT_OF_FREQUENCY.symbol

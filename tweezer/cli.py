@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         Efficiency,
         Escape,
         Finding,
+        Height,
         Recording,
         Summary,
         Together,
@@ -441,6 +442,14 @@ def calibrate(
         str | None,
         typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
     ] = None,
+    wall: Annotated[
+        str | None,
+        typer.Option(
+            help='Distance of the centre of the bead from a wall across the light: "1.2 um", or '
+            '"1.2 um +- 50 nm"; goes with --radius.',
+            metavar="HEIGHT",
+        ),
+    ] = None,
     drive: Annotated[
         str | None,
         typer.Option(
@@ -500,7 +509,7 @@ def calibrate(
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
     loaded = [load_recording(each, drive).since(skipped) for each in recordings]
     for each in loaded:
-        _check_known(each, given)
+        _check_known(each, given, wall)
     drag = mass = displaced = None
     if "radius" in given:
         from tweezer.fluid import stokes
@@ -516,7 +525,8 @@ def calibrate(
         calibrations.append(
             calibrated(
                 each, temperature=given.get("temperature"), drag=drag, mass=mass,
-                displaced_mass=displaced, exposure=exposed, diode=diode, noise=_bare(noise),
+                displaced_mass=displaced, wall=_bare(wall), radius=given.get("radius"),
+                exposure=exposed, diode=diode, noise=_bare(noise),
             )
         )  # fmt: skip
         if len(loaded) > 1:
@@ -536,8 +546,12 @@ def calibrate(
     _tell_written(out, plot)
 
 
-def _check_known(loaded: Recording, given: dict[str, float]) -> None:
+def _check_known(loaded: Recording, given: dict[str, float], wall: str | None) -> None:
     """Refuse what does not go together, or with that recording."""
+    if wall is not None and loaded.scene is not None:
+        raise ResultError(f"{loaded.name}: its scene has the wall, or none; not to be given")
+    if wall is not None and "radius" not in given:
+        raise ResultError(f"{loaded.name}: --wall needs --radius and --viscosity")
     if loaded.scene is not None and given:
         raise ResultError(
             f"{loaded.name}: its scene has the {', the '.join(given)}; not to be given"
@@ -1084,6 +1098,8 @@ def _print_calibration(calibration: Calibration) -> None:
             _print_free(axis)
         else:
             _print_trapped(axis, calibration.unit)
+        if calibration.wall is not None and axis.drag is not None:
+            _print_wall(calibration.wall, axis)
     if calibration.note:
         _show_warning(calibration.note)
 
@@ -1096,6 +1112,23 @@ def _print_free(axis: AxisCalibration) -> None:
     _out.print(
         f"{axis.axis}: no trap is seen: the bead looks free, or the record is too short; the "
         f"diffusion of a free bead, from displacements: {diffusion}",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _print_wall(wall: Height, axis: AxisCalibration) -> None:
+    """What is known of the drag by the height, and what the record tells."""
+    known = axis.drag
+    assert known is not None
+    ratio = 1 / wall.mobility(axis.axis)
+    error = wall.relative_uncertainty(axis.axis)
+    drag = f"{1e9 * known:.4g}"
+    if error:
+        drag = with_uncertainty(1e9 * known, 1e9 * known * error)
+    way = "across" if axis.fit.bead.across else "along"
+    _out.print(
+        f"{1e6 * wall.distance:.4g} um from the wall, {way} it: drag {drag} nN s/m, {ratio:.4g} "
+        "times that far away",
         highlight=False, soft_wrap=True,
     )  # fmt: skip
 

@@ -151,3 +151,114 @@ def test_tail_is_of_the_fluid_alone():
     tail = sp.sqrt(hd.tau_f) / (2 * sp.sqrt(sp.pi) * beta) * t ** sp.Rational(-3, 2)
     assert sp.simplify(hd.TAIL.rhs - tail) == 0
     assert a not in hd.TAIL.rhs.free_symbols
+
+
+def stress_over_sphere(radial, polar, pressure):
+    """Force of a flow on the sphere: of u_r/cos, u_theta/sin and p/cos."""
+    normal = -pressure + 2 * mu * radial.diff(r)
+    shear = mu * (r * (polar / r).diff(r) - radial / r)
+    over = 2 * sp.pi * a**2 * (sp.Rational(2, 3) * normal - sp.Rational(4, 3) * shear)
+    return over.subs(r, a)
+
+
+def by_potential(chi):
+    return -2 * chi.diff(r) / r, chi.diff(r, 2) + chi.diff(r) / r
+
+
+#: u_r, u_theta and p of the flows that a sphere at rest is in, each of velocity 1 at its centre
+VORTICAL_FLOW = (*by_potential(-3 * sp.sinh(alpha * r) / (2 * alpha**3 * r)), sp.Integer(0))
+UNIFORM_FLOW = (sp.Integer(1), sp.Integer(-1), -rho * s * r)
+
+
+@pytest.mark.parametrize(
+    ("flow", "weight"), [(VORTICAL_FLOW, hd.VORTICAL), (UNIFORM_FLOW, hd.DIPOLE)]
+)
+def test_what_a_sphere_feels_of_a_flow_is_what_it_sends(flow, weight):
+    """The flow about it cancels the one it is in; the force of both together. And the two parts of
+    the flow of a moving sphere have the same weights, as reciprocity wants.
+    """
+    radial, polar, _ = flow
+    assert sp.limit(radial, r, 0) == 1
+    A, B = sp.symbols("A B")
+    around = by_potential(hd.potential(r, A, B))
+    on_it = [sum(both).subs(r, a) for both in zip((radial, polar), around, strict=True)]
+    (found,) = sp.solve(on_it, (A, B), dict=True)
+    parts = (*around, hd.pressure(sp.Integer(1), r, B))
+    total = stress_over_sphere(*(one + other for one, other in zip(flow, parts, strict=True)))
+    force = total.subs(found) / (6 * sp.pi * mu * a)
+    numbers = {alpha: sp.Rational(7, 5), mu: 2, rho: 3, a: sp.Rational(1, 2)}
+    expected = weight.subs(x, alpha * a)
+    assert abs(sp.N((force - expected).subs(numbers), 30)) < 1e-25
+
+
+def test_what_a_moving_sphere_sends():
+    per_force = 3 * U * a / (2 * alpha**2)
+    vortical, dipole = hd.CONSTANTS.values()
+    assert sp.simplify(vortical / per_force + hd.VORTICAL.subs(x, alpha * a)) == 0
+    assert sp.simplify(dipole / per_force - hd.DIPOLE.subs(x, alpha * a)) == 0
+
+
+def fast(expression):
+    """With l_q^2 = q^2 + alpha^2."""
+    return sp.simplify(expression.subs(hd.decay, sp.sqrt(hd.q**2 + alpha**2)))
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_the_wave_of_a_force(across):
+    """No sources, no pressure but the dipole's, and at the force a jump of the stress by it."""
+    z_up, q = hd.z_up, hd.q
+    along, up = (each.subs({hd._W_p: 1, hd._W_v: 1}) for each in hd.below_a_force(across=across))
+    assert sp.simplify(sp.I * q * along + up.diff(z_up)) == 0
+    # of the gradient part, u = grad phi and p = -rho s phi
+    phi = hd.below_a_force(across=across)[1].subs({hd._W_p: 1, hd._W_v: 0}).integrate(z_up)
+    pressure = -mu * alpha**2 * phi
+    for component, slope in ((along, sp.I * q * pressure), (up, pressure.diff(z_up))):
+        rest = mu * (component.diff(z_up, 2) - q**2 * component) - slope
+        assert fast(rest - mu * alpha**2 * component) == 0
+    # above it the component along the force is the same, the other and its stress change sign
+    stress = -pressure + 2 * mu * up.diff(z_up) if across else mu * along.diff(z_up)
+    assert fast((2 * stress).subs(z_up, hd.h) / (2 * mu * alpha**2)) == 1
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_a_wave_stops_at_the_wall(across):
+    found = hd.RETURNED_ACROSS if across else hd.RETURNED_ALONG
+    closed = (hd.REFLECTED_ACROSS if across else hd.REFLECTED_ALONG).rhs
+    assert sp.simplify(found + closed) == 0
+
+
+@pytest.mark.parametrize(
+    ("across", "terms"), [(False, (-9, 2, -1)), (True, (-18, 8, -2))], ids=["along", "across"]
+)
+def test_without_inertia_what_is_reflected_is_faxens(across, terms):
+    """-9/16 r/h + 1/8 (r/h)^3 - 1/16 (r/h)^5, -9/8 r/h + 1/2 (r/h)^3 - 1/8 (r/h)^5: by the first
+    powers of alpha of both parts of the wave, whose difference is of its square.
+    """
+    q, h = hd.q, hd.h
+    decay = q + alpha**2 / (2 * q)
+    p = (1 + alpha * a + (alpha * a) ** 2 / 3) * sp.exp(-q * h)
+    v = (1 + alpha * a + (alpha * a) ** 2 / 2) * (1 - h * alpha**2 / (2 * q)) * sp.exp(-q * h)
+    first = decay * p - q * v if across else q * p - decay * v
+    squares = 0
+    for weight, difference in ((1, first), (q**2, p - v)):
+        powers = sp.expand(difference)
+        assert powers.coeff(alpha, 0) == powers.coeff(alpha, 1) == 0
+        squares += weight * powers.coeff(alpha, 2) ** 2
+    wave = squares * 2 * q  # over l_q - q
+    wave = 2 * wave if across else wave + sp.exp(-2 * q * h) / q
+    G = -sp.integrate(sp.expand(q * wave), (q, 0, sp.oo)) / (8 * sp.pi * mu)
+    expected = sum(n * (a / h) ** power for n, power in zip(terms, (1, 3, 5), strict=True)) / 16
+    assert sp.simplify(6 * sp.pi * mu * a * G - expected) == 0
+
+
+@pytest.mark.parametrize(("across", "part"), [(False, (3, 16)), (True, (3, 8))])
+def test_with_inertia_alone_it_is_the_added_mass_of_ideal_flow(across, part):
+    """G_s -> (3/16, 3/8) (r/h)^3 of the free one (H. Lamb, Hydrodynamics, section 137)."""
+    q, h = hd.q, hd.h
+    # the dipole alone comes back: vorticity decays on the way
+    wave = (2 * hd.RETURNED_ACROSS if across else hd.RETURNED_ALONG).subs(hd._W_v, 0)
+    ideal = sp.limit(wave.subs(hd._W_p, 1), hd.decay, sp.oo)
+    G = sp.integrate(q * ideal / (4 * sp.pi), (q, 0, sp.oo)) / (2 * mu * alpha**2)
+    sent = 6 * sp.pi * mu * a * (alpha * a) ** 2 / 3
+    added = 6 * sp.pi * mu * a * (alpha * a) ** 2 / 9
+    assert sp.simplify(-(sent**2) * G / added - sp.Rational(*part) * (a / h) ** 3) == 0

@@ -28,6 +28,7 @@ from .summary import Summary, summarise
 from .together import Together, together
 from .trap import Efficiency, Equilibrium, Escape, Trap, characterise
 from .tuning import Tuned, Tuning, tune
+from .wall import Height
 from .whittle import Detected
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "EscapeTimes",
     "Estimate",
     "Finding",
+    "Height",
     "Minimum",
     "Parameter",
     "Potential",

@@ -36,6 +36,7 @@ from tweezer.analysis.spectra import (
     standard_error,
     statistical_inefficiency,
 )
+from tweezer.analysis.wall import ACROSS, Height
 from tweezer.analysis.whittle import (
     MOTION,
     STIFFNESS,
@@ -50,6 +51,7 @@ from tweezer.analysis.whittle import (
 )
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
+from tweezer.fluid import LOWEST
 from tweezer.fluid import drag as drag_of
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
@@ -88,6 +90,11 @@ _LEAST_BLOCKS = 50
 _BEFORE_DETECTOR = 2.0
 #: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
+
+#: Axes of a run
+_EVERY_AXIS = ("x", "y", "z")
+#: Number of places at which the drag of a run is taken
+_PLACES = 1000
 
 #: Relative excess of an exposure over the step that is allowed, as the step is as uncertain.
 _UNEVEN = 1e-3
@@ -188,6 +195,8 @@ class AxisCalibration:
     """to the motion of the stage"""
     remarks: tuple[Finding, ...] = ()
     """what the record does not determine, and other things that speak against no number"""
+    drag: float | None = None
+    """what is known of the drag along this axis, where the bead is, kg/s; None if nothing"""
 
     @property
     def diffusion_uncertainty(self) -> float:
@@ -211,7 +220,7 @@ class Calibration:
     temperature: float
     """K"""
     drag: float | None
-    """kg/s; None if fitted"""
+    """far from any wall, kg/s; None if fitted"""
     mass: float | None
     """kg; None if overdamped"""
     displaced_mass: float | None
@@ -230,6 +239,8 @@ class Calibration:
     note: str
     """what was omitted from the recording"""
     axes: tuple[AxisCalibration, ...]
+    wall: Height | None = None
+    """the bead's height above a wall; None if not given"""
 
     def __repr__(self) -> str:
         """In short: for each axis the first trusted stiffness."""
@@ -248,6 +259,8 @@ def calibrate(
     drag: float | str | None = None,
     mass: float | str | None = None,
     displaced_mass: float | str | None = None,
+    wall: float | str | tuple[float, float] | None = None,
+    radius: float | str | None = None,
     exposure: float | str | None = None,
     diode: float | str | tuple[float, float] | None = None,
     noise: float | str | None = None,
@@ -260,8 +273,16 @@ def calibrate(
     remembers (`TrappedBead`): it needs the mass; exposure: the time over which each position is
     averaged, s, from 0 to the step; each a number in that unit, or text with a unit. For a run of
     tweezer they default to the scene's (masses are those of the model and of `medium.inertia`: none
-    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; the exposure is 0). An
-    unknown exposure is taken as 0, and a finding reports a record that could have another one.
+    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; the exposure is 0; the
+    drag beside a wall is that of the mean mobility on the way). An unknown exposure is taken as 0,
+    and a finding reports a record that could have another one.
+
+    wall: the distance of the bead's centre from a wall across the light, m, or with its standard
+    uncertainty "1.2 um +- 50 nm"; radius: of the bead, m, which it needs. `drag` is then that far
+    from the wall; x and y have that of the exact mobility along it, z of that across it. An
+    uncertain height makes an uncertain drag, which the fit of the spectrum takes as one more datum.
+    With the inertia of the fluid, from 1.5 radii on along the wall and from 2 across it, the drag
+    is that of the flow that the wall reflects (`tweezer.fluid.reflection`).
 
     The detector: diode: f_3, Hz, where what it detects late has half its power, or f_3 and the part
     a that it detects at once; noise: the standard deviation of its white noise, in the unit of the
@@ -288,7 +309,7 @@ def calibrate(
 
     `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
     `ResultError` without a temperature, for an exposure longer than the step, for what
-    `load_recording` refuses, and for a run without thermal motion.
+    `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
     """
     recording = source if isinstance(source, Recording) else load_recording(source, drive)
     if isinstance(source, Recording) and drive is not None:
@@ -297,7 +318,8 @@ def calibrate(
     drag = _in_si(recording, "drag", drag, "kg/s")
     mass = _in_si(recording, "mass", mass, "kg")
     fluid = _in_si(recording, "displaced_mass", displaced_mass, "kg")
-    poles = TrappedBead.poles
+    radius = _in_si(recording, "radius", radius, "m")
+    poles, on_the_way = TrappedBead.poles, False
     asked = {"exposure": exposure, "diode_frequency": diode, "noise": noise}
     detector = tuple(name for name, value in asked.items() if value == "fit")
     if "diode_frequency" in detector:
@@ -312,9 +334,10 @@ def calibrate(
             )
         if temperature is None:
             temperature = recording.scene.medium.temperature
-        resistance = drag_of(recording.scene)
-        if drag is None and resistance.uniform:  # another is fitted
-            drag = 1 / float(resistance.mobilities(np.zeros((1, 3))).value[0, 0])
+        radius = recording.scene.bead.radius if radius is None else radius
+        if drag is None:
+            drag = bead_properties(recording.scene).drag
+            on_the_way = wall is None
         of_scene = _inertia(recording.scene)
         mass = of_scene[0] if mass is None else mass
         if fluid is None:
@@ -323,12 +346,18 @@ def calibrate(
         exposure = 0.0 if exposure is None and "exposure" not in detector else exposure
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
-    positive = {"temperature": temperature, "drag": drag, "mass": mass, "displaced_mass": fluid}
+    positive = {
+        "temperature": temperature, "drag": drag, "mass": mass, "displaced_mass": fluid,
+        "radius": radius,
+    }  # fmt: skip
     for name, value in positive.items():
         if value is not None and value <= 0:
             raise ResultError(f"{recording.name}: {name} = {value}: must be positive")
     if fluid is not None and mass is None:
         raise ResultError(f"{recording.name}: the inertia of the fluid needs the bead's mass too")
+    height = None if wall is None else Height.of(recording.name, wall, radius)
+    if height is not None and fluid is not None:
+        _refuse_too_low(recording, height)
     coldest, hottest = TEMPERATURE
     if not coldest <= temperature <= hottest:
         raise ResultError(
@@ -356,16 +385,18 @@ def calibrate(
             "the bead"
         )
     given = TrappedBead(
-        math.nan, math.nan if drag is None else drag, temperature, mass, min(exposure or 0.0, step),
-        fluid, poles, f3, fraction, noise or 0.0,
+        math.nan, math.nan, temperature, mass, min(exposure or 0.0, step), fluid, poles, f3,
+        fraction, noise or 0.0, wall=None if height is None else height.radii,
     )  # fmt: skip
+    drags = _drags(recording, drag, height, on_the_way=on_the_way)
     made_by: list[Finding] = []
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
         text = "simulated by one-call: displacements from step to step are not the bead's"
         made_by.append(Finding("one-call", text))
     known = _Known(
-        given, detector, exposure is not None or "exposure" in detector, recording.unit, made_by
-    )
+        given, detector, exposure is not None or "exposure" in detector,
+        bool(height and height.uncertainty), recording.unit, made_by,
+    )  # fmt: skip
     signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
     if moved and not any(answers for _, answers in signals):
         raise ResultError(f"{recording.name}: no axis moves as the drive does")
@@ -376,14 +407,19 @@ def calibrate(
         axis, (signal, answers) = recording.axes[i], signals[i]
         beside: tuple[Evidence, ...] = answers
         if axes and not answers and recording.unit == "V" and drag is None:
-            beside = (_told_by(next(iter(axes.values()))),)
+            beside = (_told_by(next(iter(axes.values())), axis, height),)
+        if axis in drags and height is not None and known.uncertain:
+            beside = (*beside, KnownDrag(drags[axis], height.relative_uncertainty(axis)))
         without = () if moved is None else moved.frequencies
         try:
             with (
                 warnings.catch_warnings(action="error", category=LinAlgWarning),
                 np.errstate(divide="raise", over="raise", invalid="raise"),
             ):
-                axes[axis] = _calibrated(axis, signal, step, known, beside, without)
+                found = _calibrated(
+                    axis, signal, step, known.along(axis, drags.get(axis)), beside, without
+                )
+                axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
                 f"{recording.name}: {axis}: no trapped bead moves like this; is it noise, or a "
@@ -393,7 +429,42 @@ def calibrate(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
         len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
+        height,
     )  # fmt: skip
+
+
+def _refuse_too_low(recording: Recording, height: Height) -> None:
+    """Refuse a height at which the drag with the inertia of the fluid is not known."""
+    for axis in recording.axes:
+        way = "across" if axis == ACROSS else "along"
+        if height.radii < LOWEST[way]:
+            raise ResultError(
+                f"{recording.name}: wall = {height.distance:g}: with the inertia of the fluid the "
+                f"drag of {axis}, {way} the wall, is known from {LOWEST[way]:g} radii on; leave "
+                "out the displaced mass, or that column"
+            )
+
+
+def _drags(
+    recording: Recording, drag: float | None, height: Height | None, *, on_the_way: bool
+) -> dict[str, float]:
+    """Known drags along the axes, kg/s.
+
+    drag: far from walls; on_the_way: whether they are those of a run's scene, where the bead went.
+    """
+    if drag is None:
+        return {}
+    if height is not None:
+        return {axis: drag / height.mobility(axis) for axis in recording.axes}
+    if not on_the_way:
+        return dict.fromkeys(recording.axes, drag)
+    assert recording.scene is not None
+    if recording.axes != _EVERY_AXIS:  # the place is not known
+        return {}
+    every = max(len(recording.positions) // _PLACES, 1)
+    places = recording.positions[::every]
+    mobilities = drag_of(recording.scene).mobilities(places).value.mean(axis=0)
+    return {axis: 1 / float(mobilities[int(axis == ACROSS)]) for axis in recording.axes}
 
 
 def in_metres(recording: Recording, calibration: Calibration) -> Recording:
@@ -477,9 +548,17 @@ class _Known:
     """parameters of the detector that are fitted"""
     exposure: bool
     """whether the exposure is given or fitted"""
+    uncertain: bool
+    """whether a known drag is as uncertain as the bead's height"""
     unit: str
     made_by: list[Finding]
     """findings against every number that uses the dynamics"""
+
+    def along(self, axis: str, drag: float | None) -> _Known:
+        """The same of one axis, with what is known of its drag, kg/s."""
+        exact = drag if drag is not None and not self.uncertain else math.nan
+        bead = dataclasses.replace(self.bead, drag=exact, across=axis == ACROSS)
+        return dataclasses.replace(self, bead=bead)
 
     @property
     def all_frequencies(self) -> bool:
@@ -493,11 +572,12 @@ class _Known:
         return not math.isnan(self.bead.drag)
 
 
-def _told_by(axis: AxisCalibration) -> KnownDrag:
-    """The drag of a bead by another axis."""
-    fit = axis.free_fit
+def _told_by(other: AxisCalibration, axis: str, height: Height | None) -> KnownDrag:
+    """The drag of a bead along an axis by that along another one."""
+    fit = other.free_fit
     assert fit.drag_uncertainty is not None
-    return KnownDrag(fit.bead.drag, fit.drag_uncertainty / fit.bead.drag)
+    ratio = 1.0 if height is None else height.mobility(other.axis) / height.mobility(axis)
+    return KnownDrag(ratio * fit.bead.drag, fit.drag_uncertainty / fit.bead.drag)
 
 
 def _fits(
@@ -521,6 +601,8 @@ def _fits(
         free = fit = fitted(part, start, MOTION)
         if known.drag:
             fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), STIFFNESS)
+        elif beside:
+            fit = fitted(dataclasses.replace(part, beside=beside), free.bead, MOTION)
         return Fits(whole, fit, free)
     part = usable(whole, start, to_the_end=known.all_frequencies)
     if part.counts.sum() < _LEAST_BLOCKS / 2:
@@ -547,7 +629,12 @@ def _fits(
 
     if not known.drag:
         fit = best(names, starts)
-        return Fits(whole, fit, fit)
+        answers = tuple(each for each in beside if not isinstance(each, KnownDrag))
+        if answers == beside or (scaled and not answers):
+            return Fits(whole, fit, fit)
+        # what the record tells by itself
+        without_drag = dataclasses.replace(part, beside=answers)
+        return Fits(whole, fit, fitted(without_drag, fit.bead, names))
     fit = best(tuple(name for name in names if name != "drag"), starts)
     if scaled and not beside:
         return Fits(whole, fit, fit)  # volts a metre follow from the drag
@@ -627,7 +714,7 @@ def _calibrated(
         return [Finding("few", text)] if relaxations < _FEW else []
 
     add("power spectrum", (bead.stiffness, own.stiffness_uncertainty), made_by)
-    if "drag" in free.free and "drag" not in fit.free:
+    if free is not fit:
         fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
         add("power spectrum, drag fitted", fitted_too, made_by)
     add("equipartition", _equipartition(positions, fits), [])

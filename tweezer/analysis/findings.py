@@ -365,6 +365,8 @@ def _drag(fits: Fits) -> Finding | None:
         return None
     ratio = fits.free.bead.drag / fits.fit.bead.drag
     text = f"temperature and drag contradict the diffusion, that of {ratio:.3g} times this drag"
+    if ratio > 1 and fits.fit.bead.wall is None:
+        text += ", as beside a wall"
     return Finding("drag", text)
 
 

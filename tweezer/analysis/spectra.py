@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
 
-from tweezer.fluid import drag_at
-from tweezer.fluid.memory import NODES, USUAL
+from tweezer.fluid import Memory, drag_at, memory_beside, memory_far
+from tweezer.fluid.memory import USUAL
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -124,7 +124,8 @@ class TrappedBead:
     Without a mass it is overdamped: the Ornstein-Uhlenbeck process. Drag is beta x', or with the
     mass of the displaced fluid that of Boussinesq and Basset, gamma(s) = beta (1 + sqrt(s tau_f) +
     s tau_f/9) with tau_f = 9 m_f/(2 beta): it remembers, and adds m_f/2 to the mass. In time it is
-    a sum of exponentials (`tweezer.fluid.memory`).
+    a sum of exponentials (`tweezer.fluid.memory`). Beside a wall it is that of
+    `tweezer.fluid.reflection`.
 
     A detector gives `response` volts a metre (1 for positions in metres), of which a diode lets a
     part a of the light through at once and the rest late: its power is a^2 + (1 - a^2)/(1 +
@@ -157,6 +158,11 @@ class TrappedBead:
     """standard deviation of the white noise of a sample, m or V"""
     response: float = 1.0
     """signal by position: V/m, or 1 for positions in m"""
+    wall: float | None = None
+    """distance of the bead's centre from a wall, in radii, of which `drag` is the steady one; None:
+    far from everything. It counts with the mass of the displaced fluid"""
+    across: bool = False
+    """whether the bead moves across that wall, not along it"""
 
     @property
     def variance(self) -> float:
@@ -197,7 +203,23 @@ class TrappedBead:
     @property
     def _inertia(self) -> float:
         """Mass that moves at once: the bead's, and half that of the fluid in its place, kg."""
-        return (self.mass or 0.0) + (self.displaced_mass or 0.0) / 2
+        if not self.displaced_mass:
+            return self.mass or 0.0
+        return (self.mass or 0.0) + self._memory.added * self.displaced_mass
+
+    @property
+    def _memory(self) -> Memory:
+        """The fluid's, of that many poles."""
+        if self.wall is None:
+            return memory_far(self.poles)
+        return memory_beside(self.wall, across=self.across, poles=self.poles)
+
+    def _drag_at(self, frequencies: Array) -> Complex:
+        """gamma(2 pi i f), kg/s, at `frequencies` (Hz), with the added mass."""
+        fluid = self.displaced_mass or 0.0
+        if self.wall is None or not fluid:
+            return drag_at(frequencies, self.drag, fluid)
+        return self._memory.drag_at(frequencies, self.drag, fluid)
 
     @cached_property
     def _forgetful(self) -> Decays:
@@ -222,9 +244,10 @@ class TrappedBead:
         """
         if not self.displaced_mass:
             return self._forgetful
-        time = 4.5 * self.displaced_mass / self.drag
+        memory = self._memory
+        time = 4.5 * self.displaced_mass / (self.drag * memory.mobility)
         inertia = self._inertia / (self.drag * time)
-        parts, rates = _relaxation(inertia, self.stiffness * time / self.drag, self.poles)
+        parts, rates = _relaxation(inertia, self.stiffness * time / self.drag, memory)
         equipartition = Boltzmann * self.temperature / self.stiffness
         return _plain(zip(equipartition * parts, rates / time, strict=True))
 
@@ -274,7 +297,7 @@ class TrappedBead:
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
-        gamma = drag_at(f, self.drag, self.displaced_mass or 0.0)
+        gamma = self._drag_at(f)
         resistance = self.stiffness + s * gamma + (self.mass or 0.0) * s**2
         force = 4 * Boltzmann * self.temperature * gamma.real
         return np.asarray(force / np.abs(resistance) ** 2 * self._passed(f))
@@ -290,14 +313,14 @@ class TrappedBead:
     def driven(self, frequencies: ArrayLike) -> Complex:
         """Signal by motion of the stage, V/m or 1, at `frequencies` (Hz), without noise.
 
-        The fluid moves with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2 x_s, the last
-        for the pressure that moves it (M. R. Maxey and J. J. Riley, Phys. Fluids 26, 883 (1983)).
-        The phase is that of the motion.
+        The fluid, and a wall, move with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2
+        x_s, the last for the pressure that moves it (M. R. Maxey and J. J. Riley, Phys. Fluids 26,
+        883 (1983)). The phase is that of the motion.
         """
         f = np.asarray(frequencies, np.float64)
         s = 2j * np.pi * f
         fluid = self.displaced_mass or 0.0
-        gamma = drag_at(f, self.drag, fluid)
+        gamma = self._drag_at(f)
         moved = s * (gamma + s * fluid) / (s * gamma + self.stiffness + (self.mass or 0.0) * s**2)
         return np.asarray(moved * np.sqrt(self._passed(f)))
 
@@ -353,15 +376,15 @@ def _rings(decay: tuple[complex, complex]) -> bool:
     return isinstance(decay[1], complex)
 
 
-def _relaxation(inertia: float, stiffness: float, poles: int) -> tuple[Complex, Complex]:
+def _relaxation(inertia: float, stiffness: float, memory: Memory) -> tuple[Complex, Complex]:
     """Parts and rates (1/tau_f) of the exponentials in the autocovariance of a bead with memory.
 
-    inertia: m + m_f/2, in beta tau_f; stiffness: k, in beta/tau_f. The rates are the zeros at -s of
-    D(s) = s Z(s) + k with Z = inertia s + 1 + sum c s/(s + p): eigenvalues of the equations of
-    the bead and as many masses, which it drags by dashpots c, each variable in units of its
-    thermal size; and then by Newton's method. The parts are k/(r D'(-r)); they add up to 1.
+    inertia: with the added mass, in beta tau_f; stiffness: k, in beta/tau_f. The rates are the
+    zeros at -s of D(s) = s Z(s) + k with Z = inertia s + 1 + sum c s/(s + p): eigenvalues of the
+    equations of the bead and as many masses, which it drags by dashpots c, each variable in units
+    of its thermal size; and then by Newton's method. The parts are k/(r D'(-r)); they add up to 1.
     """
-    p, c = (np.asarray(each, np.float64)[::-1] for each in NODES[poles])
+    p, c = memory.rates[::-1], memory.weights[::-1]
     n = len(p)
     each = np.arange(n)  # the fast ones first: small eigenvalues keep their digits
     for k in stiffness * (1 + _DOUBLE * np.arange(3)):

@@ -5,13 +5,16 @@ from __future__ import annotations
 from tweezer.fluid.binding import drag, without_wall
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
+from tweezer.fluid.reflection import LOWEST, Memory, memory_beside, memory_far, steady
 from tweezer.fluid.resisted import Resisted
 from tweezer.fluid.wall import BesideWall
 
 __all__ = [
     "DRAG_KERNEL",
+    "LOWEST",
     "BesideWall",
     "Drag",
+    "Memory",
     "Mobility",
     "Modes",
     "Resisted",
@@ -20,9 +23,12 @@ __all__ = [
     "drag",
     "drag_at",
     "enough_poles",
+    "memory_beside",
+    "memory_far",
     "modes",
     "other_poles",
     "single",
+    "steady",
     "stokes",
     "without_wall",
 ]

@@ -1,0 +1,142 @@
+"""A wall's part in the drag of a sphere at one height: steady, and with the fluid's inertia.
+
+Steady, the mobilities along and across the wall are exact (`tweezer.generated.wall`).
+
+With inertia the flow of the sphere is reflected by the wall (`derivation.hydrodynamics`): what
+comes back, G(s) per unit of force, slows it as a flow that it is in, so that
+
+    gamma(s) = gamma_free(s)/(1 + c beta G(s) beta/gamma_free(s)).
+
+That is the first reflection; H. A. Lorentz's (1907) at s = 0 (9/16 r/h, 9/8 r/h), and with the
+added mass of ideal flow (3/16 (r/h)^3, 3/8) where s is large. c, 1.08 at most, makes the steady
+drag the exact one. Such a drag is that of dashpots and fictitious masses, gamma(s)/beta = g + sum
+c_k s tau_f/(s tau_f + p_k) + m s tau_f with no c_k below 0; the closest sum of that kind is taken,
+by the poles p_k of a sphere far from everything.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from tweezer.fluid.memory import NODES
+from tweezer.generated import wall
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: The emitted mobilities as Python: of one height they would not repay a compiler
+_mobilities = wall.mobilities.py_func
+#: Lowest height of a centre at which one reflection is enough, along and across the wall, in radii
+LOWEST = {"along": 1.5, "across": 2.0}
+#: Frequencies of the fit, over nu/(pi r^2): from where inertia does nothing to where no wall does
+_FREQUENCIES = np.geomspace(1e-5, 3e2, 300)
+#: Panels of the integral over wave numbers, in 1/h, and Gauss's points in each
+_PANELS, _POINTS = np.append(0.0, np.geomspace(1e-2, 60.0, 14)), 40
+#: alpha r that counts as 0
+_STILL = 1e-6
+#: alpha r below which a difference of the weights is a series
+_SMALL = 0.05
+
+
+class Memory(NamedTuple):
+    """gamma(s) over the steady drag: 1 + sum weights s/(s + rates) + mass s, s in 1/tau_f."""
+
+    rates: Array
+    weights: Array
+    mass: float
+    mobility: float
+    """steady, over that far from everything, whose drag is in tau_f"""
+
+    @property
+    def added(self) -> float:
+        """Added mass, over that of the fluid in the bead's place: 1/2 far from everything."""
+        return 4.5 * self.mass / self.mobility
+
+    def drag_at(self, frequencies: Array, drag: float, displaced_mass: float) -> Complex:
+        """gamma(2 pi i f), kg/s, at `frequencies` (n,), Hz, with the added mass.
+
+        drag: the steady one where the bead is, kg/s; displaced_mass: m_f, kg.
+        """
+        time = 4.5 * displaced_mass / (drag * self.mobility)
+        s = 2j * np.pi * time * np.asarray(frequencies, np.float64)[..., None]
+        remembered = (self.weights * s / (s + self.rates)).sum(axis=-1)
+        return np.asarray(drag * (1 + remembered + self.mass * s[..., 0]))
+
+
+@lru_cache(maxsize=8)
+def memory_far(poles: int) -> Memory:
+    """Drag of a sphere far from everything, by that many poles."""
+    rates, weights = (np.array(each) for each in NODES[poles])
+    return Memory(rates, weights, 1 / 9, 1.0)
+
+
+def steady(gap: float) -> tuple[float, float, float, float]:
+    """Mobilities along and across a wall over those far away, and their derivatives over the gap.
+
+    gap: between surfaces, in radii.
+    """
+    across, along, *_, d_across, d_along, _, _, _ = _mobilities(gap)
+    return along, across, d_along, d_across
+
+
+def reflected(x: Complex, height: float, *, across: bool) -> Complex:
+    """beta G: how the flow that a wall reflects moves a sphere, over how the force would in
+    steady flow far from everything; (n,).
+
+    x: (n,) alpha r = sqrt(s tau_f), not 0; height: of its centre, in radii; across: of motion
+    across the wall, not along it. The sum over waves e^(i q X) of `derivation.hydrodynamics`, whose
+    differences are written so that nothing cancels for a small x.
+    """
+    x = np.asarray(x, np.complex128)[:, None]
+    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    half = np.diff(_PANELS)[:, None] / 2
+    q = ((_PANELS[:-1, None] + half) + half * points).ravel() / height
+    weights = (half * weights).ravel() / height
+    decay = np.sqrt(q**2 + x**2)
+    faster = x**2 / (q + decay)
+    # of the dipole and of the vortical part, and their difference over x^2
+    A = (1 + x + x**2 / 3) * np.exp(-q * height)
+    B = np.exp(x - decay * height)
+    series = -(1 / 6 + x / 6 + x**2 / 24 + x**3 / 120 + x**4 / 720 + x**5 / 5040)
+    with np.errstate(over="ignore", invalid="ignore"):
+        unequal = np.where(np.abs(x) < _SMALL, series, (1 + x + x**2 / 3 - np.exp(x)) / x**2)
+        slow = np.exp(-q * height) * (unequal - np.exp(x) * np.expm1(-faster * height) / x**2)
+    D = np.where(np.abs(x) < 1, slow, (A - B) / x**2)
+    square = q * decay * D**2
+    if across:
+        wave = 2 * q / decay * (q + decay) * ((q * D + A / (q + decay)) ** 2 + square)
+    else:
+        wave = (q + decay) * ((q * D - B / (q + decay)) ** 2 + square) + B**2 / decay
+    # 6 pi mu r times int q dq/(4 pi) wave/(2 mu)
+    back: Complex = -0.75 * (weights * q * wave).sum(axis=1)
+    return back
+
+
+@lru_cache(maxsize=64)
+def memory_beside(height: float, *, across: bool, poles: int) -> Memory:
+    """Drag of a sphere that moves along a wall, or across it, in a fluid with inertia.
+
+    height: of its centre, in radii, from `LOWEST` on; poles: a number that `NODES` has. The sum is
+    within 0.8 % of the reflected flow at the lowest heights, 0.05 % from 3 radii on.
+    """
+    x = np.sqrt(2j * _FREQUENCIES)
+    free = 1 + x + x**2 / 9
+    mobility = steady(height - 1)[int(across)]
+    still, *_ = reflected(np.array([_STILL]), height, across=across).real
+    drag = free / (1 - (1 - mobility) * reflected(x, height, across=across) / still / free)
+    rates = np.array(NODES[poles][0])
+    columns = np.column_stack([x[:, None] ** 2 / (x[:, None] ** 2 + rates), x**2])
+    weight = 1 / np.abs(drag)
+    matrix = weight[:, None] * columns
+    target = weight * (drag - 1 / mobility)
+    found, _ = nnls(
+        np.concatenate([matrix.real, matrix.imag]), np.concatenate([target.real, target.imag])
+    )
+    kept = found[:-1] > 0
+    weights = mobility * found[:-1][kept]
+    return Memory(rates[kept], weights, mobility * float(found[-1]), mobility)
