@@ -26,6 +26,7 @@ from typing import Any
 import sympy as sp
 
 from . import wall_coefficients as wc
+from .equations import Equation
 from .wall_coefficients import Coefficients
 
 # --- mobilities ----------------------------------------------------------------------------------
@@ -80,6 +81,51 @@ r = sp.Symbol("r", positive=True)
 #: the plane's factors by ln of what is near to the gap
 PLANE_FACTORS = sp.symbols("G H L P")
 _G, _H, _L, _P = PLANE_FACTORS
+#: place in the plane, with r = |W|
+PLACE = sp.symbols("W_1 W_2", real=True)
+#: R = dg/dr = sqrt(2 mu) of any mobility, so that dR/dr = mu'; and F, the slope of -U/kT
+root, mu_g, F = sp.symbols("R mu_g F", real=True)
+BY_FORCE = root / r
+BY_PLACE = (mu_g / root - 1 / r) / (2 * r)
+#: of W: its noise is dB
+DRIFT = [each * (BY_FORCE * F / 2 + BY_PLACE) for each in PLACE]
+#: slope over r of ln of the density e^(-U/kT) R/r
+BOLTZMANN = F * root + mu_g / root - 1 / r
+
+
+def over_place(expression: sp.Expr, along: sp.Symbol) -> sp.Expr:
+    """Derivative over a component of W of what depends on W, r, R and g."""
+    by_r = expression.diff(r) + root * expression.diff(g) + mu_g * expression.diff(root)
+    return expression.diff(along) + along / r * by_r
+
+
+def by_ito(expression: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+    """Drift and squared noise of a function of W, from both components of its noise."""
+    slopes = [over_place(expression, along) for along in PLACE]
+    drift = sum(
+        slope * own + over_place(slope, along) / 2
+        for slope, own, along in zip(slopes, DRIFT, PLACE, strict=True)
+    )
+    return drift, sum(slope**2 for slope in slopes)
+
+
+def on_circle(expression: sp.Expr) -> sp.Expr:
+    """An expression of W at |W| = r."""
+    q = sp.Symbol("q", real=True)
+    ends = (r * (1 - q**2) / (1 + q**2), 2 * r * q / (1 + q**2))
+    return expression.subs(dict(zip(PLACE, ends, strict=True)))
+
+
+DRIFT_OF_GAP, NOISE_OF_GAP = (sp.factor(on_circle(each)) for each in by_ito(g))
+GAP = Equation(
+    "-",
+    "motion of the gap, by Ito's formula from that in the plane",
+    "dg",
+    DRIFT_OF_GAP.subs(root, sp.sqrt(2 * sp.Symbol("mu"))) * sp.Symbol("dt")
+    + sp.sqrt(NOISE_OF_GAP.subs(root, sp.sqrt(2 * sp.Symbol("mu")))) * sp.Symbol("dB"),
+)
+
+# --- its series ----------------------------------------------------------------------------------
 share = sp.Symbol("share", positive=True)
 #: what falls from contact to far away like S
 SHARE = 1 / (1 + r / sp.sqrt(2))
