@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -51,6 +51,9 @@ class Method:
     """whether it takes the Jacobian of the right-hand side"""
     uniform_drag: bool = False
     """whether the drag must be the same everywhere"""
+    beside_wall: Mapping[str, str] = field(default_factory=dict)
+    """by model, of those of thermal motion that it follows beside a wall: "module:name" of its
+    scheme there"""
     memory: bool = False
     """whether it takes the memory of a fluid with inertia"""
     multistep: bool = False
@@ -144,9 +147,11 @@ METHODS: dict[str, Method] = _by_name(
         )
     ),
     Method("heun", "exponential Heun, what auto takes", f"{_SCHEMES}.heun:HEUN", thermal=True,
-           models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True, memory=True),
+           models=("full", "scaled", "overdamped", "first-order"), uniform_drag=True, memory=True,
+           beside_wall={"overdamped": f"{_SCHEMES}.wall:HEUN"}),
     Method("one-call", "one force a step, for distributions", f"{_SCHEMES}.one_call:ONE_CALL",
-           thermal=True, displacements=False, uniform_drag=True, memory=True),
+           thermal=True, displacements=False, uniform_drag=True, memory=True,
+           beside_wall={"overdamped": f"{_SCHEMES}.wall:ONE_CALL"}),
     Method("harmonic", "the exact motion in the trap's spring", f"{_SCHEMES}.euler:HARMONIC",
            thermal=True, spring_only=True, uniform_drag=True, memory=True),
     Method("euler-maruyama", "for comparison; without inertia for a drag by place",

@@ -14,7 +14,8 @@ from scipy.constants import Boltzmann
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
-from tweezer.dynamics.brownian import march, memory, noise, propagator
+from tweezer.dynamics.beside_wall import Towards, cut, towards, without_walls
+from tweezer.dynamics.brownian import march, memory, noise, plane, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -23,12 +24,11 @@ from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.fluid import DRAG_KERNEL
+from tweezer.fluid import DRAG_KERNEL, BesideWall
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
 from tweezer.scene import Scene
-from tweezer.sections import Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -113,6 +113,8 @@ class Walk:
             x += place
             v = _summed(self.weights.memory[:, None, memory.SEEN], z)[:, 0].T
             hidden = z.reshape(-1, n).T
+        elif thermal and self.equilibrium is not None and self._beside_wall:
+            x += self._held(drawn)
         elif thermal and self.equilibrium is not None:
             tau = plan.tau[:3] if inertial else np.zeros(3)
             rates = _rates(self.equilibrium, plan.mobility)
@@ -131,6 +133,37 @@ class Walk:
                 w = rotation_matrices(e[None])[0] @ start.angular_velocity
                 parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
         return np.ascontiguousarray(np.hstack([*parts, hidden, np.full((n, 1), np.inf)]))
+
+    @property
+    def _beside_wall(self) -> bool:
+        return isinstance(self.problem.drag, BesideWall)
+
+    def _held(self, drawn: Array) -> Array:
+        """Places from the trap, (n, 3), of beads that it holds beside a wall.
+
+        drawn: the numbers (n, 3 or more). Gaussian as far as its spring goes, and cut at contact.
+        """
+        equilibrium, drag = self.equilibrium, self.problem.drag
+        assert equilibrium is not None
+        assert isinstance(drag, BesideWall)
+        mobility = self.problem.mobilities(np.array([equilibrium.position]))[0]
+        rates = _rates(equilibrium, mobility)
+        root = propagator.stationary_root(np.zeros(3), rates, self.plan.kT * mobility[:3])
+        covariance = root @ root.T
+        spread = math.sqrt(covariance[2, 2])
+        ends = np.array([-math.inf, math.inf])
+        for position, normal in drag.planes:
+            room = normal * (equilibrium.position[2] - position) - drag.radius
+            ends[int(normal < 0)] = -normal * room / spread
+        z = cut(drawn[:, 2], *ends.tolist())
+        with_z = covariance[:2, 2] / spread
+        beside = np.linalg.cholesky(covariance[:2, :2] - np.outer(with_z, with_z))
+        x, y = drawn[:, 0], drawn[:, 1]
+        return np.column_stack([
+            with_z[0] * z + beside[0, 0] * x,
+            with_z[1] * z + beside[1, 0] * x + beside[1, 1] * y,
+            spread * z,
+        ])  # fmt: skip
 
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
         """Places from where beads start, (n, 3), and z (3, k, n): a fluid of the temperature.
@@ -178,7 +211,7 @@ class Walk:
     @property
     def force_calls(self) -> int:
         """Places at which a step evaluates the light."""
-        return _scheme(self.scene.simulation).force_calls
+        return _scheme(self.problem).force_calls
 
     def motion(self, samples: Array) -> Motion:
         """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
@@ -194,7 +227,7 @@ class Walk:
     @functools.cached_property
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
         """The loop, and what it takes that stays."""
-        scheme = _scheme(self.scene.simulation)
+        scheme = _scheme(self.problem)
         steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)
         return (force, steps, self.plan, self.weights), march.loop()
@@ -206,9 +239,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
     "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a fifth of
     the fastest time scale of the force at most, or `simulation.step`; with a rotation, no longer
-    than that allows (`tweezer.dynamics.brownian.rotation`). Under a drag that depends on the place
-    it is the overdamped model and the method of Euler and Maruyama instead, and a bead diffuses in
-    a step over a twentieth of the length in which the drag changes, at most.
+    than that allows (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped
+    model, and the time scale also that of the motion towards the wall where the bead is found
+    (`tweezer.dynamics.brownian.wall`). Under another drag that depends on the place it is the
+    overdamped model and the method of Euler and Maruyama, and a bead diffuses in a step over a
+    twentieth of the length in which the drag changes, at most.
 
     A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`
     where the method takes it.
@@ -220,21 +255,29 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     check_thermal(problem.scene, seed)
     reasons = []
     simulation = problem.scene.simulation
-    uniform = problem.drag.uniform
+    uniform, wall = problem.drag.uniform, problem.drag
+    beside_wall = isinstance(wall, BesideWall)
     follows = [name for name, each in MODELS.items() if not (each.inertia or each.scheme)]
+    if beside_wall:
+        follows = list(METHODS["heun"].beside_wall)
     if not uniform and simulation.model not in (None, *follows):
+        where = "beside a wall" if beside_wall else "under a drag that depends on the place"
         raise SceneError(
-            f"simulation.model = {simulation.model!r}: with thermal motion it takes a drag that is "
-            f"the same everywhere; allowed: {', '.join(follows)}"
+            f"simulation.model = {simulation.model!r}: not with thermal motion {where}; "
+            f"allowed: {', '.join(follows)}"
         )
     if simulation.model is None:
         problem = problem.decided(simulation={"model": "full" if uniform else "overdamped"})
         about = "inertia is exact at any step" if uniform else "the drag depends on the place"
         reasons.append(f"{problem.scene.simulation.model}: {about}")
     if simulation.method == "auto":
-        problem = problem.decided(simulation={"method": "heun" if uniform else "euler-maruyama"})
-        about = "exact drag and noise, weak order 2" if uniform else "the drag depends on the place"
-        reasons.append(f"{problem.scene.simulation.method}: {about}")
+        method, about = "heun", "exact drag and noise, weak order 2"
+        if beside_wall:
+            about = "the gap as the radius of a motion in a plane, weak order 2"
+        elif not uniform:
+            method, about = "euler-maruyama", "the drag depends on the place"
+        problem = problem.decided(simulation={"method": method})
+        reasons.append(f"{method}: {about}")
     problem, about = _with_inertia_of_the_fluid(problem)
     if about:
         reasons.append(about)
@@ -244,6 +287,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     inertial = model.inertia
     dims = 6 if problem.rotates else 3
     tau, mobility = np.zeros(dims), problem.mobility[:dims]
+    if isinstance(wall, BesideWall):
+        free = wall.stokes
+        mobility = np.repeat([1 / free.translation, 1 / free.rotation], 3)[:dims]
     if inertial:
         inertias = np.repeat([problem.effective_mass, bead.moments_of_inertia[0]], 3)[:dims]
         tau = inertias * mobility
@@ -255,7 +301,13 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
             "beam.motion, beam.modulation or another force that changes in time"
         )
-    if not uniform and (how.uniform_drag or problem.rotates):
+    if beside_wall and model.name not in how.beside_wall:
+        allowed = [each.name for each in methods(thermal=True) if model.name in each.beside_wall]
+        raise SceneError(
+            f"simulation.method = {simulation.method!r}: with the model {model.name} it does not "
+            f"keep a bead on its side of a wall; allowed: {', '.join(allowed)}"
+        )
+    if not (uniform or beside_wall) and (how.uniform_drag or problem.rotates):
         allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
         raise SceneError(
             f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere; "
@@ -272,7 +324,10 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             "sphere; allowed: model = 'overdamped', or no moments"
         )
     equilibrium = problem.equilibrium
-    rates = np.zeros((3, 3)) if equilibrium is None else _rates(equilibrium, mobility)
+    rates = np.zeros((3, 3))
+    if equilibrium is not None:
+        there = problem.mobilities(np.array([equilibrium.position]))[0]
+        rates = _rates(equilibrium, there if beside_wall else mobility)
     if equilibrium is None:
         for key, value, needing in (
             ("simulation.method", simulation.method, METHODS[simulation.method].spring_only),
@@ -285,9 +340,12 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         kappa[:3] = np.diag(rates)
         centre[:3] = equilibrium.position
     diffusion = Boltzmann * scene.medium.temperature * mobility
+    beside = towards(problem) if beside_wall else None
+    if beside is not None:
+        kappa[2] = beside.spring
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     interval = simulation.duration / (simulation.samples - 1)
-    longest, reason = _longest_step(problem, tau, kappa, diffusion)
+    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside)
     per_sample = max(1, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
@@ -298,11 +356,14 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     step = interval / per_sample
     reasons.append(f"steps of {step:.3g} s: {reason}")
     # rotational diffusion without inertia is drawn by itself
-    shaken = np.where((tau > 0) | (np.arange(dims) < 3), diffusion, 0.0)
+    drawn_apart = (tau == 0) & (np.arange(dims) >= 3) & (not beside_wall)
+    shaken = np.where(drawn_apart, 0.0, diffusion)
+    if isinstance(wall, BesideWall):
+        shaken[2] /= 2 * wall.radius**2  # in the plane
     linear = Linear(tau, kappa, shaken, problem.relaxation_time, rates)
     if scene.medium.inertia == "memory" and len(problem.modes.times) > 1:
         linear = linear._replace(times=problem.modes.times, parts=problem.modes.weights)
-    weights = _scheme(simulation).weights(step, linear)
+    weights = _scheme(problem).weights(step, linear)
     if not inertial:
         tau = np.full(dims, problem.relaxation_time)
     load = np.zeros(dims)
@@ -310,10 +371,13 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     lens = -math.inf
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
+    kT = Boltzmann * scene.medium.temperature
     kernel, data = problem.drag.compiled()
+    if isinstance(wall, BesideWall):
+        data = plane.data_of(wall, kT)
     plan = Plan(
         seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
-        centre, Boltzmann * scene.medium.temperature, uniform,
+        centre, kT, uniform or beside_wall,
         Part(address(kernel, DRAG_KERNEL), data),
     )  # fmt: skip
     columns = ["x", "y", "z"]
@@ -338,7 +402,7 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
     if medium.inertia in ("none", "added-mass"):
         return problem, ""
     missing = ""
-    if not _scheme(simulation).memory or not MODELS[str(simulation.model)].inertia:
+    if not _scheme(problem).memory or not MODELS[str(simulation.model)].inertia:
         missing = f"{simulation.model}, {simulation.method} takes no memory"
     elif not (problem.drag.uniform and np.ptp(problem.mobility[:3]) == 0):
         missing = "the drag depends on the place or the direction"
@@ -380,37 +444,45 @@ def _rates(equilibrium: Equilibrium, mobility: Array) -> Array:
     return mobility[:3, None] * stiffness
 
 
-def _scheme(simulation: Simulation) -> Scheme:
-    own = MODELS[str(simulation.model)].scheme
-    scheme: Scheme = at(own or METHODS[simulation.method].place)
+def _scheme(problem: Problem) -> Scheme:
+    simulation = problem.scene.simulation
+    model, method = MODELS[str(simulation.model)], METHODS[simulation.method]
+    place = model.scheme or method.place
+    if isinstance(problem.drag, BesideWall):
+        place = method.beside_wall.get(model.name, place)
+    scheme: Scheme = at(place)
     return scheme
 
 
 def _longest_step(
-    problem: Problem, tau: Array, kappa: Array, diffusion: Array
+    problem: Problem, tau: Array, kappa: Array, diffusion: Array, beside: Towards | None
 ) -> tuple[float, str]:
     """The longest step that suits the scene, s, and what it is by."""
     simulation = problem.scene.simulation
     limits = [(math.inf, "from sample to sample")]
     if len(tau) == 6:
-        part = LONGEST_WITH_INERTIA if tau[0] > 0 else LONGEST
+        part = LONGEST if tau[0] == 0 and beside is None else LONGEST_WITH_INERTIA
         limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
     if simulation.step is not None:
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
-    rate = max(float(np.quantile(rates_of_force(problem), _MOST)), float(np.abs(kappa).max()))
+    about = rates_of_force(problem if beside is None else without_walls(problem))
+    rate = max(float(np.quantile(about, _MOST)), float(np.abs(kappa).max()))
     if rate > 0 and not METHODS[simulation.method].spring_only:
         some = f"{_PART:g} of "
         limits.append((_PART / rate, some + "the fastest time scale of the force"))
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
-    if (rate := _rate_of_drag(problem)) > 0:
+    if beside is not None:
+        some = f"{_PART:g} of the time scale of the motion towards the wall"
+        limits.append((_PART / beside.fastest, some))
+    elif (rate := _rate_of_drag(problem)) > 0:
         some = f"diffusion over {_PART_OF_LENGTH:g} of "
         limits.append((_PART_OF_LENGTH**2 / rate, some + "the length in which the drag changes"))
     if shortest := problem.force.shortest_time(simulation.duration):
         limits.append((_PART_OF_CHANGE * shortest, f"{_PART_OF_CHANGE:g} of the time in which the "
                        "force changes"))  # fmt: skip
-    if tau[0] > 0 and _scheme(simulation).resolves_drag:
+    if tau[0] > 0 and _scheme(problem).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)
 

@@ -71,7 +71,7 @@ class Beads(NamedTuple):
     kick: Array
     """(dims, w) of the noise, where it depends on the place"""
     normal: Array
-    """(dims or twice that, w)"""
+    """(dims or twice that, and one more for the plane beside a wall, w)"""
     now: Array
     """(1,) s, the begin of the step"""
     pose: Pose
@@ -82,8 +82,8 @@ class Beads(NamedTuple):
 
 
 @njit
-def beads(n, dims, inertial, gradient, uniform, hidden=0):  # type: ignore[no-untyped-def]
-    """Room for n beads, with so many hidden variables an axis."""
+def beads(n, dims, inertial, gradient, uniform, hidden=0, draws=0):  # type: ignore[no-untyped-def]
+    """Room for n beads, with so many hidden variables an axis, and so many normal numbers."""
     gradients = n if gradient else 0
     places = 0 if uniform else n
     width = -(-n // LANES) * LANES
@@ -91,7 +91,7 @@ def beads(n, dims, inertial, gradient, uniform, hidden=0):  # type: ignore[no-un
     return Beads(
         np.zeros((dims, width)), np.zeros((dims + 3 * hidden if inertial else 0, width)), e,
         np.zeros((dims, width)), np.zeros((dims, width)), np.zeros((dims, width)),
-        np.zeros((dims, width)), np.zeros((2 * dims if inertial else dims, width)),
+        np.zeros((dims, width)), np.zeros((max(2 * dims if inertial else dims, draws), width)),
         np.zeros(1),
         Pose(np.zeros(n), np.zeros((width, 3))[:n], e),
         Wrench(
@@ -206,3 +206,5 @@ class Scheme(NamedTuple):
     """whether a step wants the slow velocity of the one before"""
     resolves_drag: bool = False
     """whether its steps must be shorter than the relaxation times"""
+    beside_wall: bool = False
+    """whether it is one beside a wall: it takes the rotation with it, and one number more"""

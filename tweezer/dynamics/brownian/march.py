@@ -26,7 +26,7 @@ _BATCH = 128
 
 
 class Steps(NamedTuple):
-    """How the loop steps beads. The last three are 0 or 1."""
+    """How the loop steps beads. The last four are 0 or 1."""
 
     scheme: int
     """address of its step"""
@@ -44,6 +44,8 @@ class Steps(NamedTuple):
     samples_ahead: int
     force_first: int
     """see `Scheme`"""
+    diffuses: int
+    """whether rotational diffusion is drawn by itself"""
 
 
 def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
@@ -53,9 +55,12 @@ def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
     """
     places = [columns.index(name) if name in columns else -1 for name in ("vx", "e0", "wx")]
     dims = 6 if "e0" in columns else 3
-    # without inertia a rotation's noise is drawn by itself
-    draws = dims * (2 if scheme.noise_of_position else 1) if "vx" in columns else 3
-    flags = scheme.gradient, scheme.samples_ahead, scheme.force_first
+    diffuses = "vx" not in columns and not scheme.beside_wall and dims == 6
+    draws = 3 if diffuses else dims
+    if "vx" in columns and scheme.noise_of_position:
+        draws *= 2
+    draws += scheme.beside_wall
+    flags = scheme.gradient, scheme.samples_ahead, scheme.force_first, diffuses
     return Steps(address(scheme.step, STEP), draws, hidden // 3, *places, *map(int, flags))
 
 
@@ -77,7 +82,9 @@ def loop() -> Any:
         purpose = np.int64(NOISE)  # a constant would be compiled apart
         for begin in range(0, states.shape[0], _BATCH):
             n = min(_BATCH, states.shape[0] - begin)
-            beads = batch.beads(n, dims, inertial, steps.gradient, plan.uniform, steps.memory)
+            beads = batch.beads(
+                n, dims, inertial, steps.gradient, plan.uniform, steps.memory, steps.draws
+            )
             who = np.zeros(beads.x.shape[1], np.int64)
             who[:n] = trajectories[begin : begin + n]
             x, normal = beads.x, beads.normal[: steps.draws]
@@ -97,7 +104,7 @@ def loop() -> Any:
                     call(steps.scheme, (force, plan, weights, beads))
                     if rotates:
                         rotation.turn_by_steps(beads)
-                        if not inertial:
+                        if steps.diffuses:
                             rotation.diffuse(plan, who, at, beads)
                     if not _all_there(plan, x, n):
                         for i in range(n):

@@ -1,0 +1,97 @@
+"""What thermal motion beside a wall needs of a scene: a spring, a step, a start on its side."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+from scipy.special import ndtr, ndtri
+
+from tweezer.dynamics.problem import Problem
+from tweezer.fluid import BesideWall
+
+Array = NDArray[np.float64]
+
+#: Number of gaps from contact on, and of those about the trap, at which the force is evaluated
+_POINTS = 200
+#: Largest distance of them from the trap, and from the trap of the latter, in radii
+_AROUND, _ABOUT = 1.5, 0.5
+#: Part of the time for which a bead may change faster than it is said to
+_RARELY = 0.01
+
+
+class Towards(NamedTuple):
+    """Motion towards the wall, in the plane whose radius is the gap."""
+
+    spring: float
+    """1/s, mean rate at which drift brings two beads together; 0 if it does not"""
+    fastest: float
+    """1/s, rate of change of the drift, which is hardly exceeded"""
+
+
+def without_walls(problem: Problem) -> Problem:
+    """The problem without the forces of its walls."""
+    return dataclasses.replace(problem, walls=())
+
+
+def towards(problem: Problem) -> Towards:
+    """How fast a bead moves towards the wall where it is found: about its trap, or from its start.
+
+    On a line across the wall, by the density of Boltzmann. Of a trap, up to where it ends.
+    """
+    drag, scene = problem.drag, problem.scene
+    assert isinstance(drag, BesideWall)
+    trap = problem.equilibrium
+    middle = np.array(scene.start_position if trap is None else trap.position)
+    radius, kT = drag.radius, Boltzmann * scene.medium.temperature
+    position, normal = drag.planes[0]
+    at = normal * (middle[2] - position) / radius - 1
+    most = at + _AROUND if trap is not None else 2 * at + _AROUND
+    if len(drag.planes) > 1:
+        most = min(most, abs(drag.planes[1][0] - position) / radius - 2)
+    about = np.linspace(max(at - _ABOUT, 0.0), min(at + _ABOUT, most), _POINTS)
+    root = np.unique(np.sqrt(np.concatenate([np.linspace(0, most**0.5, _POINTS) ** 2, about])))
+    root = root[(root > 0) & (root**2 < most)]
+    gap = root**2
+    places = np.tile(middle, (len(gap), 1))
+    places[:, 2] = position + normal * radius * (1 + gap)
+    force = normal * problem.net_force(places)[:, 2] * radius / kT
+    found = drag.mobilities(places, gradient=True)
+    mu = found.value[:, 1] * drag.stokes.translation
+    slope = found.gradient[:, 1, 2] * drag.stokes.translation * normal * radius
+    scale = np.sqrt(2 * mu)
+    by_root = 2 * root / scale
+    r = by_root[0] * root[0] + np.concatenate(
+        [[0.0], np.cumsum(0.5 * (by_root[1:] + by_root[:-1]) * np.diff(root))]
+    )
+    energy = -np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(gap))])
+    if trap is not None:
+        here = int(np.argmin(np.abs(gap - at)))
+        energy[here:] = np.maximum.accumulate(energy[here:])
+        energy[: here + 1] = np.maximum.accumulate(energy[here::-1])[::-1]
+    density = np.exp(energy.min() - energy) * np.gradient(gap)
+    density /= density.sum()
+    rate = kT / drag.stokes.translation / radius**2
+    drift = 0.5 * (force * scale + slope / scale - 1 / r)
+    change = -rate * np.gradient(drift, r)
+    order = np.argsort(np.abs(change))
+    reached = int(np.searchsorted(np.cumsum(density[order]), 1 - _RARELY))
+    fastest = float(np.abs(change)[order[min(reached, len(order) - 1)]])
+    if trap is None:
+        fastest = max(fastest, rate / (1 + at) ** 2)
+    return Towards(max(float(density @ change), 0.0), fastest)
+
+
+def cut(normal: Array, low: float, high: float) -> Array:
+    """Normal numbers (n,) between two ends, from such numbers without ends, which they rise with.
+
+    low < 0 < high, or infinite.
+    """
+    below, above = ndtr(low), ndtr(-high)
+    left, right = (side + ndtr(sign * normal) * (1 - below - above) for side, sign in (
+        (below, 1.0), (above, -1.0),
+    ))  # fmt: skip
+    return np.where(normal < 0, ndtri(left), -ndtri(right))
