@@ -29,6 +29,7 @@ from .errors import (
     TweezerError,
     UnitWarning,
 )
+from .fluid import wall_mobilities
 from .io import load_run, save_run, scene_of
 from .optics import absorbed_power, optical_force, optical_jacobian, optical_torque
 from .scene import Scene, load_scene, shipped_scenes
@@ -79,4 +80,5 @@ __all__ = [
     "summarise",
     "trap_over_heights",
     "tune",
+    "wall_mobilities",
 ]

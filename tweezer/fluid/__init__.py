@@ -5,6 +5,7 @@ from __future__ import annotations
 from tweezer.fluid.binding import drag, without_wall
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
+from tweezer.fluid.mobilities import wall_mobilities
 from tweezer.fluid.reflection import LOWEST, Memory, memory_beside, memory_far, steady
 from tweezer.fluid.resisted import Resisted
 from tweezer.fluid.wall import BesideWall
@@ -30,5 +31,6 @@ __all__ = [
     "single",
     "steady",
     "stokes",
+    "wall_mobilities",
     "without_wall",
 ]

@@ -1,0 +1,67 @@
+"""The exact mobilities of a sphere beside a plane, by name."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from tweezer.compiled import cache_functions, cached_njit
+from tweezer.errors import SceneError
+from tweezer.generated import wall
+
+cache_functions(wall)
+
+#: What each of them is of
+_MEANINGS = {
+    "perpendicular": "velocity across the wall by a force",
+    "parallel": "velocity along the wall by a force",
+    "spin": "angular velocity about the wall's normal by a moment",
+    "turn": "angular velocity about an axis along the wall by a moment",
+    "roll": "radius times angular velocity, over velocity, of a bead pulled along the wall",
+}
+
+
+@cached_njit()
+def _fill(gaps, found):  # type: ignore[no-untyped-def]
+    for at in range(len(gaps)):
+        found[0, at], found[1, at], found[2, at], found[3, at], found[4, at] = wall.mobilities(
+            gaps[at]
+        )[:5]
+
+
+def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
+    """Mobilities of a sphere beside a plane wall, in slow flow, by its gap.
+
+    gap_over_radius: distance of the wall from the sphere's surface, in radii, of any shape.
+    Returns, in that shape, `perpendicular`, `parallel`, `spin` and `turn`, each over its value far
+    from the wall, and `roll`: the radius times the angular velocity, over the velocity, of a bead
+    that a force pulls along the wall, in the sense in which a ball rolls. Where `parallel` and
+    `turn` are concerned nothing else acts: a bead that is pulled turns freely, and one that is
+    turned moves freely.
+
+    They are the exact series (H. Brenner 1961; G. B. Jeffery 1915; M. E. O'Neill 1964; W. R. Dean
+    and M. E. O'Neill 1963), to a relative 1e-10, down to a gap of 1e-5 radii. Nearer, where a real
+    surface is rough, the first goes to zero with the gap and the others stay as they are. Raises
+    `SceneError` for a gap that is no positive finite number.
+    """
+    try:
+        gaps = np.asarray(gap_over_radius, np.float64)
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"gap_over_radius = {gap_over_radius!r}: allowed: positive finite numbers"
+        ) from None
+    wrong = gaps[~((gaps > 0) & np.isfinite(gaps))]
+    if wrong.size:
+        raise SceneError(f"gap_over_radius = {wrong[0]:g}: allowed: positive finite numbers")
+    found = np.empty((len(_MEANINGS), gaps.size))
+    _fill(gaps.ravel(), found)
+    name = "gap_over_radius"
+    dims = (name,) if gaps.ndim == 1 else tuple(f"gap_{axis}" for axis in range(gaps.ndim))
+    variables = {
+        mobility: (dims, values.reshape(gaps.shape), {"long_name": meaning, "units": "1"})
+        for (mobility, meaning), values in zip(_MEANINGS.items(), found, strict=True)
+    }
+    return xr.Dataset(
+        variables, {name: (dims, gaps, {"long_name": "gap over radius", "units": "1"})}
+    )
