@@ -9,7 +9,7 @@ import pytest
 
 import tweezer
 from tweezer.errors import SceneError
-from tweezer.plots import heights_figure, trap_figure
+from tweezer.plots import heights_figure, run_figure, trap_figure
 
 COVER = {"lens": {"cover": {"refractive_index": 1.518, "depth": "3 um"}}}
 
@@ -169,3 +169,24 @@ def test_beside_a_wall_the_trap_has_its_gap_and_drag_and_the_pull_ends_at_the_wa
     axes = trap_figure(scene, trap).axes
     (curve,) = [line for line in axes[0].lines if len(line.get_xdata()) > 100]
     assert curve.get_xdata().min() > -0.4 - 1e-9
+
+
+def test_a_run_tells_its_gap_and_the_smallest_between_samples(silica):
+    """A bead that the light draws past the wall: 5 samples miss the lowest place, 2,001 do not."""
+    scene = silica.replace(
+        wall={"position": "-1.1 um"}, start={"position": ["0.9 um", "0 um", "-0.4 um"]},
+        beam={"power_through_pupil": "2 mW"}, medium={"inertia": "none"},
+        simulation={"model": "overdamped", "duration": "200 ms", "samples": 5},
+    )  # fmt: skip
+    few = tweezer.simulate(scene)
+    many = tweezer.simulate(scene.replace(simulation={"samples": 2001}))
+    for run in (few, many):
+        expected = run["position"].sel(axis="z") + 1.1e-6 - 0.5e-6
+        np.testing.assert_allclose(run["gap"], expected, rtol=0, atol=1e-15)
+    told = tweezer.summarise(few)
+    assert told.smallest_gap < float(few["gap"].min())
+    assert told.smallest_gap == pytest.approx(float(many["gap"].min()), abs=1e-9)
+    assert abs(told.smallest_gap - float(many["gap"].min())) < told.smallest_gap_error + 1e-10
+    part = tweezer.summarise(many.isel(time=slice(0, 100)))
+    assert part.smallest_gap == float(many["gap"][:100].min())
+    run_figure(few).draw_without_rendering()
