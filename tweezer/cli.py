@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         Height,
         Recording,
         Summary,
+        Surface,
         Together,
         Trap,
     )
@@ -450,6 +451,17 @@ def calibrate(
             metavar="HEIGHT",
         ),
     ] = None,
+    focus: Annotated[
+        str | None,
+        typer.Option(
+            help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
+            'um, 1 um". The place of the wall is fitted.',
+            metavar="POSITIONS",
+        ),
+    ] = None,
+    focal_shift: Annotated[
+        str, typer.Option(help="How far the bead moves by a unit of --focus; or fit.")
+    ] = "1",
     drive: Annotated[
         str | None,
         typer.Option(
@@ -485,7 +497,7 @@ def calibrate(
     From the thermal motion of the bead, by several methods, and from its answer to a drive.
     """
     from tweezer.analysis import calibrate as calibrated
-    from tweezer.analysis import load_recording, together
+    from tweezer.analysis import find_wall, load_recording, together
     from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
 
     given = {
@@ -507,9 +519,13 @@ def calibrate(
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     if plot and len(recordings) > 1:
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
+    places, shift = _places(focus, focal_shift)
     loaded = [load_recording(each, drive).since(skipped) for each in recordings]
+    asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
+    if len(asked) > 1:
+        raise ResultError("--wall gives what --focus finds; must be one of them")
     for each in loaded:
-        _check_known(each, given, wall)
+        _check_known(each, given, asked)
     drag = mass = displaced = None
     if "radius" in given:
         from tweezer.fluid import stokes
@@ -524,21 +540,28 @@ def calibrate(
     for each in loaded:
         calibrations.append(
             calibrated(
-                each, temperature=given.get("temperature"), drag=drag, mass=mass,
-                displaced_mass=displaced, wall=_bare(wall), radius=given.get("radius"),
+                each, temperature=given.get("temperature"), drag=None if places else drag,
+                mass=mass, displaced_mass=displaced, wall=_bare(wall), radius=given.get("radius"),
                 exposure=exposed, diode=diode, noise=_bare(noise),
             )
         )  # fmt: skip
         if len(loaded) > 1:
             _out.print(f"{each.name}:", highlight=False, soft_wrap=True)
         _print_calibration(calibrations[-1])
-    put_together = together(calibrations) if len(loaded) > 1 else ()
+    put_together = together(calibrations) if len(loaded) > 1 and not places else ()
+    surface = None
+    if places:
+        surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
+        _print_surface(surface, calibrations, places)
     if put_together:
         _print_together(calibrations, put_together)
     if out:
         written = [dataclasses.asdict(each) for each in calibrations]
         every = [dataclasses.asdict(each) for each in put_together]
-        _write_json({"recordings": written, "together": every} if every else written[0], out)
+        result = {"recordings": written, "together": every} if every else written[0]
+        if surface:
+            result = {"recordings": written, "surface": dataclasses.asdict(surface)}
+        _write_json(result, out)
     if plot:
         from tweezer.plots import calibration_figure
 
@@ -546,12 +569,27 @@ def calibrate(
     _tell_written(out, plot)
 
 
-def _check_known(loaded: Recording, given: dict[str, float], wall: str | None) -> None:
-    """Refuse what does not go together, or with that recording."""
-    if wall is not None and loaded.scene is not None:
-        raise ResultError(f"{loaded.name}: its scene has the wall, or none; not to be given")
-    if wall is not None and "radius" not in given:
-        raise ResultError(f"{loaded.name}: --wall needs --radius and --viscosity")
+def _places(focus: str | None, shift: str) -> tuple[list[float], float | None]:
+    """Positions of the focus, m, and by how much the bead moves with it; None if that is fitted."""
+    from tweezer.units import Length
+
+    places = [_quantity("--focus", each, Length) for each in focus.split(",")] if focus else []
+    factor = None if shift == "fit" else _bare(shift)
+    if isinstance(factor, str):
+        raise ResultError(f"--focal-shift {shift!r}: must be a number, or fit")
+    return places, factor
+
+
+def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) -> None:
+    """Refuse what does not go together, or with that recording.
+
+    beside: options of a wall that are given.
+    """
+    for option in beside:
+        if loaded.scene is not None:
+            raise ResultError(f"{loaded.name}: its scene has the wall; {option} is not for a run")
+        if "radius" not in given:
+            raise ResultError(f"{loaded.name}: {option} needs --radius and --viscosity")
     if loaded.scene is not None and given:
         raise ResultError(
             f"{loaded.name}: its scene has the {', the '.join(given)}; not to be given"
@@ -1223,6 +1261,26 @@ def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]
         _out.print(table)
         for finding in each.findings:
             _out.print(finding.text, highlight=False, soft_wrap=True)
+
+
+def _print_surface(surface: Surface, calibrations: list[Calibration], places: list[float]) -> None:
+    """A table of heights, and where the wall is."""
+    table = _table("height by the drag", "focus, um", "height, um", "+-", "")
+    for each, place, height in zip(calibrations, places, surface.heights, strict=True):
+        numbers = rounded(1e6 * height.distance, 1e6 * height.uncertainty)
+        judgement = "" if each.name in surface.recordings else "not trusted"
+        table.add_row(each.name, f"{1e6 * place:.4g}", *numbers, judgement)
+    _out.print(table)
+    wall = with_uncertainty(1e6 * surface.position, 1e6 * surface.uncertainty)
+    line = f"the bead's centre would be in the wall with the focus at {wall} um"
+    if surface.shift_uncertainty is not None:
+        shift = with_uncertainty(surface.shift, surface.shift_uncertainty)
+        line += f"; it moves by {shift} of the focus"
+    if surface.p_value is not None:
+        line += f"; p = {surface.p_value:.2g}"
+    _out.print(line, highlight=False, soft_wrap=True)
+    for finding in surface.findings:
+        _out.print(finding.text, highlight=False, soft_wrap=True)
 
 
 def _print_depth(found: DepthFit, scene: Scene) -> None:

@@ -11,8 +11,10 @@ from lumicks.pylake.force_calibration.detail import drag_models
 from scipy.signal import lfilter
 
 import tweezer
+from tests.reference import detected_bead, reflected_flow
 from tests.reference.detected_bead import BOLTZMANN
-from tweezer.analysis import Recording
+from tweezer.analysis import Recording, TrappedBead
+from tweezer.rounding import with_uncertainty
 
 T = 293.15
 KT = BOLTZMANN * T
@@ -56,7 +58,8 @@ def recording(gap, seed, axes="xyz", unit="m", scale=1.0, **more):
     )
 
 
-KNOWN = {"temperature": T, "drag": FAR, "radius": RADIUS, "exposure": 0.0}
+ALONE = {"temperature": T, "exposure": 0.0}
+KNOWN = {**ALONE, "drag": FAR, "radius": RADIUS}
 
 
 @pytest.mark.parametrize("gap", MOBILITY)
@@ -191,3 +194,207 @@ def test_command_beside_a_wall(command_line):
     outcome = command_line(*asked, "--wall", "0.4 um")
     assert outcome.code == 2
     assert outcome.err.startswith("mine.csv: wall = 4e-07: must be more than the bead's radius")
+
+
+FLUID = {"mass": 2000.0 * VOLUME, "displaced_mass": WATER * VOLUME}
+#: heights in radii at which the drag with inertia is exact enough, and mobilities there
+HEIGHTS = [(2.0, False, 0.7232121833), (6.0, False, 0.9066886056), (6.0, True, 0.8144061991)]
+
+
+def spectrum(stiffness, height, across, mobility):
+    """That of the reflected flow, by the reference."""
+    masses = FLUID["mass"], FLUID["displaced_mass"]
+    return reflected_flow.Density(stiffness, FAR, T, *masses, height, mobility, across)
+
+
+@pytest.mark.parametrize("of", HEIGHTS)
+def test_a_bead_beside_a_wall_in_a_fluid_with_inertia(of):
+    """Its spectrum, and that of samples by 1001 aliases, of which those left out are 1e-4; the
+    answer to a stage by hand.
+    """
+    height, across, mobility = of
+    exact = spectrum(1e-4, *of)
+    found = TrappedBead(1e-4, FAR / mobility, T, **FLUID, wall=height, across=across)
+    f = np.geomspace(10, 2e5, 30)
+    np.testing.assert_allclose(found.spectrum(f), exact(f), rtol=3e-3)
+    f = np.linspace(50, 49_950, 12)
+    aliases = detected_bead.sampled(f, 1e-5, exact, 500)
+    np.testing.assert_allclose(found.sampled_spectrum(f, 1e-5), aliases, rtol=3e-3)
+    assert found.variance == pytest.approx(KT / 1e-4, rel=1e-9)
+    s, gamma = 2j * math.pi * 300.0, exact.gamma(300.0)
+    push = s * (gamma + s * FLUID["displaced_mass"])
+    moved = push / (s * gamma + 1e-4 + FLUID["mass"] * s**2)
+    assert complex(found.driven(300.0)) == pytest.approx(moved, rel=3e-3)
+
+
+@pytest.mark.parametrize("of", HEIGHTS[:1] + HEIGHTS[2:])
+def test_estimates_with_the_inertia_of_the_fluid_beside_a_wall(of):
+    """8 records at 100 kHz: scores have mean 0 and deviation 1, in 4 scatters (0.35 and 0.25):
+    false alarm 1e-3; also with a stage that moves fluid and wall. Without the wall nothing is
+    trusted.
+    """
+    height, across, mobility = of
+    exact, step, axis = spectrum(1e-4, *of), 1e-5, "z" if across else "x"
+    times = step * np.arange(2**14)
+    known = KNOWN | FLUID | {"wall": height * RADIUS}
+    wave = 400e-9 * np.exp(2j * np.pi * 37.0 * times)
+    s, gamma = 2j * math.pi * 37.0, exact.gamma(37.0)
+    push = s * (gamma + s * FLUID["displaced_mass"])
+    answer = push / (s * gamma + 1e-4 + FLUID["mass"] * s**2)
+    scores = {}
+    for i, x in enumerate(detected_bead.drawn(exact, step, 2**14, 5, 8)):
+        still = Recording("record", times, x[:, None], (axis,))
+        volts = 3e6 * (x + (answer * wave).imag)
+        driven = Recording("record", times, volts[:, None], (axis,), unit="V", drive=wave.imag)
+        found = tweezer.calibrate(still, **known).axes[0]
+        active = tweezer.calibrate(driven, **(known | {"drag": None})).axes[0]
+        fits = found.free_fit, active.free_fit
+        for name, value, error, true in (
+            *((e.method, e.stiffness, e.uncertainty, 1e-4) for e in found.estimates),
+            *(("drag", fit.bead.drag, fit.drag_uncertainty, FAR / mobility) for fit in fits),
+            ("volts", active.sensitivity, active.sensitivity_uncertainty, 1 / 3e6),
+            ("driven", active.fit.bead.stiffness, active.fit.stiffness_uncertainty, 1e-4),
+        ):
+            scores.setdefault(name, []).append((value - true) / error)
+        if not i:
+            wrong = tweezer.calibrate(still, **(known | {"wall": None})).axes[0]
+            assert {finding.name for finding in wrong.findings} & {"drag", "spectrum"}
+    assert len(scores) == 9
+    for name, values in scores.items():
+        assert abs(np.mean(values)) < 1.4, name
+        assert 0.2 < np.std(values) < 2.0, name
+
+
+def test_a_driven_axis_tells_the_drag_of_another():
+    """x is driven, z is not: across the wall its drag is larger, by the ratio of the mobilities."""
+    metres = recording(1.0, 8, "xz")
+    drag = FAR / MOBILITY[1.0][0]
+    s = 2j * math.pi * 37.0
+    wave = 2e-6 * np.exp(s * metres.times)
+    moved = (s * drag / (s * drag + K["x"]) * wave).imag
+    signal = dataclasses.replace(
+        metres, positions=2e6 * (metres.positions + np.outer(moved, [1, 0])), unit="V",
+        drive=wave.imag,
+    )  # fmt: skip
+    known = ALONE | {"wall": height(1.0), "radius": RADIUS}
+    by_stage, still = tweezer.calibrate(signal, **known).axes
+    ratio = MOBILITY[1.0][0] / MOBILITY[1.0][1]
+    first, second = by_stage.free_fit, still.free_fit
+    assert second.bead.drag == pytest.approx(ratio * first.bead.drag, rel=1e-3)
+    assert abs(first.bead.drag - drag) < 4 * first.drag_uncertainty
+    for axis in (by_stage, still):
+        k = axis["power spectrum"]
+        assert abs(k.stiffness - K[axis.axis]) < 4 * k.uncertainty
+        assert axis.sensitivity == pytest.approx(1 / 2e6, abs=4 * axis.sensitivity_uncertainty)
+    told = tweezer.calibrate(signal, drag=FAR, **known).axes
+    assert not any("drag" in [finding.name for finding in axis.findings] for axis in told)
+    wrong = tweezer.calibrate(signal, drag=FAR, **ALONE).axes[0]
+    assert "drag" in [finding.name for finding in wrong.findings]
+
+
+@pytest.mark.parametrize(
+    ("wall", "axes", "why"),
+    [(0.7e-6, "x", "the drag of x, along the wall, is known from 1.5 radii on; leave out"),
+     (0.9e-6, "xz", "the drag of z, across the wall, is known from 2 radii on; leave out")],
+)  # fmt: skip
+def test_the_inertia_of_the_fluid_too_near_a_wall(wall, axes, why):
+    with pytest.raises(tweezer.ResultError, match=f"wall = .*: with the inertia .*{why}"):
+        tweezer.calibrate(recording(1.0, 1, axes), wall=wall, **KNOWN, **FLUID)
+
+
+#: positions of the focus, m: with a shift of 0.8 the gaps are 0.1, 0.5, 1 and 5 radii
+SHIFT, WALL = 0.8, -2e-6
+FOCUS = [WALL + height(gap) / SHIFT for gap in MOBILITY]
+
+
+@pytest.fixture(scope="module")
+def series():
+    """Calibrations at the four heights, three times, of which none is told a drag."""
+    return [
+        [
+            tweezer.calibrate(recording(gap, 10 * i + j, "xz"), **ALONE)
+            for j, gap in enumerate(MOBILITY)
+        ]
+        for i in range(3)
+    ]
+
+
+@pytest.mark.parametrize("drag", [FAR, None])
+@pytest.mark.parametrize("shift", [SHIFT, None])
+def test_the_wall_is_found(series, drag, shift):
+    """Scores of 3 series have mean 0 and deviation 1, in 3.5 scatters (0.58 and 0.41), false alarm
+    1e-3 each: the wall's place, the height of the nearest bead, and what else is fitted.
+    """
+    scores = {}
+    for calibrations in series:
+        found = tweezer.find_wall(calibrations, FOCUS, radius=RADIUS, drag=drag, shift=shift)
+        assert not found.findings
+        assert (found.drag_uncertainty is None, found.shift_uncertainty is None) == (
+            drag is not None, shift is not None,
+        )  # fmt: skip
+        nearest = found.heights[0]
+        for name, value, error, true in (
+            ("wall", found.position, found.uncertainty, WALL),
+            ("height", nearest.distance, nearest.uncertainty, height(0.1)),
+            ("drag", found.drag, found.drag_uncertainty, FAR),
+            ("shift", found.shift, found.shift_uncertainty, SHIFT),
+        ):
+            if error is not None:
+                scores.setdefault(name, []).append((value - true) / error)
+    for name, values in scores.items():
+        assert abs(np.mean(values)) < 2.0, name
+        assert np.std(values) < 2.4, name
+
+
+def test_what_a_series_of_heights_does_not_tell_is_said(series):
+    bead = {"radius": RADIUS, "drag": FAR}
+    calibrations = series[0]
+    far = [tweezer.calibrate(recording(5.0, 20 + i, "x"), **ALONE) for i in range(2)]
+    vague = tweezer.find_wall(far, [0.0, 1e-9], radius=RADIUS, shift=1.0)
+    assert [finding.name for finding in vague.findings] == ["undetermined"]
+    backwards = tweezer.find_wall(calibrations, FOCUS[::-1], **bead, shift=SHIFT)
+    assert [finding.name for finding in backwards.findings] == ["apart"]
+    told = [tweezer.calibrate(recording(gap, 1, "x"), drag=FAR, **ALONE) for gap in MOBILITY]
+    found = tweezer.find_wall(told, FOCUS, **bead, shift=SHIFT)
+    assert (
+        len(found.recordings) == 1
+    )  # of the same name; a drag far from a wall is not held against it
+    assert abs(found.position - WALL) < 4 * found.uncertainty
+    volts = tweezer.calibrate(recording(1.0, 1, "x", unit="V", scale=1e6), drag=FAR, **ALONE)
+    heavy = dataclasses.replace(calibrations[0], displaced_mass=1e-15)
+    for wrong, places, why in (
+        (calibrations, FOCUS[:3], "positions: must be 4 finite numbers, one for each recording"),
+        (calibrations[:2], [0.0, math.nan], "positions: must be 2 finite numbers"),
+        ([volts], [0.0], "no recording measures the drag: it is in volts, or not trusted"),
+        ([heavy], [0.0], "without the inertia of the fluid: leave out its density"),
+    ):
+        with pytest.raises(tweezer.ResultError, match=why):
+            tweezer.find_wall(wrong, places, **bead)
+    with pytest.raises(tweezer.ResultError, match=r"1 positions with a drag .* must be 2 or more"):
+        tweezer.find_wall(calibrations[:1], [0.0], radius=RADIUS)
+    with pytest.raises(tweezer.ResultError, match=r"shift = 0: must be positive"):
+        tweezer.find_wall(calibrations, FOCUS, **bead, shift=0)
+
+
+def test_command_that_finds_the_wall(command_line):
+    names = []
+    for gap in MOBILITY:
+        names.append(f"{gap}.csv")
+        write_table(names[-1], recording(gap, 4, "x"))
+    places = ", ".join(f"{1e6 * place:.4f} um" for place in FOCUS)
+    asked = ["calibrate", *names, *SAID, *BEAD, "--focus", places]
+    outcome = command_line(*asked, "--focal-shift", "0.8", "--out", "k.json")
+    assert (outcome.code, outcome.err) == (0, "")
+    surface = json.loads(Path("k.json").read_text())["surface"]
+    assert abs(surface["position"] - WALL) < 4 * surface["uncertainty"]
+    place = with_uncertainty(1e6 * surface["position"], 1e6 * surface["uncertainty"])
+    assert f"the bead's centre would be in the wall with the focus at {place} um" in outcome.out
+    outcome = command_line(*asked, "--focal-shift", "fit")
+    assert (outcome.code, outcome.err) == (0, "")
+    assert "; it moves by 0." in outcome.out
+    for more, why in (
+        (["--wall", "1 um"], "--wall gives what --focus finds; must be one of them"),
+        (["--focal-shift", "some"], "--focal-shift 'some': must be a number, or fit"),
+    ):
+        outcome = command_line(*asked, *more)
+        assert (outcome.code, outcome.err) == (2, why + "\n")

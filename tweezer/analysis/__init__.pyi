@@ -25,6 +25,7 @@ from .spectra import (
     statistical_inefficiency,
 )
 from .summary import Summary, summarise
+from .surface import Surface, find_wall
 from .together import Together, together
 from .trap import Efficiency, Equilibrium, Escape, Trap, characterise
 from .tuning import Tuned, Tuning, tune
@@ -50,6 +51,7 @@ __all__ = [
     "Recording",
     "SpectrumFit",
     "Summary",
+    "Surface",
     "Together",
     "Track",
     "Trap",
@@ -61,6 +63,7 @@ __all__ = [
     "characterise",
     "derived_quantities",
     "escape_times",
+    "find_wall",
     "fit_depth",
     "in_metres",
     "load_recording",
