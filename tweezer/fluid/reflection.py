@@ -37,6 +37,8 @@ LOWEST = {"along": 1.5, "across": 2.0}
 _FREQUENCIES = np.geomspace(1e-5, 3e2, 300)
 #: Panels of the integral over wave numbers, in 1/h, and Gauss's points in each
 _PANELS, _POINTS = np.append(0.0, np.geomspace(1e-2, 60.0, 14)), 40
+#: Largest number of steps of the fit
+_MOST_STEPS = 10_000
 #: alpha r that counts as 0
 _STILL = 1e-6
 #: alpha r below which a difference of the weights is a series
@@ -135,7 +137,9 @@ def memory_beside(height: float, *, across: bool, poles: int) -> Memory:
     matrix = weight[:, None] * columns
     target = weight * (drag - 1 / mobility)
     found, _ = nnls(
-        np.concatenate([matrix.real, matrix.imag]), np.concatenate([target.real, target.imag])
+        np.concatenate([matrix.real, matrix.imag]),
+        np.concatenate([target.real, target.imag]),
+        maxiter=_MOST_STEPS,
     )
     kept = found[:-1] > 0
     weights = mobility * found[:-1][kept]
