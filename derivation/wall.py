@@ -20,6 +20,7 @@ has additive noise, and nothing in it is singular but the logarithm of lubricati
 from __future__ import annotations
 
 import functools
+import math
 from fractions import Fraction
 from typing import Any
 
@@ -27,7 +28,7 @@ import sympy as sp
 
 from . import wall_coefficients as wc
 from .equations import Equation
-from .wall_coefficients import Coefficients
+from .wall_coefficients import Series
 
 # --- mobilities ----------------------------------------------------------------------------------
 g = sp.Symbol("g", positive=True)
@@ -61,20 +62,6 @@ def over_gap(expression: sp.Expr) -> sp.Expr:
 SLOPES = {name: over_gap(value) for name, value in MOBILITIES.items()}
 #: dw/dg of w = ln(1 + 2/g)
 CHANGE_OF_W = -2 * s**2 / (rest * (1 + s))
-
-# --- far away ------------------------------------------------------------------------------------
-#: H. Faxen's and H. A. Lorentz's series of the perpendicular mobility over s, up to s^3
-FAR = 1 - sp.Rational(9, 8) * s + s**3 / 2
-h, K = sp.symbols("h K", positive=True)
-
-
-def _far_way() -> sp.Expr:
-    """sqrt(2) r - K at the height h = 1 + g: the integral of 1/sqrt(mu) by its series over 1/h."""
-    series = sp.series(1 / sp.sqrt(FAR), s, 0, 4).removeO()
-    return sp.integrate(sp.expand(series.subs(s, 1 / h)), h)
-
-
-FAR_WAY = _far_way()
 
 # --- the plane -----------------------------------------------------------------------------------
 r = sp.Symbol("r", positive=True)
@@ -125,77 +112,104 @@ GAP = Equation(
     + sp.sqrt(NOISE_OF_GAP.subs(root, sp.sqrt(2 * sp.Symbol("mu")))) * sp.Symbol("dB"),
 )
 
-# --- its series ----------------------------------------------------------------------------------
-share = sp.Symbol("share", positive=True)
-#: what falls from contact to far away like S
-SHARE = 1 / (1 + r / sp.sqrt(2))
-#: near to half the gap, or to the gap near contact
-NEAR = r**2 / 2 * share
-PLANE = {
-    "gap": NEAR * _G,
-    "by_force": share * _H,
-    "by_place": _L / (1 + r**2),
-    "parallel": _P,
-}
-
-
 # --- what is emitted ------------------------------------------------------------------------------
-#: Terms of the series of the mobilities' factors, and of the plane's
-TERMS, PLANE_TERMS = 10, 9
+#: Terms of a series that are emitted
+TERMS = 10
 
 
-def tables(made: Coefficients) -> dict[str, Any]:
+def tables(series: Series) -> dict[str, Any]:
     """All that `templates/wall.py.jinja` has names for."""
-    contact = wc.CONTACT
-    low, high = (float(wc.variable(each)) for each in (made.touching, made.far))
-    begin, root = made.plane[0], sp.sqrt(2)
-    at_contact = dict(zip(PLANE, map(float, _at_begin(begin, made.touching)), strict=True))
     return {
-        "contact": float(contact),
+        "contact": float(wc.CONTACT),
         "touching": float(wc.spin_at_contact()),
         "pieces": wc.PIECES,
         "pieces_per_w": float(wc.PIECES / wc.range_of_w()),
-        "mobilities": [_row(piece, TERMS) for piece in made.mobilities],
-        "factors": _names(FACTORS, TERMS),
+        "rows": [_row(piece) for piece in series],
+        "factors": _names(),
         "values": MOBILITIES,
         "slopes": SLOPES,
         "change_of_w": CHANGE_OF_W,
-        "r_contact": made.touching,
-        "r_far": made.far,
-        "plane_begin": low,
-        "plane_pieces_per_y": wc.PIECES / (high - low),
-        "plane": [_row(piece, PLANE_TERMS) for piece in made.plane],
-        "plane_factors": _names(PLANE_FACTORS, PLANE_TERMS),
-        "plane_values": PLANE,
-        "share": SHARE,
-        "near": NEAR,
-        "far_rest": FAR_WAY - h,
-        "far_constant": float((root * made.far - FAR_WAY.subs(h, 1 + wc.FAR)).evalf()),
-        "at_contact": at_contact,
+        "bounds": bounds(series),
     }
 
 
-def _at_begin(piece: list[list[float]], touching: float) -> list[sp.Expr]:
-    """The plane's values at the begin of a piece, where T_k = (-1)^k."""
-    factors = [sum((-1) ** k * c for k, c in enumerate(series)) for series in piece]
-    known = {**dict(zip(PLANE_FACTORS, factors, strict=True)), share: SHARE}
-    return [value.subs(known).subs(r, touching).evalf() for value in PLANE.values()]
+def bounds(series: Series) -> dict[str, tuple[float, float]]:
+    """Largest relative error of each mobility and of its derivative, from CONTACT to infinity.
+
+    By what the degrees left out can add to a factor, the last of those made counted once more for
+    all beyond: each is smaller than the one before by a factor of 8 and more.
+    """
+    step, points = float(wc.range_of_w() / wc.PIECES), 32
+    known = [g, s, rest, touching, *FACTORS, *RATES]
+    rules = {
+        name: sp.lambdify(known, [value, slope, *_by_errors(value), *_by_errors(slope)], "math")
+        for name, value in MOBILITIES.items()
+        for slope in (SLOPES[name],)
+    }
+    worst = {name: [0.0, 0.0] for name in MOBILITIES}
+    for at, piece in enumerate(series):
+        left = [[abs(c) for c in each[TERMS:]] for each in piece]
+        errors = [sum(each) + each[-1] for each in left]
+        slopes = [
+            2 / step * (sum(c * k**2 for k, c in enumerate(each, TERMS)) + each[-1] * wc.MADE**2)
+            for each in left
+        ]
+        for point in range(points + 1):
+            x = 2 * point / points - 1
+            gap = 2 / math.expm1(step * max(at + point / points, 1e-3))
+            share = 1 / (1 + gap)
+            change = float(CHANGE_OF_W.subs({s: share, rest: 1 - share}))
+            factors = [_value(each, x) for each in piece]
+            rates = [change * 2 / step * _slope(each, x) for each in piece]
+            place = (gap, share, 1 - share, float(wc.spin_at_contact()), *factors, *rates)
+            off = [*errors, *(abs(change) * each for each in slopes)]
+            for name, rule in rules.items():
+                value, slope, *by = rule(*place)
+                for k, true in enumerate((value, slope)):
+                    weights = by[k * len(off) : (k + 1) * len(off)]
+                    error = sum(abs(w) * e for w, e in zip(weights, off, strict=True)) / abs(true)
+                    worst[name][k] = max(worst[name][k], error)
+    return {name: (_upward(value), _upward(slope)) for name, (value, slope) in worst.items()}
 
 
-def _names(factors: tuple[sp.Symbol, ...], terms: int) -> dict[str, dict[str, list[str]]]:
+def _by_errors(expression: sp.Expr) -> list[sp.Expr]:
+    """Derivatives over the factors and their rates."""
+    return [expression.diff(each) for each in (*FACTORS, *RATES)]
+
+
+def _value(series: list[float], x: float) -> float:
+    return math.fsum(c * math.cos(k * math.acos(x)) for k, c in enumerate(series))
+
+
+def _slope(series: list[float], x: float) -> float:
+    """Derivative over x: T_k' = k U_(k-1)."""
+    before, own, whole = 0.0, 1.0, 0.0
+    for k, c in enumerate(series[1:], 1):
+        whole += c * k * own
+        before, own = own, 2 * x * own - before
+    return whole
+
+
+def _upward(value: float) -> float:
+    """Two digits, never less than `value`."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return float(f"{math.ceil(value / unit * 1.01) * unit:.1e}")
+
+
+def _names() -> dict[str, dict[str, list[str]]]:
     """Of each factor where its powers stand in a row, and those of its derivative."""
-    n, found = len(factors), {}
-    for at, factor in enumerate(factors):
-        powers = [f"c[{n * power + at}]" for power in range(terms)]
+    n, found = len(FACTORS), {}
+    for at, factor in enumerate(FACTORS):
+        powers = [f"c[{n * power + at}]" for power in range(TERMS)]
         slope = [f"{float(power)} * {name}" for power, name in enumerate(powers)]
         found[str(factor)] = {"value": powers, "slope": [powers[1], *slope[2:]]}
     return found
 
 
-def _row(piece: list[list[float]], terms: int) -> tuple[float, ...]:
+def _row(piece: list[list[float]]) -> tuple[float, ...]:
     """The powers of a piece: of each power all factors."""
-    by_factor = [_powers([Fraction(c) for c in series[:terms]]) for series in piece]
-    return tuple(float(by[power]) for power in range(terms) for by in by_factor)
+    by_factor = [_powers([Fraction(c) for c in series[:TERMS]]) for series in piece]
+    return tuple(float(by[power]) for power in range(TERMS) for by in by_factor)
 
 
 def _powers(series: list[Fraction]) -> list[Fraction]:

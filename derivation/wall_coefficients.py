@@ -21,11 +21,8 @@ What this makes takes minutes and is data: `wall_coefficients.json` is committed
 
 from __future__ import annotations
 
-import bisect
-import itertools
 import json
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,16 +37,12 @@ DIGITS = 42
 DECAY = 85
 #: Gap, radii, down to which the series are used
 CONTACT = mpf(1) / 100000
-#: Pieces of w, and of the plane's variable
+#: Pieces of w
 PIECES = 24
 #: Coefficients of a series
 MADE = 13
-#: Gap, radii, up to which the plane has pieces
-FAR = 500
-#: Intervals of ln g for r(g)
-INTERVALS = 40
 
-#: by piece, function and degree
+#: by piece, factor and degree
 Series = list[list[list[float]]]
 
 
@@ -236,7 +229,8 @@ def range_of_w() -> Any:
     return mpmath.log1p(2 / CONTACT)
 
 
-def _piece_of_mobilities(piece: int) -> list[list[float]]:
+def piece_of(piece: int) -> list[list[float]]:
+    """The series of a piece."""
     mp.dps = DIGITS
     length = range_of_w() / PIECES
     places = _at_nodes(piece * length, (piece + 1) * length)
@@ -244,138 +238,23 @@ def _piece_of_mobilities(piece: int) -> list[list[float]]:
     return [_series(list(column)) for column in columns]
 
 
-# --- the plane -----------------------------------------------------------------------------------
-class _Plane:
-    """r(g) = int_0^g dg/sqrt(2 mu) and its inverse, by the series made."""
-
-    def __init__(self, series: Series) -> None:
-        self.pieces = [[[mpf(c) for c in each] for each in piece[:2]] for piece in series]
-        self.range = range_of_w()
-        #: Gauss's rule, 24 nodes
-        self.rule = mpmath.calculus.quadrature.GaussLegendre(mp).calc_nodes(4, mp.prec)
-        #: ln g and r at the ends of intervals
-        self.ends = mpmath.linspace(mpmath.log(CONTACT), mpmath.log(FAR), INTERVALS + 1)
-        self.r = [_way_from_contact()]
-        for low, high in itertools.pairwise(self.ends):
-            self.r.append(self.r[-1] + self._way(low, high))
-
-    def mobilities(self, g: Any) -> tuple[Any, Any, Any]:
-        """Perpendicular, its derivative over g, and parallel."""
-        place = mpmath.log1p(2 / g) / self.range * PIECES
-        piece = min(int(place), PIECES - 1)
-        (A, slope), (B, _) = (
-            _clenshaw(each, 2 * (place - piece) - 1) for each in self.pieces[piece]
-        )
-        s = 1 / (1 + g)
-        A_g = -slope * 4 * PIECES / self.range * s**2 / (1 - s**2)
-        slope_of_value = s**2 * (1 + s * A) + (1 - s) * (s * A_g - s**2 * A)
-        return (1 - s) * (1 + s * A), slope_of_value, 1 - s * B
-
-    def _way(self, low: Any, high: Any) -> Any:
-        """What r grows by between two values of ln g."""
-        half, whole = (high - low) / 2, mpf(0)
-        for x, weight in self.rule:
-            g = mpmath.exp((low + high) / 2 + half * x)
-            whole += weight * g / mpmath.sqrt(2 * self.mobilities(g)[0])
-        return whole * half
-
-    def gap(self, r: Any) -> Any:
-        """g of r, by Newton's method."""
-        at = max(bisect.bisect_right(self.r, r) - 1, 0)
-        g = mpmath.exp(self.ends[at])
-        for _ in range(60):
-            slope = mpmath.sqrt(2 * self.mobilities(g)[0])
-            step = (r - self.r[at] - self._way(self.ends[at], mpmath.log(g))) * slope
-            g += step
-            if abs(step) < mpf(10) ** -25 * g:
-                return g
-        raise ArithmeticError(f"no gap for r = {r}")
-
-    def factors(self, r: Any) -> list[Any]:
-        """The smooth factors, as in `derivation.wall.PLANE`."""
-        g = self.gap(r)
-        value, slope, parallel = self.mobilities(g)
-        root = mpmath.sqrt(2 * value)
-        return [
-            g * (2 + r * mpmath.sqrt(2)) / r**2,
-            root / r * (1 + r / mpmath.sqrt(2)),
-            (slope / root - 1 / r) / (2 * r) * (1 + r**2),
-            parallel,
-        ]
-
-
-def _clenshaw(series: list[Any], x: Any) -> tuple[Any, Any]:
-    """A Chebyshev series and its derivative."""
-    value, slope = series[0] + series[1] * x, series[1]
-    T, U = (mpf(1), x), (mpf(1), 2 * x)
-    for k, coefficient in enumerate(series[2:], 2):
-        slope += coefficient * k * U[1]
-        T, U = (T[1], 2 * x * T[1] - T[0]), (U[1], 2 * x * U[1] - U[0])
-        value += coefficient * T[1]
-    return value, slope
-
-
-def _way_from_contact() -> Any:
-    """r at CONTACT: by lubrication, 1/mu = 1/g + ln(1/g)/5 + c, with c of the series there."""
-    c = resistances(CONTACT).perpendicular - 1 / CONTACT + mpmath.log(CONTACT) / 5
-    edges = [0, mpmath.sqrt(CONTACT) / 100, mpmath.sqrt(CONTACT)]
-    return mpmath.quad(lambda x: mpmath.sqrt(2 * (1 + x**2 * (c - 2 * mpmath.log(x) / 5))), edges)
-
-
-def variable(r: Any) -> Any:
-    """The variable of the plane's series: ln of `derivation.wall.NEAR`."""
-    return mpmath.log(r**2 / (2 + r * mpmath.sqrt(2)))
-
-
-def _place(y: Any) -> Any:
-    """r of that variable."""
-    half = mpmath.exp(y) / mpmath.sqrt(2)
-    return half + mpmath.sqrt(half**2 + 2 * mpmath.exp(y))
-
-
 # --- the file ------------------------------------------------------------------------------------
-@dataclass(frozen=True)
-class Coefficients:
-    """What is emitted."""
-
-    mobilities: Series
-    """by piece of w, factor and degree"""
-    plane: Series
-    """by piece of the plane's variable, factor and degree"""
-    touching: float
-    """r at CONTACT"""
-    far: float
-    """r at the gap FAR"""
-
-
-def make() -> Coefficients:
-    """All of it, on all processors."""
+def make() -> Series:
+    """All pieces, on all processors."""
     mp.dps = DIGITS
     with ProcessPoolExecutor() as pool:
-        mobilities = list(pool.map(_piece_of_mobilities, reversed(range(PIECES))))[::-1]
-    return with_plane(mobilities)
+        return list(pool.map(piece_of, reversed(range(PIECES))))[::-1]
 
 
-def with_plane(mobilities: Series) -> Coefficients:
-    """The plane of these mobilities."""
-    plane = _Plane(mobilities)
-    low, high = variable(plane.r[0]), variable(plane.r[-1])
-    pieces = []
-    for piece in range(PIECES):
-        ends = (low + (high - low) * each / PIECES for each in (piece, piece + 1))
-        columns = zip(*(plane.factors(_place(y)) for y in _at_nodes(*ends)), strict=True)
-        pieces.append([_series(list(column)) for column in columns])
-    return Coefficients(mobilities, pieces, float(plane.r[0]), float(plane.r[-1]))
-
-
-def load() -> Coefficients:
-    """The committed coefficients."""
-    return Coefficients(**json.loads(DATA.read_text()))
+def load() -> Series:
+    """The committed series."""
+    read: Series = json.loads(DATA.read_text())
+    return read
 
 
 def main() -> None:
     """Make them again and write the file."""
-    DATA.write_text(json.dumps(asdict(make()), indent=1) + "\n")
+    DATA.write_text(json.dumps(make(), indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """Beside a wall: the plane of the gap proven, the series against what is known of them."""
 
 import itertools
-import json
 import math
 
 import mpmath as mp
@@ -126,15 +125,6 @@ def test_far_series(by_gap):
             assert max(left) < 1.5, name
 
 
-def test_far_away_the_plane_is_the_series_of_it():
-    """sqrt(2) r - K = h + (9/16) ln h + ...: its derivative is 1/sqrt(mu) but for s^4."""
-    h = wall.h
-    slope = wall.FAR_WAY.diff(h)
-    mu = wall.FAR.subs(wall.s, 1 / h)
-    rest = sp.series((slope**2 * mu).subs(h, 1 / wall.s), wall.s, 0, 4).removeO()
-    assert sp.simplify(rest - 1) == 0
-
-
 def test_lubrication(by_gap):
     """Terms up to g ln(1/g), as recalled, of D. J. Jeffrey and Y. Onishi (1984).
 
@@ -159,40 +149,31 @@ def test_lubrication(by_gap):
 # --- the committed coefficients ------------------------------------------------------------------
 def test_a_piece_is_made_again():
     """The cheapest two: their values at the nodes give the committed numbers."""
-    kept = wc.load()
-    for piece in (0, 3):
-        for made, committed in zip(
-            wc._piece_of_mobilities(piece), kept.mobilities[piece], strict=True
-        ):
-            assert made == pytest.approx(committed, rel=1e-12, abs=1e-20)
-    mp.mp.dps = 15
+    kept, digits = wc.load(), mp.mp.dps
+    try:
+        for piece in (0, 3):
+            for made, committed in zip(wc.piece_of(piece), kept[piece], strict=True):
+                assert made == pytest.approx(committed, rel=1e-12, abs=1e-20)
+    finally:
+        mp.mp.dps = digits
 
 
-def test_series_fall_to_the_bound():
-    """Degrees that are left out: what they can add, the last counted twice for those beyond."""
-    kept = wc.load()
-    for pieces, terms, bound in (
-        (kept.mobilities, wall.TERMS, 3e-12),
-        (kept.plane, wall.PLANE_TERMS, 1e-10),
-    ):
-        left = max(
-            sum(map(abs, series[terms:])) + abs(series[-1]) for piece in pieces for series in piece
-        )
-        assert left < bound
+def test_what_is_left_out():
+    """The degrees that are not emitted, the last counted twice for those beyond: the bound.
+
+    Of values, and of derivatives over x, of which T_k has k^2.
+    """
+    for piece in wc.load():
+        for series in piece:
+            left = [abs(c) for c in series[wall.TERMS :]]
+            left.append(left[-1])
+            assert sum(left) < 3e-12
+            assert sum(c * k**2 for k, c in enumerate(left, wall.TERMS)) < 3e-10
 
 
 def test_pieces_meet():
     """Series of neighbours agree where one ends: an error of one of them would show."""
-    kept = wc.load()
-    for pieces in (kept.mobilities, kept.plane):
-        for left, right in itertools.pairwise(pieces):
-            for a, b in zip(left, right, strict=True):
-                end = math.fsum(a)
-                begin = math.fsum(c * (-1) ** k for k, c in enumerate(b))
-                assert abs(end - begin) < 1e-13 * max(abs(end), 1)
-
-
-def test_the_file_has_all_that_is_emitted():
-    kept = json.loads(wc.DATA.read_text())
-    assert len(kept["mobilities"]) == len(kept["plane"]) == wc.PIECES
-    assert {len(piece) for piece in kept["mobilities"]} == {len(wall.FACTORS)}
+    for left, right in itertools.pairwise(wc.load()):
+        for a, b in zip(left, right, strict=True):
+            begin = math.fsum(c * (-1) ** k for k, c in enumerate(b))
+            assert abs(math.fsum(a) - begin) < 1e-13 * max(abs(begin), 1)
