@@ -39,6 +39,9 @@ _PART = 0.2
 _PART_OF_TAU = 0.2
 #: Quantile of |dF/dx| b around the trap that sets the time scale
 _MOST = 0.9
+#: Step over the time scale of the motion towards a wall with inertia; and where a bead flies freely
+#: for more than the last part of that time
+_PART_WITH_INERTIA, _PART_OF_FLIGHT, _FLIES = 0.1, 0.025, 1e-3
 #: Step over the shortest time in which a force changes, as a jump is smeared over a step
 _PART_OF_CHANGE = 0.05
 #: Diffusion in a step over the length in which the drag changes
@@ -307,6 +310,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             f"simulation.method = {simulation.method!r}: with the model {model.name} it does not "
             f"keep a bead on its side of a wall; allowed: {', '.join(allowed)}"
         )
+    if beside_wall and inertial and problem.rotates:
+        raise SceneError(
+            "simulation.model = 'full': with thermal motion beside a wall it has no rotation; "
+            "allowed: 'overdamped'"
+        )
     if not (uniform or beside_wall) and (how.uniform_drag or problem.rotates):
         allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
         raise SceneError(
@@ -474,8 +482,12 @@ def _longest_step(
         if 4 * tau[0] * rate > 1:  # more spring than drag
             limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
     if beside is not None:
-        some = f"{_PART:g} of the time scale of the motion towards the wall"
-        limits.append((_PART / beside.fastest, some))
+        part = _PART
+        if tau[0] > 0:
+            flies = tau[0] * beside.fastest > _FLIES
+            part = _PART_OF_FLIGHT if flies else _PART_WITH_INERTIA
+        some = f"{part:g} of the time scale of the motion towards the wall"
+        limits.append((part / beside.fastest, some))
     elif (rate := _rate_of_drag(problem)) > 0:
         some = f"diffusion over {_PART_OF_LENGTH:g} of "
         limits.append((_PART_OF_LENGTH**2 / rate, some + "the length in which the drag changes"))

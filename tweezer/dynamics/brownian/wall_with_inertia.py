@@ -1,0 +1,167 @@
+"""Beside a wall, with inertia: an exact step of a friction that stands still, corrected for change.
+
+Over a step h an exact step with the friction of its begin leaves out how the friction changes, of
+which the first order of the correlation of place and velocity is (`derivation.wall`)
+
+    kT mu' [h - 2 tau (1 - E) + h E]   of the place,
+    kT mu' [1 - E - (h/tau) E]   of the velocity,   E = e^(-h/tau), tau = m mu.
+
+The first is split. Of noise that spreads a bead by 2 kT mu h', h' = h - 2 tau (1 - E) +
+tau (1 - E^2)/2, what takes h' of it is the drift of the plane of the gap
+(`tweezer.dynamics.brownian.plane`). There noise, force and drift act, for h' and, by Heun's rule,
+for what h leaves of the force; the way by the velocity, tau (1 - E) v, is added to r such that the
+gap gains just that, up to its third power. In the limit of no inertia this is the step without; and
+as the gap is what |W| says, no bead gets through the wall.
+
+At contact friction has no end and inertia no part in the motion: the velocity relaxes within less
+than any step, and is that of Maxwell. A bead that comes in fast is stopped by the friction, not
+thrown back. What a step may be depends on how far a bead flies freely, sqrt(kT m)/beta, in radii:
+of parts in a thousand in a liquid, so that the step is bounded by the force alone.
+
+Along the wall friction changes by the gap alone, and nothing is to be corrected.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tweezer.compiled import cached_njit, named_njit
+from tweezer.compiled.lanes import LANES, lanes, store
+from tweezer.compiled.stack import borrowed
+from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, nearest
+from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.forces.data import number
+
+#: Step over the relaxation time below which its functions are series
+_SHORT = 1e-2
+
+#: Rows that a step keeps of each bead: direction away from the nearer plane and its position, r, S,
+#: T and the mobility along it at the begin; where the step leads in the plane; S, T there
+AWAY, PLANE, R, S, T, ALONG, W, ACROSS, S_AHEAD, T_AHEAD, ROWS = range(11)
+
+
+@named_njit(inner=True, error_model="numpy")
+def _of_step(step, tau):  # type: ignore[no-untyped-def]
+    """E, 1 - E, tau (1 - E), h', and what a rising slow velocity moves the bead by."""
+    if not tau > 0.0:
+        return 0.0, 1.0, 0.0, step, 0.5 * step
+    q = step / tau
+    gone = -math.expm1(-q)
+    left = 1.0 - gone
+    if q < _SHORT:
+        spreading = q * q * (1 / 3 - q * (1 / 4 - q * (7 / 60 - q / 24)))
+        rise = q * (1 / 6 - q * (1 / 24 - q * (1 / 120 - q / 720)))
+    else:
+        spreading = 1.0 - (2.0 * gone - 0.5 * (1.0 - left * left)) / q
+        rise = 0.5 - (1.0 - gone / q) / q
+    return left, gone, tau * gone, step * spreading, step * rise
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """One step of all beads, two forces."""
+    force, plan, beads = borrowed((force, plan, beads))
+    data, radius, rate = (
+        plan.drag.data,
+        number(plan.drag.data, RADIUS),
+        number(plan.drag.data, RATE),
+    )
+    width, h, free, D = beads.x.shape[1], plan.step, plan.tau[0], plan.diffusion[0]
+    x, v, u, ahead, u_ahead, normal = (
+        beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead, beads.normal,
+    )  # fmt: skip
+    kept = np.empty((ROWS, width))
+    slow_velocities(force, plan, beads, beads.now[0], x, u)
+    for i in range(0, width, LANES):
+        g, away, plane = nearest(data, lanes(x, 2 * width + i))
+        r, of_force, drift, mobilities = by_gap(data, g, away)
+        store(kept, AWAY * width + i, away)
+        store(kept, PLANE * width + i, plane)
+        store(kept, R * width + i, r)
+        store(kept, S * width + i, of_force)
+        store(kept, T * width + i, drift)
+        store(kept, ALONG * width + i, mobilities[0])
+    for i in range(width):
+        along = kept[ALONG, i]
+        _, _, way, spreading, _ = _of_step(h, free * along)
+        for k in range(2):
+            led = way * v[k, i] + along * (h - way) * u[k, i]
+            ahead[k, i] = x[k, i] + led + math.sqrt(2.0 * D * along * spreading) * normal[k, i]
+        r, scale = kept[R, i], kept[S, i] * kept[R, i]
+        mu, slope = 0.5 * scale * scale, kept[S, i] * (2.0 * r * r * kept[T, i] + 1.0)
+        left, gone, way, spreading, _ = _of_step(h, free * mu)
+        # the way by the velocity, over the change of the gap with r
+        flight = 0.5 * free * gone * kept[AWAY, i] * v[2, i] / radius
+        flown = flight * scale * (1.0 - 0.5 * slope * flight)
+        rest = h * left - 0.5 * free * mu * (1.0 - left * left)
+        flown += rate * slope * rest / scale if scale > 0.0 else 0.0
+        pull = kept[S, i] * kept[AWAY, i] * u[2, i] / (2.0 * radius)
+        wide = math.sqrt(rate * spreading)
+        moved = ((h - way) * pull + spreading * rate * kept[T, i]) * r
+        kept[W, i] = r + flown + moved + wide * normal[2, i]
+        kept[ACROSS, i] = wide * normal[6, i]
+    for i in range(0, width, LANES):
+        w, across = lanes(kept, W * width + i), lanes(kept, ACROSS * width + i)
+        away = lanes(kept, AWAY * width + i)
+        g, of_force, drift, _ = by_square(data, w * w + across * across, away)
+        store(ahead, 2 * width + i, lanes(kept, PLANE * width + i) + away * (radius + radius * g))
+        store(kept, S_AHEAD * width + i, of_force)
+        store(kept, T_AHEAD * width + i, drift)
+    slow_velocities(force, plan, beads, beads.now[0] + h, ahead, u_ahead)
+    for i in range(width):
+        along = kept[ALONG, i]
+        left, gone, way, spreading, by_rise = _of_step(h, free * along)
+        shared, own = _noise_of_velocity(D * along, free * along, left, gone, spreading)
+        for k in range(2):
+            begun, rise = along * u[k, i], along * (u_ahead[k, i] - u[k, i])
+            x[k, i] = ahead[k, i] + by_rise * rise
+            v[k, i] = (
+                left * v[k, i] + gone * begun + (1.0 - way / h) * rise
+                + shared * normal[k, i] + own * normal[3 + k, i]
+            )  # fmt: skip
+        r, w, across, away = kept[R, i], kept[W, i], kept[ACROSS, i], kept[AWAY, i]
+        scale, scale_ahead = kept[S, i] * r, kept[S_AHEAD, i] * math.sqrt(w * w + across * across)
+        mu, mu_ahead = 0.5 * scale * scale, 0.5 * scale_ahead * scale_ahead
+        slope = kept[S, i] * (2.0 * r * r * kept[T, i] + 1.0)
+        left, gone, way, spreading, by_rise = _of_step(h, free * mu)
+        pull = kept[S, i] * away * u[2, i] / (2.0 * radius)
+        pull_ahead = kept[S_AHEAD, i] * away * u_ahead[2, i] / (2.0 * radius)
+        drift, drift_ahead = (
+            0.5 * spreading * rate * kept[T, i],
+            (0.5 * spreading * rate * kept[T_AHEAD, i]),
+        )
+        kept[W, i] += by_rise * (pull_ahead * w - pull * r) + drift_ahead * w - drift * r
+        kept[ACROSS, i] += (by_rise * pull_ahead + drift_ahead) * across
+        shared, own = _noise_of_velocity(D * mu, free * mu, left, gone, spreading)
+        changing = gone - h / (free * mu) * left if mu > 0.0 else 1.0
+        v[2, i] = (
+            left * v[2, i] + gone * mu * u[2, i]
+            + (1.0 - way / h) * (mu_ahead * u_ahead[2, i] - mu * u[2, i])
+            + away * (shared * normal[2, i] + radius * rate * slope * changing)
+            + own * normal[5, i]
+        )  # fmt: skip
+    for i in range(0, width, LANES):
+        w, across = lanes(kept, W * width + i), lanes(kept, ACROSS * width + i)
+        away = lanes(kept, AWAY * width + i)
+        g = by_square(data, w * w + across * across, away)[0]
+        store(x, 2 * width + i, lanes(kept, PLANE * width + i) + away * (radius + radius * g))
+
+
+@named_njit(inner=True, error_model="numpy")
+def _noise_of_velocity(diffusion, tau, left, gone, spreading):  # type: ignore[no-untyped-def]
+    """The part that goes with the noise of the place, and its own, m/s."""
+    if not tau > 0.0:
+        return 0.0, 0.0
+    shared = gone * gone * math.sqrt(0.5 * diffusion / spreading)
+    return shared, math.sqrt(max((1.0 - left * left) * diffusion / tau - shared * shared, 0.0))
+
+
+def weights(step: float, linear: Linear) -> Weights:
+    """What a step has far from the wall; it takes none of it."""
+    return linear.exact(step, np.zeros_like(linear.kappa))
+
+
+HEUN = Scheme(step, weights, force_calls=2, beside_wall=True)
