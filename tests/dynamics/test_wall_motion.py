@@ -87,7 +87,7 @@ def test_a_bead_rests_on_the_wall_and_is_picked_up(falling):
     assert (gap > 0).all()
     before = run["time"].values < 1.0
     assert 0.1e-9 < gap[before][-1] < 0.3e-9
-    assert abs(gap[before][-1] - gap[before][-5]) < 1e-13
+    assert abs(gap[before][-1] - gap[before][-5]) < 1e-11  # half the length of what holds it
     assert gap[-1] > 0.5e-6
     assert abs(run["position"].sel(axis="z").values[-1]) < 0.5e-6
 
@@ -267,17 +267,39 @@ def without_wall(scene):
     return scene.model_copy(update={"wall": None})
 
 
-def test_rotation_beside_a_wall_rolls(falling):
-    """A bead pulled along the wall turns as it rolls: omega r/v is the roll of the mobilities."""
+@pytest.mark.parametrize("model", ["overdamped", "full"])
+def test_rotation_beside_a_wall(falling, model):
+    """A bead that is turned and pulled, by the exponential method and by one that knows no drag."""
+    scene = falling.replace(
+        wall={"position": "-1.7 um"},
+        start={"position": ["0.8 um", "0.3 um", "-0.4 um"], "angular_velocity": [100, 20, 5]},
+        simulation={"duration": "5 ms", "model": model, "orientation_tolerance": 1e-12},
+    )
+    times, field = np.linspace(0, 5e-3, 11), LinearTrap(2e-5, (3e-18, 1e-18, -2e-18))
+    found = []
+    for method in ("exponential", "scipy:LSODA"):
+        equations = bind(in_place(bound_once(scene.replace(simulation={"method": method})), field))
+        run = tweezer.dynamics.integrate(equations, times)
+        found.append(equations.motion(run.times, run.states))
+    ours, theirs = found
+    # with inertia what rolls is left out of the relaxation: tau times the angular velocity
+    position, angle = (2e-14, 2e-5) if model == "full" else (1e-15, 1e-9)
+    np.testing.assert_allclose(ours.position, theirs.position, atol=position)
+    np.testing.assert_allclose(ours.orientation, theirs.orientation, atol=angle)
+    fastest = np.abs(theirs.angular_velocity).max()
+    off = np.abs(ours.angular_velocity - theirs.angular_velocity)[1:].max()
+    assert off < angle * fastest
+
+
+def test_a_bead_pulled_along_a_wall_rolls(falling):
+    """omega r/v is the roll of the mobilities."""
     scene = falling.replace(
         wall={"position": "-1.1 um"},
         start={"angular_velocity": [1e-3, 0, 0]},
         forces={"gravity": False, "buoyancy": False},
-        simulation={"duration": "1 ms", "samples": 3, "model": "overdamped", "method": "dop853",
-                    "relative_tolerance": 1e-9, "position_tolerance": 1e-14},
-    )  # fmt: skip
-
-    problem = with_own_forces(scene, dataclasses.replace(LinearTrap(1e-6)))
+        simulation={"duration": "1 ms", "model": "overdamped"},
+    )
+    problem = with_own_forces(scene, LinearTrap(1e-6))
     problem = dataclasses.replace(problem, scene=scene.replace(start={"position": [1e-6, 0, 0]}))
     run = tweezer.dynamics.integrate(bind(problem), np.linspace(0, 1e-3, 3))
     found = bind(problem).motion(run.times, run.states)

@@ -116,7 +116,8 @@ class EquationsOfMotion:
             scale[3:] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
-        mobility = self._at_start
+        mobility = self._at_start.copy()
+        mobility[4] = 0.0  # what rolls is part of `moving`
 
         def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
             wrench, out = np.zeros(6), np.empty(self._size)
@@ -136,7 +137,7 @@ class EquationsOfMotion:
             times[:] = 0.0
         inertia = np.zeros(0)
         if not self.drag.uniform:  # the weight is part of the force
-            drift, inertia = np.zeros(3), (times / response)[times > 0]
+            drift, inertia = np.zeros(3), (times / response)[:3][times[:3] > 0]
         return Relaxation(
             bound(self.moving, gradient=False), self._modes(times), 0,
             numbered(self.force) or Part(0, packed()), response, drift,
@@ -159,7 +160,7 @@ class EquationsOfMotion:
         """
         if self.drag.uniform:
             return self.force
-        reference = by_axis(self._at_start[None])[0, :3]
+        reference = by_axis(self._at_start[None])[0]
         return Resisted(self.force, self.drag, np.array(self.bead.weight), reference)
 
     def _modes(self, times: Array) -> Modes:
@@ -210,8 +211,7 @@ class EquationsOfMotion:
         """Whether the exponential method can integrate them."""
         plain = not self._inertial and "force_gradient" not in self.module.RHS_INPUTS
         linear = self.module.LINEAR_DRAG or plain
-        by_place = self._rotates and not self.drag.uniform
-        return linear and not by_place and not self.force.oriented
+        return linear and not self.force.oriented
 
     @property
     def name(self) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiled import address, cached_njit, call
+from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Kernel, Mobility
 from tweezer.forces.data import Data, Part, packed, part, vector
 from tweezer.forces.force import Force, Wrench, add, bound
@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 class Resisted(Force):
     """The force that moves a bead of other mobilities, the same everywhere, as this one is moved.
 
-    It is b(x) (F(x) + W) over these mobilities, along each axis.
+    It is the velocity by F(x) + W and the moment over these mobilities, along each axis; and its
+    moment the angular velocity over them, about each axis. The others roll nothing.
     """
 
     force: Force
@@ -29,7 +30,7 @@ class Resisted(Force):
     weight: Array
     """W, (3,) N"""
     reference: Array
-    """(3,) s/kg, the other mobilities"""
+    """(6,) s/kg and 1/(N m s), the other mobilities, along and about the axes"""
 
     @property
     def steady(self) -> bool:
@@ -61,14 +62,26 @@ def _add_resisted(pose, data, wrench):  # type: ignore[no-untyped-def]
     add(part(data, 0), pose, pushed)
     call(drag.kernel, (pose, drag.data, mobility))
     for i in range(n):
-        for k in range(3):
-            entry = 1 if k == 2 else 0
-            factor = mobility.value[i, entry] / reference[k]
-            force = pushed.force[i, k] + weight[k]
-            wrench.force[i, k] += factor * force
-            for l in range(3 if gradients > 0 else 0):
-                changing = mobility.gradient[i, entry, l] / reference[k]
-                wrench.force_gradient[i, k, l] += (
-                    factor * pushed.force_gradient[i, k, l] + changing * force
-                )
+        force, moment = pushed.force[i] + weight, pushed.moment[i]
+        _respond(mobility.value[i], force, moment, reference, wrench.force[i], wrench.moment[i])
+        for l in range(3 if gradients > 0 else 0):
+            by_force, by_moment = wrench.force_gradient[i, :, l], wrench.moment_gradient[i, :, l]
+            _respond(mobility.gradient[i, :, l], force, moment, reference, by_force, by_moment)
+            _respond(
+                mobility.value[i], pushed.force_gradient[i, :, l], pushed.moment_gradient[i, :, l],
+                reference, by_force, by_moment,
+            )  # fmt: skip
         wrench.error[i] += pushed.error[i]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _respond(mobility, force, moment, reference, out, turning):  # type: ignore[no-untyped-def]
+    """Add what five mobilities make of a force and a moment, over the reference."""
+    along, across = mobility[0], mobility[1]
+    turn, spin, roll = mobility[2], mobility[3], mobility[4]
+    out[0] += (along * force[0] + roll * moment[1]) / reference[0]
+    out[1] += (along * force[1] - roll * moment[0]) / reference[1]
+    out[2] += across * force[2] / reference[2]
+    turning[0] += (turn * moment[0] - roll * force[1]) / reference[3]
+    turning[1] += (turn * moment[1] + roll * force[0]) / reference[4]
+    turning[2] += spin * moment[2] / reference[5]

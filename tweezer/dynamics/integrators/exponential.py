@@ -13,6 +13,8 @@ Where the drag depends on the place, u = b(x) F(x) does as well, and nothing abo
 motion without inertia has the whole order. With inertia the relaxation times stand still for a
 step, at what they are in the middle of it. That is of order 2, and is worth no more than the change
 of these times in a step times that of the velocity: their product is part of the error of a step.
+Those of a rotation stay what they are at the start: of its inertia nothing is left in the motion
+but an angle of their change times the angular velocity.
 
 The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
 correction, they end a step that is too long before more is spent on it. An error upstream grows as
@@ -227,7 +229,7 @@ def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
         work.powers[0, i] = y[i] + 0.5 * step * y[3 + i]
     _relaxation_times(system, how, time, work.powers[0], work, work.powers[1])
     for i in range(3):
-        y[6 + i] = how.modes.times[i, 0] = work.powers[1, i]
+        y[y.size - 3 + i] = how.modes.times[i, 0] = work.powers[1, i]
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
@@ -242,7 +244,7 @@ def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[n
     _relaxation_times(system, how, time, new, work, end)
     most = 0.0
     for i in range(3):
-        tau = y[6 + i]
+        tau = y[y.size - 3 + i]
         off = 0.5 * abs(begin[i] + end[i] - 2.0 * tau) + abs(end[i] - begin[i]) / 6.0
         change = abs(new[3 + i] - y[3 + i]) + abs(y[3 + i] - work.powers[i, 0])
         most = max(most, off * change * min(1.0, step / tau) if tau > 0.0 else 0.0)
@@ -732,8 +734,9 @@ def _advance(  # type: ignore[no-untyped-def]
                 records.shape[written, i, m] = work.powers[i, m]
         _to(how.modes, step, step, y, work.powers, work.chi, new)
         if turns:
-            e, allowed = y.size - 4, control.absolute[control.orientation]
-            call(how.turn, (how.modes, step, y[3:], work.powers, y[e:], allowed, new[e:]))
+            e, allowed = 3 + how.modes.times.size, control.absolute[control.orientation]
+            before, after = y[e : e + 4], new[e : e + 4]
+            call(how.turn, (how.modes, step, y[3:], work.powers, before, allowed, after))
         written += 1
         counts[0] += 1
         clock[0] = control.end if last else time + step
@@ -794,20 +797,22 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
     """States as the loop has them at `times`, ascending, from the steps that hold them."""
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
-    by_place = state.shape[1] == 6 + modes.times.size
+    turning = len(modes.times) == 6
+    e = 3 + modes.times.size
+    frozen = e + 4 if turning else e  # where the relaxation times of a drag by place are
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
             step += 1
             parts = 0
-        for i in range(3 if by_place else 0):
-            modes.times[i, 0] = state[step, 6 + i]
+        for i in range(state.shape[1] - frozen):
+            modes.times[i, 0] = state[step, frozen + i]
         s = times[at] - begin[step]
         _to(modes, s, length[step], state[step], shape[step], chi, out[at])
-        if len(modes.times) == 6:
-            v, e = state[step, 3:], state[step, -4:]
+        if turning:
+            v, begin_of_step = state[step, 3:], state[step, e : e + 4]
             if parts == 0:
-                parts = parts_of(modes, length[step], v, shape[step], e, allowed, end)
-            turned(modes, s, parts, length[step], v, shape[step], e, out[at, -4:])
+                parts = parts_of(modes, length[step], v, shape[step], begin_of_step, allowed, end)
+            turned(modes, s, parts, length[step], v, shape[step], begin_of_step, out[at, e : e + 4])
 
 
 class Exponential:
@@ -820,8 +825,8 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs a sphere, forces that do not look at the "
-                "orientation and, with a rotation, a drag that is the same everywhere, which "
+                "simulation.method = 'exponential': needs a sphere, and forces that do not look at "
+                "the orientation, which "
                 f"{equations.name} has not"
             )
         relaxation = equations.relaxation._replace(
@@ -904,7 +909,7 @@ def _emitted(y: Array, weights: Array, columns: dict[str, int]) -> Array:
     states = np.empty((len(y), len(columns)))
     parts = {"q1": y[:, :3], "v1": rates[:, :3]}
     if "e0" in columns:
-        e = y[:, -4:]
+        e = y[:, 3 + many * modes : 7 + many * modes]
         parts["e0"] = e
         if "omega1" in columns:
             omega = [row @ _rotation(each) for row, each in zip(rates[:, 3:], e, strict=True)]
