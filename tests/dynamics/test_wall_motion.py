@@ -257,14 +257,9 @@ def test_a_wall_far_away_changes_nothing(falling):
     )
     ways = []
     for wall in ({"position": "-1 mm"}, None):
-        each = scene.replace(wall=wall) if wall else without_wall(scene)
-        run = tweezer.simulate(each)
+        run = tweezer.simulate(scene.replace(wall=wall))
         ways.append(run["position"].sel(axis="z").values[-1])
     assert ways[0] / ways[1] == pytest.approx(1 - 9 / 8 * 1e-3, abs=1e-6)
-
-
-def without_wall(scene):
-    return scene.model_copy(update={"wall": None})
 
 
 @pytest.mark.parametrize("model", ["overdamped", "full"])
