@@ -221,7 +221,9 @@ def trap(
             "drag at each."
         ),
     ] = None,
-    count: Annotated[int, typer.Option(help="How many heights.", min=1, max=10_000)] = 19,
+    count: Annotated[
+        int | None, typer.Option(help="How many heights; 19 if not given.", min=1, max=10_000)
+    ] = None,
     set: Changes = None,
     out: Annotated[Path | None, typer.Option(help="JSON file to write; of heights NetCDF.")] = None,
     plot: FigureFile = None,
@@ -235,8 +237,10 @@ def trap(
     out = out and _writable(out, ("nc",) if heights else ("json",))
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     if heights:
-        _trap_over(described, heights, count, out, plot)
+        _trap_over(described, heights, count or 19, out, plot)
         return
+    if count is not None:
+        raise SceneError("--count: goes with --heights")
     _bind_light(described)
 
     from tweezer.analysis import characterise

@@ -310,6 +310,17 @@ def _free(scene: Scene, z: np.ndarray) -> np.ndarray:
     return z if scene.wall is None else z[scene.room(z) > 0]
 
 
+def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
+    """The largest force that a figure shows, pN, of those there are.
+
+    Beside the force of a wall that of the light would not be seen.
+    """
+    if not scene.forces.dlvo or not trap.escapes:
+        return largest
+    *_, across, _ = sorted(escape.force for escape in trap.escapes)
+    return min(largest, 2 * across * _PICO)
+
+
 def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     """One component of the force along its own axis, with slope and escape forces."""
     along = "xyz".index(axis)
@@ -327,7 +338,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     axes.axhline(0, color=_MUTED, lw=0.6)
     axes.axvline(0, color=_LIGHT, lw=0.6, ls=":")
     axes.plot(coordinates * _MICRO, force, color=colour, lw=1.6, zorder=3)
-    extent = np.abs(force).max() or 1.0
+    extent = _largest_shown(scene, trap, np.abs(force).max()) or 1.0
     axes.set(
         xlim=(-reach * _MICRO, reach * _MICRO), ylim=(-1.35 * extent, 1.35 * extent),
         xlabel=f"{axis} (µm)", ylabel=f"$F_{axis}$ (pN)",
@@ -374,9 +385,10 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
     force = _net_force(scene, points) * _PICO
     size = np.linalg.norm(force, axis=-1)
     if np.ptp(size) > 0:
+        most = _largest_shown(scene, trap, size.max())
         shown = axes.pcolormesh(
             x * _MICRO, z * _MICRO, size,
-            vmin=0, cmap="Blues", shading="gouraud", zorder=0, rasterized=True,
+            vmin=0, vmax=most, cmap="Blues", shading="gouraud", zorder=0, rasterized=True,
         )  # fmt: skip
         axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
         # unit vectors, or interpolation between samples would follow the larger force
