@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from tweezer.compiled import cache_functions, cached_njit
 from tweezer.errors import SceneError
 from tweezer.generated import wall
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 cache_functions(wall)
 
@@ -54,6 +58,8 @@ def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
     wrong = gaps[~((gaps > 0) & np.isfinite(gaps))]
     if wrong.size:
         raise SceneError(f"gap_over_radius = {wrong[0]:g}: allowed: positive finite numbers")
+    import xarray as xr
+
     found = np.empty((len(_MEANINGS), gaps.size))
     _fill(gaps.ravel(), found)
     name = "gap_over_radius"
