@@ -28,6 +28,7 @@ from __future__ import annotations
 
 import functools
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,8 +62,6 @@ _PARTS = 1 << _BITS
 _GAPS, _SQUARES = (-16, 26), (-15, 50)
 #: Coefficients of a polynomial
 _TERMS = 6
-#: Gap from which on mu is in proportion to it, down to contact
-_CONTACT = 1e-5
 #: Nodes and weights of the quadrature of an interval
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 #: Places in an interval, from -1 to 1, that fix its polynomials; and what makes them of its values
@@ -70,8 +69,8 @@ _PLACES = -np.cos(np.pi * (np.arange(_TERMS) + 0.5) / _TERMS)
 _FITTED = np.linalg.inv(np.vander(_PLACES, increasing=True))
 #: Numbers that eight places take
 _NUMBERS = LANES * LANES
-#: Steps of Newton's method from the place before
-_NEWTON = 5
+#: Steps of Newton's method from a gap that is right to a hundredth
+_NEWTON = 4
 #: Bits of a fraction that its interval leaves, and bits of the number 1
 _FRACTION = np.uint64((1 << (52 - _BITS)) - 1)
 _ONE = np.uint64(0x3FF0000000000000)
@@ -88,132 +87,116 @@ POSITION, NORMAL, RADIUS, ROOM, LENGTH, RATE, OF_GAPS, OF_SQUARES = range(8)
 # --- the functions, and their polynomials --------------------------------------------------------
 
 
-@named_njit(inner=True, error_model="numpy")
-def _together(one, other):  # type: ignore[no-untyped-def]
-    """Resistances of two planes added up, less that far away, as mobilities."""
-    return one * other / (one + other - one * other)
+class Mobilities(NamedTuple):
+    """Over those far away, at any gaps."""
+
+    towards: Array
+    slope: Array
+    """of that towards the plane, over the gap"""
+    along: Array
+    turn: Array
+    spin: Array
+    roll: Array
+    """angular velocity by a force along the plane, over b/a"""
 
 
-@named_njit(inner=True, error_model="numpy")
-def _mobilities(g, room):  # type: ignore[no-untyped-def]
-    """Towards the plane and its derivative, along it, turn, spin, and roll times that along it."""
-    of = wall.mobilities(g)
-    towards, by_gap, along, turn, spin, roll = of[0], of[5], of[1], of[3], of[2], of[4] * of[1]
-    if room < np.inf:
-        other = wall.mobilities(room - g)
-        both = towards + other[0] - towards * other[0]
-        by_gap = (other[0] / both) ** 2 * by_gap - (towards / both) ** 2 * other[5]
-        towards = _together(towards, other[0])
-        along, turn = _together(along, other[1]), _together(turn, other[3])
-        spin, roll = _together(spin, other[2]), roll - other[4] * other[1]
-    return towards, by_gap, along, turn, spin, roll
-
-
-@named_njit(inner=True, error_model="numpy")
-def _length(low, high, room):  # type: ignore[no-untyped-def]
-    """r(high) - r(low) of two gaps of an interval."""
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    found = 0.0
-    for i in range(_NODES.size):
-        found += _WEIGHTS[i] / math.sqrt(2.0 * _mobilities(middle + half * _NODES[i], room)[0])
-    return half * found
-
-
-@named_njit(inner=True, error_model="numpy")
-def _edge(powers, i):  # type: ignore[no-untyped-def]
-    """Where interval i begins."""
-    return math.ldexp(1.0 + (i % _PARTS) / _PARTS, powers[0] + i // _PARTS)
-
-
-@named_njit(inner=True, error_model="numpy")
-def _row(first, g, r, room, out):  # type: ignore[no-untyped-def]
-    """What is read at a gap; first: r^2/g or g/r^2."""
-    towards, by_gap, along, turn, spin, roll = _mobilities(g, room)
-    scale = math.sqrt(2.0 * towards)
-    out[0] = first
-    out[1] = scale / r
-    out[2] = 0.5 * (by_gap / scale - 1.0 / r) / r
-    out[3], out[4], out[5], out[6], out[7] = along, turn, spin, roll, 0.0
-
-
-@named_njit(inner=True, error_model="numpy")
-def _fit(values, out):  # type: ignore[no-untyped-def]
-    """Polynomials through values (terms, 8) at the places of an interval."""
-    for i in range(_TERMS):
-        for k in range(_TERMS):
-            for column in range(LANES):
-                out[i, column] += _FITTED[i, k] * values[k, column]
-
-
-@named_njit(inner=True, error_model="numpy")
-def _gap_at(r, g, begin, r_begin, room):  # type: ignore[no-untyped-def]
-    """The gap at r, by Newton's method from g; r_begin: r at the gap `begin`."""
-    for _ in range(_NEWTON):
-        found = r_begin + _length(begin, g, room)
-        g -= (found - r) * math.sqrt(2.0 * _mobilities(g, room)[0])
-    return g
+#: Rows of `Mobilities` of which two planes' resistances add up
+_ADDED = [0, 2, 3, 4]
 
 
 @cached_njit(error_model="numpy")
-def _tables(room):  # type: ignore[no-untyped-def]
-    """r between two planes that leave that gap, infinite for one; polynomials over g and over r^2.
+def _beside_one(gaps, out):  # type: ignore[no-untyped-def]
+    """Fill out (6, n), the fields of `Mobilities`, at gaps (n,)."""
+    for i in range(gaps.size):
+        found = wall.mobilities(gaps[i])
+        out[0, i], out[1, i], out[2, i] = found[0], found[5], found[1]
+        out[3, i], out[4, i], out[5, i] = found[3], found[2], found[4] * found[1]
 
-    (intervals + 2, terms, 8): before the first and past the last they are constant.
-    """
-    gaps = (_GAPS[1] - _GAPS[0]) * _PARTS
-    squares = (_SQUARES[1] - _SQUARES[0]) * _PARTS
-    of_gaps = np.zeros((gaps + 2, _TERMS, LANES))
-    of_squares = np.zeros((squares + 2, _TERMS, LANES))
-    values = np.empty((_TERMS, LANES))
 
-    g = _edge(_GAPS, 0)
-    r = math.sqrt(2.0 * _CONTACT * _CONTACT / _mobilities(_CONTACT, room)[0])
-    r += _length(_CONTACT, g, room)
-    _row(r * r / g, g, r, room, of_gaps[0, 0])
-    edges = np.empty(gaps + 1)
-    edges[0], between, filled = r, np.inf, 0
-    while filled < gaps and g <= 0.5 * room:
-        high = _edge(_GAPS, filled + 1)
-        if high > 0.5 * room:
-            between = 2.0 * (r + _length(g, 0.5 * room, room))
-        for k in range(_TERMS):
-            there = g + (0.5 + 0.5 * _PLACES[k]) * (high - g)
-            length = r + _length(g, there, room)
-            _row(length * length / there, there, length, room, values[k])
-        filled += 1
-        _fit(values, of_gaps[filled])
-        r += _length(g, high, room)
-        g = high
-        edges[filled] = r
-    _row(r * r / g, g, r, room, values[0])
-    of_gaps[filled + 1 :, 0] = values[0]
+def _mobilities(gaps: Array, room: float) -> Mobilities:
+    """Beside one plane, or between two that leave so much room: their resistances added up."""
+    one = np.empty((6, gaps.size))
+    _beside_one(gaps.ravel(), one)
+    if room < math.inf:
+        other = np.empty_like(one)
+        _beside_one(room - gaps.ravel(), other)
+        both = one[_ADDED] + other[_ADDED] - one[_ADDED] * other[_ADDED]
+        one[1] = (other[0] / both[0]) ** 2 * one[1] - (one[0] / both[0]) ** 2 * other[1]
+        one[5] -= other[5]
+        one[_ADDED] *= other[_ADDED] / both
+    return Mobilities(*one.reshape(6, *gaps.shape))
 
-    edge, last, g = 0, 0, _edge(_GAPS, 0)
-    for i in range(squares + 1):
-        low, high = _edge(_SQUARES, i), _edge(_SQUARES, i + 1)
-        if math.sqrt(low) > 0.5 * between:
-            break
-        last = i
-        for k in range(_TERMS):
-            square = low if i == squares else low + (0.5 + 0.5 * _PLACES[k]) * (high - low)
-            r = math.sqrt(square)
-            while edge + 1 < filled and edges[edge + 1] < r:
-                edge += 1
-            g = _gap_at(r, g, _edge(_GAPS, edge), edges[edge], room)
-            _row(g / square, g, r, room, values[k])
-        if i == 0:
-            of_squares[0, 0] = values[0]
-        if i < squares:
-            _fit(values, of_squares[i + 1])
-    of_squares[last + 2 :, 0] = values[_TERMS - 1]
-    return between, of_gaps, of_squares
+
+def _length(low: Array, high: Array, room: float) -> Array:
+    """r(high) - r(low) of gaps of one interval each."""
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    found = np.zeros_like(middle)
+    for node, weight in zip(_NODES.tolist(), _WEIGHTS.tolist(), strict=True):
+        found += weight / np.sqrt(2.0 * _mobilities(middle + half * node, room).towards)
+    return half * found
+
+
+def _edges(powers: tuple[int, int]) -> Array:
+    """Where intervals begin, and the last one ends."""
+    at = np.arange((powers[1] - powers[0]) * _PARTS + 1)
+    found: Array = np.ldexp(1.0 + at % _PARTS / _PARTS, powers[0] + at // _PARTS)
+    return found
+
+
+def _within(edges: Array) -> Array:
+    """Places in intervals, (intervals, terms)."""
+    return edges[:-1, None] + (0.5 + 0.5 * _PLACES) * np.diff(edges)[:, None]
+
+
+def _functions(first: Array, gaps: Array, r: Array, room: float) -> Array:
+    """What is read at gaps, (..., 8); first: r^2/g or g/r^2."""
+    of = _mobilities(gaps, room)
+    scale = np.sqrt(2.0 * of.towards)
+    drift = 0.5 * (of.slope / scale - 1.0 / r) / r
+    columns = first, scale / r, drift, of.along, of.turn, of.spin, of.roll, np.zeros_like(r)
+    return np.stack(columns, axis=-1)
+
+
+def _polynomials(values: Array, first: Array, last: Array) -> Array:
+    """Of values (intervals, terms, 8), and the constants (8,) before and past them."""
+    found = np.zeros((len(values) + 2, _TERMS, LANES))
+    found[0, 0], found[-1, 0] = first, last
+    for k in range(_TERMS):
+        found[1:-1] += _FITTED[:, k, None] * values[:, None, k]
+    return found
 
 
 @functools.cache
 def tables(room: float) -> tuple[float, Array, Array]:
-    """See `_tables`; room: gap between two planes in radii, infinite for one plane."""
-    found: tuple[float, Array, Array] = _tables(room)
-    return found
+    """r between two planes that leave that gap, infinite for one; polynomials over g and over r^2.
+
+    room: in radii. (intervals + 2, terms, 8): before the first and past the last they are constant.
+    """
+    edges = _edges(_GAPS)
+    edges = edges[: np.searchsorted(edges, 0.5 * room) + 1]
+    near = np.array([wall.CONTACT])
+    r_near = np.sqrt(2.0 * near * near / _mobilities(near, room).towards)
+    lengths = _length(np.append(near, edges[:-1]), edges, room)
+    r = r_near + np.cumsum(lengths)
+    between = math.inf
+    if room < math.inf:
+        between = 2 * float(r[-2] + _length(edges[-2:-1], np.array([0.5 * room]), room)[0])
+    gaps = _within(edges)
+    there = r[:-1, None] + _length(np.repeat(edges[:-1, None], _TERMS, axis=1), gaps, room)
+    ends = _functions(r * r / edges, edges, r, room)
+    of_gaps = _polynomials(_functions(there * there / gaps, gaps, there, room), ends[0], ends[-1])
+
+    squares = _edges(_SQUARES)
+    squares = squares[: np.searchsorted(squares, 0.25 * between**2) + 1]
+    within = np.vstack([_within(squares), np.repeat(squares[[0, -1], None], _TERMS, axis=1)])
+    lengths = np.sqrt(within)
+    begin = np.clip(np.searchsorted(r, lengths) - 1, 0, len(edges) - 2)
+    gaps = np.exp(np.interp(np.log(lengths), np.log(r), np.log(edges)))
+    for _ in range(_NEWTON):
+        off = r[begin] + _length(edges[begin], gaps, room) - lengths
+        gaps -= off * np.sqrt(2.0 * _mobilities(gaps, room).towards)
+    values = _functions(gaps / within, gaps, lengths, room)
+    return between, of_gaps, _polynomials(values[:-2], values[-2, 0], values[-1, 0])
 
 
 def data_of(drag: BesideWall, kT: float) -> Data:
