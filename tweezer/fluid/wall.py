@@ -5,20 +5,25 @@ M. E. O'Neill 1964; W. R. Dean and M. E. O'Neill 1963), as `derivation.wall` has
 are Stokes's; at contact the one towards the wall is in proportion to the gap.
 
 With a second plane the resistances of both, less Stokes's, add up (C. W. Oseen, Hydrodynamik
-(1927)). In the middle of a cell of thickness L that makes the mobility too small by about
-1.6 r/L across it and 0.25 r/L along it, which is the leading term of what is left out
-(H. Faxen 1922; P. Ganatos, S. Weinbaum, R. Pfeffer, J. Fluid Mech. 99:739 (1980)).
+(1927)). In a cell of thickness L that makes the friction too large, to leading order by 1.6 r/L of
+Stokes's across the cell, in its middle, and by 0.25 r/L along it, or 0.6 r/L next to a plane, where
+the other one is hidden by it (exact in the middle: 1 + 2.903 r/L and 1 + 2.008 r/L, against
+1 + 4.5 r/L and 1 + 2.25 r/L; L. Lobry, N. Ostrowsky, Phys. Rev. B 53:12050 (1996)).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from tweezer.compiled import cached_njit, named_njit
+import numpy as np
+
+from tweezer.compiled import cache_functions, cached_njit, named_njit
 from tweezer.fluid.drag import Drag, Kernel, Stokes
 from tweezer.forces.data import Data, matrix, number, packed
 from tweezer.forces.wall import BORN
 from tweezer.generated import wall
+
+cache_functions(wall)
 
 #: Gap below which the mobilities stay as they are, m: what is pushed back must still move
 _NEAREST = 0.1 * BORN
@@ -45,44 +50,55 @@ class BesideWall(Drag):
 def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
     translation, rotation = 1.0 / number(data, 0), 1.0 / number(data, 1)
     radius, planes = number(data, 2), matrix(data, 3)
-    gradient = len(mobility.gradient) > 0
+    position, normal = planes[0, 0], planes[0, 1]
+    room = abs(planes[1, 0] - position) / radius - 2.0 if len(planes) > 1 else np.inf
+    nearest = _NEAREST / radius
     for i in range(len(pose.position)):
-        across, along, turn, spin, roll = _beside(pose.position[i, 2], radius, planes[0])
-        if len(planes) > 1:
-            other = _beside(pose.position[i, 2], radius, planes[1])
-            across, along = _together(across, other[0]), _together(along, other[1])
-            turn, spin = _together(turn, other[2]), _together(spin, other[3])
-            roll = roll[0] + other[4][0], roll[1] + other[4][1]
-        entries = along, across, turn, spin, roll
-        scales = translation, translation, rotation, rotation, translation
-        for k in range(5):
-            mobility.value[i, k] = scales[k] * entries[k][0]
-            if gradient:
+        g = (normal * (pose.position[i, 2] - position) - radius) / radius
+        by = normal / radius
+        if g < nearest:
+            by = by if g > 0.0 else -by
+            g = max(nearest, -g)
+        elif g > room - nearest:
+            by = by if g < room else -by
+            g = min(room - nearest, 2.0 * room - g)
+        found = between_walls(g, room)
+        across, along, spin, turn, roll = found[:5]
+        scales = translation, translation, rotation, rotation, normal * translation / radius
+        for k, value in enumerate((along, across, turn, spin, roll)):
+            mobility.value[i, k] = scales[k] * value
+        if len(mobility.gradient) > 0:
+            across, along, spin, turn, roll = found[5:]
+            for k, slope in enumerate((along, across, turn, spin, roll)):
                 mobility.gradient[i, k, 0] = mobility.gradient[i, k, 1] = 0.0
-                mobility.gradient[i, k, 2] = scales[k] * entries[k][1]
+                mobility.gradient[i, k, 2] = scales[k] * by * slope
 
 
 @named_njit(inner=True, error_model="numpy")
-def _beside(z, radius, plane):  # type: ignore[no-untyped-def]
-    """Mobilities beside one plane, and their derivatives over z: across, along, turn, spin, roll.
+def between_walls(g, room):  # type: ignore[no-untyped-def]
+    """Mobilities over Stokes's at a gap g of one plane that a gap `room` has left to another.
 
-    Over Stokes's; that of rolling over Stokes's of translation, 1/m. Behind the plane, where no
-    bead is but a step may try to go, they are those before it.
+    Both in radii; `room` is infinite without another. Towards the planes, along them, of spin, of
+    turn, and of rolling, times a radius; and the derivatives of these five over g.
     """
-    gap = plane[1] * (z - plane[0]) - radius
-    normal = plane[1] if gap > 0.0 else -plane[1]
-    found = wall.mobilities(max(abs(gap), _NEAREST) / radius)
-    across, along, spin, turn, roll, across_by, along_by, spin_by, turn_by, roll_by = found
-    by, rolls = normal / radius, plane[1] / radius
-    rolling = rolls * roll * along, rolls * by * (roll_by * along + roll * along_by)
-    return (across, by * across_by), (along, by * along_by), (turn, by * turn_by), (
-        spin, by * spin_by,
-    ), rolling  # fmt: skip
+    across, along, spin, turn, roll, across_by, along_by, spin_by, turn_by, roll_by = (
+        wall.mobilities(g)
+    )
+    rolling, rolling_by = roll * along, roll_by * along + roll * along_by
+    if room < np.inf:
+        other = wall.mobilities(room - g)
+        across, across_by = _together(across, across_by, other[0], other[5])
+        along, along_by = _together(along, along_by, other[1], other[6])
+        spin, spin_by = _together(spin, spin_by, other[2], other[7])
+        turn, turn_by = _together(turn, turn_by, other[3], other[8])
+        rolling -= other[4] * other[1]
+        rolling_by += other[9] * other[1] + other[4] * other[6]
+    return across, along, spin, turn, rolling, across_by, along_by, spin_by, turn_by, rolling_by
 
 
 @named_njit(inner=True, error_model="numpy")
-def _together(one, other):  # type: ignore[no-untyped-def]
-    """Resistances added up, over Stokes's, of two mobilities and their derivatives."""
-    both = one[0] + other[0] - one[0] * other[0]
-    left, right = other[0] / both, one[0] / both
-    return one[0] * left, left * left * one[1] + right * right * other[1]
+def _together(one, by_gap, other, by_other):  # type: ignore[no-untyped-def]
+    """Two resistances added up, less Stokes's, as a mobility, and its derivative over the gap."""
+    both = one + other - one * other
+    own, others = other / both, one / both
+    return one * own, own * own * by_gap - others * others * by_other
