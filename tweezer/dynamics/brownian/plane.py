@@ -33,7 +33,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiled import cache_functions, cached_njit, named_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import (
     LANES,
     as_lanes,
@@ -47,11 +47,8 @@ from tweezer.compiled.lanes import (
     transposed,
 )
 from tweezer.compiled.stack import on_stack
-from tweezer.fluid.wall import BesideWall
+from tweezer.fluid.wall import BesideWall, between_walls
 from tweezer.forces.data import Data, number, packed
-from tweezer.generated import wall
-
-cache_functions(wall)
 
 Array = NDArray[np.float64]
 
@@ -100,31 +97,20 @@ class Mobilities(NamedTuple):
     """angular velocity by a force along the plane, over b/a"""
 
 
-#: Rows of `Mobilities` of which two planes' resistances add up
-_ADDED = [0, 2, 3, 4]
-
-
 @cached_njit(error_model="numpy")
-def _beside_one(gaps, out):  # type: ignore[no-untyped-def]
+def _fill(gaps, room, out):  # type: ignore[no-untyped-def]
     """Fill out (6, n), the fields of `Mobilities`, at gaps (n,)."""
     for i in range(gaps.size):
-        found = wall.mobilities(gaps[i])
+        found = between_walls(gaps[i], room)
         out[0, i], out[1, i], out[2, i] = found[0], found[5], found[1]
-        out[3, i], out[4, i], out[5, i] = found[3], found[2], found[4] * found[1]
+        out[3, i], out[4, i], out[5, i] = found[3], found[2], found[4]
 
 
 def _mobilities(gaps: Array, room: float) -> Mobilities:
-    """Beside one plane, or between two that leave so much room: their resistances added up."""
-    one = np.empty((6, gaps.size))
-    _beside_one(gaps.ravel(), one)
-    if room < math.inf:
-        other = np.empty_like(one)
-        _beside_one(room - gaps.ravel(), other)
-        both = one[_ADDED] + other[_ADDED] - one[_ADDED] * other[_ADDED]
-        one[1] = (other[0] / both[0]) ** 2 * one[1] - (one[0] / both[0]) ** 2 * other[1]
-        one[5] -= other[5]
-        one[_ADDED] *= other[_ADDED] / both
-    return Mobilities(*one.reshape(6, *gaps.shape))
+    """Beside one plane, or between two that leave so much room, infinite for one."""
+    found = np.empty((6, gaps.size))
+    _fill(gaps.ravel(), room, found)
+    return Mobilities(*found.reshape(6, *gaps.shape))
 
 
 def _length(low: Array, high: Array, room: float) -> Array:
