@@ -147,6 +147,28 @@ def test_an_uncertain_height():
     assert all("drag" in [f.name for f in axis.findings] for axis in wrong.axes)
 
 
+def test_a_run_beside_a_wall_has_the_drag_on_its_way():
+    """The mean of the mobilities at its heights, by the scene: here those of a gap of a radius, and
+    with half of the time at one of 5 radii.
+    """
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True}, simulation={"model": "overdamped"}, medium={"inertia": "none"},
+        wall={"position": "-4 um", "side": "above"},
+    )  # fmt: skip
+    radius, far = scene.bead.radius, tweezer.bead_properties(scene).drag
+    found = recording(1.0, 1)
+    for gaps in ((1.0, 1.0), (1.0, 5.0)):
+        places = found.positions * [1, 1, 1e-4] * (far / FAR) ** 0.5
+        places[:, 2] += -4e-6 + radius * (1 + np.repeat(gaps, SAMPLES // 2))
+        run = dataclasses.replace(found, positions=places, scene=scene)
+        along, across = np.mean([MOBILITY[gap] for gap in gaps], axis=0)
+        axes = tweezer.calibrate(run).axes
+        for axis, mobility in zip(axes, (along, along, across), strict=True):
+            assert axis.drag == pytest.approx(far / mobility, rel=1e-4)
+    without_z = dataclasses.replace(found, scene=scene, axes=("x",), positions=places[:, :1])
+    assert tweezer.calibrate(without_z).axes[0].drag is None
+
+
 @pytest.mark.parametrize(
     ("known", "why"),
     [({"wall": 600e-9, "radius": None}, "wall: needs the bead's radius too"),
