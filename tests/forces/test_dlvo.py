@@ -31,6 +31,8 @@ def test_force_and_gradient_are_those_of_the_potential(position, normal):
         assert found.force[i, 2] == pytest.approx(normal * by_potential, rel=1e-6)
         ahead, behind = (force.field(places + each).force[i, 2] for each in ([0, 0, h], [0, 0, -h]))
         assert found.force_gradient[i, 2, 2] == pytest.approx((ahead - behind) / (2 * h), rel=1e-5)
+    alone = force.field(places[1:2], gradient=True)
+    assert alone.force_gradient[0, 2, 2] == found.force_gradient[1, 2, 2]
     assert not found.force[:, :2].any()
     assert np.count_nonzero(found.force_gradient) == len(gaps)
 
