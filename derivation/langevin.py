@@ -180,15 +180,6 @@ SHORT_WITHOUT_INERTIA = {
     j: h**2 * sp.horner(sum((-g) ** n / sp.factorial(n + 2) for n in range(ORDER)), g),
 }
 
-# --- a mobility that changes over the step ------------------------------------------------------
-# mu(x) = mu + mu' (x - x_0), tau = m mu, kappa = 0. The exact step with mu of its begin misses, in
-# the means, what is of first order in mu': dv = -(v/tau) (1 - (mu'/mu) (x - x_0)) dt + ..., and
-# <(x - x_0) v> of a velocity that is thermal at the begin. Over the drift kT mu':
-#: <(x - x_0) v> over kT/m
-CORRELATION = d * (e_vv + d / tau).subs(kappa, 0)
-#: what the means of x and v gain: v_1' = (CORRELATION/tau - v_1)/tau, x_1' = v_1
-CHANGE_WEIGHTS = {"by_change": (2 * j - h * d) / tau, "v_by_change": (h * d - j) / tau**2}
-
 # --- first order in tau: the flux of the corrected Smoluchowski equation --------------------------
 x, t, D = sp.Symbol("x", real=True), sp.Symbol("t", real=True), sp.Symbol("D", positive=True)
 density, u = sp.Function("n")(x, t), sp.Function("u")(x)

@@ -655,15 +655,6 @@ def _langevin() -> Module:
                 lv.DOUBLED_WITHOUT_INERTIA, ((sy.STEP_IN_TRAP, lv.kappa * lv.h),),
                 lv.STEP_WEIGHTS_WITHOUT_INERTIA,
             ),
-            Function(
-                "inertial_change",
-                "What a step gains over kT dmu/dx, for kappa = 0, where the mobility mu changes\n"
-                "with the place: the step itself is that of mu at its begin.",
-                (step, tau, Argument("block", inertial, (len(inertial),))),
-                sp.Matrix(list(lv.CHANGE_WEIGHTS.values())),
-                (),
-                tuple(lv.CHANGE_WEIGHTS),
-            ),
         ),
         ("langevin.py",),
     )  # fmt: skip

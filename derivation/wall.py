@@ -28,6 +28,7 @@ import sympy as sp
 
 from . import wall_coefficients as wc
 from .equations import Equation
+from .symbols import RELAXATION, STEP
 from .wall_coefficients import Series
 
 # --- mobilities ----------------------------------------------------------------------------------
@@ -76,6 +77,13 @@ BY_FORCE = root / r
 BY_PLACE = (mu_g / root - 1 / r) / (2 * r)
 #: of W: its noise is dB
 DRIFT = [each * (BY_FORCE * F / 2 + BY_PLACE) for each in PLACE]
+PLANE_PROCESS = Equation(
+    "-",
+    "the point in the plane, in radii and a^2/D, F in kT/a; its noise is that of Brownian motion",
+    "dW",
+    sp.MatMul(sp.Matrix(PLACE), (BY_FORCE * F / 2 + BY_PLACE) * sp.Symbol("dt"), evaluate=False)
+    + sp.Matrix(sp.symbols("dB_1 dB_2")),
+)
 #: slope over r of ln of the density e^(-U/kT) R/r
 BOLTZMANN = F * root + mu_g / root - 1 / r
 
@@ -111,6 +119,27 @@ GAP = Equation(
     DRIFT_OF_GAP.subs(root, sp.sqrt(2 * sp.Symbol("mu"))) * sp.Symbol("dt")
     + sp.sqrt(NOISE_OF_GAP.subs(root, sp.sqrt(2 * sp.Symbol("mu")))) * sp.Symbol("dB"),
 )
+
+# --- with inertia --------------------------------------------------------------------------------
+#: step, relaxation time m mu of its begin, and e^(-h/tau)
+h, tau = STEP.symbol, RELAXATION.symbol
+E = sp.Symbol("E", positive=True)
+#: <(x - x_0) v> over kT mu of a free bead, whose velocity is Maxwell's at the begin: half the rate
+#: of its mean squared displacement
+CORRELATION = 1 - E
+#: An exact step with the mobility of its begin misses, in the means of x and v, what is of first
+#: order in mu'. dv = -(v/tau) (1 - (mu'/mu) (x - x_0)) dt + ... drives them by <(x - x_0) v>; over
+#: the drift kT mu':
+CHANGE_OF_PLACE = h - 2 * tau * (1 - E) + h * E
+CHANGE_OF_VELOCITY = 1 - E - h * E / tau
+#: The noise of the place has the variance 2 kT mu h', and the drift of h' is that of the plane
+SPREADING = h - 2 * tau * (1 - E) + tau * (1 - E**2) / 2
+
+
+def over_time(expression: sp.Expr) -> sp.Expr:
+    """d/dh of an expression of h and E."""
+    return expression.diff(h) - E / tau * expression.diff(E)
+
 
 # --- what is emitted ------------------------------------------------------------------------------
 #: Terms of a series that are emitted

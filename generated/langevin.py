@@ -1,7 +1,7 @@
 """Drag, spring and thermal noise (2.13-2.20) of one coordinate over a step, exactly.
 
 Made by `python -m derivation` from derivation/langevin.py; do not edit.
-SymPy 1.14.0. 396 operations, 18 temporaries.
+SymPy 1.14.0. 389 operations, 17 temporaries.
 
 dx = v dt, dv = ((u - v)/tau - (kappa/tau) x) dt + sqrt(2 (kT/m)/tau) dW; without
 inertia dx = (u - kappa x) dt + sqrt(2 D) dW. d is the displacement by a unit of
@@ -314,22 +314,3 @@ def overdamped_step(h, kappa, block):
     by_rise = j / h
     spread = d * (-d * kappa + 2.0)
     return by_u, by_rise, spread
-
-
-@njit(cache=True)
-def inertial_change(h, tau, block):
-    """What a step gains over kT dmu/dx, for kappa = 0, where the mobility mu changes
-    with the place: the step itself is that of mu at its begin.
-
-    h: step [s]
-    tau: relaxation time m/beta_v, epsilon of [s]
-    block: (5) d, j, l, c_xx, c_vv
-    Returns by_change, v_by_change.
-    7 operations, 1 temporaries.
-    """
-    d = block[0]
-    j = block[1]
-    x0 = d * h
-    by_change = (2.0 * j - x0) / tau
-    v_by_change = (-j + x0) / (tau * tau)
-    return by_change, v_by_change

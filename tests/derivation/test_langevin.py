@@ -52,34 +52,6 @@ def test_a_step_of_2h_without_inertia(name):
     assert is_zero(doubled - expected)
 
 
-def test_a_mobility_that_changes():
-    """First order in mu' of the means of x and v: their equations hold, and they begin at 0."""
-    E = sp.Symbol("E", positive=True)
-    d = lv.tau * (1 - E)
-    known = {lv.d: d, lv.j: lv.tau * (lv.h - d)}
-    x, v = (weight.subs(known) for weight in lv.CHANGE_WEIGHTS.values())
-    correlation = lv.CORRELATION.subs(known)
-
-    def over_time(expression):
-        return expression.diff(lv.h) - E / lv.tau * expression.diff(E)
-
-    # half the rate of the mean squared displacement, 2 (kT/m) tau (h - d)
-    assert is_zero(over_time(lv.tau * (lv.h - d)) - correlation)
-    assert is_zero(over_time(v) - (correlation / lv.tau - v) / lv.tau)
-    assert is_zero(over_time(x) - v)
-    assert all(is_zero(weight.subs({lv.h: 0, E: 1})) for weight in (x, v))
-    # without inertia all of the drift, in the place
-    assert is_zero(v.subs(E, 0) - 1)
-    assert sp.limit(x.subs(E, 0) / lv.h, lv.tau, 0) == 1
-
-
-def test_drag_that_changes():
-    """-v/(m mu(x)) by x - x_0: what the mean of v is driven by is CORRELATION kT mu'/tau^2."""
-    m, mu, slope, away, v = sp.symbols("m mu slope away v", positive=True)
-    first = (-v / (m * (mu + slope * away))).diff(away).subs(away, 0)
-    assert is_zero(first - slope * m * v / (m * mu) ** 2)
-
-
 def _order(expression):
     """The lowest power of h, once p and q are put in."""
     by_h = expression.subs({lv.p: lv.h / lv.tau, lv.q: lv.kappa * lv.h**2 / lv.tau})

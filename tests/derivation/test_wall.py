@@ -7,7 +7,7 @@ import mpmath as mp
 import pytest
 import sympy as sp
 
-from derivation import wall
+from derivation import langevin, wall
 from derivation import wall_coefficients as wc
 from derivation.equations import is_zero
 
@@ -65,6 +65,40 @@ def test_what_moves_the_plane_far_from_it_has_another_drift():
         + wall.over_place(one, wall.PLACE[0]) / 2
     )
     assert not is_zero(wall.on_circle(short) - (wall.root**2 / 2 * wall.F + wall.mu_g))
+
+
+# --- with inertia --------------------------------------------------------------------------------
+def test_a_mobility_that_changes():
+    """First order in mu' of the means of x and v: their equations hold, and they begin at 0."""
+    x, v, tau = wall.CHANGE_OF_PLACE, wall.CHANGE_OF_VELOCITY, wall.tau
+    assert is_zero(wall.over_time(v) - (wall.CORRELATION - v) / tau)
+    assert is_zero(wall.over_time(x) - v)
+    assert all(is_zero(change.subs({wall.h: 0, wall.E: 1})) for change in (x, v))
+    # without inertia all of the drift, in the place
+    assert is_zero(v.subs(wall.E, 0) - 1)
+    assert sp.limit(x.subs(wall.E, 0) / wall.h, tau, 0) == 1
+
+
+def test_what_drives_it():
+    """-v/(m mu(x)) to first order in x - x_0, and <(x - x_0) v> = kT mu (1 - E)."""
+    m, mu, slope, away, v, kT = sp.symbols("m mu slope away v kT", positive=True)
+    first = (-v / (m * (mu + slope * away))).diff(away).subs(away, 0)
+    tau = m * mu
+    # over kT mu', with <(x - x_0) v> for away v
+    driven = (first * away).subs(v, kT * mu * wall.CORRELATION / away) / (kT * slope)
+    assert is_zero(driven - wall.CORRELATION / tau)
+    # 2 kT mu (h - tau (1 - E)) is the mean squared displacement of Langevin
+    moved = 2 * (wall.h - wall.tau * (1 - wall.E))
+    assert is_zero(wall.over_time(moved) / 2 - wall.CORRELATION)
+
+
+def test_noise_of_the_place():
+    """Its variance, as `derivation.langevin` has it, is that of h' without inertia."""
+    d = langevin.CLOSED[langevin.d].subs({langevin.slow: 0, langevin.E_slow: 1})
+    known = d.subs({langevin.fast: 1 / wall.tau, langevin.E_fast: wall.E})
+    # c_xx' = 2 d^2/tau, over kT/m = kT mu/tau
+    assert is_zero(2 * wall.over_time(wall.SPREADING) - 2 * known**2 / wall.tau**2)
+    assert is_zero(wall.SPREADING.subs({wall.h: 0, wall.E: 1}))
 
 
 # --- derivatives of the mobilities ---------------------------------------------------------------
