@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tweezer
+from tweezer.analysis import heights
 from tweezer.errors import SceneError
 from tweezer.plots import heights_figure, run_figure, trap_figure
 
@@ -145,6 +146,26 @@ def test_command(command_line):
     wrong = command_line("trap", "silica-1um", "--heights", "1 kg", "3 um")
     assert (wrong.code, len(wrong.err.splitlines())) == (2, 1)
     assert "--heights '1 kg'" in wrong.err
+
+
+def test_an_interrupted_command_writes_what_was_reached(command_line, monkeypatch):
+    whole, reached = heights._trapped, []
+
+    def stopped(problem):
+        if len(reached) == 2:
+            raise KeyboardInterrupt
+        reached.append(problem)
+        return whole(problem)
+
+    monkeypatch.setattr(heights, "_trapped", stopped)
+    command = ("trap", "silica-1um", "--heights", "1 um", "4 um", "--count", "4", "--out", "h.nc")
+    outcome = command_line(*command)
+    assert outcome.code == 130
+    assert "interrupted after 2 of 4 heights" in outcome.err
+    np.testing.assert_allclose(tweezer.load_run("h.nc")["height"], [1e-6, 2e-6])
+    assert command_line(*command[:-2]).code == 130  # none is reached
+    alone = command_line("trap", "silica-1um", "--count", "4")
+    assert (alone.code, alone.err) == (2, "--count: goes with --heights\n")
 
 
 def test_beside_a_wall_the_trap_has_its_gap_and_drag_and_the_pull_ends_at_the_wall(
