@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.optimize import brentq
 from scipy.stats import multivariate_normal
 
 import tweezer
+from tests.analysis.test_heights import brenner
 from tests.benchmarks import depth, depth_report, pages
 from tests.fluid.test_drag import growing
 from tests.reference import memory
@@ -21,7 +23,8 @@ from tweezer.dynamics import bound_once
 from tweezer.dynamics.filter import Bead, Camera, kalman_filter
 from tweezer.dynamics.models import bind_translation
 from tweezer.errors import ResultError, SceneError
-from tweezer.fluid import Stokes
+from tweezer.fluid import Stokes, stokes
+from tweezer.fluid.wall import BesideWall
 from tweezer.optics import light
 from tweezer.plots import depth_figure
 
@@ -132,6 +135,42 @@ def test_where_the_mobility_grows_with_the_height_the_spread_is_the_closed_form(
     np.testing.assert_allclose(found.predicted[:, 0], drifted, rtol=1e-9)
     # the noise of a step is the mean of both ends
     np.testing.assert_allclose(found.deviations[:, 2], np.sqrt(variance), rtol=1e-3)
+
+
+def test_at_rest_beside_a_wall_the_spread_is_that_of_boltzmann(scene, beside):
+    """Under its weight kT/W, about where b W = kT b', b by the series of Brenner, in radii; in the
+    trap sqrt(kT/k), about the equilibrium.
+    """
+    radius, kT, reach = scene.bead.radius, 4e-21, 0.1  # of kT/W, in radii
+    problem = bound_once(scene.replace(start={"position": [0, 0, 0], "frame": "focus"}))
+    weight = kT / (reach * radius)
+    bead = dataclasses.replace(problem.bead, weight=(0.0, 0.0, -weight))
+    wall = BesideWall(stokes(1e-3, radius), radius, ((-2e-6, 1.0),))
+    problem = dataclasses.replace(problem, drag=wall, bead=bead)
+    found = kalman_filter(bind_translation(problem, "overdamped"))(
+        Bead(radius, 1e-20, kT, np.array([0.0, 0.0, radius - 1.9e-6]), np.zeros(3), np.zeros(3),
+             0.0),
+        Camera(np.array([0.0, 5.0, 5.1]), np.full((3, 2), np.nan), 1e-9, 0.0),
+    )  # fmt: skip
+
+    def excess(gap, h=1e-3):
+        slope = (1 / brenner(gap + h) - 1 / brenner(gap - h)) / (2 * h)
+        return 1 / brenner(gap) - reach * slope
+
+    gap = brentq(excess, 0.02, 0.5)
+    assert found.predicted[-1, 2] == pytest.approx(radius * (1 + gap) - 2e-6, abs=1e-4 * radius)
+    assert found.deviations[-1, 2] == pytest.approx(radius * reach, rel=1e-4)
+
+    near = beside.replace(wall={"position": "-0.6 um"}, start={"position": [0, 0, 0]})
+    place = tweezer.characterise(near).equilibrium
+    kT, middle = BOLTZMANN * T, np.array(place.position)
+    found = kalman_filter(bind_translation(bound_once(near), "overdamped"))(
+        Bead(near.bead.radius, 1.0, kT, middle, np.zeros(3), np.zeros(3), 0.0),
+        Camera(np.array([0.0, 0.2, 0.3]), np.full((3, 2), np.nan), 1e-9, 0.0),
+    )
+    deviation = np.sqrt(kT / np.array([place.stiffness[0][0], place.stiffness[2][2]]))
+    np.testing.assert_allclose(found.deviations[-1, [0, 2]], deviation, rtol=3e-3)
+    assert abs(found.predicted[-1, 2] - middle[2]) < 0.01 * deviation[1]
 
 
 def test_likelihood_in_the_trap(scene):

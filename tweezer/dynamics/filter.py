@@ -7,9 +7,11 @@ inertia (5.2) or with it (A.25, 4.17):
 
 u = (F + W)/beta_v, D = k_B T/beta_v, w = tau v. The filter's state is that of the model with
 tau v in place of v: all of it in metres. Where the mobility mu depends on the place, as beside a
-wall, u = mu (F + W) + k_B T dmu/dx and D = k_B T mu there (D. L. Ermak and J. A. McCammon, J. Chem.
-Phys. 69, 1352 (1978)); without inertia alone. The noise of a step is that between its ends: its
-mean. The distribution of its state is taken as Gaussian:
+wall, u = mu (F + W) + k_B T dmu/dz and D = k_B T mu there (D. L. Ermak and J. A. McCammon, J. Chem.
+Phys. 69, 1352 (1978)); without inertia alone. The mean of mu F over the spread P differs from that
+at the mean by (dmu/dz)(dF/dx)P, which cancels k_B T dmu/dz in a trap, and d2mu/dz2 is left out: so
+a bead at rest has the mean and the variance of Boltzmann, in a trap or under its weight. The noise
+of a step is the mean of that at its ends. The distribution of its state is taken as Gaussian:
 the mean goes by the force, the covariance by its Jacobian at the mean (the extended Kalman filter:
 A. H. Jazwinski, Stochastic Processes and Filtering Theory, 1970, 8.3), in steps of the exponential
 Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J. Numer. Anal. 47,
@@ -55,8 +57,6 @@ _FAR = 0.3
 _MOST_STEPS = 10_000
 #: Lower bound on the variance of z, m^2
 _LEAST = 1e-40
-#: Distance over which the gradient of a mobility is differenced, in radii
-_BESIDE = 1e-4
 
 _matrix, _vector = types.float64[:, ::1], types.float64[::1]
 
@@ -293,13 +293,12 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
         for j in range(n):
             A[i, j] *= work.ratio[i, j]
     _diffuse(bead, work, diffusion)
-    if not system.uniform:  # what the change of the mobility adds to the drift
+    if not system.uniform:
         rate[2] += bead.kT * at.mobility_gradient[1, 2]
-        aside = _BESIDE * bead.radius
-        _resist(system, work, place[2] + aside)
-        above = at.mobility_gradient[1, 2]
-        _resist(system, work, place[2] - aside)
-        A[2, 2] += bead.kT * (above - at.mobility_gradient[1, 2]) / (2 * aside)
+        for k in range(3):  # the mean of mobility times force, over the spread
+            for j in range(3):
+                spread = at.force_gradient[k, j] * work.P[j, 2]
+                rate[k] += at.mobility_gradient[1 if k == 2 else 0, 2] * spread
 
 
 @named_njit(inner=True, error_model="numpy")
