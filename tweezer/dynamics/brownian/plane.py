@@ -49,7 +49,7 @@ from tweezer.compiled.lanes import (
 from tweezer.compiled.stack import on_stack
 from tweezer.fluid.wall import BesideWall, between_walls
 from tweezer.forces.data import Data, number, packed
-from tweezer.generated.wall import CONTACT
+from tweezer.generated import wall
 
 Array = NDArray[np.float64]
 
@@ -161,7 +161,7 @@ def tables(room: float) -> tuple[float, Array, Array]:
     """
     edges = _edges(_GAPS)
     edges = edges[: np.searchsorted(edges, 0.5 * room) + 1]
-    near = np.array([CONTACT])
+    near = np.array([wall.CONTACT])
     r_near = np.sqrt(2.0 * near * near / _mobilities(near, room).towards)
     lengths = _length(np.append(near, edges[:-1]), edges, room)
     r = r_near + np.cumsum(lengths)
