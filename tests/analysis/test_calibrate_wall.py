@@ -78,6 +78,10 @@ def test_the_drag_at_a_height(gap):
     if gap >= 1:
         assert found.axes[0].drag == pytest.approx(FAR * faxen, rel=3e-3)
     assert (found.drag, found.wall.distance) == (FAR, h)
+    # it moves by 20 nm rms across the wall
+    said = [remark.text for remark in found.axes[2].remarks]
+    assert len(said) == (gap == 0.1)
+    assert all("of the gap: its drag is a mean over heights" in each for each in said)
 
 
 @pytest.mark.parametrize("gap", [0.1, 1.0])

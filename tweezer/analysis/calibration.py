@@ -91,6 +91,8 @@ _BEFORE_DETECTOR = 2.0
 #: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
 
+#: Motion across a wall, of the gap, from which on it is said: a standard deviation
+_ROAMING = 0.3
 #: Axes of a run
 _EVERY_AXIS = ("x", "y", "z")
 #: Number of places at which the drag of a run is taken
@@ -425,12 +427,28 @@ def calibrate(
                 f"{recording.name}: {axis}: no trapped bead moves like this; is it noise, or a "
                 "signal of another kind?"
             ) from None
+    if height is not None and ACROSS in axes:
+        axes[ACROSS] = _of_its_height(axes[ACROSS], height)
     return Calibration(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
         len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
         height,
     )  # fmt: skip
+
+
+def _of_its_height(axis: AxisCalibration, height: Height) -> AxisCalibration:
+    """The axis across a wall, with a remark if the bead's own motion changes its height by much."""
+    bead = axis.fit.bead
+    deviation = math.sqrt(Boltzmann * bead.temperature / bead.stiffness)
+    part = deviation / (height.distance - height.radius)
+    if part < _ROAMING:
+        return axis
+    text = (
+        f"the bead moves by {1e9 * deviation:.2g} nm rms across the wall, {part:.2g} of the gap: "
+        "its drag is a mean over heights"
+    )
+    return dataclasses.replace(axis, remarks=(*axis.remarks, Finding("height", text)))
 
 
 def _refuse_too_low(recording: Recording, height: Height) -> None:
