@@ -539,6 +539,9 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     drag = "drag fitted"
     if calibration.drag is not None:
         drag = f"drag {calibration.drag * _NANO:.3g} nN s/m"
+    if calibration.wall is not None:
+        drag += " far away" if calibration.drag is not None else ""
+        drag += f" · {calibration.wall.distance * _MICRO:.4g} µm from a wall"
     _add_title(
         figure,
         f"{calibration.name}\n{calibration.temperature:.5g} K · {drag} · "
