@@ -33,7 +33,7 @@ from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import FREE, Scene, checked_scene
 from tweezer.units import to_si
 from tweezer.version import versions
 
@@ -238,7 +238,20 @@ def _run(
             ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
         )
     variables |= derived_quantities(problem, times, motion)
+    _warn_of_a_wall_left_out(problem.scene, motion)
     return Run(coordinates, variables, attributes)
+
+
+def _warn_of_a_wall_left_out(scene: Scene, motion: Motion) -> None:
+    """Warn of a bead that came near a wall which a fluid with memory does not have."""
+    if scene.wall is None or scene.medium.inertia != "memory":
+        return
+    height = float(scene.room(motion.position[:, 2]).min()) / scene.bead.radius + 1
+    if height < FREE:
+        warn(
+            f"{scene.name}: the bead came as near as {height:.3g} radii to a wall; with a memory "
+            "of the fluid its drag is left out"
+        )
 
 
 @contextlib.contextmanager
@@ -270,7 +283,8 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
 
 
 def _has_all_inertia(scene: Scene) -> bool:
-    return scene.simulation.model == "full" and scene.medium.inertia == "memory"
+    remembers = scene.simulation.model == "full" and scene.medium.inertia == "memory"
+    return remembers and scene.wall is None
 
 
 def _inertia_of_the_fluid(scene: Scene) -> str:

@@ -193,6 +193,9 @@ def test_memory_and_a_wall(falling):
     way = abs(float(run["position"].sel(axis="z").values[-1]))
     held = 1 - 1 / friction(24.0)
     assert run.attrs["model_error"] == pytest.approx(held * way, rel=0.01)
+    sinking = scene.replace(bead={"density": 10_000}, simulation={"duration": "0.5 s"})
+    with pytest.warns(tweezer.PhysicsWarning, match="radii to a wall; with a memory"):
+        tweezer.simulate(sinking)
 
 
 @pytest.mark.parametrize(
