@@ -139,12 +139,12 @@ def scene_reference() -> str:
         "",
         "## At the top",
         "",
-        *_rows("", {key: of for key, of in schema["properties"].items() if "$ref" not in of},
+        *_rows("", {key: of for key, of in schema["properties"].items() if not _section_of(of)},
                schema["required"]),
     ]  # fmt: skip
     for name, of in schema["properties"].items():
-        if "$ref" in of:
-            section = schema["$defs"][of["$ref"].rpartition("/")[2]]
+        if within := _section_of(of):
+            section = schema["$defs"][within]
             lines += _table(f"[{name}]", name, section)
             for key, nested in section["properties"].items():
                 named = f"{name}.{key}"

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import get_args
 from urllib.parse import unquote, urlsplit
 
 import nbformat
@@ -53,7 +54,11 @@ def test_site_is_whole(site):
     assert all(f'id="tweezer.{name}"' in reference for name in names)
     scene_keys = (site / "scenes.html").read_text()
     for section, of in tweezer.Scene.model_fields.items():
-        for key in getattr(of.annotation, "model_fields", [section]):
+        kinds = (of.annotation, *get_args(of.annotation))  # a section that need not be given
+        keys = next(
+            (kind.model_fields for kind in kinds if hasattr(kind, "model_fields")), [section]
+        )
+        for key in keys:
             assert f"<code>{key}</code>" in scene_keys, (section, key)
     commands = (site / "commands.html").read_text()
     for name, command in typer.main.get_command(cli.app).commands.items():

@@ -325,7 +325,7 @@ class Cover(Section):
 
 
 class Wall(Filled):
-    """A plane across the light that ends the fluid; the bead is on one side of it."""
+    """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
 
     position: Annotated[float, Quantity("m", -1e-2, 1e-2)] = Field(
         description="z of the plane, along the light from the focus; with lens.cover it is the "
