@@ -13,6 +13,7 @@ from scipy.integrate import quad, solve_ivp
 import tweezer
 from tests.reference.fields import LinearTrap, in_place
 from tweezer.dynamics import bind, bound_once, choose
+from tweezer.dynamics.walk import walk
 from tweezer.errors import SceneError
 from tweezer.fluid import BesideWall
 
@@ -305,3 +306,48 @@ def test_a_bead_pulled_along_a_wall_rolls(falling):
     np.testing.assert_allclose(
         found.angular_velocity[:, 1] * RADIUS / found.velocity[:, 0], roll, rtol=1e-6
     )
+
+
+@pytest.mark.parametrize("side", ["above", "below"])
+@pytest.mark.parametrize(("method", "model"), [("heun", "overdamped"), ("one-call", "overdamped"),
+                                               ("heun", "full")])  # fmt: skip
+def test_a_strong_pull_leads_thermal_motion_as_any_other(falling, method, model, side):
+    """A trap of nanonewtons and a moment: the mean of 100 beads is at the deterministic place.
+
+    Within five standard deviations of that mean: exceeded by a right program for one seed in 1e6 a
+    number.
+    """
+    sign = 1.0 if side == "above" else -1.0
+    turns = model == "overdamped"
+    scene = falling.replace(
+        wall={"position": -1.3e-6 * sign, "side": side},
+        start={"position": [0.7e-6, 0.4e-6, 0.5e-6 * sign]},
+        forces={"brownian": True, "brownian_torque": turns, "gravity": False, "buoyancy": False},
+        simulation={"model": model, "method": method, "step": 2e-8, "duration": "20 us",
+                    "samples": 3, "loss_distance": 1e-3},
+    )  # fmt: skip
+    field = LinearTrap(1e-3, (3e-16, -2e-16, 2e-16) if turns else (0.0, 0.0, 0.0))
+    thermal = walk(scene, seed=8)
+    thermal = dataclasses.replace(thermal, problem=in_place(thermal.problem, field))
+    who = np.arange(100)
+    states, out = thermal.start(who), np.empty((100, 2, len(thermal.columns)))
+    thermal.advance(states, who, 0, out)
+
+    still = scene.replace(
+        forces={"brownian": False, "brownian_torque": False},
+        start={"angular_velocity": [1e-9, 0, 0] if turns else [0, 0, 0]},
+        simulation={"method": "exponential", "step": None},
+    )
+    equations = bind(in_place(bound_once(still), field))
+    times = np.linspace(0, 20e-6, 3)
+    found = equations.motion(times, tweezer.dynamics.integrate(equations, times).states)
+    quantities = {"x": found.position}
+    if turns:
+        quantities["e0"] = found.orientation
+    for name, expected in quantities.items():
+        at = thermal.columns.index(name)
+        drawn = out[:, :, at : at + expected.shape[1]]
+        spread = drawn.std(axis=0, ddof=1) / math.sqrt(len(who))
+        assert (np.abs(drawn.mean(axis=0) - expected[1:]) < 5 * spread).all()
+        moved = np.abs(expected[2] - expected[0])
+        assert (spread[1] < 0.02 * moved.max()).all()
