@@ -45,7 +45,9 @@ def _tracks(of: Results) -> list[str]:
 
 
 def _motion(of: Results) -> str:
-    return f"{of['scene']}, {of['fit']} fitted" if of["fit"] else str(of["scene"])
+    beside = ", beside a wall" if of["wall"] else ""
+    fitted = f", {of['fit']} fitted" if of["fit"] else ""
+    return f"{of['scene']}{beside}{fitted}"
 
 
 def _found(of: Results) -> list[str]:
@@ -111,7 +113,8 @@ def block(results: Results) -> str:
     unknown = f"; where {wrong} is too, the scene has it {WRONG:g} times too large" if wrong else ""
     explained = (
         "Where along the light a bead started, from tracks in the plane: of the unscaled bead, "
-        "with thermal motion, released where the thesis releases it. The noise is fitted too"
+        "with thermal motion, released where the thesis releases it; and of one that starts 0.1 µm "
+        "above a [wall](walls.md) and falls from there into a weak trap. The noise is fitted too"
         f"{unknown}. The "
         f"interval is called 95 %, but covers the start in {covered}; tracks that do not "
         'determine z count as the others do, except under "where determined". The grey band of the '
