@@ -452,7 +452,12 @@ def heights_figure(trap: xr.Dataset) -> Figure:
                 height, values.sel(axis=axis), style, color=_COLOURS[axis], lw=1.4, label=axis
             )
         panels[name].set(ylabel=label)
-        panels[name].set_ylim(bottom=0)
+        if name == "drag":  # beyond all bounds at contact
+            panels[name].set_yscale("log")
+            panels[name].yaxis.set_major_locator(LogLocator(subs=(1, 1.5, 2, 3, 5)))
+            panels[name].yaxis.set_major_formatter("{x:g}")
+            panels[name].yaxis.set_minor_formatter(NullFormatter())
+        panels[name].set_ylim(bottom=0.95 if name == "drag" else 0)
     panels["stiffness"].legend(frameon=False, ncols=3, fontsize=9)
     _draw_equilibria(panels["equilibrium"], trap)
     lost = trap["state"].values != "held"

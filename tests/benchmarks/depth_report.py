@@ -63,7 +63,7 @@ def _coverage(of: Results) -> str:
 
 def figure(results: Results) -> Figure:
     """Coverage of each bead; the interval against the noise, for each frame rate."""
-    drawn = Figure(figsize=(10.0, 4.0), layout="constrained")
+    drawn = Figure(figsize=(11.0, 4.0), layout="constrained")
     coverage, length = drawn.subplots(1, 2)
     for i, each in enumerate(results["beads"]):
         at = 100 * each["coverage"]
@@ -75,7 +75,7 @@ def figure(results: Results) -> Figure:
     coverage.set_xticks(
         range(len(results["beads"])),
         [_motion(e).replace(", ", "\n") for e in results["beads"]],
-        fontsize=7,
+        fontsize=6,
     )
     coverage.set(xlim=(-0.5, len(results["beads"]) - 0.5))
     coverage.set(ylim=(60, 101), ylabel="coverage of the 95 % interval, %")
