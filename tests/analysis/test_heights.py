@@ -44,6 +44,13 @@ def test_every_height_is_a_scene_of_its_own(silica, over_glass):
         assert float(at["equilibrium_error"]) < 1e-13
 
 
+def test_no_map_is_made_for_each_height(silica):
+    """With a cover the light is another one at each, so that the quadrature computes it."""
+    mapped = silica.replace(optics={"evaluator": "map"})
+    assert heights.at_height(mapped, 2e-6).optics.evaluator == "map"
+    assert heights.at_height(mapped.replace(**COVER), 2e-6).optics.evaluator == "quadrature"
+
+
 def test_deeper_the_aberration_shifts_and_softens_the_trap(over_glass):
     """A focus in water behind glass lies nearer to the glass, as the marginal rays say: by more
     than paraxial ones, 1 - n_m/n_1 of the depth.
