@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force integrate brownian fluid scaling depth calibrate hydro
+BENCHMARKS := force integrate brownian fluid scaling depth calibrate hydro heights
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report fluid_report scaling_report depth_report calibrate_report hydro_report
+REPORTS := report integrate_report brownian_report summary_report fluid_report scaling_report depth_report calibrate_report hydro_report heights_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean

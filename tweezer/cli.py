@@ -834,6 +834,10 @@ _add_benchmark(
     "hydro", "hydro_report",
     "Calibration of fast records: bias. The fluid's inertia, detectors, a driven stage; pylake.",
 )  # fmt: skip
+_add_benchmark(
+    "heights", "heights_report",
+    "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
+)  # fmt: skip
 
 
 def _benchmark(name: str) -> ModuleType:

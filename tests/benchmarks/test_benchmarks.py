@@ -25,6 +25,8 @@ from tests.benchmarks import (
     estimate,
     fluid_report,
     force,
+    heights,
+    heights_report,
     hydro,
     hydro_report,
     integrate_report,
@@ -240,7 +242,7 @@ def test_peers_integrate_our_equations(changes):
     ("name", "report"),
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
      ("fluid", fluid_report), ("scaling", scaling_report), ("depth", depth_report),
-     ("calibrate", calibrate_report), ("hydro", hydro_report)],
+     ("calibrate", calibrate_report), ("hydro", hydro_report), ("heights", heights_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -474,6 +476,33 @@ def test_page_quotes_the_committed_calibration():
 
 def test_page_quotes_the_committed_calibration_of_fast_records():
     assert pages.quoted("hydro") == hydro_report.block(pages.committed("hydro"))
+
+
+def test_page_quotes_the_committed_calibration_beside_a_wall():
+    assert pages.quoted("heights") == heights_report.block(pages.committed("heights"))
+
+
+@pytest.mark.parametrize(
+    "study", [heights.STEADY[1], heights.DRIVEN[1], heights.FLUID[1], heights.SERIES[0]]
+)
+def test_records_beside_a_wall_are_counted(study):
+    """Two short ones: numbers of each way, and of the truth that they are compared with."""
+    short = study._replace(samples=2**14 if study.kind == "driven" else 2**13)
+    found = heights.judged([heights.calibrated(short, 1, 2)])
+    ways = {(each["by"].split(", ")[-1], each["quantity"]) for each in found["numbers"]}
+    assert (
+        ways
+        >= {
+            "steady": {("metres", "drag"), ("volts", "m/V"), ("uncertain height", "drag")},
+            "driven": {("stage", "stiffness"), ("stage", "m/V")},
+            "fluid": {("metres", "drag"), ("volts", "m/V"), ("pylake", "m/V")},
+            "series": {("all given", "wall"), ("both fitted", "drag far away")},
+        }[study.kind]
+    )
+    for each in found["numbers"]:
+        assert each["numbers"] == 2
+        if "pylake" not in each["by"]:
+            assert abs(each["mean_score"]) < 4
 
 
 @pytest.mark.parametrize("study", [hydro.PASSIVE[1], hydro.DETECTORS[3], hydro.DRIVEN[0]])
