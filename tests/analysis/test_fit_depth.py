@@ -12,11 +12,11 @@ from scipy.optimize import brentq
 from scipy.stats import multivariate_normal
 
 import tweezer
-from tests.analysis.test_heights import brenner
 from tests.benchmarks import depth, depth_report, pages
 from tests.fluid.test_drag import growing
 from tests.reference import memory
 from tests.reference.trapped_bead import BOLTZMANN
+from tests.reference.wall import resistance
 from tweezer.analysis import Track, profile
 from tweezer.analysis.profile import LEVEL, Profile, descend
 from tweezer.dynamics import bound_once
@@ -138,7 +138,7 @@ def test_where_the_mobility_grows_with_the_height_the_spread_is_the_closed_form(
 
 
 def test_at_rest_beside_a_wall_the_spread_is_that_of_boltzmann(scene, beside):
-    """Under its weight kT/W, about where b W = kT b', b by the series of Brenner, in radii; in the
+    """Under its weight kT/W, about where b W = kT b', b by the exact series, in radii; in the
     trap sqrt(kT/k), about the equilibrium.
     """
     radius, kT, reach = scene.bead.radius, 4e-21, 0.1  # of kT/W, in radii
@@ -154,10 +154,10 @@ def test_at_rest_beside_a_wall_the_spread_is_that_of_boltzmann(scene, beside):
     )  # fmt: skip
 
     def excess(gap, h=1e-3):
-        slope = (1 / brenner(gap + h) - 1 / brenner(gap - h)) / (2 * h)
-        return 1 / brenner(gap) - reach * slope
+        below, here, above = (1 / float(resistance(gap + k * h, 12).away) for k in (-1, 0, 1))
+        return here - reach * (above - below) / (2 * h)
 
-    gap = brentq(excess, 0.02, 0.5)
+    gap = brentq(excess, 0.05, 0.2, xtol=1e-6)
     assert found.predicted[-1, 2] == pytest.approx(radius * (1 + gap) - 2e-6, abs=1e-4 * radius)
     assert found.deviations[-1, 2] == pytest.approx(radius * reach, rel=1e-4)
 

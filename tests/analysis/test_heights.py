@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tweezer
+from tests.reference import wall
 from tweezer.analysis import heights
 from tweezer.errors import SceneError
 from tweezer.plots import heights_figure, run_figure, trap_figure
@@ -63,7 +64,7 @@ def test_deeper_the_aberration_shifts_and_softens_the_trap(over_glass):
 
 
 def test_without_a_cover_the_light_is_the_same_and_the_drag_is_the_walls(silica):
-    """Perpendicular drag by Brenner's series, along the wall by the exact one's values."""
+    """Drag away from the wall and along it by the exact series."""
     heights = np.array([0.55, 1.0, 5.0]) * 1e-6
     free = tweezer.characterise(silica).equilibrium
     found = tweezer.trap_over_heights(silica, heights)
@@ -73,22 +74,12 @@ def test_without_a_cover_the_light_is_the_same_and_the_drag_is_the_walls(silica)
     )
     for at in (found.isel(height=i) for i in range(3)):
         gap = float(at["gap"]) / silica.bead.radius
-        along = float(at["drag"].sel(axis="z") / at["free_drag"])
-        assert along == pytest.approx(brenner(gap), rel=1e-6)
+        away, along, *_ = wall.mobilities(gap, 12)
+        for axis, mobility in (("x", along), ("y", along), ("z", away)):
+            drag = float(at["drag"].sel(axis=axis) / at["free_drag"])
+            assert drag == pytest.approx(float(1 / mobility), rel=1e-6)
     corner = found["stiffness"] / (2 * math.pi * found["drag"])
     np.testing.assert_allclose(found["corner_frequency"], corner, rtol=1e-12)
-
-
-def brenner(gap):
-    """Drag away from a wall over Stokes's (H. Brenner, Chem. Eng. Sci. 16, 242 (1961))."""
-    al = math.acosh(1 + gap)
-    total = 0.0
-    for n in range(1, int(40 / al) + 10):
-        x = 2 * n + 1
-        above = 2 * math.sinh(x * al) + x * math.sinh(2 * al)
-        below = 4 * math.sinh(x * al / 2) ** 2 - x**2 * math.sinh(al) ** 2
-        total += n * (n + 1) / ((2 * n - 1) * (2 * n + 3)) * (above / below - 1)
-    return 4 / 3 * math.sinh(al) * total
 
 
 def test_heights_at_which_nothing_holds_the_bead_are_marked(silica):
@@ -183,7 +174,8 @@ def test_beside_a_wall_the_trap_has_its_gap_and_drag_and_the_pull_ends_at_the_wa
     z = trap.equilibrium.position[2]
     assert trap.gap == pytest.approx(z + 0.4e-6, rel=1e-9)
     beta = tweezer.bead_properties(scene).drag
-    assert trap.drag[2] == pytest.approx(beta * brenner(trap.gap / 0.5e-6), rel=1e-6)
+    away, *_ = wall.mobilities(trap.gap / 0.5e-6, 12)
+    assert trap.drag[2] == pytest.approx(beta / float(away), rel=1e-6)
     down = next(escape for escape in trap.escapes if escape.direction == "-z")
     assert (down.range, down.wall_at) == (None, pytest.approx(trap.gap))
     assert down.force_at <= down.wall_at
