@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force integrate brownian fluid scaling depth calibrate hydro heights
+BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate hydro heights
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report fluid_report scaling_report depth_report calibrate_report hydro_report heights_report
+REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report hydro_report heights_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
@@ -45,7 +45,7 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 docs: .venv/.dev  ## the site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
-stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, and faults from outside
+stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, 1,000 beside walls, and faults from outside
 	$(BIN)/python -m tests.stress 10000
 	$(BIN)/python -m tests.stress_faults
 

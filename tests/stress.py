@@ -34,6 +34,8 @@ MODELS = (None, None, "full", "scaled", "overdamped", "first-order")
 STOCHASTIC = ("auto", "auto", "one-call", "harmonic", "euler-maruyama", "baoab")
 #: thermal beads of a scene
 BEADS = 4
+#: depth in a wall that is rounding, of the bead's coordinate
+ROUNDING = 1e-14
 
 
 def random_changes(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
@@ -85,6 +87,45 @@ def random_changes(rng: np.random.Generator) -> dict[str, dict[str, Any]]:
     }  # fmt: skip
 
 
+def beside_a_wall(
+    rng: np.random.Generator, changes: dict[str, dict[str, Any]]
+) -> dict[str, dict[str, Any]]:
+    """The same beside a wall, or between two: near contact, far away, now and then in the wall."""
+    radius, z = changes["bead"]["radius"], changes["start"]["position"][2]
+    side = ("above", "below")[rng.integers(2)]
+    normal = 1 if side == "above" else -1
+    gap = float(10 ** rng.uniform(-7, 2)) * (-1 if rng.random() < 0.03 else 1)
+    position = z - normal * radius * (1 + gap)
+    changes["wall"] = {"position": position, "side": side}
+    if rng.random() < 0.2:
+        changes["wall"]["opposite"] = position + normal * radius * rng.uniform(15, 200)
+    if rng.random() < 0.3:
+        changes["forces"] = changes.get("forces", {}) | {"dlvo": {
+            "strength": float(10 ** rng.uniform(-21, -16)),
+            "debye_length": float(10 ** rng.uniform(-9.5, -6.5)),
+            "hamaker_constant": float(rng.choice([0.0, 1.0]) * 10 ** rng.uniform(-22, -19)),
+        }}  # fmt: skip
+    if rng.random() < 0.8:  # what is not refused
+        model = (None, "overdamped", "full")[rng.integers(3)]
+        changes["simulation"]["model"] = model
+        if changes["simulation"]["method"] in STOCHASTIC:
+            followed = ("auto", "heun") if model == "full" else ("auto", "heun", "one-call")
+            changes["simulation"]["method"] = followed[rng.integers(len(followed))]
+        if "ball_radius" in changes["start"]:
+            changes["start"]["ball_radius"] = 0.9 * abs(gap) * radius
+    return changes
+
+
+def crossed(scene: Scene, z: Any) -> bool:
+    """Whether any of the places is in a wall."""
+    radius = scene.bead.radius
+    return any(
+        (normal * (z - position) - radius).min(initial=0.0)
+        < -ROUNDING * (abs(position) + np.abs(z).max(initial=0.0))
+        for position, normal in (scene.wall.planes if scene.wall else ())
+    )
+
+
 def outcome(changes: dict[str, dict[str, Any]]) -> str:
     """How a scene ends; raises for what must not happen."""
     try:
@@ -103,6 +144,8 @@ def outcome(changes: dict[str, dict[str, Any]]) -> str:
              motion.angular_velocity)  # fmt: skip
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         raise AssertionError("a result is not finite")
+    if crossed(scene, motion.position[:, 2]):
+        raise AssertionError("the bead is in the wall")
     if run.status == "failed":
         return f"failed: {run.message.partition(': ')[2] or run.message.split(' at ')[0]}"
     return run.status
@@ -146,6 +189,8 @@ def thermal_outcome(changes: dict[str, dict[str, Any]]) -> str:
     lost = bound.times[1 : samples + 1] >= states[:, -1:] * (1 - 1e-9)
     if np.isfinite(out[lost]).any() or not np.isfinite(out[~lost]).all():
         raise AssertionError("a sample of a bead that is there is not finite")
+    if crossed(bound.scene, out[~lost][:, 2]):
+        raise AssertionError("a bead is in the wall")
     if "e0" in bound.columns:
         at = bound.columns.index("e0")
         if np.abs(np.linalg.norm(out[~lost][:, at : at + 4], axis=1) - 1).max(initial=0) > 1e-12:
@@ -153,12 +198,14 @@ def thermal_outcome(changes: dict[str, dict[str, Any]]) -> str:
     return "lost" if lost.any() else "complete"
 
 
-def outcomes(count: int, seed: int, *, thermal: bool = False) -> Counter[str]:
+def outcomes(count: int, seed: int, *, thermal: bool = False, walls: bool = False) -> Counter[str]:
     """How so many random scenes end."""
     rng = np.random.default_rng(seed)
     counted: Counter[str] = Counter()
     for number in range(count):
         changes = thermal_changes(rng) if thermal else random_changes(rng)
+        if walls:
+            changes = beside_a_wall(rng, changes)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             try:
@@ -173,8 +220,13 @@ def outcomes(count: int, seed: int, *, thermal: bool = False) -> Counter[str]:
 if __name__ == "__main__":
     began = time.perf_counter()
     scenes = int(sys.argv[1])
-    for many, thermal in ((scenes, False), (scenes // 5, True)):
-        print(f"{many} scenes{' with thermal motion' if thermal else ''}")
-        for ended, times in outcomes(many, 20_250, thermal=thermal).most_common():
+    for many, thermal, walls in (
+        (scenes, False, False), (scenes // 5, True, False),
+        (scenes // 20, False, True), (scenes // 20, True, True),
+    ):  # fmt: skip
+        said = (" with thermal motion" if thermal else "") + (" beside a wall" if walls else "")
+        print(f"{many} scenes{said}")
+        found = outcomes(many, 20_250, thermal=thermal, walls=walls)
+        for ended, times in found.most_common():
             print(f"{times:8d}  {ended}")
     print(f"{time.perf_counter() - began:8.0f}  s")

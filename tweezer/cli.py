@@ -827,6 +827,10 @@ _add_benchmark(
     "The fluid's inertia: error against poles. Force calls of captures, thermal steps.",
 )  # fmt: skip
 _add_benchmark(
+    "wall", "wall_report",
+    "Thermal motion beside a wall: bias. First passage, inertia, step rates.",
+)  # fmt: skip
+_add_benchmark(
     "calibrate", "calibrate_report",
     "Calibration: coverage, and what is marked. Known traps.",
 )  # fmt: skip

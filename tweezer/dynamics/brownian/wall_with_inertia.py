@@ -39,8 +39,11 @@ from tweezer.forces.data import number
 _SHORT = 1e-2
 
 #: Rows that a step keeps of each bead: direction away from the nearer plane and its position, r, S,
-#: T and the mobility along it at the begin; where the step leads in the plane; S, T there
-AWAY, PLANE, R, S, T, ALONG, W, ACROSS, S_AHEAD, T_AHEAD, ROWS = range(11)
+#: T and the mobility along it at the begin; where the step leads in the plane; S, T there; what
+#: `_of_step` gives along the plane, and towards it
+AWAY, PLANE, R, S, T, ALONG, W, ACROSS, S_AHEAD, T_AHEAD, BESIDE, TOWARDS, ROWS = (
+    *range(11), 15, 20,
+)  # fmt: skip
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -60,15 +63,26 @@ def _of_step(step, tau):  # type: ignore[no-untyped-def]
     return left, gone, tau * gone, step * spreading, step * rise
 
 
+@named_njit(inner=True, error_model="numpy")
+def _keep(kept, first, i, functions):  # type: ignore[no-untyped-def]
+    kept[first, i], kept[first + 1, i], kept[first + 2, i] = functions[:3]
+    kept[first + 3, i], kept[first + 4, i] = functions[3:]
+
+
+@named_njit(inner=True, error_model="numpy")
+def _kept(kept, first, i):  # type: ignore[no-untyped-def]
+    return (
+        kept[first, i], kept[first + 1, i], kept[first + 2, i], kept[first + 3, i],
+        kept[first + 4, i],
+    )  # fmt: skip
+
+
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """One step of all beads, two forces."""
     force, plan, beads = borrowed((force, plan, beads))
-    data, radius, rate = (
-        plan.drag.data,
-        number(plan.drag.data, RADIUS),
-        number(plan.drag.data, RATE),
-    )
+    data = plan.drag.data
+    radius, rate = number(data, RADIUS), number(data, RATE)
     width, h, free, D = beads.x.shape[1], plan.step, plan.tau[0], plan.diffusion[0]
     x, v, u, ahead, u_ahead, normal = (
         beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead, beads.normal,
@@ -86,13 +100,17 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
         store(kept, ALONG * width + i, mobilities[0])
     for i in range(width):
         along = kept[ALONG, i]
-        _, _, way, spreading, _ = _of_step(h, free * along)
+        functions = _of_step(h, free * along)
+        _keep(kept, BESIDE, i, functions)
+        _, _, way, spreading, _ = functions
         for k in range(2):
             led = way * v[k, i] + along * (h - way) * u[k, i]
             ahead[k, i] = x[k, i] + led + math.sqrt(2.0 * D * along * spreading) * normal[k, i]
         r, scale = kept[R, i], kept[S, i] * kept[R, i]
         mu, slope = 0.5 * scale * scale, kept[S, i] * (2.0 * r * r * kept[T, i] + 1.0)
-        left, gone, way, spreading, _ = _of_step(h, free * mu)
+        functions = _of_step(h, free * mu)
+        _keep(kept, TOWARDS, i, functions)
+        left, gone, way, spreading, _ = functions
         # the way by the velocity, over the change of the gap with r
         flight = 0.5 * free * gone * kept[AWAY, i] * v[2, i] / radius
         flown = flight * scale * (1.0 - 0.5 * slope * flight)
@@ -113,7 +131,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
     slow_velocities(force, plan, beads, beads.now[0] + h, ahead, u_ahead)
     for i in range(width):
         along = kept[ALONG, i]
-        left, gone, way, spreading, by_rise = _of_step(h, free * along)
+        left, gone, way, spreading, by_rise = _kept(kept, BESIDE, i)
         shared, own = _noise_of_velocity(D * along, free * along, left, gone, spreading)
         for k in range(2):
             begun, rise = along * u[k, i], along * (u_ahead[k, i] - u[k, i])
@@ -126,7 +144,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
         scale, scale_ahead = kept[S, i] * r, kept[S_AHEAD, i] * math.sqrt(w * w + across * across)
         mu, mu_ahead = 0.5 * scale * scale, 0.5 * scale_ahead * scale_ahead
         slope = kept[S, i] * (2.0 * r * r * kept[T, i] + 1.0)
-        left, gone, way, spreading, by_rise = _of_step(h, free * mu)
+        left, gone, way, spreading, by_rise = _kept(kept, TOWARDS, i)
         pull = kept[S, i] * away * u[2, i] / (2.0 * radius)
         pull_ahead = kept[S_AHEAD, i] * away * u_ahead[2, i] / (2.0 * radius)
         drift, drift_ahead = (

@@ -1,0 +1,100 @@
+"""The results of the benchmark of thermal motion beside a wall as tables and figure, on their page.
+
+`python -m tests.benchmarks.wall_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.wall import OF_INERTIA, Results
+
+#: schemes by how they are called
+_SCHEMES = {
+    "heun": "plane, heun", "one-call": "plane, one call", "euler, drift": "Euler with drift",
+    "fixman": "Fixman", "euler, no drift": "Euler, no drift",
+}  # fmt: skip
+_WALLS = {"none": "no wall", "one": "a wall", "two": "two walls"}
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """Biases, passages, inertia, step rates; the first row of each is its headings."""
+    bias = [["bias, %: step over T", *(
+        f"{name}, {what}" for name in _SCHEMES.values() for what in ("gap", "low")
+    )]]  # fmt: skip
+    for step in dict.fromkeys(each["step"] for each in results["bias"]):
+        of = {each["scheme"]: each for each in results["bias"] if each["step"] == step}
+        bias.append([f"{step:g}", *(
+            _with_error(of[name][key], of[name][f"{key}_error"])
+            for name in _SCHEMES for key in ("mean", "low")
+        )])  # fmt: skip
+    passages = [
+        ["passage, mean gaps", "mean gap, radii", "exact, s", "beads", "off, %"],
+        *(
+            [
+                f"{of['begin']:g} to {of['end']:g}",
+                f"{of['mean_gap']:g}" if of["mean_gap"] else "no weight",
+                f"{of['exact_s']:.3g}", f"{of['beads']}", _with_error(of["off"], of["error"]),
+            ]
+            for of in results["passages"]
+        ),
+    ]  # fmt: skip
+    inertia = [
+        ["step over tau", "free flight, radii", "mean gap, %", "low, %"],
+        *(
+            [f"{of['ratio']:g}", f"{of['flight']:.2g}", _with_error(of["mean"], of["mean_error"]),
+             _with_error(of["low"], of["low_error"])]
+            for of in results["inertia"]
+        ),
+    ]  # fmt: skip
+    steps = [
+        ["step by the map", "walls", "ns", "rate over that without"],
+        *(
+            [f"{of['model']}, {of['method']}", _WALLS[of["walls"]], f"{of['ns']:.0f}",
+             f"{of['rate']:.2f}"]
+            for of in results["steps"]
+        ),
+    ]  # fmt: skip
+    return [bias, passages, inertia, steps]
+
+
+def _with_error(value: float, error: float) -> str:
+    return f"{value:+.1f} ± {error:.1f}"
+
+
+def figure(results: Results) -> Figure:
+    """Biases of the mean gap against the step, and with inertia."""
+    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    left, right = drawn.subplots(1, 2)
+    for (name, label), marker in zip(_SCHEMES.items(), "osD^v", strict=True):
+        of = [each for each in results["bias"] if each["scheme"] == name]
+        left.errorbar(
+            [each["step"] for each in of], [abs(each["mean"]) for each in of],
+            [each["mean_error"] for each in of], marker=marker, label=label,
+        )  # fmt: skip
+    left.axhline(1, color="grey", lw=1, ls="--")
+    left.set(xscale="log", yscale="log", ylim=(1e-2, 100), xlabel="step over T",
+             ylabel="bias of the mean gap (%)")  # fmt: skip
+    left.legend(frameon=False, fontsize=8)
+    of = results["inertia"]
+    for key, label, marker in (("mean", "mean gap", "o"), ("low", "below a tenth of it", "s")):
+        right.errorbar(
+            [each["ratio"] for each in of], [each[key] for each in of],
+            [each[f"{key}_error"] for each in of], marker=marker, label=label,
+        )  # fmt: skip
+    right.axhspan(-1, 1, color="grey", alpha=0.2, lw=0)
+    right.set(xscale="log", xlabel="step over the relaxation time of the velocity",
+              ylabel="bias (%)")  # fmt: skip
+    right.set_title(f"with inertia, steps of {OF_INERTIA:g} T", fontsize=9)
+    right.legend(frameon=False, fontsize=8)
+    return drawn
+
+
+def written(results: Results) -> str:
+    """The block of the page."""
+    return pages.block("wall", pages.tables(tables(results))[:-1], results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("wall", written, figure)
