@@ -111,19 +111,21 @@ def beside_a_wall(
         if changes["simulation"]["method"] in STOCHASTIC:
             followed = ("auto", "heun") if model == "full" else ("auto", "heun", "one-call")
             changes["simulation"]["method"] = followed[rng.integers(len(followed))]
+            if model == "full" and "forces" in changes:
+                changes["forces"]["brownian_torque"] = False
+                changes["start"]["angular_velocity"] = [0.0, 0.0, 0.0]
         if "ball_radius" in changes["start"]:
             changes["start"]["ball_radius"] = 0.9 * abs(gap) * radius
     return changes
 
 
-def crossed(scene: Scene, z: Any) -> bool:
-    """Whether any of the places is in a wall."""
-    radius = scene.bead.radius
-    return any(
-        (normal * (z - position) - radius).min(initial=0.0)
-        < -ROUNDING * (abs(position) + np.abs(z).max(initial=0.0))
-        for position, normal in (scene.wall.planes if scene.wall else ())
-    )
+def depth(scene: Scene, z: Any) -> float:
+    """How deep any of the places is in a wall, m, less rounding; 0 if none is."""
+    radius, deepest = scene.bead.radius, 0.0
+    for position, normal in scene.wall.planes if scene.wall else ():
+        rounding = ROUNDING * (abs(position) + np.abs(z).max(initial=0.0))
+        deepest = max(deepest, float((radius - normal * (z - position)).max(initial=0.0)) - rounding)
+    return deepest
 
 
 def outcome(changes: dict[str, dict[str, Any]]) -> str:
@@ -144,8 +146,8 @@ def outcome(changes: dict[str, dict[str, Any]]) -> str:
              motion.angular_velocity)  # fmt: skip
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         raise AssertionError("a result is not finite")
-    if crossed(scene, motion.position[:, 2]):
-        raise AssertionError("the bead is in the wall")
+    if (deep := depth(scene, motion.position[:, 2])) > 0:
+        raise AssertionError(f"the bead is {deep} m deep in a wall")
     if run.status == "failed":
         return f"failed: {run.message.partition(': ')[2] or run.message.split(' at ')[0]}"
     return run.status
@@ -189,8 +191,8 @@ def thermal_outcome(changes: dict[str, dict[str, Any]]) -> str:
     lost = bound.times[1 : samples + 1] >= states[:, -1:] * (1 - 1e-9)
     if np.isfinite(out[lost]).any() or not np.isfinite(out[~lost]).all():
         raise AssertionError("a sample of a bead that is there is not finite")
-    if crossed(bound.scene, out[~lost][:, 2]):
-        raise AssertionError("a bead is in the wall")
+    if (deep := depth(bound.scene, out[~lost][:, 2])) > 0:
+        raise AssertionError(f"a bead is {deep} m deep in a wall")
     if "e0" in bound.columns:
         at = bound.columns.index("e0")
         if np.abs(np.linalg.norm(out[~lost][:, at : at + 4], axis=1) - 1).max(initial=0) > 1e-12:
