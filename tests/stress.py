@@ -23,6 +23,7 @@ from tweezer.dynamics import (
     lens_touched,
     loss,
 )
+from tweezer.dynamics.integrate import SOFT, SOFT_IN_TOLERANCES
 from tweezer.dynamics.walk import walk
 from tweezer.errors import IntegrationError, TweezerError
 from tweezer.scene import Scene
@@ -124,7 +125,9 @@ def depth(scene: Scene, z: Any) -> float:
     radius, deepest = scene.bead.radius, 0.0
     for position, normal in scene.wall.planes if scene.wall else ():
         rounding = ROUNDING * (abs(position) + np.abs(z).max(initial=0.0))
-        deepest = max(deepest, float((radius - normal * (z - position)).max(initial=0.0)) - rounding)
+        deepest = max(
+            deepest, float((radius - normal * (z - position)).max(initial=0.0)) - rounding
+        )
     return deepest
 
 
@@ -146,7 +149,8 @@ def outcome(changes: dict[str, dict[str, Any]]) -> str:
              motion.angular_velocity)  # fmt: skip
     if not all(np.isfinite(part).all() for part in parts if part is not None):
         raise AssertionError("a result is not finite")
-    if (deep := depth(scene, motion.position[:, 2])) > 0:
+    soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
+    if (deep := depth(scene, motion.position[:, 2])) > soft:
         raise AssertionError(f"the bead is {deep} m deep in a wall")
     if run.status == "failed":
         return f"failed: {run.message.partition(': ')[2] or run.message.split(' at ')[0]}"

@@ -15,3 +15,10 @@ def test_random_scenes_with_thermal_motion_end_finite_or_with_a_typed_error(monk
     counted = stress.outcomes(60, 20_252, thermal=True)
     assert sum(counted.values()) == 60
     assert counted["complete"] > 30
+
+
+def test_random_scenes_beside_walls_end_on_their_side():
+    for thermal in (False, True):
+        counted = stress.outcomes(40, 20_253, thermal=thermal, walls=True)
+        assert sum(counted.values()) == 40
+        assert counted["complete"] > 12

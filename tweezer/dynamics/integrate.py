@@ -36,6 +36,12 @@ _FAILURES = {
     integrators.NOT_FINITE: "the force or the state is not finite",
     integrators.EXHAUSTED: "simulation.most_force_calls is spent",
 }
+#: the same of a run that went into a wall
+_IN_A_WALL = (
+    "the bead went into the wall: the step that is given is too long, or contact too soft for it"
+)
+#: Depth in a wall, m, and in tolerances of the position, up to which contact is soft
+SOFT, SOFT_IN_TOLERANCES = 1e-9, 3.0
 
 
 @dataclass(frozen=True)
@@ -151,12 +157,14 @@ def integrate(
                 if wanted.size:
                     states = piece.states(wanted)
                     # a step may end at numbers so large that those within it overflow
-                    sound = np.isfinite(states).all(axis=1)
-                    kept = len(wanted) if sound.all() else int(sound.argmin())
+                    sound = np.asarray(np.isfinite(states).all(axis=1))
+                    failed = np.flatnonzero(~sound | _in_a_wall(equations, states))
+                    kept = int(failed[0]) if len(failed) else len(wanted)
                     sampled.append(states[:kept])
                     reached += kept
                     if kept < len(wanted):
-                        raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
+                        why_not = _IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE]
+                        raise IntegrationError(why_not)
                 if progress:
                     progress(end)
             if why in _FAILURES and status == "complete":
@@ -185,6 +193,18 @@ def integrate(
         step_lengths,
         path,
     )
+
+
+def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]:
+    """Whether the bead is in a wall in states (n, state), (n,)."""
+    scene = equations.scene
+    inside = np.full(len(states), False)
+    if scene.wall is not None:
+        z = states[:, equations.module.STATE.index("q3")]
+        soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
+        for position, normal in scene.wall.planes:
+            inside |= normal * (z - position) - scene.bead.radius < -soft
+    return inside
 
 
 def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:

@@ -58,10 +58,10 @@ def _beside_walls(pose, data, mobility):  # type: ignore[no-untyped-def]
         by = normal / radius
         if g < nearest:
             by = by if g > 0.0 else -by
-            g = max(nearest, -g)
+            g = min(max(nearest, -g), room - nearest)
         elif g > room - nearest:
             by = by if g < room else -by
-            g = min(room - nearest, 2.0 * room - g)
+            g = max(min(room - nearest, 2.0 * room - g), nearest)
         found = between_walls(g, room)
         across, along, spin, turn, roll = found[:5]
         scales = translation, translation, rotation, rotation, normal * translation / radius
