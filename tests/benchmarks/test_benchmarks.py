@@ -36,6 +36,7 @@ from tests.benchmarks import (
     report,
     scaling,
     scaling_report,
+    wall_report,
 )
 from tests.benchmarks.timing import Call, in_fresh_process, per_item
 from tweezer import cli
@@ -241,8 +242,9 @@ def test_peers_integrate_our_equations(changes):
 @pytest.mark.parametrize(
     ("name", "report"),
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
-     ("fluid", fluid_report), ("scaling", scaling_report), ("depth", depth_report),
-     ("calibrate", calibrate_report), ("hydro", hydro_report), ("heights", heights_report)],
+     ("fluid", fluid_report), ("wall", wall_report), ("scaling", scaling_report),
+     ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
+     ("heights", heights_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -276,6 +278,34 @@ def test_quick_run_of_the_fluid(command_line, tmp_path):
 
 def test_page_quotes_the_committed_fluid():
     assert pages.quoted("fluid") == fluid_report.written(pages.committed("fluid"))
+
+
+def test_quick_run_beside_a_wall(command_line, tmp_path):
+    path = tmp_path / "wall.json"
+    command_line("bench", "wall", "--quick", "--out", path)
+    results = json.loads(path.read_text())
+    bias = {each["scheme"]: each for each in results["bias"]}
+    for scheme in ("heun", "one-call"):
+        assert abs(bias[scheme]["mean"]) < 5 * bias[scheme]["mean_error"]
+    assert bias["euler, no drift"]["mean"] < -50
+    (passage,) = results["passages"]
+    assert abs(passage["off"]) < 5 * passage["error"]
+    assert wall_report.figure(results).axes
+
+
+def test_page_quotes_the_committed_motion_beside_a_wall():
+    """And what is asked of it: 1 % at a fifth of T and with inertia, passages, half the rate."""
+    committed = pages.committed("wall")
+    assert pages.quoted("wall") == wall_report.written(committed)
+    for each in committed["bias"]:
+        if each["scheme"] in ("heun", "one-call") and each["step"] <= 0.2:
+            assert abs(each["mean"]) < 1
+            assert abs(each["low"]) < 1
+    assert all(abs(each["off"]) < max(1, 3 * each["error"]) for each in committed["passages"])
+    assert all(abs(each["mean"]) < 1 for each in committed["inertia"])
+    for each in committed["steps"]:
+        if each["model"] == "overdamped" and each["walls"] == "one":
+            assert each["rate"] > 0.5
 
 
 def test_page_quotes_the_committed_integration():

@@ -75,7 +75,7 @@ def _known(scene: Scene) -> tuple[float, float]:
 def _walk(scene: Scene, step: float, per_sample: int = 1, samples: int = 2, **keys: Any) -> Walk:
     simulation = {
         "step": step * (1 + 1e-9), "samples": samples, **keys,
-        "duration": step * per_sample * (samples - 1),
+        "duration": f"{step * per_sample * (samples - 1)!r} s",
     }  # fmt: skip
     return walk(scene.replace(simulation=simulation), 1)
 

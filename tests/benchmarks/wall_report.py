@@ -20,15 +20,13 @@ _WALLS = {"none": "no wall", "one": "a wall", "two": "two walls"}
 
 def tables(results: Results) -> list[list[list[str]]]:
     """Biases, passages, inertia, step rates; the first row of each is its headings."""
-    bias = [["bias, %: step over T", *(
-        f"{name}, {what}" for name in _SCHEMES.values() for what in ("gap", "low")
-    )]]  # fmt: skip
-    for step in dict.fromkeys(each["step"] for each in results["bias"]):
-        of = {each["scheme"]: each for each in results["bias"] if each["step"] == step}
-        bias.append([f"{step:g}", *(
-            _with_error(of[name][key], of[name][f"{key}_error"])
-            for name in _SCHEMES for key in ("mean", "low")
-        )])  # fmt: skip
+    bias = [
+        _biases(results, key, heading)
+        for key, heading in (
+            ("mean", "bias of the mean gap, %: step over T"),
+            ("low", "of the time below a tenth of it, %"),
+        )
+    ]
     passages = [
         ["passage, mean gaps", "mean gap, radii", "exact, s", "beads", "off, %"],
         *(
@@ -56,7 +54,16 @@ def tables(results: Results) -> list[list[list[str]]]:
             for of in results["steps"]
         ),
     ]  # fmt: skip
-    return [bias, passages, inertia, steps]
+    return [*bias, passages, inertia, steps]
+
+
+def _biases(results: Results, key: str, heading: str) -> list[list[str]]:
+    rows = [[heading, *_SCHEMES.values()]]
+    for step in dict.fromkeys(each["step"] for each in results["bias"]):
+        of = {each["scheme"]: each for each in results["bias"] if each["step"] == step}
+        told = [_with_error(of[name][key], of[name][f"{key}_error"]) for name in _SCHEMES]
+        rows.append([f"{step:g}", *told])
+    return rows
 
 
 def _with_error(value: float, error: float) -> str:
@@ -67,6 +74,7 @@ def figure(results: Results) -> Figure:
     """Biases of the mean gap against the step, and with inertia."""
     drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
     left, right = drawn.subplots(1, 2)
+    steps = sorted({each["step"] for each in results["bias"]})
     for (name, label), marker in zip(_SCHEMES.items(), "osD^v", strict=True):
         of = [each for each in results["bias"] if each["scheme"] == name]
         left.errorbar(
@@ -76,7 +84,9 @@ def figure(results: Results) -> Figure:
     left.axhline(1, color="grey", lw=1, ls="--")
     left.set(xscale="log", yscale="log", ylim=(1e-2, 100), xlabel="step over T",
              ylabel="bias of the mean gap (%)")  # fmt: skip
-    left.legend(frameon=False, fontsize=8)
+    left.set_xticks(steps, [f"{step:g}" for step in steps], minor=False)
+    left.set_xticks([], minor=True)
+    left.legend(frameon=False, fontsize=8, loc="lower left")
     of = results["inertia"]
     for key, label, marker in (("mean", "mean gap", "o"), ("low", "below a tenth of it", "s")):
         right.errorbar(
