@@ -220,6 +220,27 @@ def test_a_cell_is_filled_evenly():
         assert crossed.mean() > 0.05
 
 
+@pytest.mark.parametrize("method", ["heun", "one-call"])
+def test_boltzmann_above_double_layers(method):
+    """DLVO's force and weight, at the step that suits them; a deep minimum at contact, behind a
+    barrier that no bead crosses, does not make it short.
+    """
+    strength, length, hamaker = 1e-18, 1e-8, 1e-21
+    scene = SINKING.replace(
+        forces={"dlvo": {"strength": strength, "debye_length": length,
+                         "hamaker_constant": hamaker}},
+        start={"position": [0, 0, 1.06 * RADIUS]},
+        simulation={"duration": 4.0, "samples": 101, "method": method},
+    )  # fmt: skip
+    one = walk(scene, 3)
+    assert one.step > 5e-4
+    y = np.linspace(0.005, 0.4, 40_000)
+    energy = strength * np.exp(-y * RADIUS / length) / KT - hamaker / (6 * y) / KT + y / MEAN
+    density = np.exp(energy.min() - energy)
+    found = gaps_of(one, followed(one, 1000))[:, 25:]
+    assert abs(off(found, (density * y).sum() / density.sum())) < FAR
+
+
 # --- first passage -------------------------------------------------------------------------------
 
 

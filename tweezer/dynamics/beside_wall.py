@@ -16,9 +16,11 @@ from tweezer.fluid import BesideWall
 Array = NDArray[np.float64]
 
 #: Number of gaps from contact on, and of those about the trap, at which the force is evaluated
-_POINTS = 200
+_POINTS = 300
 #: Largest distance of them from the trap, and from the trap of the latter, in radii
 _AROUND, _ABOUT = 1.5, 0.5
+#: Height of a barrier that is not crossed, over kT
+_BARRIER = 20.0
 #: Part of the time for which a bead may change faster than it is said to
 _RARELY = 0.01
 
@@ -40,7 +42,8 @@ def without_walls(problem: Problem) -> Problem:
 def towards(problem: Problem) -> Towards:
     """How fast a bead moves towards the wall where it is found: about its trap, or from its start.
 
-    On a line across the wall, by the density of Boltzmann. Of a trap, up to where it ends.
+    On a line across the wall, by the density of Boltzmann as far as no barrier is; of a trap, up to
+    where it ends, and without one at the start too.
     """
     drag, scene = problem.drag, problem.scene
     assert isinstance(drag, BesideWall)
@@ -68,21 +71,32 @@ def towards(problem: Problem) -> Towards:
         [[0.0], np.cumsum(0.5 * (by_root[1:] + by_root[:-1]) * np.diff(root))]
     )
     energy = -np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(gap))])
+    here = int(np.argmin(np.abs(gap - at)))
+    reached = _this_side(energy, here)
     if trap is not None:
-        here = int(np.argmin(np.abs(gap - at)))
         energy[here:] = np.maximum.accumulate(energy[here:])
         energy[: here + 1] = np.maximum.accumulate(energy[here::-1])[::-1]
-    density = np.exp(energy.min() - energy) * np.gradient(gap)
+    density = np.exp(energy[reached].min() - np.where(reached, energy, np.inf)) * np.gradient(gap)
     density /= density.sum()
     rate = kT / drag.stokes.translation / radius**2
     drift = 0.5 * (force * scale + slope / scale - 1 / r)
     change = -rate * np.gradient(drift, r)
     order = np.argsort(np.abs(change))
-    reached = int(np.searchsorted(np.cumsum(density[order]), 1 - _RARELY))
-    fastest = float(np.abs(change)[order[min(reached, len(order) - 1)]])
+    most_of_it = int(np.searchsorted(np.cumsum(density[order]), 1 - _RARELY))
+    fastest = float(np.abs(change)[order[min(most_of_it, len(order) - 1)]])
     if trap is None:
-        fastest = max(fastest, rate / (1 + at) ** 2)
+        fastest = max(fastest, abs(float(change[here])), rate / (1 + at) ** 2)
     return Towards(max(float(density @ change), 0.0), fastest)
+
+
+def _this_side(energy: Array, here: int) -> NDArray[np.bool_]:
+    """Which places a bead comes to from one of them, (n,): energy is over kT."""
+    found = np.full(len(energy), False)
+    for away in (slice(here, None), slice(here, None, -1)):
+        on = energy[away]
+        passed = on - np.minimum.accumulate(on) < _BARRIER
+        found[away] = np.logical_and.accumulate(passed)
+    return found
 
 
 def cut(normal: Array, low: float, high: float) -> Array:
