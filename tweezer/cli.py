@@ -464,8 +464,9 @@ def calibrate(
         ),
     ] = None,
     focal_shift: Annotated[
-        str, typer.Option(help="How far the bead moves by a unit of --focus; or fit.")
-    ] = "1",
+        str | None,
+        typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
+    ] = None,
     drive: Annotated[
         str | None,
         typer.Option(
@@ -523,7 +524,9 @@ def calibrate(
     plot = plot and _writable(plot, _FIGURE_FORMATS)
     if plot and len(recordings) > 1:
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
-    places, shift = _places(focus, focal_shift)
+    places, shift = _places(focus, focal_shift, len(recordings))
+    if places and "fluid-density" in given:
+        raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
     loaded = [load_recording(each, drive).since(skipped) for each in recordings]
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
     if len(asked) > 1:
@@ -573,14 +576,28 @@ def calibrate(
     _tell_written(out, plot)
 
 
-def _places(focus: str | None, shift: str) -> tuple[list[float], float | None]:
-    """Positions of the focus, m, and by how much the bead moves with it; None if that is fitted."""
+def _places(
+    focus: str | None, shift: str | None, recordings: int
+) -> tuple[list[float], float | None]:
+    """Positions of the focus, m, and by how much the bead moves with it; None if that is fitted.
+
+    recordings: their number.
+    """
     from tweezer.units import Length
 
-    places = [_quantity("--focus", each, Length) for each in focus.split(",")] if focus else []
-    factor = None if shift == "fit" else _bare(shift)
-    if isinstance(factor, str):
-        raise ResultError(f"--focal-shift {shift!r}: must be a number, or fit")
+    if focus is None:
+        if shift is not None:
+            raise ResultError("--focal-shift: goes with --focus")
+        return [], 1.0
+    places = [_quantity("--focus", each, Length) for each in focus.split(",")]
+    if len(places) != recordings:
+        raise ResultError(
+            f"--focus {focus!r}: has {len(places)} positions; must be {recordings}, one for each "
+            "recording"
+        )
+    factor = None if shift == "fit" else _bare(shift or "1")
+    if factor is not None and not (isinstance(factor, float) and 0 < factor < math.inf):
+        raise ResultError(f"--focal-shift {shift!r}: must be a positive number, or fit")
     return places, factor
 
 

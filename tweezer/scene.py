@@ -346,18 +346,14 @@ class Scene(Section):
             raise refusal(f"{said}: not with simulation.model = {model!r}{past}; allowed: {having}")
         if inertia != "memory":
             return
-        if self.wall is not None:
-            room = self.gap(self.start_position[2])
-            if self.wall.opposite is not None:
-                room = min(
-                    room, abs(self.wall.opposite - self.start_position[2]) - self.bead.radius
-                )
-            if room + self.bead.radius < FREE * self.bead.radius:
-                raise refusal(
-                    f"{said}: not with a wall nearer than {FREE:g} radii, which takes up the "
-                    "vorticity that the bead sheds (the tail falls as t^(-5/2), not t^(-3/2)); "
-                    "allowed: 'none', 'added-mass'"
-                )
+        if self.wall is not None and min(self.room(self.start_position[2]), self.room(0.0)) < (
+            (FREE - 1) * self.bead.radius
+        ):
+            raise refusal(
+                f"{said}: not with a wall nearer than {FREE:g} radii to start or focus, which "
+                "takes up the vorticity that the bead sheds (the tail falls as t^(-5/2), not "
+                "t^(-3/2)); allowed: 'none', 'added-mass'"
+            )
         if method != "auto" and not METHODS[method].memory:
             brownian = self.forces.brownian
             allowed = [each.name for each in methods(thermal=brownian) if each.memory]
@@ -451,6 +447,11 @@ class Scene(Section):
             return gap
         middle = abs(self.wall.opposite - self.wall.position) / 2 - self.bead.radius
         return middle - abs(gap - middle)
+
+    @property
+    def free_of_walls(self) -> float:
+        """Distance from the focus within which no wall is nearer than 20 radii, m."""
+        return float(self.room(0.0)) - (FREE - 1) * self.bead.radius if self.wall else math.inf
 
     @property
     def rotates(self) -> bool:

@@ -33,13 +33,15 @@ from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
-from tweezer.scene import FREE, Scene, checked_scene
+from tweezer.scene import Scene, checked_scene
 from tweezer.units import to_si
 from tweezer.version import versions
 
 if TYPE_CHECKING:
     import xarray as xr
 
+#: Gap at a sample below which a bead has touched a wall in a step that is too long, m
+_TOUCHING = 5e-9
 #: steps of thermal motion between two looks at the clock and the keyboard
 _STEPS_AT_ONCE = 100_000
 
@@ -153,6 +155,7 @@ def _thermal_run(
     as_given: dict[str, str],
 ) -> Run:
     """Trajectory 0 of the ensemble of that seed."""
+    from tweezer.dynamics.beside_wall import rate_of_sticking
     from tweezer.dynamics.walk import walk
 
     with _timed() as seconds:
@@ -205,6 +208,12 @@ def _thermal_run(
     if status == "failed":
         warn(f"{scene.name}: {message}")
     motion = bound.motion(columns[0, :reached])
+    rate = rate_of_sticking(bound.problem)
+    if rate * bound.step > 1 and scene.room(motion.position[:, 2]).min() < _TOUCHING:
+        warn(
+            f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
+            f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
+        )
     return _run(bound.problem, bound.times[:reached], motion, attributes)
 
 
@@ -238,20 +247,7 @@ def _run(
             ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
         )
     variables |= derived_quantities(problem, times, motion)
-    _warn_of_a_wall_left_out(problem.scene, motion)
     return Run(coordinates, variables, attributes)
-
-
-def _warn_of_a_wall_left_out(scene: Scene, motion: Motion) -> None:
-    """Warn of a bead that came near a wall which a fluid with memory does not have."""
-    if scene.wall is None or scene.medium.inertia != "memory":
-        return
-    height = float(scene.room(motion.position[:, 2]).min()) / scene.bead.radius + 1
-    if height < FREE:
-        warn(
-            f"{scene.name}: the bead came as near as {height:.3g} radii to a wall; with a memory "
-            "of the fluid its drag is left out"
-        )
 
 
 @contextlib.contextmanager

@@ -176,7 +176,7 @@ def test_a_run_beside_a_wall_has_the_drag_on_its_way():
 @pytest.mark.parametrize(
     ("known", "why"),
     [({"wall": 600e-9, "radius": None}, "wall: needs the bead's radius too"),
-     ({"wall": 400e-9}, "wall = 4e-07: must be more than the bead's radius, 5e-07 m: it is the"),
+     ({"wall": 400e-9}, "wall = 4e-07: must be more than the bead's radius, 5e-07 m, by the size"),
      ({"wall": "600 pixels"}, "wall = '600 pixels': has a unit that is not known"),
      ({"wall": "1 um +- 20 nm +- 1 nm"}, "must be a height, perhaps with its uncertainty"),
      ({"wall": (600e-9, 50e-9)}, "uncertainty must be from 0 to 0.3 of the gap; leave the wall"),
@@ -420,7 +420,8 @@ def test_command_that_finds_the_wall(command_line):
     assert "; it moves by 0." in outcome.out
     for more, why in (
         (["--wall", "1 um"], "--wall gives what --focus finds; must be one of them"),
-        (["--focal-shift", "some"], "--focal-shift 'some': must be a number, or fit"),
+        (["--focal-shift", "some"], "--focal-shift 'some': must be a positive number, or fit"),
+        (["--focal-shift", "-1"], "--focal-shift '-1': must be a positive number, or fit"),
     ):
         outcome = command_line(*asked, *more)
         assert (outcome.code, outcome.err) == (2, why + "\n")

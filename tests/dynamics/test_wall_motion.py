@@ -195,8 +195,14 @@ def test_memory_and_a_wall(falling):
     held = 1 - 1 / friction(24.0)
     assert run.attrs["model_error"] == pytest.approx(held * way, rel=0.01)
     sinking = scene.replace(bead={"density": 10_000}, simulation={"duration": "0.5 s"})
-    with pytest.warns(tweezer.PhysicsWarning, match="radii to a wall; with a memory"):
-        tweezer.simulate(sinking)
+    for brownian in (False, True):  # it ends where the wall is no longer far
+        run = tweezer.simulate(sinking.replace(forces={"brownian": brownian}))
+        assert run.attrs["status"] == "lost"
+        heights = scene.gap(run["position"].sel(axis="z").values) / RADIUS + 1
+        assert 19.9 < heights.min() < 20.6
+    near = {"drawn": "ball", "ball_radius": "6 um"}
+    with pytest.raises(SceneError, match="must be nearer than"):
+        tweezer.simulate(scene.replace(start=near, forces={"brownian": True}))
 
 
 @pytest.mark.parametrize(

@@ -107,3 +107,28 @@ def test_contact_pushes_away_and_not_without_end():
 def test_what_is_wrong_is_said_in_one_line(sections, words):
     with pytest.raises(SceneError, match=words):
         tweezer.load_scene("silica-1um").replace(**sections)
+
+
+def test_a_thermal_bead_that_sticks_stays():
+    """A trap that moves into the wall brings it there: steps see the well, or the run says so."""
+    scene = tweezer.load_scene("moving-trap").replace(
+        wall={"position": "-1 um"},
+        optics={"evaluator": "map"},
+        start={"position": [0, 0, "-0.45 um"]},
+        beam={"motion": {"kind": "ramp", "velocity": [0, 0, "-1 mm/s"], "begin": 0, "end": "2 ms"}},
+        forces={
+            "brownian": True,
+            "dlvo": {"strength": 0.0, "debye_length": "10 nm", "hamaker_constant": "10 zJ"},
+        },
+        simulation={"model": "overdamped", "duration": "4 ms", "samples": 41},
+    )
+    run = tweezer.simulate(scene, seed=2)
+    pull = 1e-20 * scene.bead.radius / 6 / CLOSEST**2
+    kT = 1.380649e-23 * scene.medium.temperature
+    assert run.attrs["step"] < 0.2 * 2 * scene.bead.radius * 9.5e-9 / pull
+    stuck = run["gap"].values[-10:]
+    assert (stuck > 0).all()
+    assert stuck.mean() < 4 * kT / pull
+    coarse = scene.replace(simulation={"step": "20 us"})
+    with pytest.warns(tweezer.PhysicsWarning, match="touched the wall, where van der Waals"):
+        tweezer.simulate(coarse, seed=2)

@@ -474,9 +474,8 @@ def _drags(
         return {}
     if height is not None:
         return {axis: drag / height.mobility(axis) for axis in recording.axes}
-    if not on_the_way:
+    if not on_the_way or recording.scene is None or drag_of(recording.scene).uniform:
         return dict.fromkeys(recording.axes, drag)
-    assert recording.scene is not None
     if recording.axes != _EVERY_AXIS:  # the place is not known
         return {}
     every = max(len(recording.positions) // _PLACES, 1)

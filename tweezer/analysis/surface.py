@@ -26,6 +26,10 @@ _GAPS, _SHIFTS = np.geomspace(1e-2, 30.0, 15), (0.7, 0.85, 1.0)
 _GAP_ENDS = 1e-4, 1e3
 #: Largest uncertainty of the wall's place that counts as determined, in the smallest gap
 _UNCERTAIN = 1.0
+#: Largest relative uncertainty of a shift that is determined
+_UNSURE_SHIFT = 0.5
+#: Smallest and largest shift looked for
+_SHIFT_ENDS = 0.05, 20.0
 #: Half the difference of unknowns for a slope
 _DIFFERENCE = 1e-5
 
@@ -113,7 +117,8 @@ def find_wall(
     freedom = len(residuals) - unknown
     p_value = float(chdtrc(freedom, residuals @ residuals)) if freedom else None
     findings = []
-    if not errors.min() < _UNCERTAIN * (distances.min() - radius):
+    free = shift is None and not shift_error < _UNSURE_SHIFT * of_shift
+    if free or not errors.min() < _UNCERTAIN * (distances.min() - radius):
         findings.append(Finding("undetermined", "the drags do not determine the wall's place"))
     if p_value is not None and p_value < IMPROBABLE:
         findings.append(Finding("apart", "the drags are not those of one bead above one wall"))
@@ -237,4 +242,6 @@ class _Fit:
         ends = np.full(len(start), math.inf)
         low, high = -ends, ends.copy()
         low[0], high[0] = np.log(_GAP_ENDS)
+        if self.shift is None:
+            low[1], high[1] = np.log(_SHIFT_ENDS)
         return np.asarray(least_squares(self.residuals, start, bounds=(low, high)).x)

@@ -238,6 +238,8 @@ def pressed(problem: Problem) -> bool:
     scene = problem.scene
     for plane, normal in scene.wall.planes if scene.wall else ():
         touching = plane + normal * scene.bead.radius
+        if abs(touching) > problem.light.search.reach:
+            continue
         if normal * problem.net_force_apart(np.array([[0.0, 0.0, touching]]))[0, 2] < 0:
             return True
     return False

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from tweezer.errors import ResultError
 from tweezer.fluid import steady
+from tweezer.forces.wall import CLOSEST
 from tweezer.units import to_si
 
 #: Largest standard uncertainty of a height, in gaps
@@ -37,17 +38,17 @@ class Height:
         told = wall.replace("±", "+-").split("+-") if isinstance(wall, str) else wall
         parts = told if isinstance(told, list | tuple) else (told,)
         try:
-            if len(parts) > 2:
+            if not 1 <= len(parts) <= 2:
                 raise ValueError(
                     'must be a height, perhaps with its uncertainty: "1.2 um +- 50 nm"'
                 )
             distance, uncertainty = (to_si(each, "m") for each in (*parts, 0.0)[:2])
         except ValueError as error:
             raise ResultError(f"{name}: wall = {wall!r}: {error}") from None
-        if distance <= radius:
+        if distance < radius + CLOSEST:
             raise ResultError(
-                f"{name}: wall = {distance:g}: must be more than the bead's radius, {radius:g} m: "
-                "it is the distance of its centre"
+                f"{name}: wall = {distance:g}: must be more than the bead's radius, {radius:g} m, "
+                "by the size of an atom: it is the distance of its centre"
             )
         if not 0 <= uncertainty <= _UNSURE * (distance - radius):
             raise ResultError(

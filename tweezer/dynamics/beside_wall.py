@@ -12,6 +12,7 @@ from scipy.special import ndtr, ndtri
 
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import BesideWall
+from tweezer.forces.wall import Dlvo
 
 Array = NDArray[np.float64]
 
@@ -97,6 +98,18 @@ def _this_side(energy: Array, here: int) -> NDArray[np.bool_]:
         passed = on - np.minimum.accumulate(on) < _BARRIER
         found[away] = np.logical_and.accumulate(passed)
     return found
+
+
+def rate_of_sticking(problem: Problem) -> float:
+    """Rate at which van der Waals's force draws a bead in contact to the wall, 1/s; 0 without it.
+
+    In the plane, where the bead is at the gap 0 in the middle: D/r^2 times F r/(2 kT).
+    """
+    drag = problem.drag
+    if not isinstance(drag, BesideWall):
+        return 0.0
+    pulls = [each.attraction for each in problem.walls if isinstance(each, Dlvo)]
+    return max(pulls, default=0.0) / (2 * drag.radius * drag.stokes.translation)
 
 
 def cut(normal: Array, low: float, high: float) -> Array:

@@ -73,7 +73,7 @@ def _inertia(problem: Problem) -> tuple[Problem, str]:
     way = scene.lag * problem.fastest
     poles = medium.poles or enough_poles(way, simulation.position_tolerance)
     return (
-        problem.decided(medium={"inertia": "memory", "poles": poles}),
+        problem.remembering(poles),
         f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m"
         + without_wall(scene),
     )

@@ -164,7 +164,8 @@ class Problem:
         radius = self.scene.bead.radius
         gaps = np.geomspace(0.1 * CLOSEST, radius, _BESIDE_A_WALL)
         z = [position + normal * (radius + gaps) for position, normal in self.scene.wall.planes]
-        return tuple(np.concatenate(z).tolist())
+        every = np.concatenate(z)
+        return tuple(every[np.abs(every) <= self.light.search.reach].tolist())
 
     def _in_the_fluid(self, z: float) -> bool:
         """Whether a bead there is in no wall."""
@@ -212,6 +213,13 @@ class Problem:
     def changed(self, **simulation: Any) -> Problem:
         """The same with other keys of the scene's `simulation`."""
         return dataclasses.replace(self, scene=self.scene.replace(simulation=simulation))
+
+    def remembering(self, poles: int) -> Problem:
+        """The same in a fluid with memory; a bead is lost where it comes too near to a wall."""
+        sections: dict[str, Any] = {"medium": {"inertia": "memory", "poles": poles}}
+        if self.scene.free_of_walls < self.scene.simulation.loss_distance:
+            sections["simulation"] = {"loss_distance": self.scene.free_of_walls}
+        return self.decided(**sections)
 
     def decided(self, **sections: Any) -> Problem:
         """The same with what the scene left open, such as the model, by section."""

@@ -14,7 +14,13 @@ from scipy.constants import Boltzmann
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
-from tweezer.dynamics.beside_wall import Towards, cut, towards, without_walls
+from tweezer.dynamics.beside_wall import (
+    Towards,
+    cut,
+    rate_of_sticking,
+    towards,
+    without_walls,
+)
 from tweezer.dynamics.brownian import march, memory, noise, plane, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.propagator import Weights
@@ -429,7 +435,7 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
         if medium.poles is not None:
             raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
-    problem = problem.decided(medium={"inertia": "memory", "poles": medium.poles or USUAL})
+    problem = problem.remembering(medium.poles or USUAL)
     return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"
 
 
@@ -488,6 +494,8 @@ def _longest_step(
             part = _PART_OF_FLIGHT if flies else _PART_WITH_INERTIA
         some = f"{part:g} of the time scale of the motion towards the wall"
         limits.append((part / beside.fastest, some))
+        if not problem.force.steady and (rate := rate_of_sticking(problem)) > 0:
+            limits.append((_PART / rate, f"{_PART:g} of the time scale of a bead that sticks"))
     elif (rate := _rate_of_drag(problem)) > 0:
         some = f"diffusion over {_PART_OF_LENGTH:g} of "
         limits.append((_PART_OF_LENGTH**2 / rate, some + "the length in which the drag changes"))

@@ -29,5 +29,5 @@ def without_wall(scene: Scene) -> str:
     along, across = 1 - beside.mobilities(np.array([scene.start_position])).value[0, :2] * free
     return (
         f"; the wall is left out, by which the bead would be slower by {100 * along:.2g} % along "
-        f"it and {100 * across:.2g} % across, at the start"
+        f"it and {100 * across:.2g} % across, at the start; nearer to it than 20 radii it is lost"
     )

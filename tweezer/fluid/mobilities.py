@@ -45,7 +45,7 @@ def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
     turned moves freely.
 
     They are the exact series (H. Brenner 1961; G. B. Jeffery 1915; M. E. O'Neill 1964; W. R. Dean
-    and M. E. O'Neill 1963), to a relative 1e-11, down to a gap of 1e-5 radii. Nearer, where a real
+    and M. E. O'Neill 1963), to a relative 2e-12, down to a gap of 1e-5 radii. Nearer, where a real
     surface is rough, the first goes to zero with the gap and the others stay as they are. Raises
     `SceneError` for a gap that is no positive finite number.
     """
