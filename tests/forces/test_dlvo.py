@@ -120,7 +120,7 @@ def test_a_thermal_bead_that_sticks_stays():
             "brownian": True,
             "dlvo": {"strength": 0.0, "debye_length": "10 nm", "hamaker_constant": "10 zJ"},
         },
-        simulation={"model": "overdamped", "duration": "4 ms", "samples": 41},
+        simulation={"model": "overdamped", "duration": "6 ms", "samples": 61},
     )
     run = tweezer.simulate(scene, seed=2)
     pull = 1e-20 * scene.bead.radius / 6 / CLOSEST**2
