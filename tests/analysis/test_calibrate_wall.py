@@ -425,3 +425,18 @@ def test_command_that_finds_the_wall(command_line):
     ):
         outcome = command_line(*asked, *more)
         assert (outcome.code, outcome.err) == (2, why + "\n")
+    outcome = command_line(*asked[:-2], "--focal-shift", "0.8")
+    assert (outcome.code, outcome.err) == (2, "--focal-shift: goes with --focus\n")
+    outcome = command_line(*asked[:-1], "1 um")
+    assert outcome.code == 2
+    assert "has 1 positions; must be" in outcome.err
+
+
+def test_part_of_a_run_without_a_wall_keeps_its_drag():
+    """Where the drag is the same everywhere, two columns are enough to know it."""
+    scene = tweezer.load_scene("silica-1um").replace(medium={"inertia": "none"})
+    whole = recording(1.0, 3)
+    part = dataclasses.replace(
+        whole, positions=whole.positions[:, :2], axes=("x", "y"), scene=scene
+    )
+    assert all(axis.drag for axis in tweezer.calibrate(part).axes)

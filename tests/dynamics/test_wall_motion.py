@@ -227,6 +227,16 @@ def test_a_wall_that_cannot_be_is_refused(falling, changes, words):
         falling.replace(**changes)
 
 
+def test_a_wall_out_of_reach_of_the_light():
+    """1 cm away nothing asks for the light next to it: trap, thermal motion, heights."""
+    scene = tweezer.load_scene("silica-1um").replace(wall={"position": "-1 cm"})
+    assert tweezer.characterise(scene).equilibrium is not None
+    heights = tweezer.trap_over_heights(scene, [1e-5, 1e-3])
+    assert list(heights["state"].values) == ["held", "held"]
+    run = tweezer.simulate(scene.replace(forces={"brownian": True}), duration="20 us", seed=1)
+    assert run.attrs["status"] == "complete"
+
+
 def test_with_a_cover_the_wall_is_its_face():
     scene = tweezer.load_scene("silica-1um").replace(
         lens={"cover": {"refractive_index": 1.518, "depth": "2 um"}}, wall={}

@@ -62,7 +62,6 @@ def towards(problem: Problem) -> Towards:
     gap = root**2
     places = np.tile(middle, (len(gap), 1))
     places[:, 2] = position + normal * radius * (1 + gap)
-    force = normal * problem.net_force(places)[:, 2] * radius / kT
     found = drag.mobilities(places, gradient=True)
     mu = found.value[:, 1] * drag.stokes.translation
     slope = found.gradient[:, 1, 2] * drag.stokes.translation * normal * radius
@@ -71,6 +70,9 @@ def towards(problem: Problem) -> Towards:
     r = by_root[0] * root[0] + np.concatenate(
         [[0.0], np.cumsum(0.5 * (by_root[1:] + by_root[:-1]) * np.diff(root))]
     )
+    lit = np.abs(places[:, 2]) <= problem.light.search.reach  # the light is not known farther away
+    gap, r, scale, slope = gap[lit], r[lit], scale[lit], slope[lit]
+    force = normal * problem.net_force(places[lit])[:, 2] * radius / kT
     energy = -np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(gap))])
     here = int(np.argmin(np.abs(gap - at)))
     reached = _this_side(energy, here)
