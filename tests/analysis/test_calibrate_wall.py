@@ -434,7 +434,9 @@ def test_command_that_finds_the_wall(command_line):
 
 def test_part_of_a_run_without_a_wall_keeps_its_drag():
     """Where the drag is the same everywhere, two columns are enough to know it."""
-    scene = tweezer.load_scene("silica-1um").replace(medium={"inertia": "none"})
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": "none"}, forces={"brownian": True}
+    )
     whole = recording(1.0, 3)
     part = dataclasses.replace(
         whole, positions=whole.positions[:, :2], axes=("x", "y"), scene=scene
