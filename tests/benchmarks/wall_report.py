@@ -86,7 +86,7 @@ def figure(results: Results) -> Figure:
              ylabel="bias of the mean gap (%)")  # fmt: skip
     left.set_xticks(steps, [f"{step:g}" for step in steps], minor=False)
     left.set_xticks([], minor=True)
-    left.legend(frameon=False, fontsize=8, loc="lower left")
+    left.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     of = results["inertia"]
     for key, label, marker in (("mean", "mean gap", "o"), ("low", "below a tenth of it", "s")):
         right.errorbar(

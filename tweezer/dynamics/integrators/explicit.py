@@ -118,7 +118,7 @@ def loop() -> Any:
                 _combined(y, step, k, tableau.extra[extra], stage, inner)
                 rate_of_change(system, at, time + tableau.c[stage] * step, inner, k[stage])
                 counts[2] += 1
-            if adaptive and _wild(tableau, control, y, step, k):
+            if adaptive and not system.uniform and _wild(tableau, control, y, step, k):
                 rejected = True
                 counts[1] += 1
                 clock[1] = _SHORTER * step
