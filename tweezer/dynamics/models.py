@@ -42,7 +42,7 @@ _LAYER = 50.0
 
 
 #: Largest tolerance of a position beside a wall, over the length of the force of contact
-_OF_CONTACT = 0.5
+_OF_CONTACT = 0.005
 
 
 @dataclass(frozen=True)
