@@ -44,6 +44,7 @@ from tweezer.units import (
     RefractiveIndex,
     Temperature,
     Viscosity,
+    WallPosition,
     complex_number,
     entries,
     to_si,
@@ -327,14 +328,14 @@ class Cover(Section):
 class Wall(Filled):
     """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
 
-    position: Annotated[float, Quantity("m", -1e-2, 1e-2)] = Field(
+    position: WallPosition = Field(
         description="z of the plane, along the light from the focus; with lens.cover it is the "
         "face of the cover and need not be given"
     )
     side: Literal["above", "below"] = Field(
         "above", description="where the bead is: above, at larger z than the plane, or below"
     )
-    opposite: Annotated[float, Quantity("m", -1e-2, 1e-2)] | None = Field(
+    opposite: WallPosition | None = Field(
         None,
         description="z of a second plane, on the other side of the bead. Friction by two planes is "
         "that of each added up (Oseen)",

@@ -333,5 +333,8 @@ Acceleration = Annotated[float, Quantity("m/s^2", -1e6, 1e6)]
 Frequency = Annotated[float, Quantity("1/s", 1e-6, 1e12)]
 Angle = Annotated[float, Quantity("rad", -1e6, 1e6)]
 AngularSpeed = Annotated[float, Quantity("rad/s", -1e12, 1e12)]
+#: m, from and to
+WALL = (-1e-2, 1e-2)
+WallPosition = Annotated[float, Quantity("m", *WALL)]
 Energy = Annotated[float, Quantity("J", -1e-12, 1e-12, usual=(0, 1e-15))]
 MomentOfInertia = Annotated[float, Quantity("kg m^2", 1e-50, 1e-3)]

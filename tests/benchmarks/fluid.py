@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.integrate import SCENES
-from tests.benchmarks.timing import machine
+from tests.benchmarks.timing import least_step_times, machine
 from tests.reference.fluid import Path, Sphere
 from tweezer.dynamics import EquationsOfMotion, bind, bound_once, decided
 from tweezer.dynamics.integrate import integrate
@@ -226,17 +226,9 @@ def _steps(quick: bool, say: Callable[[str], None]) -> list[Results]:
     for poles in STEPS_WITH:
         medium = {"inertia": "memory", "poles": poles} if poles else {"inertia": "none"}
         walks[poles] = walk(scene.replace(medium=medium), 1)
-    trajectories = np.arange(beads)
-    least = dict.fromkeys(walks, math.inf)
-    for _ in range(rounds):
-        for poles, bound in walks.items():
-            say(f"thermal steps: {poles} poles")
-            states = bound.start(trajectories)
-            out = np.empty((beads, samples, len(bound.columns)))
-            began = time.perf_counter()
-            bound.advance(states, trajectories, 0, out)
-            spent = time.perf_counter() - began
-            least[poles] = min(least[poles], spent / (beads * samples * bound.per_sample))
+    least = least_step_times(
+        walks, beads, samples, rounds, lambda poles: say(f"thermal steps: {poles} poles")
+    )
     return [
         {"poles": poles, "step_s": walks[poles].step, "ns": 1e9 * least[poles],
          "times": least[poles] / least[0]}

@@ -9,12 +9,9 @@ or the wall is found by the drag in records at several heights. In water of 20 d
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -35,7 +32,7 @@ from tests.benchmarks.hydro import (
     importlib_version,
     judged,
 )
-from tests.benchmarks.timing import machine
+from tests.benchmarks.timing import machine, on_all_cores
 from tests.reference import detected_bead, reflected_flow, wall
 from tests.reference.detected_bead import BOLTZMANN
 from tweezer.analysis import AxisCalibration, Recording
@@ -101,13 +98,7 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
         for s in studies
         if seed <= (1 if quick else s.records // PART)
     ]
-    found: dict[Study, list[tuple[list[Number], dict[str, int]]]] = {s: [] for s in studies}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=context) as executor:
-        parts = executor.map(calibrated, *zip(*tasks, strict=True))
-        for i, ((study, *_), part_) in enumerate(zip(tasks, parts, strict=True), 1):
-            found[study].append(part_)
-            say(f"{i} of {len(tasks)} sets of records")
+    found = on_all_cores(calibrated, tasks, say)
     results: Results = _to_four_digits(
         {
             "machine": machine(), "quick": quick,

@@ -9,19 +9,16 @@ water of 20 degC. They are calibrated on all cores.
 from __future__ import annotations
 
 import math
-import multiprocessing
-import os
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import tweezer
 from tests.benchmarks.force import _to_four_digits
-from tests.benchmarks.timing import machine
+from tests.benchmarks.timing import machine, on_all_cores
 from tests.reference import detected_bead
 from tweezer.analysis import AxisCalibration, Recording
 
@@ -105,13 +102,7 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
     studies = [*PASSIVE[:: 3 if quick else 1], *DETECTORS, *DRIVEN]
     count, part = (2, 2) if quick else (RECORDS, PART)
     tasks = [(s, seed, part) for seed in range(1, 1 + count // part) for s in studies]
-    found: dict[Study, list[tuple[list[Number], dict[str, int]]]] = {s: [] for s in studies}
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(os.cpu_count(), mp_context=context) as executor:
-        parts = executor.map(calibrated, *zip(*tasks, strict=True))
-        for i, ((study, *_), part_) in enumerate(zip(tasks, parts, strict=True), 1):
-            found[study].append(part_)
-            say(f"{i} of {len(tasks)} sets of records")
+    found = on_all_cores(calibrated, tasks, say)
     results: Results = _to_four_digits(
         {
             "machine": machine(), "quick": quick,

@@ -6,6 +6,7 @@ import contextlib
 import gc
 import json
 import math
+import multiprocessing
 import os
 import platform
 import subprocess
@@ -13,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from importlib.metadata import version
 from itertools import chain
@@ -134,3 +136,38 @@ def in_fresh_process(program: str, environment: dict[str, str]) -> dict[str, flo
     times: dict[str, float] = json.loads(done.stdout)
     times["process_s"] = times.pop("at") - start
     return times
+
+
+def least_step_times(
+    walks: dict[Any, Any], beads: int, samples: int, rounds: int, say: Callable[[Any], object]
+) -> dict[Any, float]:
+    """s a step of a bead of each walk, in turn: the least of the rounds.
+
+    say: called with the key of a walk before its steps.
+    """
+    who = np.arange(beads)
+    least = dict.fromkeys(walks, math.inf)
+    for _ in range(rounds):
+        for key, bound in walks.items():
+            say(key)
+            states = bound.start(who)
+            out = np.empty((beads, samples, len(bound.columns)))
+            began = time.perf_counter()
+            bound.advance(states, who, 0, out)
+            spent = time.perf_counter() - began
+            least[key] = min(least[key], spent / (beads * samples * bound.per_sample))
+    return least
+
+
+def on_all_cores(
+    run: Callable[..., Any], tasks: Sequence[tuple[Any, ...]], say: Callable[[str], object]
+) -> dict[Any, list[Any]]:
+    """What `run` gives of the tasks, by the first entry of each, in fresh processes."""
+    found: dict[Any, list[Any]] = {first: [] for first, *_ in tasks}
+    context = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(os.cpu_count(), mp_context=context) as executor:
+        parts = executor.map(run, *zip(*tasks, strict=True))
+        for i, ((first, *_), part) in enumerate(zip(tasks, parts, strict=True), 1):
+            found[first].append(part)
+            say(f"{i} of {len(tasks)} sets of records")
+    return found

@@ -10,7 +10,6 @@ Euler's without the drift. The results are plain data for JSON.
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
@@ -21,7 +20,7 @@ from scipy.integrate import quad
 
 import tweezer
 from tests.benchmarks.force import _to_four_digits
-from tests.benchmarks.timing import machine
+from tests.benchmarks.timing import least_step_times, machine
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.generated.wall import mobilities
 from tweezer.scene import Scene
@@ -256,17 +255,9 @@ def _steps(quick: bool, say: Callable[[str], None]) -> list[Results]:
         )
         for name, wall in walls.items()
     }  # fmt: skip
-    who = np.arange(beads)
-    least = dict.fromkeys(walks, math.inf)
-    for _ in range(rounds):
-        for kind, bound in walks.items():
-            say(f"steps: {', '.join(kind)}")
-            states = bound.start(who)
-            out = np.empty((beads, samples, len(bound.columns)))
-            began = time.perf_counter()
-            bound.advance(states, who, 0, out)
-            spent = time.perf_counter() - began
-            least[kind] = min(least[kind], spent / (beads * samples * bound.per_sample))
+    least = least_step_times(
+        walks, beads, samples, rounds, lambda kind: say(f"steps: {', '.join(kind)}")
+    )
     return [
         {"model": model, "method": method, "walls": name, "step_s": walks[model, method, name].step,
          "ns": 1e9 * ns, "rate": least[model, method, "none"] / ns}

@@ -19,6 +19,7 @@ from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import evaluators_of
 from tweezer.run import variable
 from tweezer.scene import Scene, checked_scene
+from tweezer.units import WALL
 from tweezer.version import versions
 
 if TYPE_CHECKING:
@@ -28,8 +29,8 @@ Array = NDArray[np.float64]
 
 #: what becomes of a bead at a height
 HELD, RESTS, LOST = "held", "rests on the wall", "not held"
-#: Largest height of the focus, m, as `wall.position` has it
-_HIGHEST = 1e-2
+#: Largest height of the focus, m
+_HIGHEST = WALL[1]
 
 
 def trap_over_heights(

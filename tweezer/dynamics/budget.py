@@ -18,7 +18,7 @@ from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
-from tweezer.fluid import drag, other_poles
+from tweezer.fluid import left_out_of_walls, other_poles
 
 Array = NDArray[np.float64]
 
@@ -138,8 +138,7 @@ def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
     if scene.wall is None:
         return 0.0
     motion = equations.motion(run.times, run.states)
-    wall = drag(scene.decided(medium={"inertia": "none", "poles": None}))
-    share = 1 - wall.mobilities(motion.position).value[:, 1] * equations.bead.drag
+    share = left_out_of_walls(scene, motion.position)[:, 1]
     slower = share * np.linalg.norm(np.asarray(motion.velocity), axis=1)
     return float(np.trapezoid(slower, run.times))
 

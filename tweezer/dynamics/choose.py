@@ -9,8 +9,8 @@ from tweezer.choices import METHODS
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import SceneError
-from tweezer.fluid import enough_poles, without_wall
-from tweezer.scene import Scene
+from tweezer.fluid import enough_poles, left_out_of_walls
+from tweezer.scene import FREE, Scene
 
 Array = NDArray[np.float64]
 
@@ -75,7 +75,18 @@ def _inertia(problem: Problem) -> tuple[Problem, str]:
     return (
         problem.remembering(poles),
         f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m"
-        + without_wall(scene),
+        + _without_wall(scene),
+    )
+
+
+def _without_wall(scene: Scene) -> str:
+    """What a memory leaves out of the wall of a scene; empty without one."""
+    if scene.wall is None:
+        return ""
+    along, across = 100 * left_out_of_walls(scene, np.array([scene.start_position]))[0]
+    return (
+        f"; the wall is left out, by which the bead would be slower by {along:.2g} % along it and "
+        f"{across:.2g} % across, at the start; nearer to it than {FREE:g} radii it is lost"
     )
 
 

@@ -198,12 +198,10 @@ def integrate(
 def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]:
     """Whether the bead is in a wall in states (n, state), (n,)."""
     scene = equations.scene
-    inside = np.full(len(states), False)
-    if scene.wall is not None:
-        z = states[:, equations.module.STATE.index("q3")]
-        soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
-        for position, normal in scene.wall.planes:
-            inside |= normal * (z - position) - scene.bead.radius < -soft
+    if scene.wall is None:
+        return np.full(len(states), False)
+    soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
+    inside: NDArray[np.bool_] = scene.room(states[:, equations.module.STATE.index("q3")]) < -soft
     return inside
 
 

@@ -22,7 +22,7 @@ from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.fluid import DRAG_KERNEL, Modes, Resisted, by_axis
+from tweezer.fluid import DRAG_KERNEL, Modes, Resisted
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, bound, numbered
 from tweezer.forces.wall import BORN
@@ -116,8 +116,8 @@ class EquationsOfMotion:
             scale[3:] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
-        mobility = self._at_start.copy()
-        mobility[4] = 0.0  # what rolls is part of `moving`
+        mobility = self.drag.mobilities(np.array([self.scene.start_position])).value[0]
+        mobility[4] = 0.0  # rolling is part of `moving`
 
         def rates(params: Array, y: Array, pushed: int | None = None) -> Array:
             wrench, out = np.zeros(6), np.empty(self._size)
@@ -145,23 +145,15 @@ class EquationsOfMotion:
         )  # fmt: skip
 
     @functools.cached_property
-    def _at_start(self) -> Array:
-        """The five mobilities at the start, (5,)."""
-        start = np.array([self.scene.start_position])
-        value: Array = self.drag.mobilities(start).value[0]
-        return value
-
-    @functools.cached_property
     def moving(self) -> Force:
-        """What moves the bead by mobilities that are the same everywhere.
+        """The force; under a drag by place, the one that has its effect with constant mobilities.
 
-        The force; where the drag depends on the place, the force that has the same effect with the
-        mobilities at the start.
+        These are the mobilities at the start.
         """
         if self.drag.uniform:
             return self.force
-        reference = by_axis(self._at_start[None])[0]
-        return Resisted(self.force, self.drag, np.array(self.bead.weight), reference)
+        weight, mobility = np.array(self.bead.weight), self.problem.mobility
+        return Resisted(self.force, self.drag, weight, mobility)
 
     def _modes(self, times: Array) -> Modes:
         """Those of a memory, or one by axis, of the relaxation times by the emitted rates."""

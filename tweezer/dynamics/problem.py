@@ -39,6 +39,8 @@ _TIMES = 32
 _BESIDE_A_WALL = 60
 #: Force of contact with a wall, over about the largest force towards it
 _HARDNESS = 1e3
+#: Force towards a wall that is taken where a scene has none, N
+_UNPRESSED = 1e-12
 #: Largest distance of these places from the focus, in radii
 _AROUND = 1.5
 
@@ -169,9 +171,7 @@ class Problem:
 
     def _in_the_fluid(self, z: float) -> bool:
         """Whether a bead there is in no wall."""
-        radius, wall = self.scene.bead.radius, self.scene.wall
-        planes = () if wall is None else wall.planes
-        return all(normal * (z - position) > radius for position, normal in planes)
+        return self.scene.wall is None or bool(self.scene.room(z) > 0)
 
     def places_about(self, time: float = 0.0) -> Array:
         """Places about the foci at a time, s, and the start last, (n, 3) m."""
@@ -254,7 +254,8 @@ def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
             found.append(dlvo := Dlvo(radius, position, normal, *constants))
             pressing += dlvo.attraction
         if not scene.forces.brownian:
-            found.append(Contact(radius, position, normal, _HARDNESS * (pressing or 1e-12)))
+            largest = _HARDNESS * (pressing or _UNPRESSED)
+            found.append(Contact(radius, position, normal, largest))
     return tuple(found)
 
 

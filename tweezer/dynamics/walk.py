@@ -386,13 +386,14 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
     kT = Boltzmann * scene.medium.temperature
-    kernel, data = problem.drag.compiled()
-    if isinstance(wall, BesideWall):
-        data = plane.data_of(wall, kT)
+    if isinstance(wall, BesideWall):  # the scheme reads the plane's data, and calls no kernel
+        resisting = Part(0, plane.data_of(wall, kT))
+    else:
+        kernel, data = problem.drag.compiled()
+        resisting = Part(address(kernel, DRAG_KERNEL), data)
     plan = Plan(
         seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
-        centre, kT, uniform or beside_wall,
-        Part(address(kernel, DRAG_KERNEL), data),
+        centre, kT, uniform or beside_wall, resisting,
     )  # fmt: skip
     columns = ["x", "y", "z"]
     if inertial:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tweezer.fluid.binding import drag, without_wall
+from tweezer.fluid.binding import drag, left_out_of_walls
 from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
 from tweezer.fluid.mobilities import wall_mobilities
@@ -24,6 +24,7 @@ __all__ = [
     "drag",
     "drag_at",
     "enough_poles",
+    "left_out_of_walls",
     "memory_beside",
     "memory_far",
     "modes",
@@ -32,5 +33,4 @@ __all__ = [
     "steady",
     "stokes",
     "wall_mobilities",
-    "without_wall",
 ]

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.fluid.drag import Drag, stokes
 from tweezer.fluid.wall import BesideWall
 from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
 
 
 def drag(scene: Scene) -> Drag:
@@ -20,14 +23,12 @@ def drag(scene: Scene) -> Drag:
     return BesideWall(free, scene.bead.radius, scene.wall.planes)
 
 
-def without_wall(scene: Scene) -> str:
-    """What a scene with a memory leaves out of its wall, as the end of a sentence; "" without."""
-    if scene.wall is None:
-        return ""
+def left_out_of_walls(scene: Scene, positions: Array) -> Array:
+    """By how much of its speed a wall slows a bead along it and across it, (n, 2).
+
+    A fluid with memory leaves that out. positions: (n, 3) m.
+    """
     beside = drag(scene.decided(medium={"inertia": "none", "poles": None}))
     free = stokes(scene.medium.viscosity, scene.bead.radius).translation
-    along, across = 1 - beside.mobilities(np.array([scene.start_position])).value[0, :2] * free
-    return (
-        f"; the wall is left out, by which the bead would be slower by {100 * along:.2g} % along "
-        f"it and {100 * across:.2g} % across, at the start; nearer to it than 20 radii it is lost"
-    )
+    slower: Array = 1 - beside.mobilities(positions).value[:, :2] * free
+    return slower

@@ -1,4 +1,4 @@
-"""Forces as they move a bead where the drag depends on the place."""
+"""The force that stands for a drag by place in a method that takes constant mobilities."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Resisted(Force):
-    """The force that moves a bead of other mobilities, the same everywhere, as this one is moved.
+    """Force and moment that give, with constant mobilities, the velocities of a drag by place.
 
-    It is the velocity by F(x) + W and the moment over these mobilities, along each axis; and its
-    moment the angular velocity over them, about each axis. The others roll nothing.
+    The drag makes of the force F(x), the weight and the moment a velocity and an angular velocity
+    (`derivation.drag`). This force is the velocity over the constant mobility of each axis, and its
+    moment the angular velocity over that of each axis.
     """
 
     force: Force
@@ -30,16 +31,7 @@ class Resisted(Force):
     weight: Array
     """W, (3,) N"""
     reference: Array
-    """(6,) s/kg and 1/(N m s), the other mobilities, along and about the axes"""
-
-    @property
-    def steady(self) -> bool:
-        """See `Force.steady`."""
-        return self.force.steady
-
-    def kinks(self, end: float) -> Array:
-        """See `Force.kinks`."""
-        return self.force.kinks(end)
+    """(6,) s/kg and 1/(N m s), the constant mobilities along and about the axes"""
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""

@@ -44,8 +44,10 @@ class Plan(NamedTuple):
     kT: float
     """J"""
     uniform: bool
-    """whether the drag is the same everywhere"""
+    """whether a step asks for no mobility by place: the drag is the same everywhere, or the scheme
+    is one beside a wall"""
     drag: Part
+    """its kernel and data; beside a wall the data of `tweezer.dynamics.brownian.plane` alone"""
 
 
 class Beads(NamedTuple):

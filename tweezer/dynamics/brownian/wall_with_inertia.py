@@ -147,10 +147,8 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
         left, gone, way, spreading, by_rise = _kept(kept, TOWARDS, i)
         pull = kept[S, i] * away * u[2, i] / (2.0 * radius)
         pull_ahead = kept[S_AHEAD, i] * away * u_ahead[2, i] / (2.0 * radius)
-        drift, drift_ahead = (
-            0.5 * spreading * rate * kept[T, i],
-            (0.5 * spreading * rate * kept[T_AHEAD, i]),
-        )
+        drift = 0.5 * spreading * rate * kept[T, i]
+        drift_ahead = 0.5 * spreading * rate * kept[T_AHEAD, i]
         kept[W, i] += by_rise * (pull_ahead * w - pull * r) + drift_ahead * w - drift * r
         kept[ACROSS, i] += (by_rise * pull_ahead + drift_ahead) * across
         shared, own = _noise_of_velocity(D * mu, free * mu, left, gone, spreading)
@@ -178,7 +176,7 @@ def _noise_of_velocity(diffusion, tau, left, gone, spreading):  # type: ignore[n
 
 
 def weights(step: float, linear: Linear) -> Weights:
-    """What a step has far from the wall; it takes none of it."""
+    """Those far from the wall. The step reads none of them: its friction is that of the place."""
     return linear.exact(step, np.zeros_like(linear.kappa))
 
 

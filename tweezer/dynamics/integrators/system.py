@@ -237,7 +237,7 @@ class Equations(Protocol):
 
     @property
     def moving(self) -> Force:
-        """What moves the bead by mobilities that are the same everywhere."""
+        """The force with which constant mobilities give the velocity."""
 
     @property
     def name(self) -> str:
