@@ -40,7 +40,7 @@ from tweezer.version import versions
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Gap at a sample below which a bead has touched a wall in a step that is too long, m
+#: Gap below which a bead is taken to have touched a wall between two samples, m
 _TOUCHING = 5e-9
 #: steps of thermal motion between two looks at the clock and the keyboard
 _STEPS_AT_ONCE = 100_000

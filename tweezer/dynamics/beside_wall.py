@@ -16,13 +16,15 @@ from tweezer.forces.wall import Dlvo
 
 Array = NDArray[np.float64]
 
-#: Number of gaps from contact on, and of those about the trap, at which the force is evaluated
+#: Number of gaps on the whole line from contact, and number of more gaps next to the trap
 _POINTS = 300
-#: Largest distance of them from the trap, and from the trap of the latter, in radii
-_AROUND, _ABOUT = 1.5, 0.5
+#: How far the line goes beyond the trap, in radii
+_AROUND = 1.5
+#: How far the gaps next to the trap are from it, in radii
+_ABOUT = 0.5
 #: Height of a barrier that is not crossed, over kT
 _BARRIER = 20.0
-#: Part of the time for which a bead may change faster than it is said to
+#: Fraction of the time for which the drift may change faster than `Towards.fastest`
 _RARELY = 0.01
 
 
@@ -32,7 +34,7 @@ class Towards(NamedTuple):
     spring: float
     """1/s, mean rate at which drift brings two beads together; 0 if it does not"""
     fastest: float
-    """1/s, rate of change of the drift, which is hardly exceeded"""
+    """1/s, rate of change of the drift: where the bead is for 99 % of the time it is no larger"""
 
 
 def without_walls(problem: Problem) -> Problem:

@@ -133,7 +133,10 @@ def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -
 
 
 def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
-    """Part of the way that the drag of a wall, left out beside a memory, would have held up, m."""
+    """How much less far a bead would have come with the drag of the wall, m.
+
+    A fluid with memory leaves that drag out.
+    """
     scene = equations.scene
     if scene.wall is None:
         return 0.0

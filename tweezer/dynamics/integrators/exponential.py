@@ -9,8 +9,8 @@ alone, with the same J, until the correction is small. In the limit of no inerti
 Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, IV.5), of
 order 2 N at the ends of steps with N nodes; the polynomial between them is of order N + 1.
 
-Where the drag depends on the place, u = b(x) F(x) does as well, and nothing above changes: so the
-motion without inertia has the whole order. With inertia the relaxation times stand still for a
+Where the mobility b depends on the place, u = b(x) F(x) is again a function of the place, and its
+gradient has that of b. So motion without inertia keeps the order. With inertia the relaxation times stand still for a
 step, at what they are in the middle of it. That is of order 2, and is worth no more than the change
 of these times in a step times that of the velocity: their product is part of the error of a step.
 Those of a rotation stay what they are at the start: of its inertia nothing is left in the motion
@@ -223,7 +223,7 @@ def _relaxation_times(system, how, time, place, work, out):  # type: ignore[no-u
 def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
     """Hold the relaxation times for a step: those where the bead is about in the middle of it.
 
-    They are the last three of the state: what follows a step later reads them there.
+    They are kept in the last three entries of the state, where the dense output reads them.
     """
     for i in range(3):
         work.powers[0, i] = y[i] + 0.5 * step * y[3 + i]
@@ -236,8 +236,9 @@ def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
 def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[no-untyped-def]
     """How far the bead may be off as its relaxation times stood still in a step, m.
 
-    A velocity that changes by dv in the time that it relaxes in is off by dv times the error of
-    that time: the curvature of its course, and a sixth of its change, as Simpson's rule has them.
+    The bead follows the slow velocity u late by tau. If u changes by du in a step, an error of tau
+    moves the bead by du times that error. Of tau the midpoint misses the mean of both ends by half
+    of its second difference; a sixth of its change is added for how u and tau change together.
     """
     begin, end = work.chi[:3], work.chi[3:6]
     _relaxation_times(system, how, time, y, work, begin)
