@@ -3,8 +3,8 @@
 Steady, the mobilities along and across the wall are exact (`tweezer.generated.wall`).
 
 With inertia the wall reflects the flow that the sphere makes. The reflected flow carries the sphere
-along, with a velocity G(s) for a force of 1 (`derivation.hydrodynamics`; for a point B. U. Felderhof, J. Phys. Chem. B 109,
-21406 (2005)), so that
+along, with a velocity G(s) for a force of 1 (`derivation.hydrodynamics`; for a point B. U.
+Felderhof, J. Phys. Chem. B 109, 21406 (2005)), so that
 
     gamma(s) = gamma_0(s)/(1 + c beta^2 G(s)/gamma_0(s)),
 

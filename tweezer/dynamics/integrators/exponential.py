@@ -10,11 +10,11 @@ Runge-Kutta methods (E. Hairer, G. Wanner, Solving Ordinary Differential Equatio
 order 2 N at the ends of steps with N nodes; the polynomial between them is of order N + 1.
 
 Where the mobility b depends on the place, u = b(x) F(x) is again a function of the place, and its
-gradient has that of b. So motion without inertia keeps the order. With inertia the relaxation times stand still for a
-step, at what they are in the middle of it. That is of order 2, and is worth no more than the change
-of these times in a step times that of the velocity: their product is part of the error of a step.
-Those of a rotation stay what they are at the start: of its inertia nothing is left in the motion
-but an angle of their change times the angular velocity.
+gradient has that of b. So motion without inertia keeps the order. With inertia the relaxation times
+stand still for a step, at what they are in the middle of it. That is of order 2, and is worth no
+more than the change of these times in a step times that of the velocity: their product is part of
+the error of a step. Those of a rotation stay what they are at the start: of its inertia nothing is
+left in the motion but an angle of their change times the angular velocity.
 
 The last Legendre coefficients of u are how much the polynomial misses it by. Known after the first
 correction, they end a step that is too long before more is spent on it. An error upstream grows as
