@@ -31,7 +31,7 @@ ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
 #: pages that are made from a source; links of docs/ lead to what the repository has
-MADE = {"tweezer/scene.py": "scenes.md", "tweezer/cli.py": "commands.md"}
+MADE = {"tweezer/scene.py": "scenes.md", "tweezer/cli/": "commands.md"}
 
 #: code, and its copy that a button takes
 _CODE = (

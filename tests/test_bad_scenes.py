@@ -615,7 +615,7 @@ def never_simulated(monkeypatch):
     def accepted(scene: Scene) -> None:
         pytest.fail(f"accepted: {scene!r}")
 
-    monkeypatch.setattr(cli, "_followed_with_progress", accepted)
+    monkeypatch.setattr(cli.runs, "_followed_with_progress", accepted)
 
 
 def assert_refused(command_line, arguments: list[str], expected: str) -> None:

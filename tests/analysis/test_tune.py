@@ -80,7 +80,7 @@ def test_command(command_line, monkeypatch):
     assert all(math.isfinite(entry["deviation"]) for entry in tuning["entries"])
     assert "within 1 nm: a2 down to" in outcome.out
     assert Path("tune.png").read_bytes().startswith(b"\x89PNG")
-    monkeypatch.delattr(cli, "_bind_light")
+    monkeypatch.delattr(cli.trap, "bind_light")
     for option, value, reason in (
         ("--deviation", "3 kg", "--deviation '3 kg': "),
         ("--factor", "2", "simulation.scaling_factor = 2"),

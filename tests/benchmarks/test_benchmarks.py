@@ -183,7 +183,8 @@ def test_two_digits():
 
 
 def test_needs_a_checkout(command_line, tmp_path, monkeypatch):
-    monkeypatch.setattr(cli, "__file__", str(tmp_path / "tweezer" / "cli.py"))
+    elsewhere = tmp_path / "tweezer" / "cli" / "bench.py"
+    monkeypatch.setattr(cli.bench, "__file__", str(elsewhere))
     done = command_line("bench", "force")
     assert done.code == 2
     assert done.err.strip().splitlines() == [
@@ -248,9 +249,11 @@ def test_peers_integrate_our_equations(changes):
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
-    monkeypatch.setattr(cli, "_out", Console(width=80, force_terminal=terminal, no_color=True))
+    monkeypatch.setattr(
+        cli.tables, "OUT", Console(width=80, force_terminal=terminal, no_color=True)
+    )
     for rows in report.tables(pages.committed(name)):
-        cli._print_benchmark(rows)
+        cli.tables.print_rows(rows)
         printed = re.sub(r"\x1b\[[0-9;]*m", "", capsys.readouterr().out)
         lines = [line.split() for line in printed.splitlines() if line.strip(" ─")]
         if terminal:

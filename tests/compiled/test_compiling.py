@@ -21,6 +21,7 @@ import numba
 import pytest
 from numba.core import event
 from numba.core.dispatcher import Dispatcher
+from rich.console import Console
 
 import tweezer
 from tweezer import cli, warmup
@@ -288,9 +289,9 @@ def test_time_is_counted_once(monkeypatch):
 
 
 def test_a_bar_tells_what_is_compiled(monkeypatch, capsys):
-    console = cli.Console(stderr=True, force_terminal=True, width=120)
-    monkeypatch.setattr(cli, "_err", console)
-    with cli._progress("a bead", 1.0) as progress:
+    console = Console(stderr=True, force_terminal=True, width=120)
+    monkeypatch.setattr(cli.console, "ERR", console)
+    with cli.console.showing_progress("a bead", 1.0) as progress:
         with begun(tweezer.load_scene):
             pass
         progress(0.5)

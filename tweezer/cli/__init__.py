@@ -1,0 +1,63 @@
+"""Command line. Nothing heavy is imported until a command needs it."""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import os
+import signal
+import sys
+import warnings
+from typing import Annotated
+
+import typer
+
+from tweezer.cli.app import app
+from tweezer.cli.console import BAD_INPUT, FAILED, OUT, complain, show_warning
+from tweezer.errors import TweezerError
+
+__all__ = ["app", "main"]
+
+# in the order of the help
+for _group in ("runs", "trap", "ensemble", "calibrate", "depth", "thesis", "prepare", "bench"):
+    importlib.import_module(f"tweezer.cli.{_group}")
+
+
+def main() -> None:
+    """Run the command line; an expected error is one line and exit code 2.
+
+    SIGTERM and SIGHUP are treated as an interruption: results so far are written.
+    """
+    warnings.showwarning = show_warning  # type: ignore[assignment]
+    # matrices are small here: threads for them take longer to start than they save
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
+        if signal.getsignal(number) is signal.SIG_DFL:
+            signal.signal(number, signal.default_int_handler)
+    try:
+        app()
+    except TweezerError as error:
+        complain(str(error))
+        sys.exit(BAD_INPUT)
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        complain(f"what is printed cannot be written: {error.strerror}")
+        os._exit(FAILED)  # or the interpreter would flush once more
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from tweezer.version import __version__
+
+        OUT.print(f"tweezer {__version__}", highlight=False)
+        raise typer.Exit
+
+
+@app.callback()
+def _commands(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass

@@ -1,0 +1,92 @@
+"""The application that commands belong to, and what several of them take."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.console import show_warning, showing_progress
+from tweezer.errors import PhysicsWarning, SceneError
+
+if TYPE_CHECKING:
+    from tweezer.optics import Table as Map
+    from tweezer.scene import Scene
+
+app = typer.Typer(
+    help="Simulate a bead in an optical trap.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+SceneName = Annotated[str, typer.Argument(help="Shipped scene or TOML file.", metavar="SCENE")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        help='Change the scene: --set "beam.power=80 mW". May be repeated.', metavar="KEY=VALUE"
+    ),
+]
+JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
+FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
+
+
+def scene_with(scene: str, settings: dict[str, str]) -> Scene:
+    """The scene of that name or file, with settings (`settings_of`)."""
+    from tweezer.scene import load_scene, with_settings
+
+    described = load_scene(scene)
+    return with_settings(described, settings) if settings else described
+
+
+def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
+    """Values by key, of `--set` and of options that name a key of the simulation."""
+    settings = {}
+    for change in changes:
+        key, equals, value = change.partition("=")
+        if not equals:
+            raise SceneError(f"--set {change!r}: must be key=value, such as beam.power=80 mW")
+        settings[key.strip()] = value.strip()
+    named = {f"simulation.{key}": value for key, value in simulation.items() if value is not None}
+    return {**settings, **named}
+
+
+def bind_light(scene: Scene) -> None:
+    """Show the caveat of ray optics, and compute the maps that the scene needs."""
+    from tweezer.optics import light, ray_optics_caveat
+
+    if caveat := ray_optics_caveat(scene):
+        show_warning(caveat)
+    for alone in map(scene.with_one_beam, scene.beams):
+        if alone.lit and scene.optics.evaluator == "map":
+            map_of(alone)
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):  # said above
+        light(scene)
+
+
+def map_of(scene: Scene) -> Map:
+    """The map of the force of a scene, made with a progress bar if it is not there."""
+    with showing_progress(f"map of {scene.name}", 1.0) as progress:
+        from tweezer.optics import force_map
+
+        return force_map(scene, progress)
+
+
+def quantity_in(option: str, text: str, annotation: object) -> float:
+    """`text` of `option` as a quantity of type `annotation`: with a unit, or a number in SI."""
+    from tweezer.units import quantity_of, to_si
+
+    quantity = quantity_of(annotation)
+    assert quantity is not None  # all annotations of tweezer.units have one
+    try:
+        value: str | float = float(text)
+    except ValueError:
+        value = text
+    try:
+        number = to_si(value, quantity.unit, quantity.low, quantity.high)
+    except ValueError as error:
+        raise SceneError(f"{option} {text!r}: {error}") from None
+    if doubt := quantity.doubt(value):
+        show_warning(f"{option} {text} {doubt}")
+    return number

@@ -1,0 +1,124 @@
+"""The commands of `tweezer bench`."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Annotated
+
+import typer
+
+from tweezer.cli.app import FigureFile, JsonFile, app
+from tweezer.cli.console import (
+    ERR,
+    FIGURE_FORMATS,
+    tell_written,
+    writable,
+    write_figure,
+    write_json,
+)
+from tweezer.cli.tables import print_rows
+from tweezer.errors import TweezerError
+
+bench = typer.Typer(
+    help="Measure speed and errors, from a checkout.", no_args_is_help=True, rich_markup_mode=None
+)
+
+
+app.add_typer(bench, name="bench")
+
+
+def _add_benchmark(name: str, report_name: str, told: str) -> None:
+    """The command `tweezer bench NAME`: its modules are tests/benchmarks/NAME.py and REPORT.py."""
+
+    @bench.command(name, help=told)
+    def measured(
+        quick: Annotated[
+            bool, typer.Option("--quick", help="Less of everything, to see that it runs.")
+        ] = False,
+        out: JsonFile = None,
+        plot: FigureFile = None,
+    ) -> None:
+        benchmark, report = _benchmark(name), _benchmark(report_name)
+        out = out and writable(out, ("json",))
+        plot = plot and writable(plot, FIGURE_FORMATS)
+        with ERR.status(name) as status:
+            results = benchmark.measure(quick=quick, say=status.update)
+        for table in report.tables(results):
+            print_rows(table)
+        if out:
+            write_json(results, out)
+        if plot:
+            write_figure(report.figure(results), plot)
+        tell_written(out, plot)
+
+
+_add_benchmark(
+    "force", "report",
+    "Optical force: error against time. Grid, quadrature, map, and a sum in NumPy.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "integrate", "integrate_report",
+    "Integration: error against time. Ours, SciPy's, CVODE, others, the thesis's scaling.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "brownian", "brownian_report",
+    "Thermal motion: speed and bias. Against step and cost; scaling, memory.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "scaling", "scaling_report",
+    "Ensembles past one machine. Costs of blocks, files and tasks, and a model of clusters.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "depth", "depth_report",
+    "Depth from tracks: coverage and bias. Of starts in z that tracks in the plane tell.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "fluid", "fluid_report",
+    "The fluid's inertia: error against poles. Force calls of captures, thermal steps.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "wall", "wall_report",
+    "Thermal motion beside a wall: bias. First passage, inertia, step rates.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "calibrate", "calibrate_report",
+    "Calibration: coverage, and what is marked. Known traps.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "hydro", "hydro_report",
+    "Calibration of fast records: bias. The fluid's inertia, detectors, a driven stage; pylake.",
+)  # fmt: skip
+
+
+_add_benchmark(
+    "heights", "heights_report",
+    "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
+)  # fmt: skip
+
+
+def _benchmark(name: str) -> ModuleType:
+    """Import a module of tests/benchmarks, which only a checkout has."""
+    root = Path(__file__).parents[2]
+    if not (root / "tests" / "benchmarks" / f"{name}.py").is_file():
+        raise TweezerError("bench: runs from a checkout of tweezer's sources, which this is not")
+    sys.path.insert(0, str(root))
+    return importlib.import_module(f"tests.benchmarks.{name}")

@@ -1,0 +1,409 @@
+"""The command calibrate."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import FigureFile, JsonFile, app, quantity_in
+from tweezer.cli.console import (
+    FIGURE_FORMATS,
+    OUT,
+    show_warning,
+    tell_written,
+    writable,
+    write_figure,
+    write_json,
+)
+from tweezer.cli.tables import table_of
+from tweezer.errors import ResultError
+from tweezer.rounding import rounded, with_uncertainty
+
+if TYPE_CHECKING:
+    from tweezer.analysis import (
+        AxisCalibration,
+        Calibration,
+        Finding,
+        Height,
+        Recording,
+        Surface,
+        Together,
+    )
+
+
+@app.command()
+def calibrate(
+    recordings: Annotated[
+        list[str],
+        typer.Argument(
+            help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z. Several of one "
+            "trap are put together.",
+            metavar="RECORDING...",
+        ),
+    ],
+    temperature: Annotated[
+        str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
+    ] = None,
+    radius: Annotated[
+        str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
+    ] = None,
+    viscosity: Annotated[
+        str | None, typer.Option(help='Of the medium: "1 mPa s"; goes with --radius.')
+    ] = None,
+    density: Annotated[
+        str | None,
+        typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
+    ] = None,
+    fluid_density: Annotated[
+        str | None,
+        typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
+    ] = None,
+    wall: Annotated[
+        str | None,
+        typer.Option(
+            help='Distance of the centre of the bead from a wall across the light: "1.2 um", or '
+            '"1.2 um +- 50 nm"; goes with --radius.',
+            metavar="HEIGHT",
+        ),
+    ] = None,
+    focus: Annotated[
+        str | None,
+        typer.Option(
+            help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
+            'um, 1 um". The place of the wall is fitted.',
+            metavar="POSITIONS",
+        ),
+    ] = None,
+    focal_shift: Annotated[
+        str | None,
+        typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
+    ] = None,
+    drive: Annotated[
+        str | None,
+        typer.Option(
+            help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
+            "volts the metres, are measured by it.",
+            metavar="COLUMN",
+        ),
+    ] = None,
+    blur: Annotated[
+        str | None,
+        typer.Option(
+            "--blur", "--exposure",
+            help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
+        ),
+    ] = None,
+    diode: Annotated[
+        str | None,
+        typer.Option(
+            help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
+            "the part that it detects at once; or fit."
+        ),
+    ] = None,
+    noise: Annotated[
+        str | None,
+        typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
+    ] = None,
+    skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:  # fmt: skip
+    """Stiffness of a trap from a RECORDING.
+
+    From the thermal motion of the bead, by several methods, and from its answer to a drive.
+    """
+    from tweezer.analysis import calibrate as calibrated
+    from tweezer.analysis import find_wall, load_recording, together
+    from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
+
+    given = {
+        name: quantity_in(f"--{name}", text, kind)
+        for name, text, kind in (
+            ("temperature", temperature, Temperature),
+            ("radius", radius, BeadRadius),
+            ("viscosity", viscosity, Viscosity),
+            ("density", density, Density),
+            ("fluid-density", fluid_density, Density),
+        )
+        if text is not None
+    }
+    skipped = quantity_in("--skip", skip, Time)
+    exposed: float | str | None = blur
+    if blur not in (None, "fit"):
+        exposed = quantity_in("--blur", blur, Time)
+    out = out and writable(out, ("json",))
+    plot = plot and writable(plot, FIGURE_FORMATS)
+    if plot and len(recordings) > 1:
+        raise ResultError(f"--plot draws one recording, not {len(recordings)}")
+    places, shift = _places(focus, focal_shift, len(recordings))
+    if places and "fluid-density" in given:
+        raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
+    loaded = [load_recording(each, drive).since(skipped) for each in recordings]
+    asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
+    if len(asked) > 1:
+        raise ResultError("--wall gives what --focus finds; must be one of them")
+    for each in loaded:
+        _check_known(each, given, asked)
+    drag = mass = displaced = None
+    if "radius" in given:
+        from tweezer.fluid import stokes
+
+        drag = stokes(given["viscosity"], given["radius"]).translation
+    if "density" in given:
+        volume = 4 / 3 * math.pi * given["radius"] ** 3
+        mass = given["density"] * volume
+        if "fluid-density" in given:
+            displaced = given["fluid-density"] * volume
+    calibrations = []
+    for each in loaded:
+        calibrations.append(
+            calibrated(
+                each, temperature=given.get("temperature"), drag=None if places else drag,
+                mass=mass, displaced_mass=displaced, wall=_bare(wall), radius=given.get("radius"),
+                exposure=exposed, diode=diode, noise=_bare(noise),
+            )
+        )  # fmt: skip
+        if len(loaded) > 1:
+            OUT.print(f"{each.name}:", highlight=False, soft_wrap=True)
+        _print_calibration(calibrations[-1])
+    put_together = together(calibrations) if len(loaded) > 1 and not places else ()
+    surface = None
+    if places:
+        surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
+        _print_surface(surface, calibrations, places)
+    if put_together:
+        _print_together(calibrations, put_together)
+    if out:
+        written = [dataclasses.asdict(each) for each in calibrations]
+        every = [dataclasses.asdict(each) for each in put_together]
+        result = {"recordings": written, "together": every} if every else written[0]
+        if surface:
+            result = {"recordings": written, "surface": dataclasses.asdict(surface)}
+        write_json(result, out)
+    if plot:
+        from tweezer.plots import calibration_figure
+
+        write_figure(calibration_figure(loaded[0], calibrations[0]), plot)
+    tell_written(out, plot)
+
+
+def _places(
+    focus: str | None, shift: str | None, recordings: int
+) -> tuple[list[float], float | None]:
+    """Positions of the focus, m, and by how much the bead moves with it; None if that is fitted.
+
+    recordings: their number.
+    """
+    from tweezer.units import Length
+
+    if focus is None:
+        if shift is not None:
+            raise ResultError("--focal-shift: goes with --focus")
+        return [], 1.0
+    places = [quantity_in("--focus", each, Length) for each in focus.split(",")]
+    if len(places) != recordings:
+        raise ResultError(
+            f"--focus {focus!r}: has {len(places)} positions; must be {recordings}, one for each "
+            "recording"
+        )
+    factor = None if shift == "fit" else _bare(shift or "1")
+    if factor is not None and not (isinstance(factor, float) and 0 < factor < math.inf):
+        raise ResultError(f"--focal-shift {shift!r}: must be a positive number, or fit")
+    return places, factor
+
+
+def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) -> None:
+    """Refuse what does not go together, or with that recording.
+
+    beside: options of a wall that are given.
+    """
+    for option in beside:
+        if loaded.scene is not None:
+            raise ResultError(f"{loaded.name}: its scene has the wall; {option} is not for a run")
+        if "radius" not in given:
+            raise ResultError(f"{loaded.name}: {option} needs --radius and --viscosity")
+    if loaded.scene is not None and given:
+        raise ResultError(
+            f"{loaded.name}: its scene has the {', the '.join(given)}; not to be given"
+        )
+    if loaded.scene is None and "temperature" not in given:
+        raise ResultError(
+            f"{loaded.name}: needs --temperature, and --radius and --viscosity if known"
+        )
+    if ("radius" in given) != ("viscosity" in given) or ("density" in given) > ("radius" in given):
+        raise ResultError(
+            f"{loaded.name}: --radius and --viscosity go together; --density needs both"
+        )
+    if ("fluid-density" in given) > ("density" in given):
+        raise ResultError(f"{loaded.name}: --fluid-density needs --density")
+
+
+def _bare(text: str | None) -> float | str | None:
+    """A number where text is one."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return text
+
+
+def _determined(value: float, uncertainty: float, unit: str) -> str:
+    if not 0 < uncertainty < value:
+        return "not determined"
+    return f"{with_uncertainty(value, uncertainty)} {unit}"
+
+
+def _print_calibration(calibration: Calibration) -> None:
+    for axis in calibration.axes:
+        if {finding.name for finding in axis.findings} & {"free", "drift"} == {"free"}:
+            _print_free(axis)
+        else:
+            _print_trapped(axis, calibration.unit)
+        if calibration.wall is not None and axis.drag is not None:
+            _print_wall(calibration.wall, axis)
+    if calibration.note:
+        show_warning(calibration.note)
+
+
+def _print_free(axis: AxisCalibration) -> None:
+    D, uncertainty = axis.free_diffusion, axis.free_diffusion_uncertainty
+    diffusion = "not determined"
+    if D is not None and uncertainty is not None:
+        diffusion = _determined(1e12 * D, 1e12 * uncertainty, "um^2/s")
+    OUT.print(
+        f"{axis.axis}: no trap is seen: the bead looks free, or the record is too short; the "
+        f"diffusion of a free bead, from displacements: {diffusion}",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _print_wall(wall: Height, axis: AxisCalibration) -> None:
+    """What is known of the drag by the height, and what the record tells."""
+    known = axis.drag
+    assert known is not None
+    ratio = 1 / wall.mobility(axis.axis)
+    error = wall.relative_uncertainty(axis.axis)
+    drag = f"{1e9 * known:.4g}"
+    if error:
+        drag = with_uncertainty(1e9 * known, 1e9 * known * error)
+    way = "across" if axis.fit.bead.across else "along"
+    OUT.print(
+        f"{1e6 * wall.distance:.4g} um from the wall, {way} it: drag {drag} nN s/m, {ratio:.4g} "
+        "times that far away",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+
+
+def _print_trapped(axis: AxisCalibration, unit: str) -> None:
+    """A table of estimates, and below it numbered notes on what speaks against them."""
+    every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
+    listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
+
+    def mark(against: Iterable[Finding]) -> str:
+        numbers = ", ".join(str(listed.index(f) + 1) for f in against if f in listed)
+        return numbers and f"not trusted: {numbers}"
+
+    table = table_of(f"{axis.axis}: stiffness by", "pN/um", "+-", "")
+    for estimate in axis.estimates:
+        k, error = rounded(1e6 * estimate.stiffness, 1e6 * estimate.uncertainty)
+        judgement = mark(estimate.findings)
+        if any(finding.name == "undetermined" for finding in estimate.findings):
+            k = error = "-"
+            judgement = "; ".join(filter(None, ["not determined", judgement]))
+        table.add_row(estimate.method, k, error, judgement)
+    OUT.print(table)
+    for number, finding in enumerate(listed, 1):
+        OUT.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
+    fit, free = axis.fit, axis.free_fit
+    corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, "Hz")
+    diffusion = _determined(1e12 * free.bead.diffusion, 1e12 * axis.diffusion_uncertainty, "um^2/s")
+    line = f"corner frequency {corner}; diffusion {diffusion}; p = {free.p_value:.2g}"
+    if free.drag_uncertainty is None:
+        line = f"corner frequency {corner}; p = {free.p_value:.2g}"
+    against = mark(axis.findings)
+    OUT.print(f"{line}; {against}" if against else line, highlight=False, soft_wrap=True)
+    for line in (*_detected(axis, unit), *(finding.text for finding in axis.remarks)):
+        OUT.print(line, highlight=False, soft_wrap=True)
+
+
+def _detected(axis: AxisCalibration, unit: str) -> Iterable[str]:
+    """Lines on what the record tells of the detector, and of the drive."""
+    volt, nano = (1e3, "mV") if unit == "V" else (1e9, "nm")
+    words = {
+        "exposure": ("blur", 1e6, "us"),
+        "diode_frequency": ("diode", 1e-3, "kHz"),
+        "diode_fraction": ("detected at once", 1.0, ""),
+        "noise": ("noise", volt, nano),
+    }
+    told = [
+        f"{words[each.name][0]} {_scaled(each.value, each.uncertainty, *words[each.name][1:])}"
+        for each in axis.detector
+        if each.value is not None
+    ]
+    if told:
+        yield "; ".join(told)
+    if axis.sensitivity is not None:
+        drag = axis.free_fit
+        metres = axis.sensitivity, axis.sensitivity_uncertainty
+        force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
+        parts = [f"recorded metres are {_scaled(*metres, 1.0, 'm')}"]
+        if unit == "V":
+            parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
+        parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
+        yield "; ".join(parts)
+    for each in axis.answers:
+        answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
+        yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"
+
+
+def _scaled(value: float | None, uncertainty: float | None, factor: float, unit: str) -> str:
+    error = math.nan if uncertainty is None else factor * uncertainty
+    return f"{with_uncertainty(factor * (value or math.nan), error)} {unit}".rstrip()
+
+
+def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]) -> None:
+    """A table over recordings, and their means."""
+    from tweezer.analysis.together import QUANTITIES
+
+    factors = {"stiffness": (1e6, "pN/um"), "drag": (1e9, "nN s/m"), "sensitivity": (1e6, "um/V")}
+    if any(each.unit != "V" for each in calibrations):
+        factors["sensitivity"] = (1.0, "")
+    for each in every:
+        factor, unit = factors[each.quantity]
+        table = table_of(f"{each.axis}: {each.quantity}", unit, "+-", "")
+        for calibration in calibrations:
+            for axis in calibration.axes:
+                found = QUANTITIES[each.quantity](axis) if axis.axis == each.axis else None
+                if found:
+                    judgement = "" if calibration.name in each.recordings else "not trusted"
+                    numbers = rounded(*(factor * number for number in found))
+                    table.add_row(calibration.name, *numbers, judgement)
+        if each.mean is not None and each.uncertainty is not None:
+            mean = rounded(factor * each.mean, factor * each.uncertainty)
+            table.add_row("together", *mean, f"p = {each.p_value:.2g}")
+        OUT.print(table)
+        for finding in each.findings:
+            OUT.print(finding.text, highlight=False, soft_wrap=True)
+
+
+def _print_surface(surface: Surface, calibrations: list[Calibration], places: list[float]) -> None:
+    """A table of heights, and where the wall is."""
+    table = table_of("height by the drag", "focus, um", "height, um", "+-", "")
+    for each, place, height in zip(calibrations, places, surface.heights, strict=True):
+        numbers = rounded(1e6 * height.distance, 1e6 * height.uncertainty)
+        judgement = "" if each.name in surface.recordings else "not trusted"
+        table.add_row(each.name, f"{1e6 * place:.4g}", *numbers, judgement)
+    OUT.print(table)
+    wall = with_uncertainty(1e6 * surface.position, 1e6 * surface.uncertainty)
+    line = f"the bead's centre would be in the wall with the focus at {wall} um"
+    if surface.shift_uncertainty is not None:
+        shift = with_uncertainty(surface.shift, surface.shift_uncertainty)
+        line += f"; it moves by {shift} of the focus"
+    if surface.p_value is not None:
+        line += f"; p = {surface.p_value:.2g}"
+    OUT.print(line, highlight=False, soft_wrap=True)
+    for finding in surface.findings:
+        OUT.print(finding.text, highlight=False, soft_wrap=True)

@@ -1,0 +1,121 @@
+"""Where words and files go: terminal, warnings, progress, names that can be written."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+
+from tweezer.errors import ResultError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from tweezer.compiled import Compilation
+
+
+def _console(*, stderr: bool) -> Console:
+    """Console that prints text literally: names of files and scenes may hold brackets or colons."""
+    console = Console(stderr=stderr, markup=False, emoji=False)
+    if console.width < 1:  # COLUMNS=0
+        console.width = 80
+    return console
+
+
+OUT, ERR = _console(stderr=False), _console(stderr=True)
+FIGURE_FORMATS = ("pdf", "png", "svg")
+#: Type of an option for a folder of many files
+STORES = ("zarr",)
+BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+
+
+def writable(path: Path, formats: tuple[str, ...]) -> Path:
+    """`path`; refused before any computation if it cannot be written."""
+    if path.suffix.lstrip(".").lower() not in formats:
+        raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
+    if not path.parent.is_dir():
+        raise ResultError(f"{path}: no such folder: {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise ResultError(f"{path}: cannot be written: no permission to write in {path.parent}")
+    try:
+        if path.is_symlink():
+            raise ResultError(f"{path}: is a link; name the file it leads to: {path.readlink()}")
+        if path.is_dir() and formats != STORES:
+            raise ResultError(f"{path}: is a folder")
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
+    return path
+
+
+@contextlib.contextmanager
+def showing_progress(
+    description: str, total: float, afterwards: str = ""
+) -> Iterator[Callable[[float], None]]:
+    """Context with a progress bar and the notice of compilation; yields the callback for progress.
+
+    afterwards: what remains to be done when `total` is reached.
+    """
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TextColumn("{task.percentage:>3.0f} %"),
+        TimeRemainingColumn(),
+    )
+    disabled = not ERR.is_terminal
+    with Progress(*columns, console=ERR, transient=True, disable=disabled) as progress:
+        task = progress.add_task(description, total=total)
+
+        from tweezer.compiled import compilation
+
+        doing = description
+
+        def say(compiling: Compilation) -> None:
+            spent = f"compiling, once: {compiling.seconds:.0f} s so far"
+            progress.update(task, description=f"{doing} ({spent})", refresh=True)
+
+        def reach(reached: float) -> None:
+            nonlocal doing
+            if afterwards and reached >= total:
+                doing = f"{description}: {afterwards}"
+            progress.update(task, description=doing, completed=reached)
+
+        with compilation(say):
+            yield reach
+
+
+def tell_written(*paths: Path | None) -> None:
+    """Say which files were written."""
+    written = " and ".join(str(path) for path in paths if path)
+    if written:
+        OUT.print(f"wrote {written}", highlight=False, soft_wrap=True)
+
+
+def write_json(value: object, path: Path) -> None:
+    """Write a result as JSON."""
+    from tweezer.io import write_json  # here, as it loads xarray
+
+    write_json(value, path)
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure, as a whole or not at all."""
+    from tweezer.io import replacing
+
+    with replacing(path) as whole:
+        figure.savefig(whole, format=path.suffix[1:].lower(), dpi=150)
+
+
+def complain(text: str) -> None:
+    """Say in red what is wrong."""
+    ERR.print(text, style="red", highlight=False, soft_wrap=True)
+
+
+def show_warning(message: Warning | str, *_: object) -> None:
+    """Say a warning in yellow."""
+    ERR.print(f"warning: {message}", style="yellow", highlight=False, soft_wrap=True)

@@ -1,0 +1,120 @@
+"""The command fit-depth."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import Changes, FigureFile, JsonFile, app, quantity_in, scene_with, settings_of
+from tweezer.cli.console import (
+    FIGURE_FORMATS,
+    OUT,
+    showing_progress,
+    tell_written,
+    writable,
+    write_figure,
+    write_json,
+)
+from tweezer.cli.tables import add_light, table_of
+from tweezer.errors import ResultError
+from tweezer.rounding import with_uncertainty
+
+if TYPE_CHECKING:
+    from tweezer.analysis import DepthFit
+    from tweezer.scene import Scene
+
+
+@app.command("fit-depth")
+def fit_depth(
+    track: Annotated[
+        str,
+        typer.Argument(
+            help="CSV, HDF5 or NetCDF with t, x, y; or NetCDF file of a run.", metavar="TRACK"
+        ),
+    ],
+    scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.", metavar="SCENE")],
+    noise: Annotated[
+        str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
+    ] = None,
+    search: Annotated[
+        tuple[str, str] | None,
+        typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
+    ] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="What else to fit: power, radius, scaling_factor, release. May be repeated.",
+            metavar="NAME",
+        ),
+    ] = None,
+    set: Changes = None,
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Depth at which the bead of a TRACK started.
+
+    The depth is along the light, the track in the plane across it.
+    """
+    from tweezer.units import Length, PositiveLength
+
+    described = scene_with(scene, settings_of(set or []))
+    given = quantity_in("--noise", noise, PositiveLength) if noise is not None else None
+    range_ = None
+    if search is not None:
+        low, high = (quantity_in("--search", text, Length) for text in search)
+        range_ = low, high
+    out = out and writable(out, ("json",))
+    plot = plot and writable(plot, FIGURE_FORMATS)
+
+    from tweezer.analysis import fit_depth as fitted
+    from tweezer.analysis import load_track
+    from tweezer.optics import ray_optics_worth
+
+    loaded = load_track(track)
+    if loaded.scene is not None and loaded.scene.bead != described.bead:
+        raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
+    with showing_progress(described.name, 1.0) as progress:
+        found = fitted(
+            loaded, described, noise=given, search=range_, fit=fit or (), progress=progress
+        )
+    _print_depth(found, described)
+    if out:
+        result = {
+            field.name: getattr(found, field.name)
+            for field in dataclasses.fields(found)
+            if field.name not in ("minima", "parameters", "path")
+        }
+        lists = {
+            name: [dataclasses.asdict(each) for each in getattr(found, name)]
+            for name in ("minima", "parameters")
+        }
+        worth = ray_optics_worth(described)
+        write_json({**result, **lists, "ray_optics": worth and dataclasses.asdict(worth)}, out)
+    if plot:
+        from tweezer.plots import depth_figure
+
+        write_figure(depth_figure(loaded, found), plot)
+    tell_written(out, plot)
+
+
+def _print_depth(found: DepthFit, scene: Scene) -> None:
+    table = table_of(f"{found.name}, {found.scene}", "")
+    table.add_row("start in z", f"{1e6 * found.z:.4g} um from the focus")
+    pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in found.intervals)
+    table.add_row("95 % confidence", f"{pieces} um")
+    others = ", ".join(f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in found.minima[1:])
+    table.add_row("other minima (misfit above)", others or "none")
+    for each in found.parameters:
+        scale, unit = (1e6, "um") if each.unit == "m" else (1.0, each.unit)
+        uncertainty = math.nan if each.uncertainty is None else each.uncertainty
+        value = f"{with_uncertainty(scale * each.value, scale * uncertainty)} {unit}".rstrip()
+        unknown = ", not determined" if each.uncertainty is None else ""
+        table.add_row(each.name, value + unknown)
+    table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
+    table.add_row("residuals white, p", f"{found.p_value:.2g}")
+    add_light(table, scene)
+    OUT.print(table)
+    OUT.print(found.statement, highlight=False, soft_wrap=True)

@@ -1,0 +1,87 @@
+"""Commands that compute ahead: map, warmup."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import SceneName, app, map_of, scene_with, settings_of
+from tweezer.cli.console import ERR, OUT
+from tweezer.cli.tables import add_light, table_of
+from tweezer.errors import SceneError
+
+if TYPE_CHECKING:
+    from tweezer.compiled import Compilation
+    from tweezer.optics import Table as Map
+    from tweezer.scene import Scene
+
+
+@app.command("map")
+def force_map(
+    scene: SceneName,
+    set: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='Change the scene: --set "optics.table_tolerance=1e-8". May be repeated.',
+            metavar="KEY=VALUE",
+        ),
+    ] = None,
+) -> None:
+    """Compute the map of the force of SCENE.
+
+    Its error is shown. The map is stored; evaluator = "map" in [optics] then reads it.
+    """
+    described = scene_with(scene, {"optics.evaluator": "map", **settings_of(set or [])})
+    if (other := described.optics.evaluator) != "map":
+        raise SceneError(f"optics.evaluator = {other!r}: must be 'map' where the map is made")
+    _print_map(described, map_of(described))
+
+
+@app.command()
+def warmup(
+    scene: Annotated[
+        list[str] | None,
+        typer.Argument(help="Shipped scenes or TOML files; all shipped if none.", metavar="SCENE"),
+    ] = None,
+) -> None:
+    """Compile ahead what commands on SCENE need.
+
+    Its map is computed too, if it has one. Without SCENE: what the shipped scenes need; for those
+    without a grid also thermal motion, and a bead of a lower index than the medium.
+    """
+    from tweezer.scene import load_scene, shipped_scenes
+
+    described = [load_scene(name) for name in scene or shipped_scenes()]
+    with ERR.status("loading") as status:
+        from tweezer.compiled import compilation, found
+        from tweezer.warmup import usual_scenes, warm_up
+
+        def say(compiling: Compilation) -> None:
+            status.update(f"compiling {compiling.latest}, {compiling.seconds:.0f} s so far")
+
+        with compilation(say) as compiling:
+            for each in described:
+                for usual in [each] if scene else usual_scenes(each):
+                    warm_up(usual)
+    OUT.print(
+        f"compiled {compiling.functions} functions in {compiling.seconds:.0f} s; {found()} were "
+        "there already"
+    )
+
+
+def _print_map(scene: Scene, made: Map) -> None:
+    table = table_of(scene.name, "")
+    table.add_row("largest force", f"{1e12 * made.largest_force:.4g} pN")
+    part = made.certified_error / made.largest_force if made.largest_force else 0.0
+    error = f"{1e12 * made.certified_error:.2g} pN, {part:.2g} of the largest force"
+    table.add_row("certified error", error)
+    table.add_row("range", f"{1e6 * made.range:.4g} um from the focus")
+    table.add_row("pieces", f"{made.pieces}")
+    if made.path:
+        table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")
+    table.add_row("time to make", f"{made.build_time:.2g} s")
+    add_light(table, scene)
+    OUT.print(table)
+    if made.path:
+        OUT.print(f"kept in {made.path}", highlight=False, soft_wrap=True)

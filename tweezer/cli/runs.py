@@ -1,0 +1,211 @@
+"""The commands scenes and run."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import warnings
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.choices import MODELS, methods
+from tweezer.cli.app import Changes, FigureFile, SceneName, app, bind_light, scene_with, settings_of
+from tweezer.cli.console import (
+    FAILED,
+    FIGURE_FORMATS,
+    INTERRUPTED,
+    OUT,
+    complain,
+    showing_progress,
+    tell_written,
+    writable,
+    write_figure,
+)
+from tweezer.cli.tables import add_light, located, table_of
+from tweezer.errors import PhysicsWarning, ResultError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from tweezer.analysis import Summary
+    from tweezer.run import Run
+    from tweezer.scene import Scene
+
+
+@app.command()
+def scenes() -> None:
+    """List the shipped scenes."""
+    from tweezer.scene import SHIPPED, load_scene, shipped_scenes
+
+    table = table_of("scene", "what it shows")
+    for name in shipped_scenes():
+        table.add_row(name, load_scene(name).description)
+    OUT.print(table)
+    OUT.print(f"files to copy and change: {SHIPPED}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def run(
+    scene: SceneName,
+    duration: Annotated[
+        str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
+    ] = None,
+    model: Annotated[
+        str | None, typer.Option(help=f"{', '.join(MODELS)}; by the tolerance if not given.")
+    ] = None,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
+            f"motion auto, {', '.join(each.name for each in methods(thermal=True))}."
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,
+    set: Changes = None,
+    out: Annotated[
+        Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
+    ] = None,
+    plot: FigureFile = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
+    ] = False,
+) -> None:
+    """Follow the bead of SCENE.
+
+    Writes the trajectory. An OUT that is there is replaced by a run of the same scene, settings and
+    seed, and by no other without --overwrite. A run that is interrupted, or fails, replaces none:
+    it is written beside.
+    """
+    from tweezer.arguments import check_run
+
+    settings = settings_of(set or [], duration=duration, model=model, method=method)
+    described = scene_with(scene, settings)
+    check_run(described, seed)
+    out = writable(out or Path(f"{described.name}.nc"), ("nc",))
+    plot = plot and writable(plot, FIGURE_FORMATS)
+    if not overwrite and (reason := _not_replaced(out, described, seed)):
+        raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
+    bind_light(described)
+    result = _followed_with_progress(described, seed)
+    status = result.attributes["status"]
+    ended = status not in ("failed", "interrupted")
+    if out.exists() and not (ended and (overwrite or not _not_replaced(out, described, seed))):
+        out, plot = _beside(out, plot)
+
+    from tweezer.io import write_run
+
+    write_run(result, out)
+    try:
+        if plot:
+            from tweezer.plots import run_figure
+
+            write_figure(run_figure(result.dataset()), plot)
+    finally:
+        _print_summary(described, result)
+        tell_written(out)
+    tell_written(plot)
+    if not ended:
+        message = result.attributes["message"]
+        complain(f"{described.name}: {message}; what was reached is in {out}")
+        failed = status == "failed"
+        raise typer.Exit(FAILED if failed else INTERRUPTED)
+
+
+def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
+    """Why a run of `scene` must not replace `out`; "" if it may."""
+    if not out.exists():
+        return ""
+    from tweezer.io import unlike
+
+    reason = unlike(out, scene, seed or 0)
+    return reason and f"is there, and is {reason}"
+
+
+def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
+    """The same names with the first number that makes them unused."""
+    for number in itertools.count(2):
+        new = _numbered(out, number), figure and _numbered(figure, number)
+        if not any(path and path.exists() for path in new):
+            break
+    return new
+
+
+def _numbered(path: Path, number: int) -> Path:
+    return path.with_stem(f"{path.stem}-{number}")
+
+
+def _followed_with_progress(scene: Scene, seed: int | None) -> Run:
+    with (
+        showing_progress(scene.name, scene.simulation.duration, "errors") as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
+    ):
+        from tweezer.simulation import followed
+
+        return followed(scene, seed, progress=progress)
+
+
+def _print_summary(scene: Scene, result: Run) -> None:
+    from tweezer.analysis.summary import summary_of
+
+    summary = summary_of(result)
+    attributes = result.attributes
+    x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in summary.end)  # no -0.0
+    model: str = attributes["model"]
+    if model == "scaled":
+        model += f", a2 = {scene.simulation.scaling_factor:g}"
+    table = table_of(scene.name, "")
+    when = located(summary.outcome_time, summary.outcome_time_error, 1e3, "ms")
+    table.add_row("outcome", f"{summary.outcome}, {when}")
+    table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
+    if summary.smallest_gap is not None:
+        gap = located(summary.smallest_gap, summary.smallest_gap_error, 1e6, "um")
+        table.add_row("smallest gap to the wall", gap)
+    if scene.forces.brownian:
+        table.add_row("seed of the thermal motion", f"{attributes['seed']}")
+    else:
+        _add_approach(table, summary)
+    table.add_row("model, method", f"{model}; {attributes['method']}")
+    table.add_row("inertia of the fluid", attributes["fluid_inertia"])
+    where = " at the samples" if summary.by_samples else ""
+    largest, error = summary.largest_force, summary.force_error
+    table.add_row("force by", attributes["force_evaluator"])
+    add_light(table, scene)
+    if largest > 0:
+        share = f"{100 * error / largest:.1g} % of the largest"
+        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN{where}, {share}")
+    if scene.forces.brownian:
+        table.add_row("step", f"{attributes['step']:.3g} s")
+    else:
+        integration, by_model = (
+            "not known" if math.isnan(error) else f"up to {1e6 * error:.1g} um{where}"
+            for error in (attributes["integration_error"], attributes["model_error"])
+        )
+        table.add_row("error of the integration", integration)
+        if attributes["model_error"] != 0:
+            table.add_row("off the motion with all inertia", by_model)
+    table.add_row("steps", f"{attributes['steps']}")
+    table.add_row("force calls", f"{attributes['force_calls']}")
+    if summary.by_samples:
+        table.add_row("resolved by", "the samples: what happens between them is not seen")
+    seconds = f"{attributes['wall_time']:.2g} s, {attributes['step_time']:.2g} s of it stepping"
+    if attributes["compile_time"] > 0:
+        seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
+    table.add_row("time", seconds)
+    OUT.print(table)
+
+
+def _add_approach(table: Table, summary: Summary) -> None:
+    overshoot = located(summary.overshoot, summary.overshoot_error, 1e6, "um")
+    table.add_row("overshoot past the axis", overshoot)
+    approach = "none"
+    if summary.closest_approach is not None and summary.closest_approach_time is not None:
+        distance = located(summary.closest_approach, summary.closest_approach_error, 1e6, "um")
+        at = located(summary.closest_approach_time, summary.closest_approach_time_error, 1e3, "ms")
+        approach = f"{distance} at {at}"
+    table.add_row("first closest approach", approach)
+    number = located(
+        summary.largest_reynolds_number or 0.0, summary.largest_reynolds_number_error, 1.0, ""
+    )
+    table.add_row("largest Reynolds number", number)

@@ -1,0 +1,47 @@
+"""The command reproduce."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tweezer.cli.app import app
+from tweezer.cli.console import OUT, showing_progress
+from tweezer.cli.tables import table_of
+from tweezer.errors import PhysicsWarning
+
+
+@app.command()
+def reproduce(
+    what: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Figures of the thesis, 5.1 to 5.15 and C.1 to C.12; claims; waves; memory; "
+            "study. All if none.",
+            metavar="WHAT",
+        ),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Folder to write to.")] = Path("thesis-results"),
+    seed: Annotated[int, typer.Option(help="Of the thermal motions.")] = 1,
+) -> None:
+    """Reproduce the thesis: figures and claims.
+
+    The claims with verdicts, what becomes of them with light as waves and in a
+    fluid with inertia, and the lost 500 nm bead.
+    """
+    from tweezer.thesis import reproduce as reproduced
+
+    with (
+        showing_progress("reproduce", 1.0) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),
+    ):
+        result = reproduced(what or (), out, seed=seed, progress=progress)
+    if result.claims:
+        table = table_of("where", "claim", "verdict", "by waves")
+        for claim in result.claims:
+            table.add_row(claim.where, claim.text, claim.verdict, claim.verdict_by_waves)
+        OUT.print(table)
+    OUT.print(f"wrote {len(result.files)} files into {out}", highlight=False, soft_wrap=True)
