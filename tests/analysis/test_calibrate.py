@@ -23,10 +23,10 @@ from tweezer.analysis import (
     standard_error,
     statistical_inefficiency,
 )
-from tweezer.analysis.calibration import (
-    _covariance_of_averages,
-    _of_products,
-    _of_squared_displacements,
+from tweezer.analysis.in_time import (
+    covariance_of_averages,
+    of_products,
+    of_squared_displacements,
 )
 from tweezer.rounding import with_uncertainty
 
@@ -235,7 +235,7 @@ def test_estimates_are_as_uncertain_as_they_say(case):
     assert sum(p < 0.01 for p in p_values) < 4
 
 
-def test_covariance_of_averages_over_a_record():
+def testcovariance_of_averages_over_a_record():
     """4000 records: each covariance scatters by 2.2 % of the root of its variances, sqrt 2 more for
     pairs; 8 % is 3.5 scatters (12 numbers, false alarm 1e-2, the seed is fixed).
     """
@@ -245,10 +245,10 @@ def test_covariance_of_averages_over_a_record():
     squares = [((x[:, lag:] - x[:, : samples - lag]) ** 2).mean(axis=1) for lag in lags]
     bead = TrappedBead(K, DRAG, T)
     for averages, of_one in (
-        (products, _of_products), (squares, _of_squared_displacements),
+        (products, of_products), (squares, of_squared_displacements),
     ):  # fmt: skip
         measured = np.cov(averages)
-        expected = _covariance_of_averages(bead, step, samples, lags, of_one)
+        expected = covariance_of_averages(bead, step, samples, lags, of_one)
         size = np.sqrt(np.diag(measured))
         assert np.abs((measured - expected) / np.outer(size, size)).max() < 0.08
 

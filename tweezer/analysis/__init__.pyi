@@ -1,20 +1,18 @@
 from .calibration import (
     AxisCalibration,
     Calibration,
-    EscapeTimes,
     Estimate,
-    Potential,
     SpectrumFit,
     calibrate,
-    escape_times,
     in_metres,
-    potential,
 )
 from .depth import DepthFit, Minimum, Parameter, fit_depth
 from .derived import derived_quantities
 from .driving import Answer
 from .findings import Finding
+from .first_passage import EscapeTimes, escape_times
 from .heights import trap_over_heights
+from .histogram import Potential, potential
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
     TrappedBead,

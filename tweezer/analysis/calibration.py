@@ -6,35 +6,32 @@ import dataclasses
 import itertools
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.constants import Boltzmann
-from scipy.linalg import LinAlgWarning, cholesky, solve_triangular
-from scipy.optimize import brentq, least_squares
-from scipy.special import chdtrc, chdtri, ndtr
+from scipy.linalg import LinAlgWarning
+from scipy.special import chdtrc
 
 from tweezer.analysis.driving import Answer, Drive, KnownDrag
+from tweezer.analysis.equipartition import corrected, equipartition
 from tweezer.analysis.findings import (
     IMPROBABLE,
     Finding,
     Fits,
     examine,
     free_diffusion,
-    relative_variance_of_variance,
     spectrum_p_value,
 )
+from tweezer.analysis.histogram import potential
+from tweezer.analysis.in_time import autocorrelation, displacement, lags_of
 from tweezer.analysis.recording import Recording, load_recording
 from tweezer.analysis.spectra import (
     TrappedBead,
-    autocovariance,
-    mean_squared_displacement,
-    standard_error,
-    statistical_inefficiency,
 )
 from tweezer.analysis.wall import ACROSS, Height
 from tweezer.analysis.whittle import (
@@ -46,7 +43,6 @@ from tweezer.analysis.whittle import (
     WhittleFit,
     best_start,
     fitted,
-    inverse,
     usable,
 )
 from tweezer.bead import bead_properties
@@ -58,13 +54,6 @@ from tweezer.scene import Scene
 from tweezer.units import TEMPERATURE, to_si
 
 Array = NDArray[np.float64]
-
-#: Smallest and largest lag of the fits in time, in relaxation times.
-_LAGS = (0.1, 2.0)
-#: Number of these lags.
-_LAG_COUNT = 10
-#: Number of relaxation times after which correlations are negligible.
-_FORGOTTEN = 20.0
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
 _UNCERTAIN = 0.3
@@ -100,24 +89,6 @@ _PLACES = 1000
 
 #: Relative excess of an exposure over the step that is allowed, as the step is as uncertain.
 _UNEVEN = 1e-3
-
-#: Distances from a stiffness, in its logarithm, at which another is looked for.
-_REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)
-
-#: Half the width of a histogram, in standard deviations.
-_REACH = 4.0
-#: Smallest and largest width of its bins, in standard deviations.
-_NARROWEST, _WIDEST = 0.2, 0.5
-#: Smallest number of independent samples in a bin.
-_COUNTS = 10.0
-#: Number of independent samples that a bin at two standard deviations should have.
-_COUNTS_AT_TWO = 20.0
-#: Density of a Gaussian at two standard deviations.
-_DENSITY_AT_TWO = math.exp(-2) / math.sqrt(2 * math.pi)
-#: Height above the bottom up to which a potential is fitted by a parabola, k_B T.
-_PARABOLA = 2.0
-#: Smallest number of bins for that fit.
-_LEAST_BINS = 5
 
 
 @dataclass(frozen=True)
@@ -734,16 +705,16 @@ def _calibrated(
     if free is not fit:
         fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
         add("power spectrum, drag fitted", fitted_too, made_by)
-    add("equipartition", _equipartition(positions, fits), [])
+    add("equipartition", equipartition(positions, fits), [])
     if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
-        lags = _lags(len(positions), step, bead)
-        found = _displacement(positions, step, bead, lags, known.drag)
+        lags = lags_of(len(positions), step, bead)
+        found = displacement(positions, step, bead, lags, known.drag)
         add("displacement", found, [*made_by, *too_few("displacement")])
         if known.drag:
-            add("autocorrelation", _autocorrelation(positions, step, bead, lags), made_by)
+            add("autocorrelation", autocorrelation(positions, step, bead, lags), made_by)
     well = potential(positions, bead.temperature)
     if well.stiffness is not None and well.uncertainty is not None:
-        found = _corrected(well.stiffness, well.uncertainty, fits)
+        found = corrected(well.stiffness, well.uncertainty, fits)
         add("potential", found, too_few("potential"))
     alone = None
     if any(finding.name == "free" for finding in findings):
@@ -820,333 +791,3 @@ def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit
         fit.log_likelihood,
         spectrum_p_value(positions, step, fit),
     )
-
-
-def _equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
-    """Stiffness by the variance of positions, whose relative variance is that of the spectrum."""
-    k = Boltzmann * fits.fit.bead.temperature / np.var(positions)
-    relative = math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
-    return _corrected(k, k * relative, fits)
-
-
-def _corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
-    """k from k_B T over the variance of the record, corrected for what differs from the motion's.
-
-    Missing are the variance of the mean and what the detector does not show; its noise is too much.
-    Both depend on what was fitted, whose uncertainty adds to that of k.
-    """
-    whole, fit, bead = fits.whole, fits.fit, fits.fit.bead
-    relative_square = (uncertainty / k) ** 2
-    missing = bead.variance_of_mean(whole.step, whole.samples) / bead.variance
-    # if the record does not resolve the relaxation, only rounding is left
-    k *= max(1 - missing, 1 / whole.samples)
-    if bead.seen_as_it_is and "response" not in fit.free:
-        return k, k * math.sqrt(relative_square)
-
-    def shown(stiffness: float) -> float:
-        """The stiffness that such a bead seems to have."""
-        other = dataclasses.replace(bead, stiffness=stiffness)
-        return Boltzmann * bead.temperature / other.variance
-
-    if fit.free == STIFFNESS:
-
-        def excess(logarithm: float) -> float:
-            return math.log(shown(math.exp(logarithm)) / k)
-
-        here = math.log(bead.stiffness)
-        reach = next((r for r in _REACHES if excess(here - r) < 0 < excess(here + r)), None)
-        if reach is None:
-            raise ArithmeticError("no stiffness has that variance")
-        found = math.exp(brentq(excess, here - reach, here + reach))
-        slope = math.log(shown(found * 1.001) / shown(found / 1.001)) / math.log(1.001**2)
-        return found, found * math.sqrt(relative_square) / slope
-
-    # the fit tells what part of the motion is shown
-    def hidden(other: TrappedBead) -> Array:
-        return np.array(math.log(other.stiffness * other.variance))
-
-    found = k * bead.stiffness / shown(bead.stiffness)
-    n = fit.slopes.shape[1]
-    power = whole.counts * whole.expected(bead)
-    follows = fit.periodogram.differences(hidden, bead, fit.free)
-    both = follows @ fit.covariance @ (fit.slopes @ power[:n]) / power.sum()
-    relative_square += float(follows @ fit.covariance @ follows - 2 * both)
-    return found, found * math.sqrt(max(relative_square, 0.0))
-
-
-def _lags(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
-    """Lags of a fit in time, in samples."""
-    shortest, longest = (lags * bead.relaxation_time / step for lags in _LAGS)
-    most = samples // 4
-    ends = min(max(shortest, 1), most - 3), min(max(longest, 3), most)
-    return np.unique(np.rint(np.geomspace(*ends, _LAG_COUNT)).astype(np.int64))
-
-
-def _displacement(
-    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64], drag_known: bool
-) -> tuple[float, float]:
-    def predicted(logarithms: Array) -> Array:
-        values = [*np.exp(logarithms), bead.drag]
-        other = dataclasses.replace(bead, stiffness=values[0], drag=values[1])
-        return other.mean_squared_displacement(lags * step)
-
-    covariance = _covariance_of_averages(
-        bead, step, len(positions), lags, _of_squared_displacements
-    )
-    values = mean_squared_displacement(positions)[lags]
-    start = np.log([bead.stiffness] if drag_known else [bead.stiffness, bead.drag])
-    found, errors = _least_squares(values, covariance, predicted, start)
-    k = math.exp(found[0])
-    return k, k * float(errors[0])
-
-
-def _autocorrelation(
-    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64]
-) -> tuple[float, float]:
-    """Stiffness by the rate of decay; without lag 0, the only one with white noise."""
-    lost = bead.variance_of_mean(step, len(positions)) / bead.variance
-
-    def predicted(logarithms: Array) -> Array:
-        k, variance = np.exp(logarithms)
-        other = dataclasses.replace(bead, stiffness=k)
-        return variance * (other.autocovariance(lags * step) / other.variance - lost)
-
-    covariance = _covariance_of_averages(bead, step, len(positions), lags, _of_products)
-    values = autocovariance(positions)[lags]
-    start = np.log([bead.stiffness, bead.variance])
-    found, errors = _least_squares(values, covariance, predicted, start)
-    k = math.exp(found[0])
-    return k, k * float(errors[0])
-
-
-Covariance = Callable[[NDArray[np.int64]], Array]
-"""of two positions, by lag"""
-
-
-def _of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    return 2 * (C(s + j - i) - C(s - i) - C(s + j) + C(s)) ** 2
-
-
-def _of_products(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
-    return C(s) * C(s + j - i) + C(s + j) * C(s - i)
-
-
-def _covariance_of_averages(
-    bead: TrappedBead,
-    step: float,
-    samples: int,
-    lags: NDArray[np.int64],
-    of_one: Callable[[Covariance, NDArray[np.int64], int, int], Array],
-) -> Array:
-    """Covariance (lags, lags) of averages over the record.
-
-    of_one: covariance of two averaged terms, of lags i and j, that start s samples apart
-    (Isserlis's theorem).
-    """
-    longest = int(lags[-1])
-    reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
-    table = bead.autocovariance(np.arange(reach + 2 * longest + 1) * step)
-    apart = np.arange(-reach, reach + 1)
-    result = np.empty((lags.size, lags.size))
-    for a, i in enumerate(lags):
-        for b, j in enumerate(lags[: a + 1]):
-            pairs = np.clip(samples - max(i, j) - np.abs(apart), 0, None)
-            products = of_one(lambda lag: table[np.abs(lag)], apart, i, j)
-            result[a, b] = result[b, a] = pairs @ products / ((samples - i) * (samples - j))
-    return result
-
-
-def _least_squares(
-    values: Array, covariance: Array, predicted: Callable[[Array], Array], start: Array
-) -> tuple[Array, Array]:
-    """Best parameters for `values`, and their standard uncertainties.
-
-    The uncertainties use the slopes at the start of the fit, as the covariance does.
-    """
-    size = np.sqrt(np.diag(covariance))
-    correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
-    root = cholesky(correlation, lower=True)
-
-    def residuals(parameters: Array) -> Array:
-        return solve_triangular(root, (values - predicted(parameters)) / size, lower=True)
-
-    found = least_squares(residuals, start, x_scale=0.1).x
-    slopes = np.stack(
-        [(residuals(start + d) - residuals(start - d)) / 2e-4 for d in 1e-4 * np.eye(start.size)]
-    )
-    return found, np.sqrt(np.diag(inverse(slopes @ slopes.T)))
-
-
-@dataclass(frozen=True)
-class Potential:
-    """Potential energy along a line from the histogram of positions."""
-
-    coordinates: Array
-    """(bins,) m, centres of the bins with enough samples"""
-    energy: Array
-    """(bins,) J, above the bottom of the parabola, or above the lowest bin if there is none"""
-    errors: Array
-    """(bins,) standard errors, J"""
-    stiffness: float | None
-    """curvature of the parabola fitted within 2 k_B T of the bottom, N/m; None with fewer than 5
-    bins there, or a negative curvature"""
-    uncertainty: float | None
-    """its standard uncertainty, N/m"""
-    minimum: float | None
-    """bottom of the parabola, m"""
-
-
-def potential(positions: ArrayLike, temperature: float) -> Potential:
-    """U = -k_B T ln p (Boltzmann) from the histogram of `positions` (n,), m, in equilibrium.
-
-    Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard
-    deviation, or larger, up to a half, if a Gaussian would leave less than 20 independent samples
-    in a bin at two. Bins with less than 10 independent samples are omitted; the number of
-    independent samples of a bin follows from the statistical inefficiency of its indicator. The
-    curvature is corrected for the width of the bins (Sheppard). Its error is that of the mean over
-    the record of its influence function, and so includes the correlation between bins. Raises
-    `ResultError` for positions of another shape, or positions that do not change.
-    """
-    x = np.asarray(positions, np.float64)
-    if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
-        raise ResultError("positions: must be a row of finite numbers, not all the same")
-    kT, centre, deviation = Boltzmann * temperature, x.mean(), x.std()
-    independent = x.size / statistical_inefficiency((x - centre) ** 2)
-    width = min(max(_COUNTS_AT_TWO / (_DENSITY_AT_TWO * independent), _NARROWEST), _WIDEST)
-    count = math.ceil(2 * _REACH / width)
-    edges = width * (np.arange(count + 1) - count / 2)
-    bins = np.searchsorted(edges, (x - centre) / deviation) - 1
-    at = (edges[:-1] + edges[1:]) / 2
-    visited, relative = np.zeros(count), np.full(count, np.inf)
-    for index in np.unique(bins[(bins >= 0) & (bins < count)]):
-        inside = (bins == index).astype(np.float64)
-        visited[index] = inside.mean()
-        relative[index] = standard_error(inside) / visited[index]
-    enough = relative**2 <= 1 / _COUNTS
-    at, visited, relative = at[enough], visited[enough], relative[enough]
-    U = -np.log(visited) - relative**2 / 2  # in k_B T; the logarithm is concave
-    height = U - U.min(initial=np.inf)
-    stiffness = uncertainty = minimum = None
-    parabola = _parabola(at, height)
-    if parabola is not None:
-        (a, b, c), low, influence = parabola
-        height = height - (c - b**2 / (4 * a))
-        stiffness = float(2 * a * (1 + 2 * a * width**2 / 12) * kT / deviation**2)
-        minimum = float(centre - deviation * b / (2 * a))
-        weights = np.zeros(count + 2)  # also left and right of the bins
-        weights[1 + np.flatnonzero(enough)[low]] = influence / visited[low]
-        error = standard_error(weights[np.clip(bins, -1, count) + 1])
-        uncertainty = float(error * kT / deviation**2)
-    return Potential(
-        centre + deviation * at, kT * height, kT * relative, stiffness, uncertainty, minimum
-    )
-
-
-def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array] | None:
-    """Coefficients of the parabola at the bottom, its bins, and d(curvature)/d(height).
-
-    Weights and bins follow from a first parabola, so that they depend little on the noise.
-    """
-    if not at.size:
-        return None
-    lowest, fitted = int(height.argmin()), height
-    for _ in range(2):
-        high = np.flatnonzero(fitted > _PARABOLA)
-        low = np.arange(
-            high[high < lowest].max(initial=-1) + 1, high[high > lowest].min(initial=at.size)
-        )
-        if low.size < _LEAST_BINS:
-            return None
-        root = np.exp(-np.clip(fitted[low], 0, None) / 2)
-        solution = np.linalg.pinv(np.vander(at[low], 3) * root[:, None]) * root
-        coefficients = solution @ height[low]
-        a, b, _ = coefficients
-        if a <= 0:
-            return None
-        fitted = a * (at + b / (2 * a)) ** 2
-        lowest = int(fitted.argmin())
-    return coefficients, low, 2 * solution[0]
-
-
-@dataclass(frozen=True)
-class EscapeTimes:
-    """First times at which beads are outside a radius."""
-
-    times: Array
-    """(trajectories,) s, from the first sample to the escape, or else to the end of the record"""
-    escaped: NDArray[np.bool_]
-    """(trajectories,)"""
-    mean: float | None
-    """mean escape time for a constant rate of escape, s; None without an escape"""
-    interval: tuple[float, float | None]
-    """95 % confidence interval of that mean, s; no upper end without an escape"""
-    p_value: float | None
-    """p-value of a constant rate; None below 5 escapes"""
-    survival: tuple[Array, Array, Array, Array]
-    """times (s), the fraction still inside after each, and its 95 % confidence limits; NaN where
-    they do not exist"""
-
-
-def escape_times(
-    times: ArrayLike, positions: ArrayLike, radius: float, centre: ArrayLike = 0.0
-) -> EscapeTimes:
-    """First times at which trajectories are further than `radius` (m) from `centre`.
-
-    times: (n,) s; positions: (trajectories, n, axes) m, NaN from where a bead was lost; centre:
-    (axes,) m. A trajectory that stays inside is censored at its end. An escape is seen at the first
-    sample outside: an excursion between two samples is missed.
-
-    The mean is that of maximum likelihood for a constant rate, sum of times over escapes; its
-    interval is by chi-square, not below 95 % for records of a fixed length (J. F. Lawless,
-    Statistical Models and Methods for Lifetime Data, 4.1). A score test against Weibull's
-    distribution tests whether the rate is constant. Survival: E. L. Kaplan and P. Meier,
-    J. Am. Stat. Assoc. 53, 457 (1958), with log-log limits (`scipy.stats.ecdf`).
-
-    Raises `ResultError` if a bead starts outside, or for arrays of other shapes.
-    """
-    from scipy.stats import CensoredData, ecdf
-
-    t = np.asarray(times, np.float64)
-    places = np.asarray(positions, np.float64)
-    if places.ndim != 3 or 0 in places.shape or t.shape != places.shape[1:2]:
-        raise ResultError(
-            f"positions {places.shape}: must be (trajectories, n, axes), with times {t.shape} (n,)"
-        )
-    if np.isnan(places[:, 0]).any() or not radius > 0:
-        raise ResultError("every trajectory needs a place at the first time, and the radius a size")
-    away = np.linalg.norm(places - np.asarray(centre), axis=-1)
-    outside = ~(away <= radius)
-    if outside[:, 0].any():
-        start = int(np.argmax(outside[:, 0]))
-        raise ResultError(f"trajectory {start} starts outside {radius:g} m: no escape to time")
-    escaped = outside.any(axis=1)
-    last = np.where(escaped, outside.argmax(axis=1), t.size - 1)
-    durations = t[last] - t[0]
-    escapes, total = int(escaped.sum()), float(durations.sum())
-    upper = 2 * total / chdtri(2 * escapes, 0.975) if escapes else None
-    lower = 2 * total / chdtri(2 * escapes + 2, 0.025)
-    data = CensoredData(uncensored=durations[escaped], right=durations[~escaped])
-    survival = ecdf(data).sf
-    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of NaN
-        limits = survival.confidence_interval(0.95, method="log-log")
-    return EscapeTimes(
-        durations,
-        escaped,
-        total / escapes if escapes else None,
-        (lower, upper),
-        _constant_rate(durations, escaped) if escapes >= 5 else None,
-        (
-            survival.quantiles, survival.probabilities,
-            limits.low.probabilities, limits.high.probabilities,
-        ),
-    )  # fmt: skip
-
-
-def _constant_rate(durations: Array, escaped: NDArray[np.bool_]) -> float:
-    """P-value of the score test of an exponential against a Weibull distribution."""
-    u = durations * escaped.sum() / durations.sum()
-    weighted = u * np.log(u)
-    score = escaped.sum() + np.log(u[escaped]).sum() - weighted.sum()
-    information = escaped.sum() + (weighted * np.log(u)).sum()
-    information -= weighted.sum() ** 2 / escaped.sum()
-    return 2 * float(ndtr(-abs(score) / math.sqrt(information)))
