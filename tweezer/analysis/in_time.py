@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 
-from tweezer.analysis.spectra import TrappedBead, autocovariance
+from tweezer.analysis.spectra import TrappedBead, autocovariance, mean_squared_displacement
 from tweezer.analysis.whittle import inverse
 
 Array = NDArray[np.float64]
