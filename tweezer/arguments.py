@@ -23,10 +23,10 @@ def check_seed(seed: int) -> None:
 
 
 def check_run(scene: Scene, seed: int | None) -> None:
-    """Raises `SceneError` for a seed that is none, or is given without thermal motion."""
+    """Raises `SceneError` for a seed that is none, or is given where nothing is drawn."""
     if seed is None:
         return
-    if not scene.forces.brownian:
+    if not (scene.forces.brownian or (scene.camera and any(scene.camera.noises))):
         raise SceneError("seed: is for forces.brownian = true")
     check_seed(seed)
 

@@ -59,6 +59,8 @@ def write_run(run: Run, path: Path) -> None:
             fill = None if text else np.nan
             made = file.create_variable(name, dimensions, data=stored, fillvalue=fill)
             made.attrs.update(attributes)
+            if beside := run.beside(name):
+                made.attrs["coordinates"] = " ".join(beside)
     _write_sealed(content.getbuffer(), path)
 
 

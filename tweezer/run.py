@@ -39,6 +39,16 @@ class Run:
 
         return xr.Dataset(self.variables, self.coordinates, self.attributes)
 
+    def beside(self, name: str) -> list[str]:
+        """Coordinates of a variable that are not those of a dimension."""
+        if name not in self.variables:
+            return []
+        dimensions = self.variables[name][0]
+        return [
+            each for each, (own, *_) in self.coordinates.items()
+            if (each,) != own and set(own) <= set(dimensions)
+        ]  # fmt: skip
+
     def __contains__(self, name: str) -> bool:
         return name in self.variables or name in self.coordinates
 

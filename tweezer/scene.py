@@ -29,6 +29,7 @@ from tweezer.sections import (
     WITHIN_LAYERS,
     Bead,
     Beam,
+    Camera,
     Forces,
     Lens,
     Medium,
@@ -87,6 +88,9 @@ class Scene(Section):
     start: Start
     wall: Wall | None = Field(None, description="a plane that ends the fluid; none if not given")
     forces: Forces = Field(default_factory=Forces)
+    camera: Camera | None = Field(
+        None, description="a camera whose frames a run has beside the positions; none if not given"
+    )
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
 
@@ -201,6 +205,7 @@ class Scene(Section):
         self._thermal()
         self._beside_the_wall()
         self._inertia_of_the_fluid()
+        self._some_frame()
         if self.start.frame == "lens" and self.lens.focal_length is None:
             raise refusal("start.frame = 'lens': needs lens.focal_length")
         self._start_in_the_medium()
@@ -327,6 +332,22 @@ class Scene(Section):
             raise refusal(
                 "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
                 "sphere; allowed: model = 'overdamped', or no moments"
+            )
+
+    def _some_frame(self) -> None:
+        """Refuse a camera that sees nothing of the run, or what is not the bead's motion."""
+        if self.camera is None:
+            return
+        if self.camera.exposure > self.simulation.duration:
+            raise refusal(
+                f"camera.exposure = {self.camera.exposure:g}: must be at most simulation.duration "
+                f"= {self.simulation.duration:g}"
+            )
+        method = self.simulation.method
+        if method != "auto" and not METHODS[method].displacements:
+            raise refusal(
+                f"simulation.method = {method!r}: not with a camera, as its displacements are not "
+                "those of the motion; allowed: auto, heun"
             )
 
     def _inertia_of_the_fluid(self) -> None:

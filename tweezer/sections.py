@@ -1,4 +1,4 @@
-"""The sections of a scene: bead, medium, lens, beam, start, forces, optics, simulation."""
+"""The sections of a scene: bead, medium, lens, beam, start, forces, camera, optics, simulation."""
 
 from __future__ import annotations
 
@@ -34,6 +34,7 @@ from tweezer.units import (
     ComplexIndex,
     Density,
     Energy,
+    Frequency,
     LossDistance,
     MomentOfInertia,
     PositiveLength,
@@ -578,6 +579,42 @@ class Forces(Section):
         None,
         description="force between the bead and the wall (Derjaguin, Landau, Verwey, Overbeek)",
     )
+
+
+class Camera(Section):
+    """A camera that sees the bead: positions averaged over an exposure, and noise."""
+
+    rate: Frequency = Field(description="frames a second; frame j is exposed from j/rate on")
+    exposure: Annotated[float, Quantity("s", 0, 1e6)] = Field(
+        0.0, description="time over which a frame averages the position, at most 1/rate"
+    )
+    noise: Annotated[float, Quantity("m", 0, 1e-3)] = Field(
+        0.0, description="standard deviation of the white noise of x, and of y, in a frame"
+    )
+    noise_along: Annotated[float, Quantity("m", 0, 1e-3)] | None = Field(
+        None, description="the same of z, along the light; z is not seen if not given"
+    )
+
+    @model_validator(mode="after")
+    def _within_a_frame(self) -> Self:
+        longest = 1 / self.rate
+        if self.exposure > longest * (1 + 1e-9):
+            raise refusal(
+                f"exposure = {self.exposure:g}: must be at most {longest:.6g} s, the time from "
+                "frame to frame"
+            )
+        return self
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """What is seen: "x", "y" and perhaps "z"."""
+        return ("x", "y") if self.noise_along is None else ("x", "y", "z")
+
+    @property
+    def noises(self) -> tuple[float, ...]:
+        """Standard deviation of the noise along each axis that is seen, m."""
+        across = self.noise, self.noise
+        return across if self.noise_along is None else (*across, self.noise_along)
 
 
 class Optics(Section):

@@ -29,6 +29,7 @@ from tweezer.dynamics import (
     lens_touched,
     loss,
 )
+from tweezer.dynamics.camera import Frames
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
@@ -105,6 +106,7 @@ def followed(
             raise SceneError("events: not with forces.brownian = true")
         return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given)
     problem, why = decided(bound_once(scene, forces))
+    frames = Frames.of(problem.scene)
     scene, simulation = problem.scene, problem.scene.simulation
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     if not all(isinstance(event, Event) for event in events):
@@ -140,6 +142,10 @@ def followed(
         "model_error": budget.model_error,
     }
     run = _run(problem, result.times, motion, attributes)
+    if frames is not None and result.path is not None:
+        run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
+    elif frames is not None and result.status != "failed":
+        warn(f"{scene.name}: no frames of the camera: its steps are more than are held in memory")
     if result.path is not None:
         with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
             attributes["summary"] = summary_of_path(run, result, budget)
@@ -165,6 +171,7 @@ def _thermal_run(
         state = bound.start(trajectory)
         columns = np.empty((1, samples, len(bound.columns)))
         columns[:, 0] = bound.seen(state)
+        seen: list[NDArray[np.float64]] = []
         reached, status, message, step_time = 1, "complete", "", 0.0
         at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
         calls = bound.per_sample * bound.force_calls
@@ -175,7 +182,8 @@ def _thermal_run(
                     raise IntegrationError("simulation.most_force_calls is spent")
                 last = min(reached + at_once, samples, affordable + 1)
                 began = time.perf_counter()
-                bound.advance(state, trajectory, reached - 1, columns[:, reached:last])
+                piece = columns[:, reached:last]
+                seen.append(bound.filmed(state, trajectory, reached - 1, piece)[0])
                 step_time += time.perf_counter() - began
                 reached = last
                 if progress:
@@ -214,7 +222,13 @@ def _thermal_run(
             f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
             f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
         )
-    return _run(bound.problem, bound.times[:reached], motion, attributes)
+    run = _run(bound.problem, bound.times[:reached], motion, attributes)
+    if bound.exposure is None:
+        return run
+    frames = bound.exposure.frames
+    places = np.concatenate([np.empty((0, len(frames.camera.axes))), *seen])
+    held = int(np.isfinite(places).all(axis=1).sum())  # up to where the bead was lost
+    return _filmed(run, frames, frames.times[:held], places[:held])
 
 
 def _run(
@@ -248,6 +262,24 @@ def _run(
         )
     variables |= derived_quantities(problem, times, motion)
     return Run(coordinates, variables, attributes)
+
+
+def _filmed(
+    run: Run, frames: Frames, times: NDArray[np.float64], places: NDArray[np.float64]
+) -> Run:
+    """A run with what its camera saw: places (frames, axes) m, in the middle of exposures."""
+    coordinates: dict[str, Variable] = {
+        "frame_time": variable(
+            ("frame",), times, "s", "time since release, middle of the exposure"
+        ),
+        "seen_axis": (
+            ("seen_axis",),
+            np.array(frames.camera.axes),
+            {"long_name": "axis of a frame"},
+        ),
+    }
+    seen = variable(("frame", "seen_axis"), places, "m", "position that the camera saw")
+    return Run(run.coordinates | coordinates, run.variables | {"seen": seen}, run.attributes)
 
 
 @contextlib.contextmanager

@@ -203,7 +203,8 @@ class Calibration:
     diode: tuple[float, float] | None
     """frequency (Hz) and part that is detected at once; None without one, or fitted"""
     noise: float | None
-    """standard deviation of the noise of the detector, m or V; None without, or fitted"""
+    """standard deviation of the noise of the detector, m or V, along the first axis if each has its
+    own; None without, or fitted"""
     unit: str
     """of the record: "m" or "V\""""
     samples: int
@@ -246,9 +247,10 @@ def calibrate(
     remembers (`TrappedBead`): it needs the mass; exposure: the time over which each position is
     averaged, s, from 0 to the step; each a number in that unit, or text with a unit. For a run of
     tweezer they default to the scene's (masses are those of the model and of `medium.inertia`: none
-    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; the exposure is 0; the
-    drag beside a wall is that of the mean mobility on the way). An unknown exposure is taken as 0,
-    and a finding reports a record that could have another one.
+    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; exposure and noise are
+    those of the scene's camera, and 0 without one; the drag beside a wall is that of the mean
+    mobility on the way). An unknown exposure is taken as 0, and a finding reports a record that
+    could have another one.
 
     wall: the distance of the bead's centre from a wall across the light, m, or with its standard
     uncertainty "1.2 um +- 50 nm"; radius: of the bead, m, which it needs. `drag` is then that far
@@ -300,6 +302,10 @@ def calibrate(
     exposure = _in_si(recording, "exposure", None if exposure == "fit" else exposure, "s")
     f3, fraction = _diode(recording, None if diode == "fit" else diode)
     noise = _in_si(recording, "noise", None if noise == "fit" else noise, recording.unit)
+    noises = dict.fromkeys(recording.axes, noise or 0.0)
+    if noise is None and "noise" not in detector and recording.noise is not None:
+        noise = recording.noise[0]
+        noises = dict(zip(recording.axes, recording.noise, strict=True))
     if recording.scene is not None:
         if not recording.scene.forces.brownian:
             raise ResultError(
@@ -316,7 +322,10 @@ def calibrate(
         if fluid is None:
             fluid = of_scene[1]
             poles = recording.scene.medium.poles or poles
-        exposure = 0.0 if exposure is None and "exposure" not in detector else exposure
+    if exposure is None and "exposure" not in detector:
+        exposure = recording.exposure
+        if exposure is None and recording.scene is not None:
+            exposure = 0.0
     if temperature is None:
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
     positive = {
@@ -359,7 +368,7 @@ def calibrate(
         )
     given = TrappedBead(
         math.nan, math.nan, temperature, mass, min(exposure or 0.0, step), fluid, poles, f3,
-        fraction, noise or 0.0, wall=None if height is None else height.radii,
+        fraction, wall=None if height is None else height.radii,
     )  # fmt: skip
     drags = _drags(recording, drag, height, on_the_way=on_the_way)
     made_by: list[Finding] = []
@@ -390,7 +399,12 @@ def calibrate(
                 np.errstate(divide="raise", over="raise", invalid="raise"),
             ):
                 found = _calibrated(
-                    axis, signal, step, known.along(axis, drags.get(axis)), beside, without
+                    axis,
+                    signal,
+                    step,
+                    known.along(axis, drags.get(axis), noises[axis]),
+                    beside,
+                    without,
                 )
                 axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
@@ -542,10 +556,10 @@ class _Known:
     made_by: list[Finding]
     """findings against every number that uses the dynamics"""
 
-    def along(self, axis: str, drag: float | None) -> _Known:
-        """The same of one axis, with what is known of its drag, kg/s."""
+    def along(self, axis: str, drag: float | None, noise: float) -> _Known:
+        """The same of one axis, with what is known of its drag, kg/s, and the detector's noise."""
         exact = drag if drag is not None and not self.uncertain else math.nan
-        bead = dataclasses.replace(self.bead, drag=exact, across=axis == ACROSS)
+        bead = dataclasses.replace(self.bead, drag=exact, noise=noise, across=axis == ACROSS)
         return dataclasses.replace(self, bead=bead)
 
     @property
@@ -587,7 +601,9 @@ def _fits(
     if not (scaled or detector):
         part = usable(whole, start, to_the_end=known.all_frequencies)
         free = fit = fitted(part, start, MOTION)
-        if known.drag:
+        if known.drag and not _evaluated(free):
+            free = fit = fitted(part, dataclasses.replace(start, drag=given.drag), STIFFNESS)
+        elif known.drag:
             fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), STIFFNESS)
         elif beside:
             fit = fitted(dataclasses.replace(part, beside=beside), free.bead, MOTION)
@@ -627,6 +643,14 @@ def _fits(
     if scaled and not beside:
         return Fits(whole, fit, fit)  # volts a metre follow from the drag
     return Fits(whole, fit, best(names, [fit.bead]))
+
+
+def _evaluated(fit: WhittleFit) -> bool:
+    """Whether a fit is at a bead that can be computed; a record of white noise leads beyond."""
+    try:
+        return bool(np.isfinite(fit.covariance).all())
+    except (ArithmeticError, np.linalg.LinAlgError):
+        return False
 
 
 def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, ...]) -> TrappedBead:

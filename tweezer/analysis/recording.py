@@ -71,6 +71,10 @@ class Recording:
     """of the positions: "m" or "V\""""
     drive: Array | None = None
     """(n,) m: the motion of the stage, and with it of the fluid"""
+    exposure: float | None = None
+    """s, over which each position is averaged; None if not known"""
+    noise: tuple[float, ...] | None = None
+    """standard deviation of the white noise along each axis, m or V; None if not known"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, len(self.axes))
@@ -193,7 +197,8 @@ def _of_shapes(record: Recording | Track, axes: int) -> None:
 def load_recording(source: str | Path | xr.Dataset, drive: str | None = None) -> Recording:
     """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
-    A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost. CSV
+    A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost; of
+    a scene with a camera what that saw, with its exposure and noise. CSV
     (.csv, .tsv, .txt; comma, semicolon or tab): a heading is t, time, x, y or z, in capitals or
     not, perhaps with the word position or pos, then the unit in brackets, or behind a slash, a
     space or an underscore: "t", "x [um]", "X position (um)", "x/um", "x_um". HDF5 and NetCDF 4
@@ -210,7 +215,7 @@ def load_recording(source: str | Path | xr.Dataset, drive: str | None = None) ->
     if not isinstance(found, _Columns):
         if drive is not None:
             raise ResultError(f"{found[0]}: a run of tweezer has no column {drive!r}")
-        return Recording(*found)
+        return Recording(**found._asdict())
     columns, units = found
     axes = tuple(axis for axis in _AXES if axis in columns)
     unit = units["x"]
@@ -235,8 +240,7 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     """
     found = _read(source, _Wanted(("t", "x", "y"), gaps=True))
     if not isinstance(found, _Columns):
-        name, times, positions, _, scene, _ = found
-        return Track(name, times, positions[:, :2], scene)
+        return Track(found.name, found.times, found.positions[:, :2], found.scene)
     columns = found.columns
     positions = np.stack([columns["x"], columns["y"]], axis=1)
     both = np.isfinite(positions).all(axis=1)
@@ -246,8 +250,17 @@ def load_track(source: str | Path | xr.Dataset) -> Track:
     return Track(str(source), columns["t"][begin:], positions[begin:])
 
 
-#: Arguments of a `Recording`
-_Run = tuple[str, Array, Array, tuple[str, ...], Scene, str]
+class _Run(NamedTuple):
+    """Arguments of a `Recording`."""
+
+    name: str
+    times: Array
+    positions: Array
+    axes: tuple[str, ...]
+    scene: Scene
+    note: str
+    exposure: float | None = None
+    noise: tuple[float, ...] | None = None
 
 
 class _Wanted(NamedTuple):
@@ -316,10 +329,12 @@ def _of_run(run: xr.Dataset, name: str) -> _Run:
     if there < len(positions) or run.attrs.get("status", "complete") != "complete":
         status = run.attrs.get("status", "lost")
         note = f"the run is {status}: up to {run['time'].values[max(there - 1, 0)]:.4g} s only"
-    return (
-        name, run["time"].values[:there], positions[:there],
-        tuple(map(str, run["axis"].values)), scene, note,
-    )  # fmt: skip
+    if scene.camera is not None and "seen" in run:
+        axes, camera = tuple(map(str, run["seen_axis"].values)), scene.camera
+        times, places = run["frame_time"].values, run["seen"].values
+        return _Run(name, times, places, axes, scene, note, camera.exposure, camera.noises)
+    axes = tuple(map(str, run["axis"].values))
+    return _Run(name, run["time"].values[:there], positions[:there], axes, scene, note)
 
 
 def _text_columns(path: Path, wanted: _Wanted) -> _Columns:

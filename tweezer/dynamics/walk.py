@@ -23,14 +23,16 @@ from tweezer.dynamics.beside_wall import (
 )
 from tweezer.dynamics.brownian import march, memory, noise, plane, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
+from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
+from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.choose import rates_of_force
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError
-from tweezer.fluid import DRAG_KERNEL, BesideWall
+from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
@@ -58,6 +60,8 @@ _ON_A_LINE = 65
 _ROUNDING = 1e-9
 #: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
+#: Steps of all beads between two looks of a camera
+_STEPS_AT_ONCE = 2**17
 
 
 @dataclass(frozen=True)
@@ -82,7 +86,9 @@ class Walk:
     plan: Plan
     weights: Weights
     hidden: int = 0
-    """count of the numbers of a state that no sample shows: between the columns and the last"""
+    """count of the numbers of a state that no sample shows: before the last"""
+    exposure: Exposure | None = None
+    """of the scene's camera; what it gathers stands behind the columns of a state"""
 
     @property
     def scene(self) -> Scene:
@@ -95,9 +101,10 @@ class Walk:
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
-        """States (n, len(columns) + hidden + 1) at times[0] of the trajectories of numbers (n,).
+        """States at times[0] of the trajectories of numbers (n,): (n, len(columns) + hidden + 1).
 
-        The last entry is when a bead was lost, s: infinite for one that is not.
+        With a camera six numbers more. The last entry is when a bead was lost, s: infinite for one
+        that is not.
         """
         start, plan, n = self.scene.start, self.plan, len(trajectories)
         inertial, rotates = "vx" in self.columns, "e0" in self.columns
@@ -141,6 +148,8 @@ class Walk:
             if inertial:
                 w = rotation_matrices(e[None])[0] @ start.angular_velocity
                 parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
+        if self.exposure:
+            parts.append(np.zeros((n, HELD)))
         return np.ascontiguousarray(np.hstack([*parts, hidden, np.full((n, 1), np.inf)]))
 
     @property
@@ -209,12 +218,52 @@ class Walk:
         Other threads run meanwhile. The same bit for bit however trajectories are put together,
         and times cut. Raises `IntegrationError` if a place is not finite.
         """
-        arguments, advance = self._compiled
-        failed = advance(*arguments, trajectories, states, sample, out)
+        self._advance(states, trajectories, sample, out, self.plan)
+
+    def frames(self, sample: int) -> int:
+        """Number of frames of the camera that are over at times[sample]."""
+        return self.exposure.closed(sample * self.per_sample) if self.exposure else 0
+
+    def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
+        """As `advance`, and what the camera sees in the frames that end, (n, frames, axes) m.
+
+        NaN once a bead is lost, and of a camera that is none without frames.
+        """
+        if self.exposure is None:
+            self.advance(states, trajectories, sample, out)
+            return np.empty((len(states), 0, 0))
+        n, width = len(states), len(self.columns)
+        held = slice(width, width + HELD)
+        plan = self.plan._replace(per_sample=1)
+        seen, total = [], out.shape[1] * self.per_sample
+        most = max(1, _STEPS_AT_ONCE // n)
+        for done in range(0, total, most):
+            steps = np.empty((n, min(most, total - done) + 1, width))
+            steps[:, 0] = self.seen(states)
+            steps[states[:, -1] < np.inf, 0] = np.nan
+            first = sample * self.per_sample + done
+            self._advance(states, trajectories, first, steps[:, 1:], plan)
+            gathered = states[:, held].copy()
+            places = np.ascontiguousarray(steps[..., :3])
+            seen.append(self.exposure.expose(self.seed, trajectories, first, places, gathered))
+            states[:, held] = gathered
+            samples = np.arange(
+                -(-(done + 1) // self.per_sample), 1 + (done + most) // self.per_sample
+            )
+            samples = samples[samples <= out.shape[1]]
+            out[:, samples - 1] = steps[:, samples * self.per_sample - done]
+        return np.concatenate(seen, axis=1)
+
+    def _advance(
+        self, states: Array, trajectories: Integers, sample: int, out: Array, plan: Plan
+    ) -> None:
+        (force, steps, weights), advance = self._compiled
+        failed = advance(force, steps, plan, weights, trajectories, states, sample, out)
         if failed >= 0:
             raise IntegrationError(
                 f"trajectory {trajectories[failed]}: the force or the place is not finite after "
-                f"{self.times[sample]:.6g} s: the step of {self.step:.3g} s is too long"
+                f"{sample * plan.per_sample * plan.step:.6g} s: the step of {self.step:.3g} s is "
+                "too long"
             )
 
     @property
@@ -239,7 +288,7 @@ class Walk:
         scheme = _scheme(self.problem)
         steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)
-        return (force, steps, self.plan, self.weights), march.loop()
+        return (force, steps, self.weights), march.loop()
 
 
 def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
@@ -395,6 +444,16 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
         centre, kT, uniform or beside_wall, resisting,
     )  # fmt: skip
+    exposure = None
+    if (frames := Frames.of(scene)) is not None:
+        short = diffusion[:3]
+        if inertial:
+            modes = (
+                problem.modes if scene.medium.inertia == "memory" else Modes(tau[:1], np.ones(1))
+            )
+            short = at_short_times(step, short, modes)
+        spring = centre[:3] if how.spring_only else None
+        exposure = Exposure(frames, problem, step, short, np.diag(rates).copy(), spring)
     columns = ["x", "y", "z"]
     if inertial:
         columns += ["vx", "vy", "vz"]
@@ -404,7 +463,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         columns += ["wx", "wy", "wz"]
     return Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
-        3 * weights.memory.shape[2],
+        3 * weights.memory.shape[2], exposure,
     )  # fmt: skip
 
 
@@ -478,6 +537,8 @@ def _longest_step(
     if len(tau) == 6:
         part = LONGEST if tau[0] == 0 and beside is None else LONGEST_WITH_INERTIA
         limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
+    if problem.scene.camera is not None and (rate := float(np.abs(kappa).max())) > 0:
+        limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
     if simulation.step is not None:
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative

@@ -34,6 +34,8 @@ from tweezer.compiled.stack import on_stack
 
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2
+#: the same for what a camera sees; the words before it are then frame and trajectory
+CAMERA = -1
 
 #: Parity of the key of Threefry
 _PARITY = np.uint64(0x1BD11BDAA9FC1A22)

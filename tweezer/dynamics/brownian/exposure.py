@@ -1,0 +1,90 @@
+"""Mean places over the exposures of a camera, of beads that walk by steps.
+
+Between two steps a bead is on the straight line, and on a Brownian bridge, of variance
+2 D s (h - s)/h. Its mean over a part g of a step is that of the ends of that part, with a variance
+D g/6, which is drawn once for a whole exposure.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tweezer.compiled import cached_njit
+
+#: Number of normal numbers of a frame: of where it opens and closes, of its mean, of the detector
+ROWS = 12
+#: Rows of the last of them
+DETECTOR = slice(9, 12)
+#: Number of what is gathered of the frame that is exposed: integrals of x, y, z and their variances
+HELD = 6
+#: Time within which an exposure begins or ends with a step, in steps
+OF_A_STEP = 1e-9
+#: The same for rounding, as a part of the time
+OF_THE_TIME = 1e-15
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def expose(  # type: ignore[no-untyped-def]
+    first, step, opens, closes, places, diffusion, numbers, held, means
+):
+    """Fill in the means (n, frames, 3) of the exposures that end within some steps.
+
+    places (n, m + 1, 3) are those after `first` steps and the m that follow; diffusion is
+    (n or 1, m or 1, 3), numbers (n, ROWS, frames); held (n, HELD) is what has been gathered of the
+    frame that is exposed. The first frame is one that is not over after `first` steps.
+    """
+    n, frames = places.shape[0], len(opens)
+    here, now = np.empty((n, 3)), np.empty((n, 3))
+    f = 0
+    for k in range(places.shape[1] - 1):
+        if f == frames:
+            break
+        begin, end = (first + k) * step, (first + k + 1) * step
+        by = end + (OF_A_STEP * step + OF_THE_TIME * end)
+        opened = opens[f] <= begin + (OF_A_STEP * step + OF_THE_TIME * begin)
+        if not opened and opens[f] > by:
+            continue
+        at = min(k, diffusion.shape[1] - 1)
+        reached = 0.0
+        here[:] = places[:, k]
+        while True:
+            closing = opened
+            if f == frames:
+                break
+            goal = closes[f] if opened else opens[f]
+            ended = goal > by
+            if ended and not opened:
+                break
+            to = step if ended else min(max(goal - begin, reached), step)
+            left, gap = step - reached, to - reached
+            part = gap / left if left > 0 else 0.0
+            apart = math.sqrt(2 * part * (step - to))
+            row = 3 if closing else 0
+            for i in range(n):
+                for d in range(3):
+                    D = diffusion[min(i, diffusion.shape[0] - 1), at, d]
+                    x = here[i, d] + part * (places[i, k + 1, d] - here[i, d])
+                    if not ended:
+                        x += math.sqrt(D) * apart * numbers[i, row + d, f]
+                    if closing:
+                        held[i, d] += gap * (here[i, d] + x) / 2
+                        held[i, 3 + d] += D * gap**3 / 6
+                    now[i, d] = x
+            here[:] = now
+            reached = to
+            if ended:
+                break
+            opened = not opened
+            if closing:
+                width = closes[f] - opens[f]
+                for i in range(n):
+                    for d in range(3):
+                        mean = here[i, d]
+                        if width > 0:
+                            spread = math.sqrt(held[i, 3 + d]) * numbers[i, 6 + d, f]
+                            mean = (held[i, d] + spread) / width
+                        means[i, f, d] = mean
+                        held[i, d] = held[i, 3 + d] = 0.0
+                f += 1

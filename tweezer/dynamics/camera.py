@@ -1,0 +1,206 @@
+"""What a camera sees of a motion: places averaged over exposures, and its noise."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics.brownian import noise
+from tweezer.dynamics.brownian.exposure import (
+    DETECTOR,
+    OF_A_STEP,
+    OF_THE_TIME,
+    ROWS,
+    expose,
+)
+from tweezer.dynamics.path import Path
+from tweezer.dynamics.problem import Problem
+from tweezer.fluid import Modes
+from tweezer.scene import Scene
+from tweezer.sections import Camera
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Relative rounding of the time of a frame
+_ROUNDING = 1e-12
+#: Nodes and weights of Gauss's rule on the interval from 0 to 1
+_NODES, _WEIGHTS = ((values + shift) / 2 for values, shift in zip(
+    np.polynomial.legendre.leggauss(4), (1.0, 0.0), strict=True
+))  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Frames:
+    """The frames of a camera that are exposed within a run."""
+
+    camera: Camera
+    duration: float
+    """of the run, s"""
+
+    @classmethod
+    def of(cls, scene: Scene) -> Frames | None:
+        """Those of a scene; None without a camera."""
+        return None if scene.camera is None else cls(scene.camera, scene.simulation.duration)
+
+    @functools.cached_property
+    def opens(self) -> Array:
+        """(frames,) s, when the exposure of each begins."""
+        left = self.duration - self.camera.exposure
+        count = int(left * self.camera.rate * (1 + _ROUNDING)) + 1
+        return np.minimum(np.arange(count) / self.camera.rate, left)
+
+    @functools.cached_property
+    def closes(self) -> Array:
+        """(frames,) s, when it ends."""
+        return np.minimum(self.opens + self.camera.exposure, self.duration)
+
+    @property
+    def times(self) -> Array:
+        """(frames,) s, the middle of each exposure."""
+        return (self.opens + self.closes) / 2
+
+    def numbers(self, seed: int, trajectory: int, first: int, last: int) -> Array:
+        """Normal numbers (ROWS, last - first) of the frames from `first` to `last`."""
+        drawn = np.empty((ROWS, last - first))
+        noise.normals(seed, np.arange(first, last), trajectory, noise.CAMERA, drawn)
+        return drawn
+
+    def seen(self, path: Path, seed: int) -> tuple[Array, Array]:
+        """Times (n,) s and places (n, axes) m of the frames that `path` has in whole."""
+        count = int(np.searchsorted(self.closes, path.end * (1 + _ROUNDING), side="right"))
+        opens, closes = (np.minimum(each[:count], path.end) for each in (self.opens, self.closes))
+        exposed = self.camera.exposure > 0
+        places = _averaged(path, opens, closes) if exposed else path.positions(opens)
+        axes = len(self.camera.axes)
+        drawn = self.numbers(seed, 0, 0, count)[DETECTOR][:axes].T
+        return self.times[:count], places[:, :axes] + np.array(self.camera.noises) * drawn
+
+
+def _averaged(path: Path, opens: Array, closes: Array) -> Array:
+    """Means (n, 3), m, of the places from opens[i] to closes[i], by Gauss's rule in each part of a
+    step.
+    """
+    ends = np.unique(np.concatenate([path.checkpoints, opens, closes]))
+    begins, lengths = ends[:-1], np.diff(ends)
+    frame = np.searchsorted(opens, begins, side="right") - 1
+    exposed = (frame >= 0) & (begins < closes[np.maximum(frame, 0)])
+    begins, lengths, frame = begins[exposed], lengths[exposed], frame[exposed]
+    times = begins[:, None] + lengths[:, None] * _NODES
+    places = path.positions(times.ravel()).reshape(*times.shape, 3)
+    parts = lengths[:, None] * np.einsum("j,ijk->ik", _WEIGHTS, places)
+    sums = np.zeros((len(opens), 3))
+    np.add.at(sums, frame, parts)
+    return sums / (closes - opens)[:, None]
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """The frames of a camera, of beads that walk by steps (`tweezer.dynamics.brownian.exposure`).
+
+    Their mean path is bent: by u kappa s (h - s)/2 in a trap of rate kappa, with u the slow
+    velocity. With the Brownian bridge these are the first terms, in kappa h, of the exact bridge of
+    an Ornstein-Uhlenbeck process.
+    """
+
+    frames: Frames
+    problem: Problem
+    step: float
+    """s"""
+    diffusion: Array
+    """(3,) m^2/s, in times as short as a step"""
+    kappa: Array
+    """(3,) 1/s, rates of return to the trap"""
+    spring: Array | None
+    """(3,) m, the centre of a spring that acts in place of the force"""
+
+    def closed(self, steps: int) -> int:
+        """Number of frames whose exposure is over after so many steps."""
+        return _ended(self.frames.closes, steps, self.step) if steps else 0
+
+    def expose(
+        self, seed: int, trajectories: Integers, steps: int, places: Array, held: Array
+    ) -> Array:
+        """What is seen in the frames that end within some steps, (n, frames, axes) m.
+
+        places: (n, m + 1, 3) m, where the beads are after `steps` steps and the m that follow.
+        held: (n, HELD), changed in place.
+        """
+        frames, last = self.frames, steps + places.shape[1] - 1
+        first, done = self.closed(steps), self.closed(last)
+        begun = _ended(frames.opens, last, self.step)
+        numbers = np.empty((len(trajectories), ROWS, begun - first))
+        for one, trajectory in zip(numbers, trajectories, strict=True):
+            one[:] = frames.numbers(seed, int(trajectory), first, begun)
+        means = np.empty((len(trajectories), begun - first, 3))
+        expose(
+            steps, self.step, frames.opens[first:begun], frames.closes[first:begun], places,
+            self._diffusion(places), numbers, held, means,
+        )  # fmt: skip
+        means = means[:, : done - first]
+        means += self._bend(means, slice(first, done))
+        axes = len(frames.camera.axes)
+        drawn = numbers[:, DETECTOR, : done - first][:, :axes].transpose(0, 2, 1)
+        return means[..., :axes] + np.array(frames.camera.noises) * drawn
+
+    def _diffusion(self, places: Array) -> Array:
+        """By bead, step and axis, m^2/s; one for all where the drag is the same everywhere."""
+        if self.problem.drag.uniform:
+            return self.diffusion[None, None]
+        begins = places[:, :-1].reshape(-1, 3)
+        there = np.isfinite(begins).all(axis=1)
+        found = np.zeros_like(begins)
+        found[there] = self.problem.mobilities(begins[there])[:, :3] / self.problem.mobility[:3]
+        return (self.diffusion * found).reshape(len(places), -1, 3)
+
+    def _bend(self, means: Array, which: slice) -> Array:
+        """What the bend of the mean path adds to means (n, frames, 3), m."""
+        opens, closes = self.frames.opens[which], self.frames.closes[which]
+        times = np.tile(self.frames.times[which], len(means))
+        places = means.reshape(-1, 3)
+        there = np.isfinite(places).all(axis=1)
+        velocity = np.zeros_like(places)
+        if self.spring is not None:
+            velocity = -self.kappa * (places - self.spring)
+        elif self.kappa.any() and there.any():
+            force = self.problem.force.field(places[there], time=times[there]).force
+            slow = self.problem.mobilities(places[there], times[there])[:, :3]
+            velocity[there] = slow * (force + np.array(self.problem.bead.weight))
+        by = bend(self.step, opens, closes)
+        return self.kappa * by[:, None] * velocity.reshape(means.shape)
+
+
+def bend(h: float, opens: Array, closes: Array) -> Array:
+    """Means of s (h - s)/2 over exposures, s^2; s is the time since the last step of length h."""
+    before, after = (np.floor(times / h) for times in (opens, closes))
+    s, t = opens - before * h, closes - after * h
+
+    def integral(s: Array) -> Array:
+        return s**2 * h / 4 - s**3 / 6
+
+    width = closes - opens
+    whole = (after - before) * h**3 / 12 + integral(t) - integral(s)
+    return np.where(width > 0, whole / np.where(width > 0, width, 1.0), s * (h - s) / 2)
+
+
+def at_short_times(h: float, diffusion: Array, modes: Modes) -> Array:
+    """D of the Brownian bridge whose middle varies as that of a free bead with inertia, (3,).
+
+    modes: of its velocity. Its mean squared displacement is 2 D times the sum of
+    a (t - tau (1 - e^(-t/tau))).
+    """
+
+    def displaced(t: float) -> float:
+        tau = modes.times
+        return float((modes.weights * (t + tau * np.expm1(-t / tau))).sum())
+
+    return diffusion * (4 * displaced(h / 2) - displaced(h)) / h
+
+
+def _ended(times: Array, steps: int, step: float) -> int:
+    """How many of ascending times have come after so many steps."""
+    now = steps * step
+    return int(np.searchsorted(times, now + (OF_A_STEP * step + OF_THE_TIME * now), side="right"))
