@@ -21,6 +21,10 @@ Component = Callable[[Array], Array]
 
 #: to how much a zero is located, in radii
 _ZERO = 1e-14
+#: Smallest tolerance that `scipy.optimize.brentq` takes
+_ROUNDING = 4 * np.finfo(float).eps
+#: Pull where there is one by definition, N
+_PULLING = 1e-300
 #: distances of samples from where it is sought that an equilibrium off the axis may be
 _NEAR = 150.0
 #: distances of samples between two places that are two equilibria
@@ -192,12 +196,13 @@ def opposite(component: Component) -> Component:
 
 def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
     """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
-    from scipy.optimize import bisect
+    from scipy.optimize import brentq
 
     def pulls(distance: float) -> float:
-        return 1.0 if distance == start or pull(np.array([distance]))[0] > 0 else -1.0
+        value = float(pull(np.array([distance]))[0])
+        return max(value, _PULLING) if distance == start else value
 
-    return float(bisect(pulls, start, stop, xtol=tolerance))
+    return float(brentq(pulls, start, stop, xtol=tolerance, rtol=_ROUNDING))
 
 
 def point(values: Array) -> Point:

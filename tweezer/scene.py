@@ -211,6 +211,12 @@ class Scene(Section):
         self._start_in_the_medium()
         return self
 
+    @property
+    def of_one_watt(self) -> Scene:
+        """The scene with 1 W through the pupil by its only beam: it has the same light."""
+        beam = self.beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
+        return self.model_copy(update={"beam": beam})
+
     def _aperture_in_reach(self) -> None:
         """Refuse a sine map whose outermost rays leave the lens at a right angle or beyond."""
         lens, key, index = self.lens, "medium", self.medium.refractive_index

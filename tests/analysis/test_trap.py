@@ -9,6 +9,8 @@ import pytest
 from matplotlib.patches import Circle
 
 import tweezer
+from tweezer.optics import light, sampled
+from tweezer.optics.waves.binding import sums
 from tweezer.plots import trap_figure
 
 AXES = {"x": 0, "y": 1, "z": 2}
@@ -229,6 +231,39 @@ def test_twice_the_power_is_twice_the_trap():
     trap = tweezer.characterise(weightless())
     double = weightless(beam={"power_through_pupil": "100 mW"})
     assert_scaled(trap, tweezer.characterise(double), force=2.0)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"beam": {"polarisation": "linear", "jones": ["1", "0"]}},
+        {"optics": RAYS},
+        {"optics": {"theory": "rays", "evaluator": "grid"}},
+    ],
+    ids=["waves", "linear", "rays", "grid"],
+)
+def test_forces_kept_of_another_power_are_those_of_this_one(changes):
+    weak = silica(**changes)
+    strong = weak.replace(beam={"power_through_pupil": None, "power": "0.3 W"})
+    places = np.random.default_rng(1).normal(size=(120, 3)) * 0.7e-6
+    sampled(weak, places)
+    force, error = sampled(strong, places)
+    fresh = light.__wrapped__(strong)
+    field = fresh.field(places)
+    size = np.abs(field.force).max()
+    np.testing.assert_allclose(force, field.force, rtol=0, atol=1e-14 * size)
+    np.testing.assert_allclose(error, fresh.error_of(places, field), rtol=1e-6, atol=1e-14 * size)
+
+
+def test_light_of_waves_is_bound_once_for_all_powers():
+    """Bound for one power and for another, the sums are the same to the bit but for the power."""
+    scene = silica(beam={"power_through_pupil": "7 mW"})
+    here = light(scene)
+    anew = sums(here.light, here.tolerance, here.reach)
+    assert here.sums.data.numbers.tobytes() == anew.data.numbers.tobytes()
+    again = light(silica(beam={"power_through_pupil": "70 mW"}))
+    assert again.alike is here.alike
 
 
 def test_a_larger_bead_has_a_wider_trap_of_the_same_force_of_rays():

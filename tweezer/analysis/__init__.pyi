@@ -9,6 +9,7 @@ from .calibration import (
 from .depth import DepthFit, Minimum, Parameter, fit_depth
 from .derived import derived_quantities
 from .driving import Answer
+from .escape import Escape
 from .findings import Finding
 from .first_passage import EscapeTimes, escape_times
 from .heights import trap_over_heights
@@ -25,7 +26,7 @@ from .spectra import (
 from .summary import Summary, summarise
 from .surface import Surface, find_wall
 from .together import Together, together
-from .trap import Efficiency, Equilibrium, Escape, Trap, characterise
+from .trap import Efficiency, Equilibrium, Trap, characterise
 from .tuning import Tuned, Tuning, tune
 from .wall import Height
 from .whittle import Detected

@@ -7,21 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
-from scipy.integrate import quad
-from scipy.optimize import minimize_scalar
 
+from tweezer.analysis.escape import Escape, escapes, largest
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
-    DIRECTIONS,
     FOCUS,
-    Component,
     Equilibrium,
     NetForce,
     Point,
-    Search,
     along,
-    end_of_pull,
     nearest_stable,
     opposite,
     point,
@@ -34,6 +28,7 @@ from tweezer.optics import (
     optical_torque,
     ray_optics_caveat,
     ray_optics_worth,
+    sampled,
     total_power,
 )
 from tweezer.optics.light import SPEED_OF_LIGHT
@@ -41,12 +36,9 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: Tolerance of the end of the pull, in radii
-_END = 1e-10
-#: Tolerance of the place of a maximum, in distances of samples
-_MAXIMUM = 5e-7
-#: Relative tolerance of the work
-_WORK = 1e-7
+
+#: Smallest number of places that are a line, whose forces are kept for other powers
+_LINE = 100
 
 
 @dataclass(frozen=True)
@@ -57,30 +49,6 @@ class Efficiency:
     """F c/(n_m P), P the power through the pupil"""
     at: float
     """where on that axis, m from the focus"""
-
-
-@dataclass(frozen=True)
-class Escape:
-    """Pulling the bead out of the equilibrium along a straight line, as `characterise` has it."""
-
-    direction: str
-    """"+x" to "-z\""""
-    force: float
-    """largest restoring force on the way, N: a steady pull above it takes the bead out"""
-    force_at: float
-    """where, m from the equilibrium"""
-    range: float | None
-    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach` or
-    a wall"""
-    energy: float
-    """work against the force up to there; where the pull does not end, over `Trap.reach` or up to
-    the wall, J"""
-    energy_error: float
-    """estimated error of the integration, J; that of the force comes on top"""
-    energy_kT: float
-    """`energy` in k_B T of the medium"""
-    wall_at: float | None
-    """m from the equilibrium to where the bead touches a wall, if it is pulled back all the way"""
 
 
 @dataclass(frozen=True)
@@ -166,11 +134,16 @@ def characterise(scene: Scene) -> Trap:
     distance squared. The range is then None, and work counts over `Trap.reach`. It is work on that
     line and no height of a barrier, for work between two places depends on the way.
 
-    Lines are sampled every 0.02 radii, and by waves every twentieth of a wavelength in the medium.
-    Zeros are bisected on the sign (`scipy.optimize.bisect`, to 1e-14 radii), which holds also where
-    the sum over a grid of rays jumps; maxima are refined with `scipy.optimize.minimize_scalar` to
-    5e-7 of a sample's distance; work is by `scipy.integrate.quad` to 1e-7, or to
-    `Escape.energy_error` where jumps hinder it.
+    Lines are sampled about every 0.02 radii, and by waves every twentieth of a wavelength in the
+    medium. Zeros are found by Brent's method (`scipy.optimize.brentq`, to 1e-14 radii), which keeps
+    to a change of sign, so that it holds also where the sum over a grid of rays jumps; maxima are
+    refined with `scipy.optimize.minimize_scalar` to 5e-7 of a sample's distance; work is by the
+    rules of Gauss and Kronrod on panels that are halved to 1e-7, or to `Escape.energy_error` where
+    jumps hinder it.
+
+    The force is linear in the power of one beam: what it is on lines through the focus is kept for
+    the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power
+    alone are characterised fastest one after the other.
     """
     problem = bound_once(scene)
     light_force = _LightForce(problem)
@@ -184,7 +157,7 @@ def characterise(scene: Scene) -> Trap:
     places = problem.equilibria(net_force)
     equilibrium = nearest_stable(places)
     drag, corner_frequencies, gap = None, None, None
-    escapes: tuple[Escape, ...] = ()
+    pulled: tuple[Escape, ...] = ()
     absorbed, torque = None, None
     if equilibrium:
         mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
@@ -192,8 +165,8 @@ def characterise(scene: Scene) -> Trap:
         if scene.wall is not None:
             gap = float(scene.room(equilibrium.position[2]))
         corner_frequencies = point(np.diag(equilibrium.stiffness) * mobility / (2 * math.pi))
-        escapes = tuple(
-            _escape(scene, search, net_force, equilibrium.position, name) for name in DIRECTIONS
+        pulled = escapes(
+            scene, search, net_force, equilibrium.position, symmetric=problem.symmetric
         )
         if scene.lit and scene.bead.absorbs:
             absorbed = float(absorbed_power(scene, equilibrium.position))
@@ -220,7 +193,7 @@ def characterise(scene: Scene) -> Trap:
         corner_frequencies=corner_frequencies,
         gap=gap,
         rests=pressed(problem),
-        escapes=escapes,
+        escapes=pulled,
         evaluator=evaluators_of(scene),
         force_error=light_force.error,
         theory=scene.theory,
@@ -249,58 +222,17 @@ class _LightForce:
     """Force of a scene's light; keeps the largest estimated error of those it gave, N."""
 
     def __init__(self, problem: Problem) -> None:
-        self._light = problem.light
+        self._scene, self._light = problem.scene, problem.light
         self.error = 0.0
 
     def __call__(self, points: Array) -> Array:
-        field = self._light.field(points)
-        self.error = max(self.error, float(self._light.error_of(points, field).max()))
-        return field.force
-
-
-def _escape(
-    scene: Scene, search: Search, net_force: NetForce, origin: Point, direction: str
-) -> Escape:
-    r = scene.bead.radius
-    pull = opposite(along(net_force, origin, direction))
-    distances = search.line()
-    wall_at = _to_wall(scene, origin, direction, search.reach)
-    if wall_at is not None:
-        distances = np.append(distances[distances < wall_at], wall_at)
-    let_go = np.flatnonzero(pull(distances[1:]) <= 0)
-    end = None
-    if let_go.size:
-        last = let_go[0]
-        end = end_of_pull(pull, distances[last], distances[last + 1], _END * r)
-        distances = np.append(distances[: last + 1], end)
-    force, at = _maximum(pull, distances, _MAXIMUM * search.spacing)
-    energy, energy_error, *_ = quad(
-        lambda distance: pull(np.array([distance]))[0],
-        0.0, distances[-1], epsabs=0.0, epsrel=_WORK, limit=50, full_output=1,
-    )  # fmt: skip
-    return Escape(
-        direction=direction,
-        force=force,
-        force_at=at,
-        range=end,
-        energy=energy,
-        energy_error=energy_error,
-        energy_kT=energy / (Boltzmann * scene.medium.temperature),
-        wall_at=wall_at if end is None else None,
-    )
-
-
-def _to_wall(scene: Scene, origin: Point, direction: str, reach: float) -> float | None:
-    """How far from `origin` a bead touches a wall, m; None if beyond `reach`."""
-    wall = scene.wall
-    if wall is None or direction[1] != "z":
-        return None
-    side = 1.0 if direction[0] == "+" else -1.0
-    plane = wall.position if side == -wall.normal else wall.opposite
-    if plane is None:
-        return None
-    distance = side * (plane - origin[2]) - scene.bead.radius
-    return distance if distance < reach else None
+        if self._scene.plain and len(points) >= _LINE:
+            force, error = sampled(self._scene, points)
+        else:
+            field = self._light.field(points)
+            force, error = field.force, self._light.error_of(points, field)
+        self.error = max(self.error, float(error.max()))
+        return force
 
 
 def _efficiency(
@@ -308,20 +240,5 @@ def _efficiency(
 ) -> Efficiency | None:
     """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
     pull = opposite(along(light_force, FOCUS, direction))
-    tolerance = _MAXIMUM * (coordinates[1] - coordinates[0])
-    force, at = _maximum(pull, coordinates, tolerance)
+    force, at = largest(pull, coordinates, coordinates[1] - coordinates[0])
     return Efficiency(force / unit, at) if force > 0 else None
-
-
-def _maximum(component: Component, distances: Array, tolerance: float) -> tuple[float, float]:
-    """Largest value between the ends of `distances`, and where to within `tolerance`."""
-    values = component(distances)
-    best = int(values.argmax())
-    refined = minimize_scalar(
-        lambda distance: -component(np.array([distance]))[0],
-        bounds=(distances[max(best - 1, 0)], distances[min(best + 1, len(distances) - 1)]),
-        method="bounded",
-        options={"xatol": tolerance},
-    )
-    sampled = float(values[best]), float(distances[best])
-    return max(sampled, (-float(refined.fun), float(refined.x)))

@@ -79,6 +79,11 @@ class Problem:
         """Whether anything turns the bead: if not, no rotation is computed."""
         return self.scene.rotates or self.force.oriented
 
+    @property
+    def symmetric(self) -> bool:
+        """Whether all forces are the same all around the axis of the only beam."""
+        return self.light.symmetric and not self.others
+
     def net_force(self, positions: Array) -> Array:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
         return self.force.field(positions).force + np.array(self.bead.weight)

@@ -60,12 +60,25 @@ def packed(*entries: Any) -> Data:
                 numbers = array.astype(np.float64).ravel()
         flat += [numbers, np.zeros(-numbers.size % _LINE)]
         begin += numbers.size + flat[-1].size
-    # the processor reads numbers by lines of its cache
-    memory = np.empty(begin + _LINE)
-    first = -(memory.ctypes.data // memory.itemsize) % _LINE
-    aligned = memory[first : first + begin]
+    aligned = _by_lines(begin)
     np.concatenate([*flat, np.zeros(0)], out=aligned)
     return Data(aligned, np.concatenate(rows))
+
+
+def renumbered(data: Data, numbers: dict[int, float]) -> Data:
+    """The same data with other values of entries that are one number."""
+    changed = _by_lines(data.numbers.size)
+    changed[:] = data.numbers
+    for entry, value in numbers.items():
+        changed[data.shapes[entry, 0]] = value
+    return Data(changed, data.shapes)
+
+
+def _by_lines(size: int) -> Array:
+    """Memory for so many numbers, from the begin of a line of the processor's cache on."""
+    memory = np.empty(size + _LINE)
+    first = -(memory.ctypes.data // memory.itemsize) % _LINE
+    return memory[first : first + size]
 
 
 @named_njit(error_model="numpy")

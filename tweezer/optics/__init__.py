@@ -19,6 +19,7 @@ from tweezer.optics.binding import (
 )
 from tweezer.optics.light import LightForce
 from tweezer.optics.rays.pupil import grid
+from tweezer.optics.sampled import sampled
 from tweezer.optics.table import Table
 from tweezer.optics.worth import (
     RayOpticsWorth,
@@ -46,6 +47,7 @@ __all__ = [
     "optical_torque",
     "ray_optics_caveat",
     "ray_optics_worth",
+    "sampled",
     "total_power",
     "worth_attributes",
 ]

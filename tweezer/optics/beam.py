@@ -167,8 +167,13 @@ class _Shape:
     radiance: Profile
 
 
-@functools.lru_cache(maxsize=16)
 def _shape_behind(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
+    of_one_watt = beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
+    return _shape_of_one_watt(lens, of_one_watt, medium)
+
+
+@functools.lru_cache(maxsize=16)
+def _shape_of_one_watt(lens: Lens, beam: Beam, medium: Medium) -> _Shape:
     edge = lens.radius
     if beam.sigma is not None:
         edge = min(edge, beam.sigma * math.sqrt(2 * _dark(_ring(beam))))

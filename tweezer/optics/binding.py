@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,6 +40,9 @@ class Beams(Sum):
     forces: tuple[Moved, ...]
     lights: tuple[LightForce, ...]
     """of each beam, about its own focus"""
+
+    symmetric: ClassVar[bool] = False
+    """whether the force is the same all around one axis"""
 
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
         """See `LightForce.error_of`."""

@@ -41,6 +41,11 @@ class Light(ABC):
 
     @property
     @abstractmethod
+    def symmetric(self) -> bool:
+        """Whether the light is the same all around its axis."""
+
+    @property
+    @abstractmethod
     def search(self) -> Search:
         """Lengths by which the force is searched for zeros and largest values."""
 
@@ -84,6 +89,11 @@ class LightForce(Force):
     def search(self) -> Search:
         """See `Light.search`."""
         return self.light.search
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the force is the same all around the axis of the light."""
+        return self.light.symmetric
 
     @functools.cached_property
     def _parts(self) -> dict[bool, Part]:

@@ -40,6 +40,11 @@ class RayLight(Light):
         return Sphere(self.radius, self.index_ratio)
 
     @property
+    def symmetric(self) -> bool:
+        """See `Light.symmetric`."""
+        return self.polarisation != "linear"
+
+    @property
     def search(self) -> Search:
         """See `Light.search`. The force changes over radii, and its sum over a grid jumps."""
         spacing = _SPACING * self.radius

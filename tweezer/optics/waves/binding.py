@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -9,10 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.compiled.lanes import LANES
-from tweezer.forces.data import Data, packed
+from tweezer.forces.data import Data, packed, renumbered
 from tweezer.optics.waves.focus import Focus, Part, State
 from tweezer.optics.waves.harmonics import elements, harmonics
-from tweezer.optics.waves.kernel import guarded_elements, guarded_sphere
+from tweezer.optics.waves.kernel import (
+    FLOOR,
+    OF_ALL,
+    STRENGTH,
+    guarded_elements,
+    guarded_sphere,
+)
 from tweezer.optics.waves.light import Waves
 from tweezer.optics.waves.nodes import Nodes, Rule
 from tweezer.optics.waves.sphere import mie_coefficients, weights
@@ -24,6 +31,8 @@ ComplexArray = NDArray[np.complex128]
 _SMALL = 1e-3
 #: Smallest error of integrals
 _ROUNDING = 2e-15
+#: Force of the sums, in n_m P/c
+_UNIT = 4 * math.pi**2
 
 
 @dataclass(frozen=True)
@@ -33,9 +42,16 @@ class Sums:
     data: Data
     """of `kernel.waves_kernel`"""
     floor: float
-    """error of the force where it vanishes, N"""
+    """error of the force where it vanishes, in n_m P/c"""
     allowed: float
-    """the same as it is wanted, N; below `floor` if the light's series does not converge so far"""
+    """the same as it is wanted; below `floor` if the light's series does not converge so far"""
+
+    def of_strength(self, strength: float) -> Sums:
+        """The same for light of another power; strength: its n_m P/c, N."""
+        numbers = {
+            STRENGTH: strength * _UNIT, OF_ALL: strength, FLOOR: self.floor * strength,
+        }  # fmt: skip
+        return dataclasses.replace(self, data=renumbered(self.data, numbers))
 
 
 def highest_degree(a: ComplexArray, b: ComplexArray, tolerance: float) -> int:
@@ -82,9 +98,8 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         axis=1,
     )
     half_angle = light.focus.half_angle
-    floor = nodes.error * light.strength
     data = packed(
-        light.strength * 4 * math.pi**2, light.strength, tolerance, floor,
+        light.strength * _UNIT, light.strength, tolerance, nodes.error * light.strength,
         _of_states(light.states), guarded_elements(np.stack(elements(highest))),
         _of_sphere(a, b, light.states, stride),
         light.wavenumber, shift, light.radius, half_angle, math.sin(half_angle),
@@ -96,7 +111,7 @@ def sums(light: Waves, tolerance: float, reach: float) -> Sums:
         ]),
         np.cumsum(stride - firsts) - (stride - firsts), highest,
     )  # fmt: skip
-    return Sums(data, floor, small * light.strength)
+    return Sums(data, nodes.error, small)
 
 
 def _rules(light: Waves, nodes: Nodes, reach: float) -> list[Rule]:

@@ -40,6 +40,8 @@ class WavesByQuadrature(LightForce):
     reach: float
     """distance from the focus up to which compiled loops compute the force, m; beyond, its error is
     infinite"""
+    alike: WavesByQuadrature | None = None
+    """the same of another power, whose tables serve here too"""
 
     def field(
         self,
@@ -75,7 +77,8 @@ class WavesByQuadrature(LightForce):
     @functools.cached_property
     def _farther(self) -> WavesByQuadrature:
         """The same up to twice the distance, bound once."""
-        return dataclasses.replace(self, reach=2 * self.reach)
+        alike = None if self.alike is None else self.alike._farther
+        return dataclasses.replace(self, reach=2 * self.reach, alike=alike)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
@@ -84,12 +87,14 @@ class WavesByQuadrature(LightForce):
     @functools.cached_property
     def sums(self) -> Sums:
         """What the compiled sums read."""
+        if self.alike is not None:
+            return self.alike.sums.of_strength(self.light.strength)
         return sums(self.light, self.tolerance, self.reach)
 
     def allowed_error(self, force: Array) -> Array:
         """See `LightForce.allowed_error`."""
         size = np.linalg.norm(force, axis=1)
-        return _MISSED * (self.tolerance * size + self.sums.allowed)
+        return _MISSED * (self.tolerance * size + self.sums.allowed * self.light.strength)
 
     def of_radius(self, radius: float) -> WavesByQuadrature:
         """See `LightForce.of_radius`."""
@@ -106,7 +111,17 @@ def _not_too_far(light: Waves, name: str, distance: float) -> None:
 
 
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
-    """The force of the light of `scene` as waves, to `optics.tolerance`."""
+    """The force of the light of `scene` as waves, to `optics.tolerance`.
+
+    What does not depend on the power is computed once for each light.
+    """
+    alike = _of_one_watt(scene.of_one_watt)
+    return dataclasses.replace(alike, light=waves_on_bead(scene), alike=alike)
+
+
+@functools.lru_cache(maxsize=8)
+def _of_one_watt(scene: Scene) -> WavesByQuadrature:
+    """The same of a scene whose light is of 1 W."""
     light = waves_on_bead(scene)
     if light.size_parameter > _LARGEST:
         raise SceneError(
@@ -115,5 +130,4 @@ def by_quadrature(scene: Scene) -> WavesByQuadrature:
         )
     loss = scene.simulation.loss_distance
     _not_too_far(light, "simulation.loss_distance", loss)
-    reach = _BEYOND_LOSS * loss
-    return WavesByQuadrature(light, scene.optics.tolerance, reach)
+    return WavesByQuadrature(light, scene.optics.tolerance, _BEYOND_LOSS * loss)

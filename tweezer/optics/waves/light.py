@@ -44,7 +44,7 @@ class Waves(Light):
 
     @property
     def symmetric(self) -> bool:
-        """Whether the light is the same all around its axis."""
+        """See `Light.symmetric`."""
         return all(len({part.angular_momentum for part in each.parts}) == 1 for each in self.states)
 
     @property

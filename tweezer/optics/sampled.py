@@ -1,0 +1,38 @@
+"""The force of light at places that scenes of many powers share."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.optics.beam import cone
+from tweezer.optics.binding import light_of_one_beam
+from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: Number of lists of places whose forces are kept, over all lights
+_LISTS = 64
+
+
+def sampled(scene: Scene, positions: Array) -> tuple[Array, Array]:
+    """Force of the light of the only beam of `scene`, (n, 3) N, and its error, (n,) N.
+
+    positions: (n, 3) m. The force is linear in the power, so that it is computed once for each
+    light and list of places, and kept. Of another power it is the same to rounding.
+    """
+    if not scene.lit:
+        return np.zeros((len(positions), 3)), np.zeros(len(positions))
+    force, error = _of_one_watt(scene.of_one_watt, np.ascontiguousarray(positions).tobytes())
+    power = cone(scene).power
+    return power * force, power * error
+
+
+@functools.lru_cache(maxsize=_LISTS)
+def _of_one_watt(scene: Scene, places: bytes) -> tuple[Array, Array]:
+    positions = np.frombuffer(places).reshape(-1, 3)
+    light = light_of_one_beam(scene)
+    field = light.field(positions)
+    return field.force, light.error_of(positions, field)
