@@ -36,6 +36,7 @@ from .io import load_run, save_run, scene_of
 from .optics import absorbed_power, optical_force, optical_jacobian, optical_torque
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
+from .sweeps import sweep
 from .version import __version__
 
 __all__ = [
@@ -82,6 +83,7 @@ __all__ = [
     "shipped_scenes",
     "simulate",
     "summarise",
+    "sweep",
     "trap_over_heights",
     "tune",
     "wall_mobilities",

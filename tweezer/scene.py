@@ -39,7 +39,7 @@ from tweezer.sections import (
     Wall,
 )
 from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
-from tweezer.units import TABLE_RADII, TEMPERATURE, quantity_of, to_si
+from tweezer.units import TABLE_RADII, TEMPERATURE, Quantity, quantity_of, to_si
 from tweezer.water import LIQUID, Water, water
 
 SHIPPED = Path(__file__).parent / "scenes"
@@ -784,6 +784,28 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
             value = {"True": True, "False": False}.get(text, text)
         within[name] = value
     return scene.replace(**sections)
+
+
+def described_at(key: str) -> tuple[Quantity | None, str]:
+    """The quantity that a dotted key of a scene holds, None if it is none, and its description.
+
+    A key is as in `with_settings`. Raises `SceneError` for a key that no scene has.
+    """
+    first, *parts = key.split(".")
+    within = _kind(first)
+    field = Scene.model_fields.get(within)
+    for part in parts:
+        section = _section_of(field.annotation) if field else None
+        name = _HALVES.get((within, part), part)
+        fields = section.model_fields if section else {}
+        if name not in fields:
+            halves = [key for pair in ALTERNATIVES.get(within, ()) for key in pair]
+            near = difflib.get_close_matches(part, [*fields, *halves], n=1)
+            raise SceneError(f"{key}: unknown key{f'; did you mean {near[0]}?' if near else ''}")
+        within, field = f"{within}.{name}", fields[name]
+    if not parts or field is None or _section_of(field.annotation):
+        raise SceneError(f"{key}: must be section.key, such as beam.power")
+    return quantity_of(*field.metadata, field.annotation), field.description or key
 
 
 def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:

@@ -19,7 +19,17 @@ from tweezer.errors import TweezerError
 __all__ = ["app", "main"]
 
 # in the order of the help
-for _group in ("runs", "trap", "ensemble", "calibrate", "depth", "thesis", "prepare", "bench"):
+for _group in (
+    "runs",
+    "trap",
+    "ensemble",
+    "sweep",
+    "calibrate",
+    "depth",
+    "thesis",
+    "prepare",
+    "bench",
+):
     importlib.import_module(f"tweezer.cli.{_group}")
 
 

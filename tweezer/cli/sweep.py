@@ -1,0 +1,138 @@
+"""The command sweep."""
+
+from __future__ import annotations
+
+import warnings
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import (
+    Changes,
+    FigureFile,
+    SceneName,
+    app,
+    quantity_in,
+    scene_with,
+    settings_of,
+)
+from tweezer.cli.console import (
+    FIGURE_FORMATS,
+    INTERRUPTED,
+    OUT,
+    STORES,
+    complain,
+    showing_progress,
+    tell_written,
+    writable,
+    write_figure,
+)
+from tweezer.cli.tables import table_of
+from tweezer.errors import PhysicsWarning
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Number of reasons of failed cases that are shown
+_REASONS = 5
+
+
+@app.command()
+def sweep(
+    scene: SceneName,
+    over: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A key with its values: beam.power=1mW..1W:60, with :log behind for equal ratios; "
+            "or bead.diameter=0.5um,1um. May be repeated: every combination is a case.",
+            metavar="KEY=VALUES",
+        ),
+    ] = None,
+    cases: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV file with a case in each row; a heading is a key, perhaps with a unit: "
+            '"beam.power [mW]".'
+        ),
+    ] = None,
+    of: Annotated[
+        str, typer.Option(help="What is computed: trap, run, ensemble or calibrate.")
+    ] = "trap",
+    out: Annotated[
+        Path | None, typer.Option(help="Zarr store to write; SCENE-sweep.zarr if not given.")
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with what is there, if anything is.")
+    ] = False,
+    workers: Annotated[
+        int | None, typer.Option(help="Processes; one for each core if not given.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler whose workers compute.")
+    ] = None,
+    trajectories: Annotated[int, typer.Option(help="Of each ensemble.")] = 100,
+    seed: Annotated[int, typer.Option(help="Of thermal motion, in every case.")] = 0,
+    skip: Annotated[
+        str | None,
+        typer.Option(help='Time left out at the beginning by ensemble and calibrate: "5 ms".'),
+    ] = None,
+    set: Changes = None,
+    plot: FigureFile = None,
+) -> None:
+    """Compute the same of many scenes.
+
+    They differ from SCENE in a few keys. Stopped at any time, by Ctrl-C or worse, it goes on with
+    --resume where it was.
+    """
+    from tweezer.units import Time
+
+    described = scene_with(scene, settings_of(set or []))
+    out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
+    plot = plot and writable(plot, FIGURE_FORMATS)
+    skipped = quantity_in("--skip", skip, Time) if skip else 0.0
+    with (
+        showing_progress(described.name, 1.0) as progress,
+        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # each case has its own
+    ):
+        from tweezer.sweeps import sweep as computed
+        from tweezer.sweeps.cases import read_over
+
+        result = computed(
+            described, read_over(over or []), of, out, cases=cases, workers=workers,
+            scheduler=scheduler, trajectories=trajectories, seed=seed, skip=skipped, resume=resume,
+            progress=progress,
+        )  # fmt: skip
+    _print_sweep(described.name, result)
+    done, count = result.attrs["cases_done"], result.attrs["cases"]
+    if result.attrs["status"] == "interrupted":
+        complain(
+            f"{described.name}: interrupted after {done} of {count} cases; go on with --resume"
+        )
+        raise typer.Exit(INTERRUPTED)
+    if plot:
+        from tweezer.sweeps.figures import sweep_figure
+
+        write_figure(sweep_figure(result), plot)
+    tell_written(out, plot)
+
+
+def _print_sweep(name: str, result: xr.Dataset) -> None:
+    """How many cases there are of each outcome, and why some failed."""
+    table = table_of(name, "")
+    over = [f"{result.sizes[key]} {key}" for key in result["outcome"].dims]
+    table.add_row("cases", f"{result.attrs['cases']}: {' x '.join(over)}")
+    outcomes = Counter(result["outcome"].values.ravel().tolist())
+    for outcome, count in outcomes.most_common():
+        table.add_row(outcome, f"{count}")
+    reasons = Counter(filter(None, result["reason"].values.ravel().tolist()))
+    for reason, count in reasons.most_common(_REASONS):
+        table.add_row(f"failed, {count}", reason)
+    if len(reasons) > _REASONS:
+        table.add_row("failed", f"for {len(reasons) - _REASONS} more reasons")
+    caveats = result["caveat"].values.ravel()
+    if said := int((caveats != "").sum()):
+        first = str(caveats[caveats != ""][0])
+        table.add_row("not to be trusted as they stand", f"{said}; the first: {first}")
+    OUT.print(table)

@@ -1,0 +1,280 @@
+"""What a sweep varies: keys of a scene, on a grid or case by case."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from tweezer.errors import ResultError, SceneError, UnitWarning, warn
+from tweezer.scene import described_at
+from tweezer.units import Quantity, to_si
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+#: A value of a key, in SI, as the result has it
+Value = float | int | bool | str
+
+#: Largest number of cases
+_MOST = 10**6
+#: Name of the dimension of a table of cases
+CASE = "case"
+#: Keys that change the light by a factor alone
+_POWERS = ("power", "power_through_pupil")
+
+_RANGE = re.compile(r"(?P<low>.+?)\.\.(?P<high>[^:]+):(?P<count>[0-9]+)(?::(?P<spacing>log))?")
+_HEADING = re.compile(r"\s*(?P<key>\S+?)(?:\s+[\[(](?P<unit>[^\])]+)[\])])?\s*")
+
+
+class Varied(NamedTuple):
+    """A key and its values."""
+
+    key: str
+    values: tuple[Value, ...]
+    unit: str
+    """"" if the key is no quantity, or one without a unit"""
+    about: str
+    """its description"""
+
+
+class Axis(NamedTuple):
+    """A dimension of the result: one key, or the keys of a table, which vary together."""
+
+    name: str
+    varied: tuple[Varied, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of values of each key."""
+        return len(self.varied[0].values)
+
+
+@dataclass(frozen=True)
+class Cases:
+    """The cases of a sweep: every combination of the entries of its axes."""
+
+    axes: tuple[Axis, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of entries along each axis."""
+        return tuple(axis.size for axis in self.axes)
+
+    @property
+    def count(self) -> int:
+        """Number of cases."""
+        return math.prod(self.shape)
+
+    def settings(self, index: int) -> dict[str, str]:
+        """Keys and values of a case, as `tweezer.scene.with_settings` takes them."""
+        places = np.unravel_index(index, self.shape)
+        return {
+            each.key: _as_setting(each.values[place])
+            for axis, place in zip(self.axes, places, strict=True)
+            for each in axis.varied
+        }
+
+    def by_light(self) -> list[list[int]]:
+        """The cases, in groups that differ in the power of their light alone."""
+        numbers = np.arange(self.count).reshape(self.shape)
+        powers = [
+            i for i, axis in enumerate(self.axes) if all(map(_is_a_power, axis.varied))
+        ]  # fmt: skip
+        last = range(len(self.axes) - len(powers), len(self.axes))
+        moved = np.moveaxis(numbers, powers, last)
+        size = math.prod(self.axes[i].size for i in powers)
+        groups: list[list[int]] = moved.reshape(-1, size).tolist()
+        return groups
+
+    def describe(self) -> dict[str, dict[str, list[Value]]]:
+        """The values by dimension and key."""
+        return {
+            axis.name: {each.key: list(each.values) for each in axis.varied} for axis in self.axes
+        }
+
+
+def _is_a_power(each: Varied) -> bool:
+    section, _, key = each.key.partition(".")
+    return section.startswith("beam") and key in _POWERS
+
+
+def _as_setting(value: Value) -> str:
+    return value if isinstance(value, str) else repr(value)
+
+
+def cases_of(
+    over: Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
+    table: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None,
+) -> Cases:
+    """The cases of keys with their values, of a table of cases, or of both together.
+
+    Raises `SceneError` for keys that no scene has, and values that are none.
+    """
+    if hasattr(over, "columns") or hasattr(over, "data_vars"):
+        if table is not None:
+            raise SceneError("over: a table, beside cases; must be one of them")
+        over, table = None, over
+    if over is not None and not isinstance(over, Mapping):
+        raise SceneError("over: must be a mapping of keys to lists of values, or a table")
+    axes = [Axis(str(key), (_varied(key, given),)) for key, given in (over or {}).items()]
+    if table is not None:
+        columns = _columns(table)
+        varied = tuple(_varied(key, given) for key, given in columns.items())
+        if not varied or len({len(each.values) for each in varied}) != 1:
+            raise SceneError("cases: must have a column for each key, all of one length")
+        axes.insert(0, Axis(CASE, varied))
+    if not axes:
+        raise SceneError("over: nothing to sweep over; name a key with its values, or cases")
+    keys = [each.key for axis in axes for each in axis.varied]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise SceneError(f"{key}: is swept over twice")
+    cases = Cases(tuple(axes))
+    if cases.count > _MOST:
+        raise SceneError(f"{cases.count} cases: must be at most {_MOST}")
+    return cases
+
+
+def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
+    """Keys and values of texts "KEY=FROM..TO:COUNT", "KEY=FROM..TO:COUNT:log" or "KEY=a,b,c".
+
+    A range holds both its ends; with log the ratio of neighbours is the same. Raises `SceneError`.
+    """
+    over: dict[str, list[Any]] = {}
+    for text in texts:
+        key, equals, values = (part.strip() for part in text.partition("="))
+        if not equals or not values:
+            raise SceneError(
+                f"over {text!r}: must be KEY=FROM..TO:COUNT, KEY=FROM..TO:COUNT:log or KEY=a,b,c"
+            )
+        if key in over:
+            raise SceneError(f"{key}: is swept over twice")
+        over[key] = _range(key, values) if ".." in values else _split(values)
+    return over
+
+
+def _range(key: str, text: str) -> list[Any]:
+    match = _RANGE.fullmatch(text)
+    if not match:
+        raise SceneError(
+            f"over {key} = {text}: must be FROM..TO:COUNT, such as 0.2um..3um:40, with :log behind "
+            "for equal ratios"
+        )
+    quantity, _ = described_at(key)
+    low, high = (_number(key, match[end].strip(), quantity) for end in ("low", "high"))
+    count = int(match["count"])
+    if not 2 <= count <= _MOST:
+        raise SceneError(f"over {key} = {text}: COUNT must be from 2 to {_MOST}")
+    if match["spacing"] and (low <= 0 or high <= 0):
+        raise SceneError(f"over {key} = {text}: both ends must be above 0 for :log")
+    spaced = np.geomspace if match["spacing"] else np.linspace
+    values = spaced(low, high, count).tolist()
+    if quantity is None or not quantity.unit or _bare(match["low"]) or _bare(match["high"]):
+        return list(values)
+    return [f"{value!r} {quantity.unit}" for value in values]
+
+
+def _bare(text: str) -> bool:
+    """Whether it is a number without a unit."""
+    return text.strip()[-1:].isdigit()
+
+
+def _number(key: str, text: str, quantity: Quantity | None) -> float:
+    try:
+        value = _in_si(text, quantity)
+    except ValueError as error:
+        raise SceneError(f"over {key} = {text!r}: {error}") from None
+    if isinstance(value, bool | str):
+        raise SceneError(f"over {key} = {text!r}: an end of a range must be a number")
+    return float(value)
+
+
+def _split(text: str) -> list[str]:
+    """The values of a list with commas; commas within brackets belong to a value."""
+    values, depth = [""], 0
+    for letter in text:
+        depth += (letter in "[{") - (letter in "]}")
+        if letter == "," and depth == 0:
+            values.append("")
+        else:
+            values[-1] += letter
+    return [value.strip() for value in values]
+
+
+def _varied(key: Any, given: Any) -> Varied:
+    """A key with its values in SI. Raises `SceneError` for values that are none."""
+    quantity, about = described_at(str(key))
+    if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray | Iterable):
+        raise SceneError(f"over {key} = {given!r}: must be a list of values")
+    values = []
+    for each in given:
+        plain = each.item() if isinstance(each, np.generic) else each
+        try:
+            values.append(_in_si(plain, quantity))
+        except ValueError as error:
+            raise SceneError(f"over {key} = {plain!r}: {error}") from None
+    if not values:
+        raise SceneError(f"over {key}: has no values")
+    kinds = {str if isinstance(value, str) else type(value) for value in values}
+    if len(kinds) > 1 and kinds != {int, float}:
+        values = [_as_setting(value) for value in values]
+    elif float in kinds:
+        values = [float(value) for value in values]
+    if quantity is not None:
+        doubts = (quantity.doubt(value) for value in given)
+        for doubt in itertools.islice(filter(None, doubts), 1):
+            warn(f"over {key}: {doubt}", UnitWarning)
+    return Varied(str(key), tuple(values), quantity.unit if quantity else "", about)
+
+
+def _in_si(given: Any, quantity: Quantity | None) -> Value:
+    """A value as the result has it. Raises `ValueError` for a quantity that is none."""
+    if isinstance(given, str):
+        try:
+            given = tomllib.loads(f"value = {given}")["value"]
+        except ValueError:
+            given = {"True": True, "False": False}.get(given, given)
+    if quantity is not None and not isinstance(given, list):
+        return to_si(given, quantity.unit)
+    return given if isinstance(given, bool | int | float | str) else str(given)
+
+
+def _columns(table: Any) -> dict[str, list[Any]]:
+    """The columns of a table of cases: values by key."""
+    if isinstance(table, str | Path):
+        return dict(_of_file(Path(table)))
+    if isinstance(table, Mapping):  # an xarray.Dataset is one
+        return {str(key): list(np.asarray(table[key]).tolist()) for key in table}
+    if hasattr(table, "columns"):
+        return {str(key): list(table[key]) for key in table.columns}
+    raise SceneError("cases: must be the name of a CSV file, or a table with a column for each key")
+
+
+def _of_file(path: Path) -> Iterator[tuple[str, list[Any]]]:
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True)
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{path}: not a table of cases: {' '.join(str(error).split())}") from None
+    for heading in table.columns:
+        match = _HEADING.fullmatch(heading)
+        if not match:
+            raise ResultError(f"{path}: {heading!r}: must be a key, such as beam.power [mW]")
+        unit = f" {match['unit']}" if match["unit"] else ""
+        cells = [cell.strip() for cell in table[heading]]
+        if "" in cells:
+            row = cells.index("") + 2
+            raise ResultError(f"{path}: line {row}: {match['key']} is empty")
+        yield match["key"], [f"{cell}{unit}" for cell in cells]

@@ -1,0 +1,259 @@
+"""Figures of sweeps: maps over two keys, curves over one, families of curves."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from tweezer.errors import ResultError
+from tweezer.io import scene_of
+from tweezer.sweeps.quantities import FAILED, MISSING
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+#: Scale and name of the unit that a figure has in place of the SI unit
+_SHOWN = {
+    "m": (1e6, "µm"), "W": (1e3, "mW"), "N": (1e12, "pN"), "N/m": (1e6, "pN/µm"), "s": (1e3, "ms"),
+    "m^2": (1e18, "nm²"), "m^2/s": (1e12, "µm²/s"), "Pa s": (1e3, "mPa s"),
+}  # fmt: skip
+#: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
+#: 288 (1986))
+_STABLE = 10.0
+#: Largest number of curves in a family
+_FAMILY = 8
+#: Ratio of the ends of a range from which on its axis is logarithmic, if its values are even so
+_WIDE = 3.0
+#: Colour of what is not trapped, of a case that failed, and of one that is not computed
+_LOST, _BROKEN, _EMPTY = "#d9d9d9", "#cc3311", "#ffffff"
+
+
+class _Panel(NamedTuple):
+    """A quantity of the result as it is drawn."""
+
+    values: xr.DataArray
+    """over the swept dimensions"""
+    error: xr.DataArray
+    label: str
+    log: bool
+    """whether its sizes differ by orders of magnitude"""
+
+
+def sweep_figure(result: xr.Dataset) -> Figure:
+    """The main quantities of a sweep over one or two of its keys.
+
+    Two ranges of numbers give maps: of a trap its depth, where it holds the bead, with the line of
+    10 k_B T, and its stiffness. One gives curves with their errors; beside a few values of a second
+    key, or a few cases, each has its own curve. Cases that failed, and those in which nothing holds
+    the bead, are marked. Raises `ResultError` for sweeps over more: select first, with `.sel`.
+    """
+    over = [str(dim) for dim in result["outcome"].dims]
+    swept = [dim for dim in over if result.sizes[dim] > 1]
+    result = result.squeeze([dim for dim in over if dim not in swept])
+    if not 1 <= len(swept) <= 2:
+        raise ResultError(
+            f"a figure is of one or two keys with several values, not {len(swept)}; select among "
+            f"{', '.join(swept)} with .sel first"
+        )
+    panels = _panels(result)
+    columns = min(2, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure = Figure(figsize=(11.0, 0.8 + 3.7 * rows), layout="constrained")
+    every = list(figure.subplots(rows, columns, squeeze=False).flat)
+    family = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
+    drawn_as_map = len(swept) == 2 and not family
+    for axes, panel in itertools.zip_longest(every, panels):
+        if panel is None:
+            axes.set_axis_off()
+        elif drawn_as_map:
+            _draw_map(axes, panel, result, *swept)
+        else:
+            _draw_curves(axes, panel, result, swept, family)
+    title = f"{scene_of(result).name}: {result.attrs['of']} over {' and '.join(swept)}"
+    figure.suptitle(title, parse_math=False, fontsize=11)
+    return figure
+
+
+def _numeric(values: xr.DataArray) -> bool:
+    return values.dtype.kind in "if"
+
+
+def _panels(result: xr.Dataset) -> list[_Panel]:
+    """What is drawn, by what the sweep is of."""
+    match result.attrs["of"]:
+        case "trap":
+            depth = result["escape_energy"]
+            weakest = depth.fillna(math.inf).argmin("direction")
+            return [
+                _Panel(
+                    depth.isel(direction=weakest),
+                    result["escape_energy_error"].isel(direction=weakest),
+                    "depth: work of the easiest straight way out (k_B T)",
+                    True,
+                ),
+                *(_panel(result, "stiffness", axis, log=True) for axis in "xz"),
+                _panel(result, "equilibrium", "z"),
+            ]
+        case "run":
+            names = ("outcome_time", "closest_approach", "overshoot", "largest_force")
+            return [_panel(result, name) for name in names]
+        case "ensemble":
+            return [_panel(result, "lost"), *(_panel(result, "variance", axis) for axis in "xyz")]
+        case _:
+            return [
+                *(_panel(result, "stiffness", axis) for axis in "xyz"),
+                _panel(result, "diffusion", "x"),
+            ]
+
+
+def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
+    values, error = result[name], result[f"{name}_error"]
+    label = values.attrs["long_name"]
+    if axis:
+        values, error = values.sel(axis=axis), error.sel(axis=axis)
+        label = f"{label}, {axis}"
+    scale, unit = _shown(result[name].attrs["units"])
+    return _Panel(values * scale, error * scale, f"{label}{unit}", log)
+
+
+def _shown(unit: str) -> tuple[float, str]:
+    """Factor to the unit of the figure, and that unit in brackets."""
+    scale, name = _SHOWN.get(unit, (1.0, unit))
+    return scale, f" ({name})" if name not in ("", "1") else ""
+
+
+def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
+    """The values of a key in the figure's unit, their label, and whether their ratios are even."""
+    if not _numeric(values):
+        return np.arange(values.size, dtype=float), str(values.name), False
+    scale, unit = _shown(values.attrs.get("units", ""))
+    at = values.values * scale
+    wide = bool(at.min() > 0 and at.max() / at.min() > _WIDE)
+    if wide and at.size > 2:
+        ratios = np.diff(np.log(np.sort(at)))
+        wide = bool(np.ptp(ratios) < np.ptp(np.diff(np.sort(at))) / np.abs(at).max())
+    return at, f"{values.name}{unit}", wide
+
+
+def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: str) -> None:
+    """Colours over two keys; what has no number is marked by its outcome."""
+    x, x_label, x_wide = _axis_of(result[along])
+    y, y_label, y_wide = _axis_of(result[down])
+    values = panel.values.transpose(down, along).values
+    positive = values[np.isfinite(values) & (values > 0)]
+    norm = None
+    if panel.log and positive.size and positive.max() / positive.min() > _WIDE:
+        norm = LogNorm(positive.min(), positive.max())
+    axes.set(xscale="log" if x_wide else "linear", yscale="log" if y_wide else "linear")
+    shown = axes.pcolormesh(
+        _edges(x, wide=x_wide), _edges(y, wide=y_wide), np.ma.masked_invalid(values), norm=norm,
+        cmap="viridis", rasterized=True,
+    )  # fmt: skip
+    colorbar = axes.figure.colorbar(shown, ax=axes)
+    colorbar.ax.tick_params(labelsize=8)
+    outcome = result["outcome"].transpose(down, along).values
+    _mark(axes, x, y, x_wide, y_wide, np.isnan(values), outcome)
+    if (
+        panel.label.startswith("depth")
+        and positive.size
+        and (positive.min() < _STABLE < positive.max())
+    ):
+        axes.contour(x, y, np.ma.masked_invalid(values), [_STABLE], colors="white", linewidths=1.4)
+        colorbar.ax.axhline(_STABLE, color="white", lw=1.4)
+    axes.set(xlabel=x_label, ylabel=y_label)
+    axes.set_title(panel.label, fontsize=9, parse_math=False)
+
+
+def _mark(
+    axes: Axes, x: Array, y: Array, x_wide: bool, y_wide: bool, without: Any, outcome: Any
+) -> None:
+    """Cells without a number, by their outcome, with a legend of these."""
+    styles = {FAILED: _BROKEN, MISSING: _EMPTY}
+    legend = []
+    for word in np.unique(outcome[without]):
+        colour = styles.get(str(word), _LOST)
+        cells = np.ma.masked_where(~(without & (outcome == word)), np.zeros(outcome.shape))
+        axes.pcolormesh(
+            _edges(x, wide=x_wide), _edges(y, wide=y_wide), cells, vmin=0, vmax=1, alpha=1.0,
+            cmap=_one_colour(colour), rasterized=True,
+        )  # fmt: skip
+        legend.append(Patch(facecolor=colour, edgecolor="#999999", label=str(word)))
+    if legend:
+        axes.legend(handles=legend, fontsize=8, loc="upper left", framealpha=0.9)
+
+
+def _one_colour(colour: str) -> Any:
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap([colour])
+
+
+def _edges(at: Array, *, wide: bool) -> Array:
+    """Edges of cells about values that need not be even, in their order."""
+    values = np.log(at) if wide else at
+    middle = (values[1:] + values[:-1]) / 2
+    edges = np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+    return np.exp(edges) if wide else edges
+
+
+def _draw_curves(
+    axes: Axes, panel: _Panel, result: xr.Dataset, swept: list[str], family: list[str]
+) -> None:
+    """A curve with its errors for each member of the family; or one."""
+    names = family[:1] if len(swept) == 2 else []
+    (along,) = [dim for dim in swept if dim not in names]
+    x, label, wide = _axis_of(result[along])
+    values = panel.values.transpose(*names, along).values.reshape(-1, x.size)
+    errors = panel.error.transpose(*names, along).values.reshape(values.shape)
+    outcome = result["outcome"].transpose(*names, along).values.reshape(values.shape)
+    told = _told(result[names[0]]) if names else [""]
+    colours = _colours(len(values))
+    for row, colour, name in zip(range(len(values)), colours, told, strict=True):
+        order = np.argsort(x)
+        bars = np.nan_to_num(errors[row][order])
+        axes.errorbar(
+            x[order], values[row][order], bars, fmt=".-", ms=4, lw=1.3, elinewidth=0.8,
+            color=colour, label=name,
+        )  # fmt: skip
+        for word, marker in (("", "x"), (FAILED, "v")):
+            without = np.isnan(values[row]) & ((outcome[row] == FAILED) == (word == FAILED))
+            (marks,) = axes.plot(
+                x[without], np.zeros(without.sum()), marker, color=colour, ms=6, clip_on=False,
+                transform=axes.get_xaxis_transform(),
+            )  # fmt: skip
+            marks.set_in_layout(False)
+    positive = values[np.isfinite(values)]
+    log = panel.log and positive.size and positive.min() > 0
+    log = bool(log and positive.max() / positive.min() > _WIDE)
+    axes.set(xscale="log" if wide else "linear", yscale="log" if log else "linear", xlabel=label)
+    if not _numeric(result[along]):
+        axes.set_xticks(x, [str(value) for value in result[along].values])
+    if panel.label.startswith("depth"):
+        axes.axhline(_STABLE, color="#777777", lw=0.8, ls="--")
+    axes.set_title(panel.label, fontsize=9, parse_math=False)
+    if names:
+        axes.legend(frameon=False, fontsize=8, title=_axis_of(result[names[0]])[1])
+
+
+def _told(values: xr.DataArray) -> list[str]:
+    """A name for each value of a key."""
+    scale, _ = _shown(values.attrs.get("units", ""))
+    if _numeric(values):
+        return [f"{scale * value:.4g}" for value in values.values]
+    return [str(value) for value in values.values]
+
+
+def _colours(count: int) -> list[Any]:
+    from matplotlib import colormaps
+
+    return [colormaps["viridis"](i / max(count, 2)) for i in range(count)]

@@ -1,0 +1,260 @@
+"""What is computed of each case of a sweep: its quantities, with their errors."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.constants import Boltzmann
+
+from tweezer.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
+from tweezer.equilibria import DIRECTIONS
+from tweezer.errors import SceneError, TweezerError
+from tweezer.scene import Scene, with_settings
+from tweezer.theory import largest_wavenumber
+
+#: Values of a case by name: numbers, or lists of them along a dimension
+Values = dict[str, Any]
+
+#: Words of a case that was not finished, and of one that was not begun
+FAILED, MISSING = "failed", "not computed"
+
+#: Distance over which the force of rays is taken to change, in radii
+_RAYS = 0.02
+#: Quantile of the interval of a lost fraction: one standard deviation
+_Z = 1.0
+
+#: Names along the dimensions of quantities
+DIMENSIONS = {"axis": ["x", "y", "z"], "direction": list(DIRECTIONS)}
+
+
+class Quantity(NamedTuple):
+    """A variable of the result."""
+
+    dimension: str
+    """"" for one number a case"""
+    unit: str
+    about: str
+    error: bool = True
+    """whether it has one"""
+
+
+QUANTITIES: dict[str, dict[str, Quantity]] = {
+    "trap": {
+        "equilibrium": Quantity("axis", "m", "stable equilibrium nearest the focus, from there"),
+        "stiffness": Quantity("axis", "N/m", "stiffness at the equilibrium"),
+        "corner_frequency": Quantity("axis", "Hz", "corner frequency at the equilibrium"),
+        "escape_force": Quantity("direction", "N", "largest restoring force on the way out"),
+        "escape_energy": Quantity("direction", "1", "work of pulling the bead out, in k_B T"),
+        "force_error": Quantity("", "N", "largest error of the force of the light", error=False),
+    },
+    "run": {
+        "outcome_time": Quantity("", "s", "time of capture, of loss, or of the end"),
+        "end": Quantity("axis", "m", "last position, from the focus"),
+        "overshoot": Quantity("", "m", "largest excursion beyond the axis"),
+        "closest_approach": Quantity("", "m", "first closest approach to the focus"),
+        "closest_approach_time": Quantity("", "s", "time of the first closest approach"),
+        "largest_reynolds_number": Quantity("", "1", "largest Reynolds number"),
+        "largest_force": Quantity("", "N", "largest force of the light on the way"),
+    },
+    "ensemble": {
+        "lost": Quantity("", "1", "part of the trajectories that was lost"),
+        "mean": Quantity("axis", "m", "mean position over time and trajectories"),
+        "variance": Quantity("axis", "m^2", "variance of the position"),
+    },
+    "calibrate": {
+        "stiffness": Quantity("axis", "N/m", "stiffness by the power spectrum"),
+        "corner_frequency": Quantity("axis", "Hz", "corner frequency by the power spectrum"),
+        "diffusion": Quantity("axis", "m^2/s", "diffusion by the power spectrum"),
+    },
+}
+#: What a sweep can be of
+WHAT = tuple(QUANTITIES)
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """What is asked of every case."""
+
+    scene: str
+    """JSON of the scene that the cases change"""
+    of: str
+    trajectories: int
+    """of an ensemble"""
+    seed: int
+    """of thermal motion, the same in every case"""
+    skip: float
+    """time left out at the beginning of an ensemble's statistics, or of a recording, s"""
+
+    def case(self, settings: Mapping[str, str]) -> Scene:
+        """The scene of a case. Raises `SceneError` if it is none."""
+        return with_settings(Scene.model_validate_json(self.scene), settings)
+
+    def check(self, scene: Scene) -> None:
+        """Raises `SceneError` for a scene, or arguments, of which it cannot be computed."""
+        if self.of == "ensemble":
+            check_ensemble(
+                scene, self.trajectories, seed=self.seed, out=None, statistics=True,
+                skip=self.skip, scheduler=None, workers=1,
+            )  # fmt: skip
+        elif self.of == "calibrate":
+            check_thermal(scene, self.seed)
+            samples_skipped(scene, self.skip)
+        else:
+            check_seed(self.seed)
+
+    def compute(self, settings: Mapping[str, str]) -> Values:
+        """What becomes of a case: its outcome, in a word, and values; or why it failed."""
+        try:
+            with warnings.catch_warnings(action="ignore"):
+                scene = self.case(settings)
+                self.check(scene)
+                return _COMPUTED[self.of](scene, self)
+        except TweezerError as error:
+            return {"outcome": FAILED, "reason": "; ".join(str(error).splitlines())}
+        except Exception as error:
+            kind = type(error).__name__
+            return {"outcome": FAILED, "reason": f"{kind}: {' '.join(str(error).split())}"}
+
+
+def _of_trap(scene: Scene, _: Asked) -> Values:
+    from tweezer.analysis import characterise
+    from tweezer.analysis.heights import HELD, LOST, RESTS
+
+    trap = characterise(scene)
+    place, error = trap.equilibrium, trap.force_error
+    values: Values = {"force_error": error, "caveat": trap.caveat or ""}
+    if place is None or trap.corner_frequencies is None:
+        return values | {"outcome": RESTS if trap.rests else LOST}
+    stiffness = np.diag(place.stiffness)
+    stiffness_error = error * _gradient(scene)
+    corner = np.array(trap.corner_frequencies)
+    lengths = [each.range or each.wall_at or trap.reach for each in trap.escapes]
+    thermal = Boltzmann * scene.medium.temperature
+    return values | {
+        "outcome": HELD,
+        "equilibrium": list(place.position),
+        "equilibrium_error": [error / place.eigenvalues[0]] * 3,
+        "stiffness": stiffness.tolist(),
+        "stiffness_error": [stiffness_error] * 3,
+        "corner_frequency": corner.tolist(),
+        "corner_frequency_error": np.abs(corner * stiffness_error / stiffness).tolist(),
+        "escape_force": [each.force for each in trap.escapes],
+        "escape_force_error": [error] * len(trap.escapes),
+        "escape_energy": [each.energy_kT for each in trap.escapes],
+        "escape_energy_error": [
+            (each.energy_error + error * length) / thermal
+            for each, length in zip(trap.escapes, lengths, strict=True)
+        ],
+    }
+
+
+def _gradient(scene: Scene) -> float:
+    """Largest gradient of an error of the force that is nowhere larger than 1, 1/m.
+
+    A force of waves of the wavenumber k holds wavenumbers up to 2k, and so does its error: the
+    gradient is at most 2k times the largest value (S. Bernstein's inequality). Rays have no such
+    bound.
+    """
+    if scene.theory == "waves":
+        return 2 * largest_wavenumber(scene.medium, scene.beams)
+    return 1 / (_RAYS * scene.bead.radius)
+
+
+def _of_run(scene: Scene, asked: Asked) -> Values:
+    from tweezer.analysis import summarise
+    from tweezer.simulation import simulate
+
+    run = simulate(scene, seed=asked.seed if scene.forces.brownian else None)
+    found = summarise(run)
+    if run.attrs["status"] == "failed":
+        raise TweezerError(run.attrs["message"])
+    end_error = float(run.attrs["integration_error"]) + float(run.attrs["model_error"])
+    single = ("outcome_time", "overshoot", "closest_approach", "closest_approach_time",
+              "largest_reynolds_number")  # fmt: skip
+    names = [name for each in single for name in (each, f"{each}_error")]
+    return {
+        "outcome": found.outcome,
+        **{name: _number(getattr(found, name)) for name in names},
+        "end": list(found.end),
+        "end_error": [end_error] * 3,
+        "largest_force": found.largest_force,
+        "largest_force_error": found.force_error,
+    }
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _of_ensemble(scene: Scene, asked: Asked) -> Values:
+    from tweezer.ensembles import ensemble
+
+    found = ensemble(
+        scene, asked.trajectories, seed=asked.seed, statistics=True, skip=asked.skip, workers=1
+    )
+    if found.attrs["status"] != "complete":
+        raise KeyboardInterrupt
+    n = asked.trajectories
+    lost = float(found["trajectories_lost"]) / n
+    # half of Wilson's interval: it is no 0 where none is lost
+    width = math.sqrt(lost * (1 - lost) / n + (_Z / (2 * n)) ** 2) * _Z / (1 + _Z**2 / n)
+    moments = {"mean": "stationary_mean", "variance": "stationary_variance"}
+    return {
+        "outcome": "all held" if lost == 0 else "some lost" if lost < 1 else "all lost",
+        "lost": lost,
+        "lost_error": width,
+        **{name: found[of].values.tolist() for name, of in moments.items()},
+        **{f"{name}_error": found[f"{of}_error"].values.tolist() for name, of in moments.items()},
+    }
+
+
+def _of_calibration(scene: Scene, asked: Asked) -> Values:
+    from tweezer.analysis import calibrate, load_recording
+    from tweezer.simulation import simulate
+
+    run = simulate(scene, seed=asked.seed)
+    if run.attrs["status"] == "failed":
+        raise TweezerError(run.attrs["message"])
+    found = calibrate(load_recording(run).since(asked.skip))
+    values = {name: [math.nan] * 3 for each in QUANTITIES["calibrate"]
+              for name in (each, f"{each}_error")}  # fmt: skip
+    caveats = []
+    for axis in found.axes:
+        i = DIMENSIONS["axis"].index(axis.axis)
+        estimate, bead = axis["power spectrum"], axis.fit.bead
+        if estimate.caveat:
+            caveats.append(f"{axis.axis}: {estimate.caveat}")
+        for name, value, error in (
+            ("stiffness", estimate.stiffness, estimate.uncertainty),
+            ("corner_frequency", bead.corner_frequency, axis.fit.corner_frequency_uncertainty),
+            ("diffusion", axis.free_fit.bead.diffusion, axis.diffusion_uncertainty),
+        ):
+            values[name][i], values[f"{name}_error"][i] = value, error
+    outcome = "not to be trusted" if caveats else "calibrated"
+    return {**values, "outcome": outcome, "caveat": "; ".join(caveats)}
+
+
+_COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
+    "trap": _of_trap,
+    "run": _of_run,
+    "ensemble": _of_ensemble,
+    "calibrate": _of_calibration,
+}
+
+
+def asked_of(scene: Scene, of: str, trajectories: int, seed: int, skip: float) -> Asked:
+    """Raises `SceneError` unless `of` is one of `WHAT`."""
+    if of not in WHAT:
+        raise SceneError(f"of = {of!r}: allowed: {', '.join(WHAT)}")
+    return Asked(scene.model_dump_json(exclude_none=True), of, trajectories, seed, skip)
+
+
+def to_text(found: Any) -> str:
+    """A line of JSON; its numbers are read back as they were, NaN too."""
+    return json.dumps(found, separators=(",", ":"))

@@ -1,0 +1,92 @@
+"""The result of a sweep: one dataset, and its Zarr store."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.sweeps.cases import Cases
+from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, Values
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: About what is said of every case in words
+_WORDS = {
+    "outcome": "what becomes of the bead, or of the case",
+    "reason": "why a case failed",
+    "caveat": "what speaks against the numbers of a case",
+}
+
+
+def dataset_of(
+    cases: Cases, of: str, done: Mapping[int, Values], attributes: Mapping[str, str]
+) -> xr.Dataset:
+    """The cases that are done, in their order; the others are marked."""
+    import xarray as xr
+
+    names = [axis.name for axis in cases.axes]
+    rows = [done.get(case, {"outcome": MISSING}) for case in range(cases.count)]
+    variables: dict[str, Any] = {}
+    for name, about in _WORDS.items():
+        words = np.array([row.get(name, "") for row in rows], dtype=str).reshape(cases.shape)
+        variables[name] = names, words, {"long_name": about}
+    if of == "trap":
+        held = np.array(["stiffness" in row for row in rows]).reshape(cases.shape)
+        about = "whether the trap holds the bead; false too of a case that failed"
+        variables["trapped"] = names, held, {"long_name": about}
+    for name, quantity in QUANTITIES[of].items():
+        over = [quantity.dimension] if quantity.dimension else []
+        for each, about in ((name, quantity.about), (f"{name}_error", f"error of {name}")):
+            if each != name and not quantity.error:
+                continue
+            shape = [len(DIMENSIONS[dimension]) for dimension in over]
+            missing = np.full(shape, np.nan)
+            values = np.array([row.get(each, missing) for row in rows], np.float64)
+            described = {"units": quantity.unit, "long_name": about}
+            if each == name and quantity.error:
+                described["ancillary_variables"] = f"{name}_error"
+            variables[each] = [*names, *over], values.reshape(*cases.shape, *shape), described
+    coordinates: dict[str, Any] = {}
+    for axis in cases.axes:
+        for varied in axis.varied:
+            described = {"units": varied.unit} if varied.unit else {}
+            values = np.array(varied.values)
+            coordinates[varied.key] = axis.name, values, {**described, "long_name": varied.about}
+    for dimension in dict.fromkeys(each.dimension for each in QUANTITIES[of].values()):
+        if not dimension:
+            continue
+        coordinates[dimension] = (dimension,), np.array(DIMENSIONS[dimension]), {}
+    failed = sum(row["outcome"] == FAILED for row in rows)
+    counted = {"cases": cases.count, "cases_failed": failed, "cases_done": len(done)}
+    status = "complete" if len(done) == cases.count else "interrupted"
+    return xr.Dataset(variables, coordinates, {**attributes, **counted, "status": status})
+
+
+def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
+    """Write the store as a whole or not at all."""
+    shutil.rmtree(new, ignore_errors=True)
+    with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
+        dataset.to_zarr(new, mode="w-", zarr_format=3, consolidated=True)
+    new.replace(out)
+
+
+def read(out: Path) -> xr.Dataset:
+    """The store of a sweep, in memory. Raises `ResultError` if it is none."""
+    import xarray as xr
+
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            dataset = xr.open_zarr(out, chunks=None).load()
+        json.loads(dataset.attrs["over"])
+    except Exception as error:  # Zarr raises of any kind where a file is damaged
+        reason = " ".join(str(error).split())
+        raise ResultError(f"{out}: not a sweep: {reason}") from None
+    return dataset

@@ -1,0 +1,189 @@
+"""Many scenes that differ in a few keys."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import json
+from collections.abc import Callable, Generator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tweezer.errors import ResultError, SceneError
+from tweezer.scene import Scene, checked_scene
+from tweezer.sweeps.cases import Cases, cases_of
+from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, telling
+from tweezer.sweeps.pool import Done, client_of, cluster, cores, here, processes, tasks_of
+from tweezer.sweeps.quantities import Asked, asked_of
+from tweezer.sweeps.result import dataset_of, read, write
+from tweezer.units import to_si
+from tweezer.version import versions
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+    from distributed import Client
+
+#: Cases as they are finished
+Results = Generator[Done, None, None]
+#: What computes the cases
+Computing = Callable[..., Results]
+
+#: Version of the files; those of another version cannot be resumed
+FORMAT = "1"
+#: Largest number of processes
+_MOST = 10_000
+
+
+def sweep(
+    scene: Scene,
+    over: Mapping[str, Any] | pd.DataFrame | xr.Dataset | None = None,
+    of: str = "trap",
+    out: str | Path | None = None,
+    *,
+    cases: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None = None,
+    trajectories: int = 100,
+    seed: int = 0,
+    skip: float | str = 0.0,
+    workers: int | None = None,
+    scheduler: str | Client | None = None,
+    resume: bool = False,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Compute the same of many scenes that differ in a few keys.
+
+    over: values by key, such as {"bead.diameter": ["0.5 um", 1e-6]}, each in SI or text with a
+    unit; every combination of them is a case. A table (pandas, xarray) is taken as `cases`. cases:
+    a table with a column for each key and a row for each case, or the name of such a CSV file, with
+    a unit in the heading, "beam.power [mW]", or in the cells; beside `over` each row is computed
+    for each combination. of: "trap" (`tweezer.characterise`), "run" (`tweezer.simulate` and
+    `summarise`), "ensemble" (the statistics of `tweezer.ensemble`, of so many `trajectories`) or
+    "calibrate" (`tweezer.calibrate` of a run). seed: of thermal motion, the same in every case.
+    skip: s or text, the time left out at the beginning by "ensemble" and "calibrate".
+
+    out: the Zarr store to write; in memory if not given. workers: processes of this machine, by
+    default one for each core; 1 is this process. scheduler: address of a Dask scheduler, or a
+    `distributed.Client`, whose workers compute in their place. resume: continue the sweep at `out`,
+    if there is one. progress: called with the finished part.
+
+    Returns a dataset over the swept keys, in SI with their units (over `case`, for a table). Each
+    quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
+    of a trap the equilibrium, stiffness and corner frequency (axis), escape force and escape energy
+    in k_B T (direction), and whether the bead is `trapped`; of others, see `tweezer.sweeps`. Errors
+    of a trap are those of the force of the light, by its theory: `caveat` says in words what ray
+    optics is worth. `outcome` says what becomes of each case; one that "failed" has its `reason`,
+    and NaN for numbers. The attribute `status` is "complete", or "interrupted" of a dataset with
+    the cases reached before Ctrl-C, which can be resumed.
+
+    The numbers do not depend on workers and interruptions.
+
+    Raises `SceneError` for keys and values that are none, and if no case is a valid scene;
+    `ResultError` if `out` exists and is not to be resumed, is of another sweep, or cannot be
+    written.
+    """
+    checked_scene(scene)
+    grid = cases_of(over, cases)
+    asked = asked_of(scene, of, trajectories, seed, _seconds(skip))
+    count = _workers(workers, scheduler)
+    _check_some_case(asked, grid)
+    path = None if out is None else Path(out).absolute()
+    if path is not None and path.suffix != ".zarr":
+        raise ResultError(f"{out}: must end in .zarr")
+    attributes = _attributes(asked, grid, scene)
+    with contextlib.ExitStack() as stack:
+        if path is not None:
+            stack.enter_context(at_work(path))
+            if path.exists():
+                return _finished(path, attributes, resume=resume)
+        computing: Computing = here
+        if scheduler is not None:
+            client = stack.enter_context(client_of(scheduler))
+            count = max(1, sum(client.nthreads().values()))
+            computing = functools.partial(cluster, client=client)
+        elif count > 1:
+            computing = functools.partial(processes, workers=count)
+        journal = Journal(path, attributes, resume=resume)
+        complete = False
+        try:
+            with contextlib.suppress(KeyboardInterrupt):
+                left = set(range(grid.count)) - journal.done.keys()
+                results = computing(asked, tasks_of(grid, of, left, count))
+                _record(results, journal, grid.count, progress)
+            dataset = dataset_of(grid, of, journal.done, attributes)
+            complete = dataset.attrs["status"] == "complete"
+            if complete and path is not None:
+                with telling(path):
+                    write(dataset, journal.new, path)
+        finally:
+            journal.close(complete=complete)
+    return dataset
+
+
+def _record(
+    results: Results, journal: Journal, count: int, progress: Callable[[float], None] | None
+) -> None:
+    """Take each case as it comes; an interruption ends those that compute."""
+    with contextlib.closing(results):
+        for case, values in results:
+            journal.take(case, values)
+            if progress:
+                progress(len(journal.done) / count)
+
+
+def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
+    """What the result says of itself, and what it is known by when it is resumed."""
+    drawn = {"seed": str(asked.seed)} if asked.of != "trap" else {}
+    if asked.of == "ensemble":
+        drawn["trajectories"] = str(asked.trajectories)
+    if asked.of in ("ensemble", "calibrate"):
+        drawn["skip"] = f"{asked.skip!r} s"
+    return {
+        "title": scene.title,
+        "of": asked.of,
+        "over": json.dumps(grid.describe()),
+        **drawn,
+        "scene": asked.scene,
+        "format": FORMAT,
+        **versions(),
+    }
+
+
+def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.Dataset:
+    """The sweep that is there already. Raises `ResultError` unless it is this one."""
+    if not resume:
+        raise ResultError(f"{path}: exists; resume it, or name another file")
+    dataset = read(path)
+    check_same(path, dataset.attrs, attributes)
+    remove_part(path.with_name(path.name + ".part"))
+    return dataset
+
+
+def _check_some_case(asked: Asked, grid: Cases) -> None:
+    """Raises the `SceneError` of the first case if no case is valid."""
+    first = None
+    for case in range(grid.count):
+        try:
+            asked.check(asked.case(grid.settings(case)))
+        except SceneError as error:
+            first = first or error
+        else:
+            return
+    if first:
+        raise first
+
+
+def _workers(workers: int | None, scheduler: object) -> int:
+    if workers is None:
+        return cores()
+    if scheduler is not None:
+        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+    if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= _MOST:
+        raise SceneError(f"workers = {workers!r}: must be a whole number from 1 to {_MOST}")
+    return workers
+
+
+def _seconds(skip: float | str) -> float:
+    try:
+        return to_si(skip, "s", 0.0)
+    except ValueError as error:
+        raise SceneError(f"skip = {skip!r}: {error}") from None
