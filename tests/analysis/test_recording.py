@@ -193,38 +193,33 @@ def rows(count=150, **changed):
      ("a.csv", rows(0), "has 0 samples"),
      ("a.csv", "", "has no column t and no column x; headings are such as"),
      ("a.csv", "t,y\n0,1\n", "has no column x among 't', 'y'; headings are such as"),
-     ("a.csv", rows(l1="frame,x"), "has no column t among 'frame', 'x'; headings are such as "
-      '"t [s]" and "x [um]"; frames are no times: divide them by their rate'),
-     ("a.csv", rows(l1="t,x_px"), "has no column x among 't', 'x_px'"),
-     ("a.csv", rows(l1="0,1e-9"), "has no column t and no column x among '0', '1e-9'"),
+     ("a.csv", rows(l1="frame,x"), "has frames and no times; give their rate, such as --rate"),
+     ("a.csv", rows(l1="t,x_px"), "x_px: is in pixels; give the length of one, such as --scale"),
+     ("a.csv", rows(l1="0,1e-9"), "has no headings over its 2 columns; name them in their order: "
+      '--columns "t [s],x [um]"'),
      ("a.csv", "t," + ",".join(f"c{i}" for i in range(999)), "'c7', 'c8', ...; headings are"),
      ("a.csv", rows(l1="t,x [kg]"), "x [kg]: 'kg' has the wrong unit; must be convertible to m"),
-     ("a.csv", rows(l1="t,x [px]"), "x [px]: 'px' has a unit that is not known; must be "
-      "convertible to m, such as um, nm, mm; scale the column to lengths first"),
      ("a.csv", rows(l1="t,x/A"), "x/A: 'A' has a unit that is not known"),
      ("a.csv", rows(l1="t [furlong],x"), "t [furlong]: 'furlong' has"),
      ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!"), "has no column x"),
-     ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!)"), "has a unit that is not known"),
+     ("a.csv", rows(l1="t,x (" + 100_000 * " " + "!)"), "has no column x"),
      ("a.csv", rows(l60='0.058,"5'), "line 60: a quote is not closed"),
      ("a.csv", rows(l60="0.058," + 200_000 * "5"), "not finite"),
      ("a.csv", rows(l60="0.058," + 200_000 * "x"), "xxx...' is not a number"),
      ("a.csv", rows(l2="0,0,1,5"), "line 2: has 4 cells for 2 headings; decimals need a point"),
-     ("a.csv", rows().replace(",", ";").replace(".", ","), "line 3: '0,001' is not a number; "
-      "decimals need a point"),
      ("a.csv", rows(l60="0.058,five"), "line 60: 'five' is not a number"),
-     ("a.csv", rows(l60="0.058,"), "line 60: '' is not a number"),
-     ("a.csv", rows(l60="0.058"), "line 60: '' is not a number"),
-     ("a.csv", rows(l60="0.058,nan"), "sample 59: not finite; calibrate the samples before"),
+     ("a.csv", rows(l60="0.058,", l61="0.059"), "2 of 150 samples are missing; the longest "
+      "stretch without a gap has 90 samples, and must have 100 or more"),
+     ("a.csv", rows(**{f"l{i}": f"{i},nan" for i in range(2, 152)}), "has no row in which all"),
      ("a.csv", rows(l60="inf,1"), "sample 59: not finite"),
      ("a.csv", rows(l60="0.057,1"), "sample 59: its time is not after the one before"),
      ("a.csv", rows(l60="0.0584,1"), "sample 59: its time breaks the even step of 0.001 s"),
-     ("a.csv", rows().replace("0.058,2e-9\n", ""), "sample 59: its time breaks the even step"),
      ("a.csv", "t,x\n" + "".join(f"{i},1\n" for i in range(150)), "x does not change"),
      ("a.nc", "t,x", "not an HDF5 or NetCDF 4 file, or damaged"),
      ("a.csv", rows(l1="t,x [um],x [nm]"), "two columns for x"),
      ("a.csv", rows(l1="t,time,x"), "two columns for t"),
      ("a.csv", "t,x\n" + "".join(f"{i},{i % 7}\n" for i in range(150)), "Is its unit missing?"),
-     ("a.xlsx", "t,x", "must end in .csv, .tsv, .txt, .h5, .hdf5, .nc")],
+     ("a.xlsx", "t,x", "must end in .csv, .tsv, .txt, .dat")],
 )  # fmt: skip
 def test_bad_tables_are_refused_in_one_line(command_line, name, text, complaint):
     Path(name).write_text(text, encoding="utf-8")
@@ -248,8 +243,8 @@ def test_bad_binaries_are_refused(tmp_path):
 
     t = np.arange(150.0)
     assert "t, x: must have the same length" in refused(t=t, x=t[:140])
-    assert "x: must be a one-dimensional array" in refused(t=t, x=np.ones((150, 2)))
-    assert "x: must be a one-dimensional array" in refused(t=t, x="text")
+    assert "has no column x among 't', 'x:1', 'x:2'" in refused(t=t, x=np.ones((150, 2)))
+    assert "has no column x among 't'" in refused(t=t, x="text")
     assert "has no column t" in refused(x=t)
     with pytest.raises(tweezer.ResultError, match="no such file"):
         tweezer.load_recording(tmp_path / "none.csv")
@@ -290,7 +285,7 @@ def test_numbers_in_other_files_are_refused(tmp_path, way):
         else:
             file["beside/x"] = h5py.ExternalLink("other.h5", "x")
             file["x"] = h5py.SoftLink("/beside/x")
-    with pytest.raises(tweezer.ResultError, match="h5: x: lies in another file; must be in"):
+    with pytest.raises(tweezer.ResultError, match=r"h5: (beside/)?x: lies in another file"):
         tweezer.load_recording(tmp_path / "mine.h5")
 
 

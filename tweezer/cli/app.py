@@ -28,6 +28,27 @@ Changes = Annotated[
         help='Change the scene: --set "beam.power=80 mW". May be repeated.', metavar="KEY=VALUE"
     ),
 ]
+Columns = Annotated[
+    str | None,
+    typer.Option(
+        help='Columns of a table, by their headings in their order: "t [s],-,x [um]"; or each by '
+        'its heading or number: "t=Zeit,x=4".',
+        metavar="NAMES",
+    ),
+]
+Rate = Annotated[
+    str | None,
+    typer.Option(
+        help='Of the rows of a table without a time, or of the frames that it counts: "15 Hz".',
+        metavar="RATE",
+    ),
+]
+Scale = Annotated[
+    str | None,
+    typer.Option(
+        help='Length of a pixel or a volt: "85.8 nm", "11.66 px/um", "0.5 um/V".', metavar="LENGTH"
+    ),
+]
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
 FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
 

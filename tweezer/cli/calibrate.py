@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import FigureFile, JsonFile, app, quantity_in
+from tweezer.cli.app import Columns, FigureFile, JsonFile, Rate, Scale, app, quantity_in
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
@@ -40,8 +40,8 @@ def calibrate(
     recordings: Annotated[
         list[str],
         typer.Argument(
-            help="NetCDF file of a run; or CSV, HDF5 or NetCDF with t, x, y, z. Several of one "
-            "trap are put together.",
+            help="NetCDF file of a run; or a table with t, x, y, z: CSV, HDF5, .npy, .mat, TDMS. "
+            "Several of one trap are put together.",
             metavar="RECORDING...",
         ),
     ],
@@ -82,6 +82,9 @@ def calibrate(
         str | None,
         typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
     ] = None,
+    columns: Columns = None,
+    rate: Rate = None,
+    scale: Scale = None,
     drive: Annotated[
         str | None,
         typer.Option(
@@ -142,7 +145,10 @@ def calibrate(
     places, shift = _places(focus, focal_shift, len(recordings))
     if places and "fluid-density" in given:
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
-    loaded = [load_recording(each, drive).since(skipped) for each in recordings]
+    loaded = [
+        load_recording(each, drive, columns=columns, rate=rate, scale=scale).since(skipped)
+        for each in recordings
+    ]
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
     if len(asked) > 1:
         raise ResultError("--wall gives what --focus finds; must be one of them")

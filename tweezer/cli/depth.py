@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import Changes, FigureFile, JsonFile, app, quantity_in, scene_with, settings_of
+from tweezer.cli.app import (
+    Changes,
+    Columns,
+    FigureFile,
+    JsonFile,
+    Rate,
+    Scale,
+    app,
+    quantity_in,
+    scene_with,
+    settings_of,
+)
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
@@ -32,7 +43,8 @@ def fit_depth(
     track: Annotated[
         str,
         typer.Argument(
-            help="CSV, HDF5 or NetCDF with t, x, y; or NetCDF file of a run.", metavar="TRACK"
+            help="Table with t, x, y: CSV, HDF5, .npy, .mat; or NetCDF file of a run.",
+            metavar="TRACK",
         ),
     ],
     scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.", metavar="SCENE")],
@@ -50,6 +62,9 @@ def fit_depth(
             metavar="NAME",
         ),
     ] = None,
+    columns: Columns = None,
+    rate: Rate = None,
+    scale: Scale = None,
     set: Changes = None,
     out: JsonFile = None,
     plot: FigureFile = None,
@@ -73,7 +88,7 @@ def fit_depth(
     from tweezer.analysis import load_track
     from tweezer.optics import ray_optics_worth
 
-    loaded = load_track(track)
+    loaded = load_track(track, columns=columns, rate=rate, scale=scale)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
         raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
     with showing_progress(described.name, 1.0) as progress:

@@ -1,0 +1,22 @@
+"""Tables of positions over time, as programs of measurement write them: text, arrays, HDF5, TDMS.
+
+A file is opened as a `Table` of columns; those that are wanted are chosen by their headings, or by
+name (`Reading`), and put into SI units (`read_table`). `without_gaps` is the rule on what lacks.
+"""
+
+from tweezer.reading.columns import Columns, Wanted
+from tweezer.reading.formats import HDF5, damaged, read_table
+from tweezer.reading.gaps import without_gaps
+from tweezer.reading.hdf5 import datasets
+from tweezer.reading.options import Reading
+
+__all__ = [
+    "HDF5",
+    "Columns",
+    "Reading",
+    "Wanted",
+    "damaged",
+    "datasets",
+    "read_table",
+    "without_gaps",
+]

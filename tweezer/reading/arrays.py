@@ -1,0 +1,115 @@
+"""Arrays in files of NumPy and MATLAB."""
+
+from __future__ import annotations
+
+import zipfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.errors import ResultError
+from tweezer.reading.table import (
+    MOST_SAMPLES,
+    Array,
+    Column,
+    Table,
+    column_of,
+    columns_of,
+    last_part,
+    rate_among,
+)
+
+#: Largest number of bytes of an array in a packed file
+_MOST_BYTES = 64 * MOST_SAMPLES
+#: How deep structures within structures are read
+_DEPTH = 4
+
+
+def open_numpy(path: Path) -> Table:
+    """The columns of a .npy, or of the arrays of a .npz by their names."""
+    if path.suffix.lower() == ".npz":
+        with zipfile.ZipFile(path) as packed:
+            if any(each.file_size > _MOST_BYTES for each in packed.infolist()):
+                raise ResultError(f"{path}: has more than {MOST_SAMPLES:,} samples")
+        with np.load(path, allow_pickle=False) as arrays:
+            return table_of_arrays(str(path), dict(arrays))
+    array = np.load(path, mmap_mode="r", allow_pickle=False)
+    if array.dtype.names:
+        return table_of_arrays(str(path), {name: array[name] for name in array.dtype.names})
+    table = table_of_arrays(str(path), {"": array})
+    return Table(
+        table.name,
+        [Column(f"{i + 1}", "") for i in range(len(table.columns))],
+        table.numbers,
+        headed=False,
+    )
+
+
+def open_matlab(path: Path) -> Table:
+    """The columns of a .mat of version 4 to 7."""
+    from scipy.io import loadmat, matlab, whosmat
+
+    for name, shape, _ in whosmat(path):
+        columns_of(str(path), name, name, shape)
+    variables = loadmat(path, squeeze_me=True, struct_as_record=False)
+    arrays, opaque = {}, False
+    for name, value in _fields(variables, _DEPTH):
+        if isinstance(value, matlab.MatlabOpaque):
+            opaque = True
+        elif isinstance(value, np.ndarray | int | float):
+            arrays[name] = np.asarray(value)
+    table = table_of_arrays(str(path), arrays)
+    if opaque and not table.columns:
+        raise ResultError(
+            f"{path}: has tables or timetables of MATLAB, which it alone reads; save their columns "
+            "as arrays, or with writetable as CSV"
+        )
+    return table
+
+
+def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str, Any]]:
+    """Variables, and fields of structures, by their names with dots."""
+    from scipy.io import matlab
+
+    of = variables if isinstance(variables, dict) else vars(variables)
+    for name, value in of.items():
+        if name.startswith("_"):
+            continue
+        if isinstance(value, matlab.mat_struct):
+            if depth:
+                yield from _fields(value, depth - 1, f"{before}{name}.")
+        else:
+            yield f"{before}{name}", value
+
+
+def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
+    """The columns of arrays: each a column, or rows of several. A number alone may be the rate."""
+    columns: list[Column] = []
+    places: list[tuple[str, int]] = []
+    scalars = {}
+    for label, array in arrays.items():
+        if array.dtype.kind not in "fiu":
+            continue
+        if array.size == 1:
+            scalars[label] = float(array.reshape(()))
+            continue
+        found = columns_of(name, label, last_part(label), array.shape)
+        columns += found
+        places += [(label, number) for number in range(len(found))]
+
+    def numbers(chosen: Sequence[int]) -> list[Array]:
+        made = []
+        for index in chosen:
+            label, number = places[index]
+            array = arrays[label]
+            made.append(
+                column_of(
+                    array if array.ndim == 1 or min(array.shape) > 1 else array.ravel(), number
+                )
+            )
+        return made
+
+    return Table(name, columns, numbers, rate_beside=rate_among(scalars))

@@ -1,0 +1,331 @@
+"""Which columns of a table are read, and their numbers in SI units."""
+
+from __future__ import annotations
+
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.reading.headings import AROUND, AXES, PIXEL, SI, factor_of, of_the_drive, understood
+from tweezer.reading.options import Chosen, Reading
+from tweezer.reading.table import Array, Table
+
+#: Largest number of headings in an error message
+_NAMES_TOLD = 10
+#: Largest deviation of the rate from that of a column of times, over it
+_RATE_OFF = 0.05
+
+
+class Wanted(NamedTuple):
+    """What a table is read for."""
+
+    axes: tuple[str, ...]
+    """coordinates that it must have"""
+    volts: bool = False
+    """whether positions may be voltages"""
+
+
+class Columns(NamedTuple):
+    """The numbers of a table."""
+
+    times: Array
+    """s"""
+    columns: dict[str, Array]
+    """x, y, z as far as there, and drive; in SI units, or V"""
+    unit: str
+    """of x, y and z: "m" or "V\""""
+    note: str
+    """what was done to the numbers"""
+
+
+class _Place(NamedTuple):
+    """A column that is read."""
+
+    column: int
+    """its number, from 0"""
+    units: tuple[str, ...] = ()
+    """that it is said to be in, by who chose it, by its heading and beside it"""
+
+
+def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
+    """The columns of `table` that are wanted.
+
+    Raises `ResultError`, naming the file, and what to do about it where that is known.
+    """
+    places = _places(table, reading, wanted)
+    _refuse_many_beads(table)
+    axes = [axis for axis in AXES if axis in places]
+    factors = {
+        name: _factor(table, name, place, reading, wanted) for name, place in places.items()
+        if name != "frame"
+    }  # fmt: skip
+    units = {axis: factors[axis][1] for axis in axes}
+    if other := [axis for axis in axes if units[axis] != units[axes[0]]]:
+        raise ResultError(
+            f"{table.name}: {axes[0]} is in {units[axes[0]]}, and {other[0]} in "
+            f"{units[other[0]]}; must be in one unit"
+        )
+    values = dict(
+        zip(places, table.numbers([place.column for place in places.values()]), strict=True)
+    )
+    if len({len(each) for each in values.values()}) > 1:
+        raise ResultError(f"{table.name}: {', '.join(values)}: must have the same length")
+    values = {
+        name: each if name == "frame" else factors[name][0] * each for name, each in values.items()
+    }
+    chosen = [table.columns[place.column] for place in places.values()]
+    notes = dict.fromkeys(column.note for column in chosen if column.note)
+    steps = {column.step for column in chosen if column.step is not None}
+    if len(steps) > 1:
+        raise ResultError(f"{table.name}: {', '.join(values)}: must have one rate")
+    times = _times(table, reading, values, min(steps, default=None))
+    columns = {name: each for name, each in values.items() if name not in ("t", "frame")}
+    return Columns(times, columns, units[axes[0]], "; ".join(notes))
+
+
+def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]:
+    """The place of each column that is read."""
+    if reading.columns:
+        places = {each.quantity: _place(table, each) for each in reading.columns}
+        if not {"t", "frame"} & set(places) and reading.rate is None:
+            by_heading = _by_headings(table)
+            places |= {each: by_heading[each] for each in ("t", "frame") if each in by_heading}
+    elif not table.headed:
+        count = len(table.columns)
+        names = ["t [s]", "x [um]", "y [um]", *["-"] * count][:count]
+        if count == 1 or reading.rate:
+            names = ["x [um]", "y [um]", "z [um]", *["-"] * count][:count]
+        raise ResultError(
+            f"{table.name}: has no headings over its {count} column{'s' * (count > 1)}; name them "
+            f'in their order: --columns "{",".join(names)}"'
+        )
+    else:
+        places = _by_headings(table)
+    if reading.drive is not None:
+        driving = [
+            (index, found.unit)
+            for index, column in enumerate(table.columns)
+            if (found := of_the_drive(column.heading, reading.drive)) is not None
+        ]
+        if len(driving) > 1:
+            raise ResultError(f"{table.name}: two columns for {reading.drive}")
+        for index, unit in driving:
+            places = {name: place for name, place in places.items() if place.column != index}
+            beside = table.columns[index].unit
+            places["drive"] = _Place(index, tuple(each for each in (unit, beside) if each))
+    missing = [axis for axis in wanted.axes if axis not in places]
+    if reading.drive is not None and "drive" not in places:
+        missing.append(reading.drive)
+    timed = {"t", "frame"} & set(places) or reading.rate is not None or _has_rate(table, places)
+    if missing or not timed:
+        _refuse_missing(table, [*([] if timed else ["t"]), *missing])
+    if "t" in places and "frame" in places:
+        del places["t" if reading.rate is not None else "frame"]
+    if "frame" in places and reading.rate is None and not _has_rate(table, places):
+        raise ResultError(
+            f'{table.name}: has frames and no times; give their rate, such as --rate "15 Hz"'
+        )
+    return places
+
+
+def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
+    """Whether cells of a text are the headings of the columns that are wanted."""
+    names = [_folded(cell) for cell in cells]
+    if called := [_folded(each.heading) for each in reading.columns if each.heading]:
+        return all(
+            any(name.startswith(each.partition("[")[0]) for name in names) for each in called
+        )
+    named = {understood(cell).quantity for cell in cells}
+    driven = reading.drive is None or any(of_the_drive(cell, reading.drive) for cell in cells)
+    return driven and named >= {*wanted.axes}
+
+
+def _has_rate(table: Table, places: dict[str, _Place]) -> bool:
+    return any(table.columns[place.column].step is not None for place in places.values())
+
+
+def _place(table: Table, chosen: Chosen) -> _Place:
+    """The place of a column that is chosen by its number, or by its name or heading."""
+    unit = chosen.unit
+    if chosen.place is None:
+        index, unit = _called(table, chosen)
+    elif chosen.place < len(table.columns):
+        index = chosen.place
+    else:
+        raise ResultError(
+            f"{table.name}: has {len(table.columns)} columns; there is no number "
+            f"{chosen.place + 1} for {chosen.quantity}"
+        )
+    column = table.columns[index]
+    units = unit, understood(column.heading).unit, column.unit
+    given = tuple(each for each in units if each)
+    return _Place(index, tuple(each for each in given if _is_known(each, chosen.quantity)) or given)
+
+
+def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
+    """The column that is called so, and the unit in brackets behind the name."""
+    names = [_folded(column.name) for column in table.columns]
+    headings = [_folded(column.heading) for column in table.columns]
+    called, unit = chosen.heading, None
+    if called.endswith("]") and _folded(called) not in names + headings:
+        called, _, unit = called[:-1].rpartition("[")
+    name = _folded(called)
+    alike = [index for index, each in enumerate(names) if each == name]
+    alike = alike or [index for index, each in enumerate(headings) if each == name]
+    alike = alike or [
+        index for index, each in enumerate(headings)
+        if each.startswith(name) and each[len(name) :].lstrip().startswith(("[", "("))
+    ]  # fmt: skip
+    if len(alike) != 1:
+        which = "two columns are" if alike else "no column is"
+        raise ResultError(
+            f"{table.name}: {which} called {called.strip()!r}{_there(table)}; columns have numbers "
+            f'too, such as "{chosen.quantity}=1"'
+        )
+    return alike[0], unit
+
+
+def _folded(name: str) -> str:
+    return " ".join(name.strip(AROUND).lower().split())
+
+
+def _is_known(unit: str, quantity: str) -> bool:
+    try:
+        factor_of(unit, quantity)
+    except (ValueError, KeyError):
+        return False
+    return True
+
+
+def _by_headings(table: Table) -> dict[str, _Place]:
+    """The columns whose headings name a quantity; of several those without words beside it."""
+    found: dict[str, list[tuple[bool, _Place]]] = {}
+    for index, column in enumerate(table.columns):
+        heading = understood(column.heading)
+        if heading.quantity is None or heading.quantity == "beads":
+            continue
+        units = tuple(each for each in (heading.unit, column.unit) if each)
+        units = units or tuple(each for each in (heading.assumed,) if each)
+        found.setdefault(heading.quantity, []).append((heading.plain, _Place(index, units)))
+    places = {}
+    for quantity, alike in found.items():
+        first = [place for plain, place in alike if plain] or [place for _, place in alike]
+        if len(first) > 1:
+            names = [table.columns[place.column].name.strip(AROUND) for place in first]
+            raise ResultError(
+                f"{table.name}: two columns for {quantity}: {names[0]!r} and {names[1]!r}; name "
+                f'those to be read, such as --columns "{quantity}={names[0]}"'
+            )
+        places[quantity] = first[0]
+    return places
+
+
+def _refuse_missing(table: Table, missing: list[str]) -> NoReturn:
+    named = "t=...,x=..." if "t" in missing else ",".join(f"{each}=..." for each in missing)
+    way = f'headings are such as "t [s]" and "x [um]"; name others with --columns "{named}"'
+    if missing == ["t"]:
+        rate = f"it has {table.rate_beside}, perhaps its rate: " if table.rate_beside else ""
+        way += f'; of rows at even times give the rate, {rate}--rate "1 kHz"'
+    columns = " and ".join(f"no column {each}" for each in missing)
+    raise ResultError(f"{table.name}: has {columns}{_there(table)}; {way}")
+
+
+def _there(table: Table) -> str:
+    names = [short(column.name.strip(AROUND)) for column in table.columns]
+    more = ", ..." if len(names) > _NAMES_TOLD else ""
+    return f" among {', '.join(map(repr, names[:_NAMES_TOLD]))}{more}" if any(names) else ""
+
+
+def short(text: str) -> str:
+    """The text, cut to fit into a line."""
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _factor(
+    table: Table, quantity: str, place: _Place, reading: Reading, wanted: Wanted
+) -> tuple[float, str]:
+    """Factor of a column to SI, and its unit."""
+    heading = short(table.columns[place.column].heading.strip(AROUND)) or quantity
+    found: dict[tuple[float, str], str] = {}
+    for unit in place.units:
+        try:
+            found[factor_of(unit, quantity)] = unit
+        except ValueError as error:
+            raise ResultError(f"{table.name}: {heading}: {short(unit)!r} {error}") from None
+    if len(found) > 1:
+        first, second, *_ = found.values()
+        raise ResultError(f"{table.name}: {heading}: is in {first}, and in {second}")
+    scale = reading.scale if quantity in AXES else None
+    factor, unit = next(iter(found), (1.0, scale.of if scale else SI[quantity]))
+    if scale is not None:
+        if unit != scale.of:
+            of = "pixels" if scale.of == PIXEL else "volts"
+            raise ResultError(
+                f"{table.name}: {heading}: is in {unit}, and --scale is for positions in {of}"
+            )
+        return factor * scale.metres, "m"
+    if unit == PIXEL:
+        raise ResultError(
+            f"{table.name}: {heading}: is in pixels; give the length of one, such as --scale "
+            '"85.8 nm"'
+        )
+    if unit == "V" and not wanted.volts:
+        raise ResultError(
+            f'{table.name}: {heading}: is in volts; give their length, such as --scale "0.5 um/V"'
+        )
+    return factor, unit
+
+
+def _times(table: Table, reading: Reading, values: dict[str, Array], step: float | None) -> Array:
+    """The times of the rows, s."""
+    rate = reading.rate if reading.rate is not None else step and 1 / step
+    if "frame" in values:
+        frames = values["frame"]
+        assert rate is not None
+        if (frames[np.isfinite(frames)] % 1 != 0).any():
+            raise ResultError(f"{table.name}: frame: must be whole numbers")
+        return frames / rate
+    if "t" not in values:
+        assert rate is not None
+        return np.arange(len(next(iter(values.values())))) / rate
+    times = values["t"]
+    if reading.rate is None:
+        return times
+    return _at_even_times(table.name, times, reading.rate)
+
+
+def _at_even_times(name: str, times: Array, rate: float) -> Array:
+    """The times of samples at that rate, whose stamps are `times`: whole steps after the first."""
+    dated = np.isfinite(times)
+    steps = np.diff(times[dated]) * rate
+    if not len(steps):
+        return times
+    if abs(np.median(steps) - 1) > _RATE_OFF:
+        raise ResultError(
+            f"{name}: its times have {rate / np.median(steps):.6g} Hz, and --rate is {rate:g} Hz"
+        )
+    if (steps < 0.5).any():
+        raise ResultError(
+            f"{name}: its times are off those of --rate by half a step and more; name the columns "
+            'without the time if the rows are at that rate: --columns "x=..."'
+        )
+    even = times.copy()
+    even[dated] = times[dated][0] + np.concatenate([[0.0], np.cumsum(np.rint(steps))]) / rate
+    return even
+
+
+def _refuse_many_beads(table: Table) -> None:
+    for index, column in enumerate(table.columns):
+        if understood(column.heading).quantity != "beads":
+            continue
+        try:
+            (numbers,) = table.numbers([index])
+        except ResultError:  # names of beads
+            continue
+        beads = len(np.unique(numbers[np.isfinite(numbers)]))
+        if beads > 1:
+            raise ResultError(
+                f"{table.name}: has {beads} beads in its column {column.name.strip(AROUND)!r}; "
+                "keep the rows of one of them in a file of its own"
+            )

@@ -1,0 +1,68 @@
+"""The kinds of files that tables are read from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+
+from tweezer.errors import ResultError
+from tweezer.reading.arrays import open_matlab, open_numpy
+from tweezer.reading.columns import Columns, Wanted, are_headings, read
+from tweezer.reading.hdf5 import open_hdf5
+from tweezer.reading.lumicks import is_lumicks, open_lumicks
+from tweezer.reading.options import Reading
+from tweezer.reading.table import Table
+from tweezer.reading.tdms import open_tdms
+from tweezer.reading.text import open_text
+
+#: Ends of the names of texts, HDF5 files, and others
+TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
+HDF5 = (".h5", ".hdf5", ".nc")
+_NUMPY = (".npy", ".npz")
+_MATLAB, _TDMS = ".mat", ".tdms"
+_ALL = (*TEXTS, *HDF5, *_NUMPY, _MATLAB, _TDMS)
+#: What files are called by their ends, in errors
+_CALLED = {
+    **dict.fromkeys(HDF5, "an HDF5 or NetCDF 4"), **dict.fromkeys(_NUMPY, "a NumPy"),
+    _MATLAB: "a MATLAB", _TDMS: "a TDMS",
+}  # fmt: skip
+
+
+def read_table(path: Path, reading: Reading, wanted: Wanted) -> Columns:
+    """The columns of a file that are wanted, by the end of its name.
+
+    Raises `ResultError` for a file of another kind, one that is damaged, or has more samples than
+    are read, and where `read` does.
+    """
+    kind = path.suffix.lower()
+    if kind not in _ALL:
+        raise ResultError(
+            f"{path}: must end in {', '.join(_ALL)}; programs of measurement and of tables can "
+            "save .csv"
+        )
+    if kind in TEXTS:
+        text = open_text(path, lambda cells: are_headings(cells, reading, wanted))
+        return read(text, reading, wanted)
+    try:
+        return read(_opened(path, kind), reading, wanted)
+    except ResultError:
+        raise
+    except Exception as error:  # libraries raise errors of any kind for a damaged file
+        raise damaged(path, error) from None
+
+
+def _opened(path: Path, kind: str) -> Table:
+    if kind in _NUMPY:
+        return open_numpy(path)
+    if kind == _TDMS:
+        return open_tdms(path)
+    if kind == _MATLAB and not h5py.is_hdf5(path):
+        return open_matlab(path)
+    return open_lumicks(path) if is_lumicks(path) else open_hdf5(path)
+
+
+def damaged(path: Path, error: Exception) -> ResultError:
+    """The refusal of a file that cannot be read."""
+    reason = " ".join(str(error).split())
+    return ResultError(f"{path}: not {_CALLED[path.suffix.lower()]} file, or damaged: {reason}")

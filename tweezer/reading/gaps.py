@@ -1,0 +1,83 @@
+"""Samples that a recording lacks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.reading.table import Array
+
+#: Factor on the root of the number of samples: so many may be filled in. They change a variance or
+#: a diffusion by less than a tenth of its uncertainty.
+_FILLED = 0.1
+#: Deviation of steps from the usual one, over it, of times that are not even
+_UNEVEN = 0.1
+#: Deviation of a longer step from a whole number of steps, beyond which samples are not filled in
+_OFF = 0.2
+
+
+def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[Array, Array, str]:
+    """Times (n,) and columns (n, k) without gaps, and what was done about them.
+
+    A row that has no time, or lacks a column, is missing; so are rows where the time leaps. Those
+    at the beginning and the end are left out. Of N samples up to sqrt(N)/10 are filled in by
+    straight lines; of a record that lacks more, the longest stretch without a gap is taken.
+
+    Raises `ResultError` if that has fewer than `least` samples.
+    """
+    dated = ~np.isnan(times)
+    there = dated & ~np.isnan(columns).any(axis=1)
+    if not len(there):
+        return times, columns, ""
+    if not there.any():
+        raise ResultError(f"{name}: has no row in which all columns have numbers")
+    rows = np.flatnonzero(there)
+    inside = slice(rows[0], rows[-1] + 1)
+    outside = len(times) - (inside.stop - inside.start)
+    times, columns, there, dated = times[inside], columns[inside], there[inside], dated[inside]
+    times, columns, there = times[dated], columns[dated], there[dated]
+    notes = [f"{_rows(outside)} without numbers at its ends left out"] if outside else []
+    steps = np.diff(times)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    off = np.abs(steps - usual)
+    if not (steps > 0).all() or not np.isfinite(times).all() or np.median(off) > _UNEVEN * usual:
+        return times[there], columns[there], "; ".join(notes)  # refused by who takes them
+    leaps = np.maximum(np.rint(steps / usual), 1.0)
+    if there.all() and (leaps == 1).all():
+        return times, columns, "; ".join(notes)
+    whole = bool((np.abs(steps / usual - leaps)[leaps > 1] <= _OFF).all())
+    numbers = np.concatenate([[0.0], np.cumsum(leaps)])
+    every = int(numbers[-1]) + 1
+    lost = every - int(there.sum())
+    said = f"{lost:,} of {every:,} samples are missing"
+    if whole and lost <= _FILLED * math.sqrt(every):
+        grid = np.arange(every)
+        filled = [np.interp(grid, numbers[there], column[there]) for column in columns.T]
+        notes.append(f"{said}, and filled in by straight lines")
+        return np.interp(grid, numbers, times), np.stack(filled, axis=1), "; ".join(notes)
+    first, last = _longest(there, leaps)
+    if last - first < least:
+        raise ResultError(
+            f"{name}: {said}; the longest stretch without a gap has {last - first} samples, and "
+            f"must have {least} or more"
+        )
+    notes.append(
+        f"{said}: the longest stretch without a gap is taken, {last - first:,} samples from "
+        f"{times[first]:.6g} s on"
+    )
+    return times[first:last], columns[first:last], "; ".join(notes)
+
+
+def _longest(there: np.ndarray, leaps: Array) -> tuple[int, int]:
+    """Begin and end of the longest stretch of rows that are there, each a step after the other."""
+    joined = there[1:] & there[:-1] & (leaps == 1)
+    ends = np.flatnonzero(np.concatenate([~joined, [True]])) + 1
+    begins = np.concatenate([[0], ends[:-1]])
+    longest = int(np.argmax(ends - begins))
+    return int(begins[longest]), int(ends[longest])
+
+
+def _rows(count: int) -> str:
+    return f"{count:,} row{'s' if count > 1 else ''}"

@@ -1,0 +1,121 @@
+"""Datasets of HDF5 files: of users' programs, of MATLAB 7.3, NetCDF 4."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.reading.table import (
+    MOST_SAMPLES,
+    Array,
+    Column,
+    Table,
+    column_of,
+    columns_of,
+    rate_among,
+)
+
+#: How deep groups within groups are read
+_DEPTH = 4
+#: Largest number of datasets of a group that are looked at
+_MOST_ITEMS = 1000
+#: Attributes that have the unit of a dataset
+_UNIT_ATTRIBUTES = ("units", "unit", "Unit", "Units")
+
+
+def open_hdf5(path: Path) -> Table:
+    """The datasets of an HDF5 file, by their paths."""
+    columns: list[Column] = []
+    places: list[tuple[str, int]] = []
+    scalars: dict[str, float] = {}
+    with h5py.File(path) as file:
+        for name, dataset in datasets(path, file):
+            if dataset.dtype.kind not in "fiu" or dataset.shape is None:
+                continue
+            if _is_text(dataset):
+                continue
+            if dataset.size == 1:
+                scalars[name] = float(np.asarray(dataset[()]).reshape(()))
+                continue
+            heading, unit = name.rpartition("/")[2], _unit(dataset)
+            found = columns_of(str(path), name, heading, dataset.shape, unit)
+            columns += found
+            places += [(name, number) for number in range(len(found))]
+
+    def numbers(chosen: Sequence[int]) -> list[Array]:
+        with h5py.File(path) as file:
+            return [_column(file[name], number) for name, number in (places[i] for i in chosen)]
+
+    return Table(str(path), columns, numbers, rate_beside=rate_among(scalars))
+
+
+def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
+    """The datasets of a file and of groups in it, by their paths; each group once.
+
+    A dataset may claim any length without data, and may name any file as the place of its data:
+    raises `ResultError` for one with data in other files, or with more than memory holds.
+    """
+    waiting: list[tuple[str, h5py.Group, int]] = [("", file, 0)]
+    seen: set[int] = set()
+    for before, group, depth in waiting:
+        for name in islice(group, _MOST_ITEMS):
+            link, label = group.get(name, getlink=True), f"{before}{name}"
+            item = None if isinstance(link, h5py.ExternalLink) else group.get(name)
+            if isinstance(link, h5py.ExternalLink) or _lies_elsewhere(item, file):
+                raise ResultError(f"{path}: {label}: lies in another file; must be in this one")
+            if isinstance(item, h5py.Dataset):
+                if item.shape and item.shape[0] > MOST_SAMPLES:
+                    raise ResultError(
+                        f"{path}: {label}: has {item.shape[0]:,} samples; must have at most "
+                        f"{MOST_SAMPLES:,}"
+                    )
+                yield label, item
+            elif isinstance(item, h5py.Group) and depth < _DEPTH and not name.startswith("#"):
+                address = h5py.h5o.get_info(item.id).addr
+                if address not in seen:
+                    seen.add(address)
+                    waiting.append((f"{label}/", item, depth + 1))
+
+
+def _lies_elsewhere(item: Any, file: h5py.File) -> bool:
+    if item is None or item.file != file:
+        return item is not None
+    return isinstance(item, h5py.Dataset) and (bool(item.external) or item.is_virtual)
+
+
+def text_of(value: Any) -> str:
+    """An attribute as text."""
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+
+def _is_text(dataset: h5py.Dataset) -> bool:
+    return text_of(dataset.attrs.get("MATLAB_class", "")) == "char"
+
+
+def _unit(dataset: h5py.Dataset) -> str | None:
+    for name in _UNIT_ATTRIBUTES:
+        if name in dataset.attrs and np.ndim(dataset.attrs[name]) == 0:
+            return text_of(dataset.attrs[name]).strip() or None
+    return None
+
+
+def _column(dataset: h5py.Dataset, number: int) -> Array:
+    """Numbers of a column, decoded as NetCDF has them."""
+    values = dataset[()]
+    array = values.ravel() if min(values.shape) == 1 else values
+    column = column_of(array, number)
+    for name in ("_FillValue", "missing_value"):
+        if name in dataset.attrs:
+            fill = np.float64(np.ravel(dataset.attrs[name])[0])
+            column = np.where(column == fill, np.nan, column)
+    factor, offset = (
+        np.ravel(dataset.attrs.get(name, [default]))[0]
+        for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
+    )
+    return column if (factor, offset) == (1.0, 0.0) else column * factor + offset

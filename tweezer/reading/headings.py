@@ -1,0 +1,144 @@
+"""What the heading of a column says: which quantity it has, and in what unit."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from tweezer.units import FREQUENT, to_si
+
+AXES = ("x", "y", "z")
+#: SI unit of each quantity that a column may have
+SI = {"t": "s", **dict.fromkeys((*AXES, "drive"), "m")}
+#: Unit of a position on an image, whose length is not known
+PIXEL = "px"
+#: Characters that may surround a heading
+AROUND = '#%" \r\n\t\ufeff'
+
+_PIXELS = ("px", "pixel", "pixels", "pix", "pxl")
+_VOLTS = {**FREQUENT["V"], "volt": 1.0, "volts": 1.0}
+#: Words of a time
+_TIMES = {"t", "time", "times", "timestamp", "timestamps"}
+_SECONDS = {"seconds": "s", "second": "s", "secs": "s", "sec": "s"}
+#: Words beside that of a time
+_OF_TIME = {"elapsed", "relative", "stamp", "position", "pos"}
+#: Words of the number of a frame, and words beside them
+_FRAMES = {"frame", "frames", "framenumber", "image", "slice", "sample", "samples", "index"}
+_OF_FRAMES = {"number", "no", "nr", "num", "index", "idx", "id", "count"}
+#: Words of a position, which go with the name of an axis
+_POSITION = {"position", "pos"}
+_OF_AXES = {
+    *_POSITION, "positions", "coordinate", "coordinates", "coord", "coords", "displacement",
+    "deflection", "location", "centre", "center", "centroid", "com", "bead", "particle", "tracked",
+    "axis", "signal", "detector", "qpd", "psd", "voltage", "volt", "volts",
+}  # fmt: skip
+#: Words that say volts where no unit stands
+_ELECTRIC = {"voltage", "volt", "volts"}
+#: Headings of what tells several beads apart
+_BEADS = {"particle", "particle id", "track id", "trajectory", "trajectory id", "bead id"}
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W_]+")
+_JOINED = re.compile(r"(?:(?P<before>[a-z]{3,12})[xyz]|[xyz](?P<after>[a-z]{3,12}))")
+
+
+class Heading(NamedTuple):
+    """What a heading names."""
+
+    quantity: str | None
+    """t, x, y, z; frame: the number of a frame; beads: what tells beads apart; None: another"""
+    unit: str | None = None
+    """as it is written; None without one"""
+    plain: bool = False
+    """whether no other words stand beside the quantity, so that it comes before those with"""
+    assumed: str | None = None
+    """unit that a word says, where none is written"""
+
+
+def understood(heading: str) -> Heading:
+    """What the heading names.
+
+    A quantity, perhaps with words such as position or elapsed, in capitals or not; then its unit,
+    if any: in brackets, behind a slash, or behind a space or an underscore.
+    """
+    text = heading.strip(AROUND)
+    if not text or len(text) > 200:
+        return Heading(None)
+    name, unit = _split(text)
+    words = [word.lower() for word in _WORD.findall(name)]
+    if unit is None and len(words) > 1:
+        last = re.split(r"[\s_]+", name)[-1]
+        shorter = words[: -len(_WORD.findall(last))]
+        if shorter and (found := _quantity(shorter)).quantity in SI:
+            assert found.quantity is not None
+            if is_unit(last, found.quantity):
+                return found._replace(unit=last)
+    found = _quantity(words)
+    return found if unit is None else found._replace(unit=unit)
+
+
+def _split(text: str) -> tuple[str, str | None]:
+    """The name, and the unit in brackets or behind a slash."""
+    if text.endswith(("]", ")")):
+        name, opening, unit = text[:-1].rpartition("[" if text.endswith("]") else "(")
+        if opening and name:
+            return name, unit.strip()
+    elif "/" in text:
+        name, _, unit = text.partition("/")
+        return name, unit.strip()
+    return text, None
+
+
+def _quantity(words: list[str]) -> Heading:
+    of = set(words)
+    if " ".join(words) in _BEADS:
+        return Heading("beads")
+    if len(words) == 1 and words[0] in _SECONDS:
+        return Heading("t", assumed=_SECONDS[words[0]])
+    if len(of & _TIMES) == 1 and of <= _TIMES | _OF_TIME and words.count("t") < 2:
+        return Heading("t", None, not of - _TIMES - _POSITION)
+    if words and words[0] in _FRAMES and of - {words[0]} <= _OF_FRAMES:
+        return Heading("frame", None, words[0].startswith("frame"))
+    axes = [word for word in words if word in AXES]
+    beside = of - {*AXES}
+    if not axes:
+        for word in words:
+            if (match := _JOINED.fullmatch(word)) and (
+                match["before"] or match["after"]
+            ) in _OF_AXES:
+                axes.append(word[0] if match["after"] else word[-1])
+                beside = beside - {word} | {match["before"] or match["after"]}
+    if len(axes) == 1 and beside <= _OF_AXES:
+        return Heading(axes[0], None, beside <= _POSITION, "V" if beside & _ELECTRIC else None)
+    return Heading(None)
+
+
+def of_the_drive(heading: str, name: str) -> Heading | None:
+    """The heading of the motion of the stage, called `name`; None for another heading."""
+    text = heading.strip(AROUND)
+    if not text.lower().startswith(name.lower()):
+        return None
+    rest = text[len(name) :]
+    unit = rest.strip("[]()/_ ")
+    if rest and (rest[0] not in "[(/_ " or not is_unit(unit, "drive")):
+        return None
+    return Heading("drive", unit or None, plain=True)
+
+
+def is_unit(text: str, quantity: str) -> bool:
+    """Whether a column of that quantity may be in the unit `text`."""
+    try:
+        factor_of(text, quantity)
+    except ValueError:
+        return False
+    return True
+
+
+def factor_of(unit: str, quantity: str) -> tuple[float, str]:
+    """Factor from `unit` to s, m, V or pixels, and which of them.
+
+    Raises `ValueError`, saying what is allowed, for another unit.
+    """
+    if quantity in AXES and unit.lower() in _PIXELS:
+        return 1.0, PIXEL
+    if quantity in AXES and unit in _VOLTS:
+        return _VOLTS[unit], "V"
+    return to_si(f"1 {unit}", SI[quantity]), SI[quantity]

@@ -1,0 +1,69 @@
+"""Channels of HDF5 files of Lumicks's Bluelake."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.reading.hdf5 import datasets, text_of
+from tweezer.reading.table import Array, Column, Table
+
+#: Attribute of the file by which it is known
+_VERSION = "Bluelake version"
+#: Group of the calibrations of the forces
+_CALIBRATIONS = "Calibration"
+
+
+def is_lumicks(path: Path) -> bool:
+    """Whether an HDF5 file is one of Bluelake."""
+    with h5py.File(path) as file:
+        return _VERSION in file.attrs
+
+
+def open_lumicks(path: Path) -> Table:
+    """The channels of a Bluelake file. Forces are put back into the volts of their detector."""
+    try:
+        from lumicks import pylake
+    except ImportError:
+        raise ResultError(
+            f"{path}: pylake reads files of Bluelake, and is not there: pip install "
+            '"tweezer[recordings]"'
+        ) from None
+    with h5py.File(path) as file:
+        names = [
+            name for name, dataset in datasets(path, file)
+            if text_of(dataset.attrs.get("Kind", "")) in ("Continuous", "TimeSeries")
+            and not name.startswith(_CALIBRATIONS)
+        ]  # fmt: skip
+    opened = pylake.File(path)
+    columns, channels = [], []
+    for name in names:
+        group, _, channel = name.rpartition("/")
+        piece = opened[group][channel]
+        rate = piece.sample_rate
+        force = channel.startswith("Force ")
+        response = force and _response(piece)
+        note = f"{channel} in pN is divided by its {response:.6g} pN/V" if response else ""
+        columns.append(
+            Column(name, channel, "V" if force else None, 1 / rate if rate else None, note)
+        )
+        channels.append((piece, response or 1.0))
+
+    def numbers(chosen: Sequence[int]) -> list[Array]:
+        return [
+            np.asarray(piece.data, np.float64) / factor
+            for piece, factor in (channels[i] for i in chosen)
+        ]
+
+    return Table(str(path), columns, numbers)
+
+
+def _response(piece: Any) -> float | None:
+    """pN/V by which a force was calibrated; None for one in volts."""
+    found = [item.force_sensitivity for item in piece.calibration]
+    return float(found[0]) if found and found[0] else None

@@ -1,0 +1,170 @@
+"""How a file is to be read, where its headings do not say it: columns, rate and scale."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+from tweezer.errors import ResultError
+from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
+from tweezer.units import to_si
+
+#: Quantities that a column may be named as
+_QUANTITIES = ("t", "frame", *AXES)
+#: Hz, from and to: of a rate
+_RATES = (1e-6, 1e12)
+#: m, from and to: of a pixel or a volt
+_SCALES = (1e-13, 1.0)
+#: Names of a column that is not read
+_OMITTED = ("", "-", "_")
+_NUMBER = re.compile(r"(?P<number>[-+.0-9]+(?:[eE][-+]?[0-9]+)?)\s*(?P<unit>.*)")
+_PER_SECOND = re.compile(r"(?P<number>.*?[0-9.])\s*(?:fps|/\s*s|1/s|frames\s*/\s*s)")
+
+
+class Chosen(NamedTuple):
+    """A column, as it is chosen."""
+
+    quantity: str
+    """t, frame, x, y or z"""
+    place: int | None
+    """number of the column, from 0"""
+    heading: str = ""
+    """its heading, where no number is given"""
+    unit: str | None = None
+
+
+class Scale(NamedTuple):
+    """Length of a pixel or of a volt."""
+
+    metres: float
+    of: str
+    """"px" or "V\""""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a file is to be read."""
+
+    columns: tuple[Chosen, ...] = ()
+    """those to be read; empty: by their headings"""
+    rate: float | None = None
+    """Hz, of the rows, or of the frames that a column counts"""
+    scale: Scale | None = None
+    """of positions in pixels or volts"""
+    drive: str | None = None
+    """heading, without its unit, of the column with the motion of the stage"""
+
+    @classmethod
+    def of(
+        cls,
+        columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
+        rate: float | str | None = None,
+        scale: float | str | None = None,
+        drive: str | None = None,
+    ) -> Self:
+        """How to read a file, as it is said in `load_recording`.
+
+        Raises `ResultError`, naming the option, for what cannot be understood.
+        """
+        return cls(
+            () if columns is None else _columns(columns),
+            None if rate is None else _rate(rate),
+            None if scale is None else _scale(scale),
+            drive,
+        )
+
+    @property
+    def given(self) -> list[str]:
+        """Options that say how a table is to be read."""
+        by_name = {"columns": self.columns, "rate": self.rate, "scale": self.scale}
+        return [name for name, value in by_name.items() if value]
+
+
+def _columns(given: str | Sequence[str] | Mapping[str, str | int]) -> tuple[Chosen, ...]:
+    if isinstance(given, Mapping):
+        entries = [f"{name}={place}" for name, place in given.items()]
+    else:
+        entries = given.split(",") if isinstance(given, str) else list(given)
+    entries = [str(entry).strip() for entry in entries]
+    named = ["=" in entry for entry in entries]
+    if any(named) and not all(named):
+        raise ResultError(
+            f"columns = {','.join(entries)!r}: must name all columns in their order, such as "
+            '"t [s],x [um]", or each by its heading or number, such as "t=1,x=4"'
+        )
+    chosen = tuple(
+        _chosen(*entry.split("=", 1)) if all(named) else _in_order(index, entry)
+        for index, entry in enumerate(entries)
+        if all(named) or entry not in _OMITTED
+    )
+    quantities = [each.quantity for each in chosen]
+    if twice := [each for each in quantities if quantities.count(each) > 1]:
+        raise ResultError(f"columns = {','.join(entries)!r}: has two columns for {twice[0]}")
+    if not set(quantities) & set(AXES):
+        raise ResultError(f"columns = {','.join(entries)!r}: must have x, y or z among them")
+    return chosen
+
+
+def _in_order(index: int, entry: str) -> Chosen:
+    found = understood(entry)
+    return Chosen(_known(found.quantity, entry), index, unit=found.unit)
+
+
+def _chosen(name: str, place: str) -> Chosen:
+    quantity, place = _known(understood(name).quantity, name), place.strip()
+    number = re.fullmatch(r"([0-9]{1,9})\s*(?:[\[(]([^\[\]()]*)[\])])?", place)
+    if number is None:
+        return Chosen(quantity, None, place)
+    if int(number[1]) < 1:
+        raise ResultError(f"columns: {name}={place}: columns are counted from 1")
+    return Chosen(quantity, int(number[1]) - 1, unit=number[2])
+
+
+def _known(quantity: str | None, text: str) -> str:
+    if quantity not in _QUANTITIES:
+        raise ResultError(
+            f"columns: {text!r} is not known; must be t, frame, x, y or z, perhaps with a unit as "
+            'in "x [um]", or - for a column that is not read'
+        )
+    return quantity
+
+
+def _rate(given: float | str) -> float:
+    try:
+        if isinstance(given, str):
+            if match := _PER_SECOND.fullmatch(given.strip()):
+                given = f"{match['number']} Hz"
+            with contextlib.suppress(ValueError):
+                given = float(given)
+        return to_si(given, "1/s", *_RATES)
+    except ValueError as error:
+        raise ResultError(f"rate = {given!r}: {error}") from None
+
+
+def _scale(given: float | str) -> Scale:
+    """Such as 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" or "2 V/um"."""
+    above, _, below = re.sub(r"\s+per\s+|\s*/\s*", "/", str(given).strip()).partition("/")
+    try:
+        match = _NUMBER.fullmatch(above)
+        if match is None:
+            raise ValueError("is no number with a unit")
+        number, unit = float(match["number"]), match["unit"] or "m"
+        (length, kind), signal = factor_of(unit, "x"), below or PIXEL
+        if kind != "m":  # pixels or volts in a length
+            length, signal = to_si(f"1 {below}", "m") / length, unit
+            number = 1 / number
+        factor, of = factor_of(signal, "x")
+        if of == "m":
+            raise ValueError(f"is in {signal}")
+        metres = number * length / factor
+        if not _SCALES[0] <= metres <= _SCALES[1]:
+            raise ValueError(f"must be from {_SCALES[0]:g} to {_SCALES[1]:g} m")
+    except (ValueError, ZeroDivisionError) as error:
+        raise ResultError(
+            f'scale = {given!r}: {error}; must be such as "85.8 nm", of a pixel, or "11.66 px/um" '
+            'or "0.5 um/V"'
+        ) from None
+    return Scale(metres, of)

@@ -1,0 +1,266 @@
+"""Tables in text: CSV and what looks like it."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+import warnings
+from collections.abc import Callable, Sequence
+from functools import partial
+from io import BytesIO
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from tweezer.errors import ResultError
+from tweezer.reading.columns import short
+from tweezer.reading.headings import AROUND, is_unit, understood
+from tweezer.reading.table import Array, Column, Table
+
+#: Number of lines in which headings and the first numbers are looked for
+_HEAD = 200
+#: Largest number of lines between the headings and the numbers
+_BETWEEN = 4
+#: Cells that have no number
+_MISSING = ("", "-", "--", "nan", "NaN", "NAN", "NA", "N/A", "n/a", "null", "NULL", "None", "none")
+_NUMBER = re.compile(
+    r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[+-]?inf(?:inity)?", re.I
+)
+_WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
+_DELIMITERS = (";", "\t", ",", " ")
+
+
+class _Layout(NamedTuple):
+    """How a text is laid out."""
+
+    headings: list[str]
+    """empty: without"""
+    units: list[str]
+    """of a line below the headings; empty: without"""
+    delimiter: str
+    first: int
+    """number of the line with the first numbers, from 0"""
+    columns: int
+    """their number"""
+
+
+def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
+    """The table of a text. Lines before its headings are left out.
+
+    names: whether cells are the headings that are looked for. Without such a line, the headings are
+    the line above the first numbers.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ResultError(f"{path}: cannot be read: {error.strerror}") from None
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        content = content.decode("utf-16", errors="replace").encode()
+    content = content.removeprefix(codecs.BOM_UTF8)
+    if b"\r" in content:
+        content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    lines = list(islice(BytesIO(content), _HEAD))
+    encoding = _encoding(b"".join(lines))
+    head = [line.decode(encoding, errors="replace").rstrip("\n") for line in lines]
+    layout = _layout(head, names)
+    headings = layout.headings or [""] * layout.columns
+    units = layout.units or [""] * layout.columns
+    columns = [
+        Column(heading.strip(AROUND), heading.strip(AROUND), unit.strip(AROUND + "()[]") or None)
+        for heading, unit in zip(headings, units, strict=True)
+    ]
+    numbers = partial(_numbers, str(path), content, encoding, layout, _commas(head, layout))
+    return Table(str(path), columns, numbers, headed=bool(layout.headings))
+
+
+def _encoding(head: bytes) -> str:
+    """UTF-8, or what Windows writes in western Europe."""
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(head)
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8"
+
+
+def _cells(line: str, delimiter: str) -> list[str]:
+    line = line.rstrip("\r\n")
+    if delimiter == " ":
+        return re.split(r"\s+(?![\[(])", line.strip())
+    if '"' in line:
+        try:
+            return next(csv.reader([line], delimiter=delimiter))
+        except (csv.Error, StopIteration):
+            pass
+    return line.split(delimiter)
+
+
+def _bare(line: str) -> str:
+    """A line without the sign of a comment."""
+    return re.sub(r"^\s*(?:#+|%+|//)\s*", "", line)
+
+
+def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
+    for number, line in enumerate(head):
+        delimiter = next((each for each in ";\t," if each in line), " ")
+        cells = _cells(_bare(line), delimiter)
+        if names(cells):
+            return _below(head, number, cells, delimiter)
+        if (found := _of_numbers(line)) is not None:
+            above = _cells(_bare(head[number - 1]), found[0]) if number else []
+            if len(above) == found[1] and any(cell.strip(AROUND) for cell in above):
+                return _Layout(above, [], found[0], number, found[1])
+            return _Layout([], [], found[0], number, found[1])
+    first = next((number for number, line in enumerate(head) if line.strip()), 0)
+    text = _bare(head[first]) if head else ""
+    delimiter = next((each for each in ";\t," if each in text), " ")
+    cells = _cells(text, delimiter)
+    return _Layout(cells, [], delimiter, first + 1, len(cells))
+
+
+def _below(head: list[str], number: int, headings: list[str], delimiter: str) -> _Layout:
+    """The layout below the headings: perhaps a line of units, and others without any number."""
+    units: list[str] = []
+    first = number + 1
+    for line in head[first : first + _BETWEEN]:
+        cells = _cells(_bare(line), delimiter)
+        filled = [cell.strip(AROUND) for cell in cells if cell.strip(AROUND) not in _MISSING]
+        if len(cells) != len(headings) or any(map(_is_number, filled)):
+            break
+        if filled and _are_units(headings, cells):
+            units = cells
+        elif filled and not any(understood(cell).quantity for cell in filled):
+            break
+        first += 1
+    if delimiter == " " and first < len(head):  # headings may have spaces in them
+        count = len(_cells(head[first], delimiter))
+        headings = headings if count == len(headings) else []
+        return _Layout(headings, units if headings else [], delimiter, first, count)
+    return _Layout(headings, units, delimiter, first, len(headings))
+
+
+def _are_units(headings: list[str], cells: list[str]) -> bool:
+    """Whether each cell below a heading that names a quantity is a unit of it, or empty."""
+    told = False
+    for heading, cell in zip(headings, cells, strict=True):
+        quantity, unit = understood(heading).quantity, cell.strip(AROUND + "()[]")
+        if quantity in (None, "frame", "beads") or not unit:
+            continue
+        if not is_unit(unit, str(quantity)):
+            return False
+        told = True
+    return told
+
+
+def _is_number(cell: str) -> bool:
+    return bool(_NUMBER.fullmatch(cell) or _WITH_COMMA.fullmatch(cell))
+
+
+def _of_numbers(line: str) -> tuple[str, int] | None:
+    """Delimiter and number of cells of a line that has nothing but numbers, or lacks them."""
+    if len(line) > 10_000:
+        return None
+    for delimiter in _DELIMITERS:
+        if delimiter not in line.strip() and delimiter != " ":
+            continue
+        cells = [cell.strip(AROUND) for cell in _cells(line, delimiter)]
+        numbers = [cell for cell in cells if cell not in _MISSING]
+        wanted = _NUMBER.fullmatch if delimiter == "," and '"' not in line else _is_number
+        if numbers and all(map(wanted, numbers)):
+            return delimiter, len(cells)
+    return None
+
+
+def _commas(head: list[str], layout: _Layout) -> bool:
+    """Whether decimals have a comma."""
+    for line in head[layout.first :]:
+        for cell in _cells(line, layout.delimiter):
+            if _WITH_COMMA.fullmatch(cell.strip(AROUND)):
+                return True
+    return False
+
+
+def _numbers(
+    name: str, content: bytes, encoding: str, layout: _Layout, commas: bool, places: Sequence[int]
+) -> list[Array]:
+    import pandas as pd
+
+    lines = content.count(b"\n") + (not content.endswith(b"\n"))
+    if layout.first >= lines or not content[_start(content, layout.first) :].strip():
+        return [np.empty(0)] * len(places)
+    _refuse_surplus(name, content, layout)
+    try:
+        with warnings.catch_warnings(action="ignore"):  # of cells beyond the last heading
+            table = pd.read_csv(
+                BytesIO(content),
+                sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+                decimal="," if commas else ".",
+                header=None,
+                names=range(layout.columns),
+                index_col=False,
+                usecols=sorted(set(places)),
+                skiprows=layout.first,
+                dtype=np.float64,
+                na_values=list(_MISSING),
+                encoding=encoding,
+                encoding_errors="replace",
+            )
+    except (ValueError, OverflowError) as error:
+        why = _complaint(content, encoding, layout, commas, places)
+        raise ResultError(f"{name}: {why or str(error).splitlines()[0]}") from None
+    return [table[place].to_numpy(np.float64) for place in places]
+
+
+def _start(content: bytes, line: int) -> int:
+    """Offset of a line."""
+    at = 0
+    for _ in range(line):
+        at = content.index(b"\n", at) + 1
+    return at
+
+
+def _refuse_surplus(name: str, content: bytes, layout: _Layout) -> None:
+    """Refuse a row with more cells than headings, unless the rest is empty."""
+    if layout.delimiter == " " or b'"' in content:
+        return
+    text = np.frombuffer(content, np.uint8)[_start(content, layout.first) :]
+    ends = np.flatnonzero(text == ord("\n"))
+    marks = np.flatnonzero(text == ord(layout.delimiter))
+    counts = np.diff(np.searchsorted(marks, ends), prepend=0)
+    if len(marks) and (not len(ends) or marks[-1] > ends[-1]):
+        ends = np.append(ends, len(text))
+        counts = np.append(counts, len(marks) - counts.sum())
+    for row in np.flatnonzero(counts >= layout.columns):
+        begin = ends[row - 1] + 1 if row else 0
+        cells = bytes(text[begin : ends[row]]).decode("latin-1").split(layout.delimiter)
+        if any(cell.strip() for cell in cells[layout.columns :]):
+            commas = ""
+            if layout.delimiter == ",":
+                commas = "; decimals need a point, or ; between the cells"
+            raise ResultError(
+                f"{name}: line {layout.first + row + 1}: has {len(cells)} cells for "
+                f"{layout.columns} {'headings' if layout.headings else 'columns'}{commas}"
+            )
+
+
+def _complaint(
+    content: bytes, encoding: str, layout: _Layout, commas: bool, places: Sequence[int]
+) -> str | None:
+    """The first line that cannot be read, and why."""
+    lines = islice(BytesIO(content), layout.first, None)
+    for number, line in enumerate(lines, start=layout.first + 1):
+        text = line.decode(encoding, errors="replace")
+        if text.count('"') % 2:
+            return f"line {number}: a quote is not closed"
+        cells = _cells(text, layout.delimiter)
+        for place in places:
+            cell = cells[place].strip(AROUND) if place < len(cells) else ""
+            if cell in _MISSING or (_WITH_COMMA if commas else _NUMBER).fullmatch(cell):
+                continue
+            if commas and re.fullmatch(r"[+-]?[0-9]+(?:[eE][+-]?[0-9]+)?", cell):
+                continue
+            point = "; decimals need a point" if _WITH_COMMA.fullmatch(cell) else ""
+            return f"line {number}: {short(cell)!r} is not a number{point}"
+    return None
