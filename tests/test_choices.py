@@ -74,7 +74,7 @@ else:
     raise AssertionError
 # a fit of the depth takes it, not the map of ray optics
 track = Track("at rest", 1e-3 * np.arange(10), np.full((10, 2), 1e-7))
-assert isinstance(_Likelihood(track, mW, 1e-8, ())._light, Mine)
+assert isinstance(_Likelihood(track, mW, 1e-8, 0.0, ())._light, Mine)
 
 dark = tweezer.load_scene("silica-1um").replace(
     forces={"optical": False}, simulation={"model": "overdamped", "samples": 3}

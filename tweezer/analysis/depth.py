@@ -59,6 +59,8 @@ _LEAST_GAP = 1e-3
 _FIRST = 7
 #: Standard deviation of the guessed start, in steps between frames
 _GUESS = 4.5
+#: Relative excess of an exposure over the time between frames that is allowed: times are rounded
+_UNEVEN = 1e-3
 #: Number of lags at which the correlation of residuals is tested
 _LAGS = 10
 #: Probability of the residuals below which they are not white
@@ -132,7 +134,7 @@ class DepthFit:
     search: tuple[float, float]
     """m"""
     start_time: float
-    """s, of the first frame with both coordinates: z is where the bead was then"""
+    """s, of the first frame with both coordinates: z is where the bead was as it began"""
     frames: int
     outliers: int
     """coordinates that are rather not the bead's"""
@@ -149,6 +151,7 @@ def fit_depth(
     scene: Scene | None = None,
     *,
     noise: float | None = None,
+    exposure: float = 0.0,
     search: tuple[float, float] | None = None,
     fit: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
@@ -156,20 +159,22 @@ def fit_depth(
     """The start in z of a bead from a track of x and y, by maximum likelihood.
 
     source: a track, or what `load_track` takes. scene: bead, medium and light; for a run of ours
-    its own if not given. noise: standard deviation of a coordinate, m; fitted if not given. search:
+    its own if not given. noise: standard deviation of a coordinate, m; fitted if not given.
+    exposure: the time that each frame averages over, s, up to the shortest time between two; the
+    times of the track are those of its middle, and z is where the bead was when the first frame
+    began. search:
     where the start may be, m from the focus; three quarters of the map to both sides if not given:
     15 radii, and by waves 4 radii and 7 wavelengths in the medium, about, or up to a wall. fit:
     what else is not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release"
     (the time up to which the bead is held where it starts; the first frame if not fitted).
     progress: called with the part done, 0 to 1.
 
-    Assumed of the track: x and y are from the axis of the light, frames have no duration, the noise
-    is white and the same in both coordinates, and the scene is known but for what is fitted. The
-    bead starts with the scene's velocity if the scene's model is `scaled` (4.17); with any other it
-    goes without inertia (5.2), which moves it by less than a camera sees. Beside a wall it has the
-    mobilities of the place, and no inertia. The force is that of the
-    map, made to 20 radii, or by waves to 5 radii and 10 wavelengths in the medium; of the
-    quadrature for linear polarisation.
+    Assumed of the track: x and y are from the axis of the light, the noise is white and the same in
+    both coordinates, and the scene is known but for what is fitted. The bead starts with the
+    scene's velocity if the scene's model is `scaled` (4.17); with any other it goes without inertia
+    (5.2), which moves it by less than a camera sees. Beside a wall it has the mobilities of the
+    place, and no inertia. The force is that of the map, made to 20 radii, or by waves to 5 radii
+    and 10 wavelengths in the medium; of the quadrature for linear polarisation.
 
     The likelihood is that of a Kalman filter (`tweezer.dynamics.filter`), for thermal motion adds
     up: residuals about the motion without it are not independent. The filter takes the force as
@@ -192,10 +197,10 @@ def fit_depth(
     0.001. The p-value is of the correlations of the residuals (G. M. Ljung and G. E. P. Box,
     Biometrika 65, 297 (1978)), and of their size where the noise is given.
 
-    Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, a search or a
-    name in `fit` that is none, or that goes with no wall; `SceneError` for more than one beam, and
-    for the scaled model beside a wall; `IntegrationError` where the motion cannot be followed from
-    any start.
+    Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, an exposure, a
+    search or a name in `fit` that is none, or that goes with no wall; `SceneError` for more than
+    one beam, and for the scaled model beside a wall; `IntegrationError` where the motion cannot be
+    followed from any start.
     """
     track = source if isinstance(source, Track) else load_track(source)
     scene = track.scene if scene is None else scene
@@ -205,7 +210,13 @@ def fit_depth(
         half = _SEARCH * light_of_one_beam(scene).search.reach
         search = _between_walls(scene, -half, half)
     _refuse(track, scene, noise, search, fit)
-    likelihood = _Likelihood(track, scene, noise, fit)
+    shortest = float(np.diff(track.times).min())
+    if not 0 <= exposure <= shortest * (1 + _UNEVEN):
+        raise ResultError(
+            f"exposure = {exposure:g} s: must be from 0 to the shortest time between two frames, "
+            f"{shortest:.4g} s"
+        )
+    likelihood = _Likelihood(track, scene, noise, min(exposure, shortest), fit)
 
     profile = Profile(likelihood, search, progress)
     profile.polish()
@@ -307,7 +318,9 @@ def _usual(numbers: Array, order: int) -> float:
 class _Likelihood:
     """The misfit of a track, -2 log(likelihood), over the start and what else is fitted."""
 
-    def __init__(self, track: Track, scene: Scene, noise: float | None, fit: Sequence[str]) -> None:
+    def __init__(
+        self, track: Track, scene: Scene, noise: float | None, exposure: float, fit: Sequence[str]
+    ) -> None:
         if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
             reach = light_of_one_beam(scene).search.reach
             radii = round(reach / scene.bead.radius, 9)
@@ -324,7 +337,7 @@ class _Likelihood:
             "scaling_factor": scene.simulation.scaling_factor,
         }  # fmt: skip
         self._filters: dict[tuple[float, float], Callable[..., Filtered]] = {}
-        self._noise, self._fit = noise, tuple(fit)
+        self._noise, self._exposure, self._fit = noise, exposure, tuple(fit)
         self._times = track.times - track.times[0]
         self._positions = np.ascontiguousarray(track.positions)
         extent = float(np.ptp(track.positions[np.isfinite(track.positions)]))
@@ -413,7 +426,15 @@ class _Likelihood:
             self._velocity, change.get("release", 0.0) * self._step,
         )  # fmt: skip
         return self._filters[size, a2](
-            moving, Camera(self._times, self._positions, self.noise(p), self._outliers), least
+            moving,
+            Camera(
+                self._times,
+                self._positions,
+                np.full(2, self.noise(p)),
+                self._outliers,
+                self._exposure,
+            ),
+            least,
         )
 
     def _equations(self, size: float, a2: float) -> EquationsOfMotion:

@@ -51,6 +51,10 @@ def fit_depth(
     noise: Annotated[
         str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
     ] = None,
+    exposure: Annotated[
+        str | None,
+        typer.Option(help='Time that a frame averages over: "2 ms". None if not given.'),
+    ] = None,
     search: Annotated[
         tuple[str, str] | None,
         typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
@@ -73,10 +77,11 @@ def fit_depth(
 
     The depth is along the light, the track in the plane across it.
     """
-    from tweezer.units import Length, PositiveLength
+    from tweezer.units import Length, PositiveLength, Time
 
     described = scene_with(scene, settings_of(set or []))
     given = quantity_in("--noise", noise, PositiveLength) if noise is not None else None
+    exposed = quantity_in("--exposure", exposure, Time) if exposure is not None else 0.0
     range_ = None
     if search is not None:
         low, high = (quantity_in("--search", text, Length) for text in search)
@@ -93,7 +98,13 @@ def fit_depth(
         raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
     with showing_progress(described.name, 1.0) as progress:
         found = fitted(
-            loaded, described, noise=given, search=range_, fit=fit or (), progress=progress
+            loaded,
+            described,
+            noise=given,
+            exposure=exposed,
+            search=range_,
+            fit=fit or (),
+            progress=progress,
         )
     _print_depth(found, described)
     if out:

@@ -1,4 +1,4 @@
-"""Kalman filter of a bead in the light, of which a camera sees two coordinates.
+"""Kalman filter of a bead in the light, of which a camera sees two or three coordinates.
 
 Between two frames the bead goes by an emitted model of its translation and thermal noise, without
 inertia (5.2) or with it (A.25, 4.17):
@@ -19,6 +19,10 @@ Rosenbrock method of order 3 (M. Hochbruck, A. Ostermann, J. Schweitzer, SIAM J.
 force bends within about a radius: a distribution as wide as that is not Gaussian, and the filter's
 likelihood of what comes after means little. A narrower one stops to be Gaussian where the bead
 falls far between two frames; there it is taken as wide as its longer tail (`_predict`).
+
+A frame shows the mean of the position over its exposure T (blur): the state is extended by the
+integral of the position over T, dI = x dt/T, which is 0 where a frame begins. Without exposure a
+frame shows the position itself.
 
 A coordinate seen is the bead's and Gaussian noise, or, with a small probability, a number from
 anywhere; the state is corrected in proportion to the probability that it is the former (Y.
@@ -55,6 +59,8 @@ _RATES = 0.5
 _FAR = 0.3
 #: Upper bound on the steps from one frame to the next
 _MOST_STEPS = 10_000
+#: Time between two exposures that counts as none, in exposures: times are rounded
+_INSTANT = 1e-6
 #: Lower bound on the variance of z, m^2
 _LEAST = 1e-40
 
@@ -77,7 +83,7 @@ class Bead(NamedTuple):
     velocity: Array
     """(3,) m/s, at the start, for a model with inertia"""
     release: float
-    """s, from the first frame: the bead is held until then"""
+    """s, from where the first frame begins: the bead is held until then"""
 
 
 class Camera(NamedTuple):
@@ -86,12 +92,14 @@ class Camera(NamedTuple):
     times: Array
     """(n,) s, from the first frame"""
     positions: Array
-    """(n, 2) m; NaN for what is missing"""
-    noise: float
-    """m, standard deviation of a coordinate"""
+    """(n, c) m, x, y and perhaps z; NaN for what is missing"""
+    noise: Array
+    """(c,) m, standard deviations of the coordinates"""
     outliers: float
     """1/m, density of numbers from anywhere, which the bead's is added to: their odds over the
     length they are in"""
+    exposure: float = 0.0
+    """s, over which a frame averages the position, up to the time between two frames"""
 
 
 class Filtered(NamedTuple):
@@ -100,14 +108,14 @@ class Filtered(NamedTuple):
     log_likelihood: float
     """of the coordinates seen, in m"""
     predicted: Array
-    """(n, 3) m, the bead at each frame, by the frames before"""
+    """(n, 3) m, what frames would show of the bead without noise, by the frames before"""
     deviations: Array
     """(n, 3) m, standard deviations of that"""
     residuals: Array
-    """(n, 2) what was seen less what was predicted, in its standard deviation: independent of each
+    """(n, c) what was seen less what was predicted, in its standard deviation: independent of each
     other, of mean 0 and variance 1, if the model holds; NaN for what is missing"""
     weights: Array
-    """(n, 2) the probability that it is the bead's; NaN for what is missing"""
+    """(n, c) the probability that it is the bead's; NaN for what is missing"""
 
 
 def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
@@ -129,7 +137,8 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
-        out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, 2, 2)]
+        seen = camera.positions.shape[1]
+        out = [np.full((len(camera.times), columns), np.nan) for columns in (3, 3, seen, seen)]
         log_likelihood = loop(system, scale, bead, camera, least, *out)
         if not math.isfinite(log_likelihood):
             raise IntegrationError(f"no motion from z = {bead.start[2]:.6g} m can be followed")
@@ -146,7 +155,7 @@ def _loop() -> Any:
         SYSTEM,
         _vector,
         typeof(Bead(0.0, 0.0, 0.0, empty, empty, empty, 0.0)),
-        typeof(Camera(empty, table, 0.0, 0.0)),
+        typeof(Camera(empty, table, empty, 0.0, 0.0)),
         types.float64,
         _matrix, _matrix, _matrix, _matrix,
     )  # fmt: skip
@@ -155,44 +164,58 @@ def _loop() -> Any:
     def loop(  # type: ignore[no-untyped-def]
         system, scale, bead, camera, least, predicted, deviations, residuals, weights
     ):
-        n = scale.shape[0]
-        work = _room(system, scale)
+        m = scale.shape[0]
+        work = _room(system, scale, camera.exposure > 0)
         mean, P = work.mean, work.P
         for k in range(3):
             mean[k] = bead.start[k]
             P[k, k] = bead.spread[k] ** 2
-            if n == 6:
+            if m == 6:
                 mean[3 + k] = scale[3 + k] * bead.velocity[k]
         _diffuse(bead, work, work.diffusion)
-        time, log_likelihood, step = bead.release, 0.0, np.inf
-        frames = camera.times.shape[0]
-        # of a coordinate, at most
-        most = math.log(1 / (math.sqrt(2 * math.pi) * camera.noise) + camera.outliers)
+        time, log_likelihood, step = 0.0, 0.0, np.inf
+        frames, coordinates = camera.positions.shape
+        most = 0.0  # of a frame, at most
+        for k in range(coordinates):
+            sharpest = 1 / (math.sqrt(2 * math.pi) * camera.noise[k])
+            most += math.log(sharpest + camera.outliers)
+        shown = m if camera.exposure > 0 else 0
         for frame in range(frames):
-            if not log_likelihood + 2 * (frames - frame) * most >= least:
-                return log_likelihood + 2 * (frames - frame) * most
-            if time < camera.times[frame]:
-                step = _predict(system, bead, work, camera.times[frame] - time, step)
-                if not step > 0:
-                    return np.nan
-                time = camera.times[frame]
+            if not log_likelihood + (frames - frame) * most >= least:
+                return log_likelihood + (frames - frame) * most
+            begin = camera.times[frame]
+            if begin - time > _INSTANT * camera.exposure:
+                step = _go_on(system, bead, work, time, begin, step)
+            time = begin
+            if camera.exposure > 0:
+                _expose(work, m, 1 / camera.exposure)
+                time = begin + camera.exposure
+                step = _go_on(system, bead, work, begin, time, step)
+                work.per_exposure[0] = 0.0
+            if not step > 0:
+                return np.nan
             for k in range(3):
-                predicted[frame, k] = mean[k]
-                deviations[frame, k] = math.sqrt(max(P[k, k], 0.0))
-            for k in range(2):
-                log_likelihood += _see(camera, frame, k, work, residuals, weights)
+                predicted[frame, k] = mean[shown + k]
+                deviations[frame, k] = math.sqrt(max(P[shown + k, shown + k], 0.0))
+            for k in range(coordinates):
+                log_likelihood += _see(camera, frame, k, shown, work, residuals, weights)
         return log_likelihood
 
     return loop
 
 
 class Room(NamedTuple):
-    """The state (x, and w with inertia), and scratch for a step; n is 3 or 6."""
+    """The state (x, and w with inertia, and I of exposed frames), and scratch for a step.
+
+    m, 3 or 6, is without I, n is m or m + 3.
+    """
 
     scale: Array
-    """(n,) what a state of the model is multiplied by: 1, and s for a velocity"""
+    """(m,) what a state of the model is multiplied by: 1, and s for a velocity"""
     ratio: Array
-    """(n, n) what its Jacobian is multiplied by"""
+    """(m, m) what its Jacobian is multiplied by"""
+    per_exposure: Array
+    """(1,) 1/s, one over the exposure while a frame is exposed, or 0"""
     diffusion: Array
     """(3,) m^2/s, where a step begins"""
     diffusion_ahead: Array
@@ -230,21 +253,60 @@ class Room(NamedTuple):
     factors: Array
     """(3,)"""
     state: Array
-    """(n,) of the model"""
+    """(m,) of the model"""
     at: Any
 
 
 @named_njit(inner=True, error_model="numpy")
-def _room(system, scale):  # type: ignore[no-untyped-def]
-    n = scale.shape[0]
+def _room(system, scale, exposed):  # type: ignore[no-untyped-def]
+    m = scale.shape[0]
+    n = m + 3 if exposed else m
     return Room(
-        scale, scale.reshape((n, 1)) / scale, np.zeros(3), np.zeros(3),
+        scale, scale.reshape((m, 1)) / scale, np.zeros(1), np.zeros(3), np.zeros(3),
         np.zeros(n), np.zeros((n, n)), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n),
         np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)),
         np.zeros((3, n)), np.zeros((n, n)), np.zeros((n, n)), np.zeros((3, n)),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros((n, n)),
-        np.zeros(3), np.zeros(n), scratch(system),
+        np.zeros(3), np.zeros(m), scratch(system),
     )  # fmt: skip
+
+
+@named_njit(inner=True, error_model="numpy")
+def _expose(work, m, rate):  # type: ignore[no-untyped-def]
+    """Begin a frame: I is 0, and grows by the position times that rate."""
+    mean, P = work.mean, work.P
+    work.per_exposure[0] = rate
+    for i in range(m, m + 3):
+        mean[i] = 0.0
+        for j in range(m + 3):
+            P[i, j] = P[j, i] = 0.0
+
+
+@named_njit(inner=True, error_model="numpy")
+def _go_on(system, bead, work, time, until, step):  # type: ignore[no-untyped-def]
+    """Take the state on from a time to another; returns as `_go`."""
+    held = min(max(bead.release - time, 0.0), until - time)
+    if held > 0:
+        _hold(work, held)
+    if until - time > held:
+        step = _predict(system, bead, work, until - time - max(held, 0.0), step)
+    return step
+
+
+@named_njit(inner=True, error_model="numpy")
+def _hold(work, span):  # type: ignore[no-untyped-def]
+    """A bead that is held for a time: I alone grows."""
+    mean, P, part = work.mean, work.P, work.per_exposure[0] * span
+    n, m = mean.shape[0], work.scale.shape[0]
+    if part == 0:
+        return
+    for k in range(3):
+        mean[m + k] += part * mean[k]
+        for j in range(n):
+            P[m + k, j] += part * P[k, j]
+    for k in range(3):
+        for j in range(n):
+            P[j, m + k] += part * P[j, k]
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -266,8 +328,8 @@ def _resist(system, work, z):  # type: ignore[no-untyped-def]
 def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-untyped-def]
     """Rate of change of the filter's state, its derivative, by the emitted model; diffusion."""
     at, state, scale = work.at, work.state, work.scale
-    n = scale.shape[0]
-    for i in range(n):
+    n, m = rate.shape[0], scale.shape[0]
+    for i in range(m):
         state[i] = place[i] / scale[i]
     act(system, at, 0.0, state)
     for k in range(3):
@@ -288,10 +350,13 @@ def _rates(system, bead, work, place, rate, A, diffusion):  # type: ignore[no-un
             at.mobility_gradient, system.params, A,
         ),
     )  # fmt: skip
-    for i in range(n):
+    for i in range(m):
         rate[i] *= scale[i]
-        for j in range(n):
+        for j in range(m):
             A[i, j] *= work.ratio[i, j]
+    for i in range(m, n):
+        rate[i] = work.per_exposure[0] * place[i - m]
+        A[i, i - m] = work.per_exposure[0]
     _diffuse(bead, work, diffusion)
     if not system.uniform:
         rate[2] += bead.kT * at.mobility_gradient[1, 2]
@@ -376,7 +441,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
     """
     mean, rate, ahead, rise = work.mean, work.rate, work.rate_ahead, work.rise
     A, A_ahead, P, Phi = work.A, work.A_ahead, work.P, work.Phi
-    n = mean.shape[0]
+    n, m = mean.shape[0], work.scale.shape[0]
     _rates(system, bead, work, mean, rate, A, work.diffusion)
     for _ in range(60):
         _exponentials(work, A, rate, step, False)
@@ -384,7 +449,7 @@ def _advance(system, bead, work, step):  # type: ignore[no-untyped-def]
             work.place[i] = mean[i] + work.forced[0, i]
         _rates(system, bead, work, work.place, ahead, A_ahead, work.diffusion_ahead)
         for k in range(3):
-            work.noise[n - 3 + k, n - 3 + k] = work.diffusion[k] + work.diffusion_ahead[k]
+            work.noise[m - 3 + k, m - 3 + k] = work.diffusion[k] + work.diffusion_ahead[k]
         bent = 0.0
         for i in range(n):
             rise[i] = ahead[i] - rate[i]
@@ -516,23 +581,24 @@ def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def _see(camera, frame, k, work, residuals, weights):  # type: ignore[no-untyped-def]
-    """Correct the state by coordinate k of a frame; its log-likelihood."""
+def _see(camera, frame, k, shown, work, residuals, weights):  # type: ignore[no-untyped-def]
+    """Correct the state by coordinate k of a frame, number shown + k of it; its log-likelihood."""
     seen = camera.positions[frame, k]
     if math.isnan(seen):
         residuals[frame, k] = weights[frame, k] = np.nan
         return 0.0
     mean, P = work.mean, work.P
     n = mean.shape[0]
-    variance = P[k, k] + camera.noise**2
-    off = seen - mean[k]
+    at = shown + k
+    variance = P[at, at] + camera.noise[k] ** 2
+    off = seen - mean[at]
     deviation = math.sqrt(variance)
     exponent = -0.5 * off * off / variance
     density = math.exp(exponent) / (math.sqrt(2 * math.pi) * deviation)
     weight = density / (density + camera.outliers)
     gain = work.vectors[0]
     for i in range(n):
-        gain[i] = P[k, i] / variance
+        gain[i] = P[at, i] / variance
     for i in range(n):
         mean[i] += weight * gain[i] * off
         # symmetric to the last digit: what is antisymmetric no measurement lessens, and it grows
