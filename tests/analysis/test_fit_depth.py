@@ -258,6 +258,28 @@ def test_coverage_and_bias(scene, tracks):
     assert sum(fit.outliers for fit in fits) < 5
 
 
+def test_long_exposures(scene):
+    """Frames of 2 ms without a pause, in which the bead falls by up to a micrometre."""
+    fine, frames, step = 20, 12, 2e-3
+    falling = scene.replace(
+        forces={"brownian": True},
+        simulation={"duration": frames * step, "samples": frames * fine + 1},
+    )
+    run = tweezer.simulate(falling, seed=2)
+    x = run["position"].values[:, :2]
+    means = [
+        np.trapezoid(x[fine * i : fine * (i + 1) + 1], dx=1 / fine, axis=0) for i in range(frames)
+    ]
+    seen = means + 15e-9 * np.random.default_rng(2).normal(size=(frames, 2))
+    track = Track("exposed", step * (0.5 + np.arange(frames)), seen)
+    fit = tweezer.fit_depth(track, scene, noise=15e-9, exposure=step)
+    assert fit.determined
+    assert fit.intervals[0][0] < Z < fit.intervals[0][1]
+    assert not tweezer.fit_depth(track, scene, noise=15e-9).determined
+    with pytest.raises(ResultError, match=r"exposure = 0.0021 s: must be from 0 to the shortest"):
+        tweezer.fit_depth(track, scene, exposure=2.1e-3)
+
+
 def test_outliers_and_gaps(scene, tracks):
     """5 % of numbers from anywhere, missing rows and cells: the fit stays where it was."""
     clean = tweezer.fit_depth(tracks[0], scene)

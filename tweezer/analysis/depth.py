@@ -345,7 +345,12 @@ class _Likelihood:
         both = self._positions[np.isfinite(self._positions).all(axis=1)][:_FIRST]
         least = self._noise or self._guess
         spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
-        self._start, self._spread = _start(self._positions), np.array([*spread, 0.0])
+        self._start = _start(self._positions)
+        if exposure:  # a frame tells its mean: it began as far off as it went on to the next one
+            heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * exposure)
+            spread = [math.hypot(seen[1] - seen[0], heat, least) for seen in both.T]
+            self._start = both[0]
+        self._spread = np.array([*spread, 0.0])
 
     @property
     def names(self) -> tuple[str, ...]:
