@@ -110,8 +110,9 @@ def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
             return _below(head, number, cells, delimiter)
         if (found := _of_numbers(line)) is not None:
             above = _cells(_bare(head[number - 1]), found[0]) if number else []
-            if len(above) == found[1] and any(cell.strip(AROUND) for cell in above):
-                return _Layout(above, [], found[0], number, found[1])
+            alike = len(above) == found[1] and any(cell.strip(AROUND) for cell in above)
+            if alike or any(understood(cell).quantity for cell in above):
+                return _Layout(above, [], found[0], number, len(above))
             return _Layout([], [], found[0], number, found[1])
     first = next((number for number, line in enumerate(head) if line.strip()), 0)
     text = _bare(head[first]) if head else ""
