@@ -62,13 +62,15 @@ def simulate(
     """Release the bead of `scene` and follow it for `duration` (s, or text such as "20 ms").
 
     duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
-    scene's absolute tolerances change in the same ratio. seed: of the thermal motion; 0 if not
-    given. forces: of your own, beside those of the scene (`tweezer.forces`). events: to look for
-    besides the first closest approach, the loss of the bead and its contact with the lens
-    (`tweezer.capture`, `tweezer.Event`). progress: called with the time reached.
+    scene's absolute tolerances change in the same ratio. seed: of the thermal motion, and of the
+    noise of a camera; 0 if not given. forces: of your own, beside those of the scene
+    (`tweezer.forces`). events: to look for besides the first closest approach, the loss of the bead
+    and its contact with the lens (`tweezer.capture`, `tweezer.Event`). progress: called with the
+    time reached.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
-    parameters) and angular_velocity (body frame) if the scene has a rotation, and the derived
+    parameters) and angular_velocity (body frame) if the scene has a rotation, what a camera of the
+    scene saw (`seen`, m, by frame and seen_axis, with frame_time in s), and the derived
     quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
     attributes hold the scene, also as given, the versions, the model, the method, the inertia of
     the fluid, what gave the force, steps, force calls, `step_time` (s, of stepping alone),

@@ -158,7 +158,6 @@ class Exposure:
 
     def _bend(self, means: Array, which: slice) -> Array:
         """What the bend of the mean path adds to means (n, frames, 3), m."""
-        opens, closes = self.frames.opens[which], self.frames.closes[which]
         times = np.tile(self.frames.times[which], len(means))
         places = means.reshape(-1, 3)
         there = np.isfinite(places).all(axis=1)
@@ -169,35 +168,30 @@ class Exposure:
             force = self.problem.force.field(places[there], time=times[there]).force
             slow = self.problem.mobilities(places[there], times[there])[:, :3]
             velocity[there] = slow * (force + np.array(self.problem.bead.weight))
-        by = bend(self.step, opens, closes)
+        by = bend(self.step, self.frames.opens[which], self.frames.closes[which])
         return self.kappa * by[:, None] * velocity.reshape(means.shape)
 
 
 def bend(h: float, opens: Array, closes: Array) -> Array:
     """Means of s (h - s)/2 over exposures, s^2; s is the time since the last step of length h."""
     before, after = (np.floor(times / h) for times in (opens, closes))
-    s, t = opens - before * h, closes - after * h
+    s, t, width = opens - before * h, closes - after * h, closes - opens
 
-    def integral(s: Array) -> Array:
+    def until(s: Array) -> Array:
         return s**2 * h / 4 - s**3 / 6
 
-    width = closes - opens
-    whole = (after - before) * h**3 / 12 + integral(t) - integral(s)
+    whole = (after - before) * h**3 / 12 + until(t) - until(s)
     return np.where(width > 0, whole / np.where(width > 0, width, 1.0), s * (h - s) / 2)
 
 
 def at_short_times(h: float, diffusion: Array, modes: Modes) -> Array:
-    """D of the Brownian bridge whose middle varies as that of a free bead with inertia, (3,).
+    """Mean squared displacement of a free bead in a time h over 2 h, m^2/s.
 
-    modes: of its velocity. Its mean squared displacement is 2 D times the sum of
-    a (t - tau (1 - e^(-t/tau))).
+    modes: of its velocity. As D of the Brownian bridge from step to step it makes a bead vary
+    within a step as it does at the ends of it.
     """
-
-    def displaced(t: float) -> float:
-        tau = modes.times
-        return float((modes.weights * (t + tau * np.expm1(-t / tau))).sum())
-
-    return diffusion * (4 * displaced(h / 2) - displaced(h)) / h
+    late = modes.weights * modes.times * np.expm1(-h / modes.times)
+    return np.asarray(diffusion * (1 + late.sum() / h))
 
 
 def _ended(times: Array, steps: int, step: float) -> int:

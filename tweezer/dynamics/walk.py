@@ -448,10 +448,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     if (frames := Frames.of(scene)) is not None:
         short = diffusion[:3]
         if inertial:
-            modes = (
-                problem.modes if scene.medium.inertia == "memory" else Modes(tau[:1], np.ones(1))
-            )
-            short = at_short_times(step, short, modes)
+            remembers = scene.medium.inertia == "memory"
+            of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
+            short = at_short_times(step, short, of_velocity)
         spring = centre[:3] if how.spring_only else None
         exposure = Exposure(frames, problem, step, short, np.diag(rates).copy(), spring)
     columns = ["x", "y", "z"]

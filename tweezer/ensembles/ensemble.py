@@ -75,7 +75,8 @@ def ensemble(
     velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
     inertia, angular_velocity (trajectory, time, body_axis) in rad/s if the scene has a rotation,
     all NaN once a bead is lost, and lost_time (trajectory), s: infinite for a bead never lost, NaN
-    for a trajectory not yet computed. They are read from the store when used;
+    for a trajectory not yet computed; with a camera what it saw, seen (trajectory, frame,
+    seen_axis) in m, NaN from the frame in which a bead was lost. They are read from the store when used;
     `xarray.open_zarr` opens it. Every chunk has a checksum.
 
     Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to

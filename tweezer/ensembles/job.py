@@ -42,6 +42,8 @@ QUANTITIES = {
     "orientation": (("e0", "e1", "e2", "e3"), "euler_parameter", "1", "Euler parameters"),
     "angular_velocity": (("wx", "wy", "wz"), "body_axis", "rad/s", "angular velocity, body frame"),
 }
+#: Name of what the camera of a scene saw
+SEEN = "seen"
 COORDINATES = {
     "axis": ["x", "y", "z"],
     "euler_parameter": ["e0", "e1", "e2", "e3"],

@@ -26,6 +26,7 @@ from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
     COORDINATES,
     QUANTITIES,
+    SEEN,
     Attributes,
     Job,
     attributes_of,
@@ -258,8 +259,8 @@ class Trajectories:
             dataset = xr.Dataset(
                 {name: (dimensions, self.arrays[name], attributes)
                  for name, dimensions, _, attributes in self._variables()},
-                {name: (name, values, attributes)
-                 for name, values, attributes in self._coordinates()},
+                {name: (dimension, values, attributes)
+                 for name, (dimension, values, attributes) in self._coordinates().items()},
                 attributes_of(job, self.bound),
             )  # fmt: skip
         else:
@@ -287,13 +288,13 @@ class Trajectories:
                 _described(own) == _described(self.arrays)
                 and all(
                     (self.arrays[name].shape, self.arrays[name].chunks)
-                    == (shape, self._chunks(shape))
+                    == (shape, self._chunks(name, shape))
                     and self.arrays[name].dtype == np.float64
                     for name, _, shape, _ in self._variables()
                 )
                 and all(
                     np.array_equal(self.arrays[name][:], values)
-                    for name, values, _ in self._coordinates()
+                    for name, (_, values, _) in self._coordinates().items()
                 )
             )
         except Exception as error:  # Zarr raises of any kind where a file is damaged
@@ -308,7 +309,11 @@ class Trajectories:
         """
         job, names = self.job, columns_of(self.bound)
         windows = range(len(job.cuts) - 1)
-        lacking = (w for w in windows if not all(self._whole(name, index, w, 0) for name in names))
+        lacking = (
+            w for w in windows
+            if not all(self._whole(name, index, w, 0) for name in names)
+            or not self._filmed(index, w)
+        )  # fmt: skip
         reached = next(lacking, len(windows))
         if reached == len(windows) and self._whole("lost_time", index):
             return True
@@ -317,6 +322,20 @@ class Trajectories:
         if begun and int(begun["window"]) > min(reached, windows[-1]):
             job.checkpoint(index).unlink()
         return False
+
+    def _filmed(self, index: int, window: int) -> bool:
+        """Whether the chunks of the frames that end in a window of a block are whole."""
+        if SEEN not in self.arrays:
+            return True
+        first, end = self.job.cuts[window : window + 2]
+        ended = self.bound.frames(max(first - 1, 0)), self.bound.frames(end - 1)
+        length = self.arrays[SEEN].chunks[1]
+        found = True
+        for chunk in range(ended[0] // length, -(-ended[1] // length)):
+            if not self._whole(SEEN, index, chunk, 0):  # one that is torn cannot be added to
+                self._chunk(SEEN, index, chunk, 0).unlink(missing_ok=True)
+                found = False
+        return found
 
     def _chunk(self, name: str, *at: int) -> Path:
         """The file of a chunk."""
@@ -340,20 +359,38 @@ class Trajectories:
                 name, ("trajectory", "time", dimension), (n, samples, len(columns)),
                 {"units": units, "long_name": long_name},
             )  # fmt: skip
+        if (exposure := self.bound.exposure) is not None:
+            shape = n, len(exposure.frames.opens), len(exposure.frames.camera.axes)
+            yield (
+                SEEN, ("trajectory", "frame", "seen_axis"), shape,
+                {"units": "m", "long_name": "position that the camera saw"},
+            )  # fmt: skip
         yield (
             "lost_time", ("trajectory",), (n,),
             {"units": "s", "long_name": "when the bead was lost; infinite: it was not"},
         )  # fmt: skip
 
-    def _coordinates(self) -> Iterator[tuple[str, NDArray[Any], Attributes]]:
-        """Name, values and attributes of each coordinate."""
-        yield "time", self.bound.times, {"units": "s", "long_name": "time since release"}
+    def _coordinates(self) -> dict[str, tuple[str, NDArray[Any], Attributes]]:
+        """Dimension, values and attributes of each coordinate by name."""
+        about = {"units": "s", "long_name": "time since release"}
+        found: dict[str, tuple[str, NDArray[Any], Attributes]] = {
+            "time": ("time", self.bound.times, about)
+        }
         for dimension in dict.fromkeys(QUANTITIES[name][1] for name in columns_of(self.bound)):
-            yield dimension, np.array(COORDINATES[dimension]), {}
+            found[dimension] = dimension, np.array(COORDINATES[dimension]), {}
+        if (exposure := self.bound.exposure) is not None:
+            middle = "time since release, middle of the exposure"
+            about = {"units": "s", "long_name": middle}
+            found["frame_time"] = "frame", exposure.frames.times, about
+            found["seen_axis"] = "seen_axis", np.array(exposure.frames.camera.axes), {}
+        return found
 
-    def _chunks(self, shape: tuple[int, ...]) -> tuple[int, ...]:
-        """Indices of a window of a block."""
-        return tuple(map(min, shape, (self.job.block, self.job.cuts[1], shape[-1])))
+    def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:
+        """Indices of a window of a block; of frames as many as end in a window on average."""
+        window = self.job.cuts[1]
+        if name == SEEN:
+            window = -(-shape[1] // (len(self.job.cuts) - 1))
+        return tuple(map(min, shape, (self.job.block, window, shape[-1])))
 
     def _create(self, out: Path) -> None:
         """Create the store, without samples."""
@@ -369,14 +406,14 @@ class Trajectories:
         for name, dimensions, shape, attributes in self._variables():
             group.create_array(
                 name, shape=shape, dtype="float64", fill_value=np.nan, dimension_names=dimensions,
-                chunks=self._chunks(shape),
+                chunks=self._chunks(name, shape),
                 compressors=[Crc32cCodec()],  # noise does not compress
-                attributes=attributes,
+                attributes=attributes | ({"coordinates": "frame_time"} if name == SEEN else {}),
             )  # fmt: skip
-        for name, values, attributes in self._coordinates():
+        for name, (dimension, values, attributes) in self._coordinates().items():
             array = group.create_array(
                 name, shape=values.shape, dtype=str if values.dtype.kind == "U" else values.dtype,
-                dimension_names=(name,), attributes=attributes,
+                dimension_names=(dimension,), attributes=attributes,
             )  # fmt: skip
             array[:] = values
         with warnings.catch_warnings(action="ignore"):  # not yet in Zarr's specification

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.walk import Walk, walk
-from tweezer.ensembles.job import Job, columns_of, found_of, identity_of, plan_of
+from tweezer.ensembles.job import SEEN, Job, columns_of, found_of, identity_of, plan_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
     Gathered,
@@ -167,6 +167,17 @@ def _block(
         if statistics:
             statistics = Statistics.of(statistics.plan, begun)
 
+    frames: list[Array] = []  # that ended since they were last written
+    written = bound.frames(max(job.cuts[window] + before.shape[1] - 1, 0))
+
+    def write_frames() -> None:
+        nonlocal written
+        if frames and arrays is not None:
+            seen = np.concatenate(frames, axis=1)
+            arrays[SEEN][members, written : written + seen.shape[1]] = seen
+            written += seen.shape[1]
+            frames.clear()
+
     def keep_for_later(window: int, samples: Array) -> None:
         if job.out is not None:
             begun = {"identity": identity, "window": window, "states": states, "held": samples}
@@ -179,9 +190,12 @@ def _block(
         samples[:, : before.shape[1]] = before
         last = first + before.shape[1]
         before = before[:, :0]
-        for at, piece in _advance(bound, states, trajectories, last, end):
+        pieces = _advance(bound, states, trajectories, last, end, filmed=arrays is not None)
+        for at, piece, seen in pieces:
             if stopped():
                 return None
+            if seen.size:
+                frames.append(seen)
             reached = at + piece.shape[1]
             samples[:, at - first : reached - first] = piece[..., :width]
             if statistics:
@@ -189,6 +203,7 @@ def _block(
             parts[index] = job.share(index) * reached / job.cuts[-1]
             if len(trajectories) * (reached - last) * bound.per_sample >= _KEPT_STEPS:
                 with telling(job):
+                    write_frames()
                     keep_for_later(i, samples[:, : reached - first])
                 last = reached
         if statistics:
@@ -199,6 +214,7 @@ def _block(
             if arrays is not None:
                 for name, columns in columns_of(bound).items():
                     arrays[name][members, first:end] = samples[..., columns]
+                write_frames()
                 if i == windows - 1:
                     arrays["lost_time"][members] = states[:, -1]
             keep_for_later(i + 1, before)
@@ -206,17 +222,30 @@ def _block(
 
 
 def _advance(
-    bound: Walk, states: Array, trajectories: NDArray[np.int64], first: int, end: int
-) -> Iterator[tuple[int, Array]]:
-    """Samples `first` to `end` in pieces: number of the first, (trajectories, n, columns)."""
+    bound: Walk,
+    states: Array,
+    trajectories: NDArray[np.int64],
+    first: int,
+    end: int,
+    *,
+    filmed: bool,
+) -> Iterator[tuple[int, Array, Array]]:
+    """Samples `first` to `end` in pieces: number of the first, (trajectories, n, columns).
+
+    And the frames of a camera that end meanwhile, (trajectories, frames, axes), if they are asked.
+    """
     n, width = len(trajectories), len(bound.columns)
     if first == 0:
-        yield 0, _in_the_body(bound, bound.seen(states)[:, None].copy())
+        yield 0, _in_the_body(bound, bound.seen(states)[:, None].copy()), np.empty((n, 0, 0))
     most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // n)
     for at in range(max(1, first), end, most):
         piece = np.empty((n, min(most, end - at), width))
-        bound.advance(states, trajectories, at - 1, piece)
-        yield at, _in_the_body(bound, piece)
+        seen = np.empty((n, 0, 0))
+        if filmed:
+            seen = bound.filmed(states, trajectories, at - 1, piece)
+        else:
+            bound.advance(states, trajectories, at - 1, piece)
+        yield at, _in_the_body(bound, piece), seen
 
 
 def _in_the_body(bound: Walk, samples: Array) -> Array:
