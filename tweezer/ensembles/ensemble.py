@@ -76,8 +76,8 @@ def ensemble(
     inertia, angular_velocity (trajectory, time, body_axis) in rad/s if the scene has a rotation,
     all NaN once a bead is lost, and lost_time (trajectory), s: infinite for a bead never lost, NaN
     for a trajectory not yet computed; with a camera what it saw, seen (trajectory, frame,
-    seen_axis) in m, NaN from the frame in which a bead was lost. They are read from the store when used;
-    `xarray.open_zarr` opens it. Every chunk has a checksum.
+    seen_axis) in m, NaN from the frame in which a bead was lost. They are read from the store when
+    used; `xarray.open_zarr` opens it. Every chunk has a checksum.
 
     Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to
     10,000 times, of position_..., velocity_..., angular_velocity_...; and of the positions from
