@@ -403,23 +403,6 @@ def test_white_noise_leaves_the_autocorrelation_as_it_is():
     assert abs(clean.stiffness - noisy.stiffness) < clean.uncertainty / 2
 
 
-def test_the_diffusion_of_a_free_bead():
-    """24 beads, each position the mean of two and 50 nm off by noise, drifting: D is right on
-    average within 4 of its errors (false alarm 6e-5), and scatters as it says to 0.45 (3 errors).
-    """
-    D, step = KT / DRAG, 0.05
-    rng = np.random.default_rng(57)
-    fine = np.cumsum(math.sqrt(D * step) * rng.standard_normal((24, 3000)), axis=1)
-    seen = (fine[:, ::2] + fine[:, 1::2]) / 2 + 50e-9 * rng.standard_normal((24, 1500))
-    seen += 1e-7 * step * np.arange(1500)
-    found = [tweezer.calibrate(record(x, step), temperature=T).axes[0] for x in seen]
-    assert all("free" in names(each.findings) for each in found)
-    diffusion = np.array([each.free_diffusion for each in found])
-    errors = np.array([each.free_diffusion_uncertainty for each in found])
-    assert abs(diffusion.mean() - D) < 4 * diffusion.std() / math.sqrt(24)
-    assert errors.mean() == pytest.approx(diffusion.std(), rel=0.45)
-
-
 @pytest.mark.parametrize(
     ("value", "uncertainty", "text"),
     [(50.3456, 0.4912, "50.35 +- 0.49"), (1069.2, 19.3, "1069 +- 19"),

@@ -12,6 +12,7 @@ from .driving import Answer
 from .escape import Escape
 from .findings import Finding
 from .first_passage import EscapeTimes, escape_times
+from .free import Diffusion, FreeAxis, Inferred
 from .heights import trap_over_heights
 from .histogram import Potential, potential
 from .recording import Recording, Track, load_recording, load_track
@@ -37,13 +38,16 @@ __all__ = [
     "Calibration",
     "DepthFit",
     "Detected",
+    "Diffusion",
     "Efficiency",
     "Equilibrium",
     "Escape",
     "EscapeTimes",
     "Estimate",
     "Finding",
+    "FreeAxis",
     "Height",
+    "Inferred",
     "Minimum",
     "Parameter",
     "Potential",

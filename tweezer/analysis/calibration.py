@@ -24,9 +24,9 @@ from tweezer.analysis.findings import (
     Finding,
     Fits,
     examine,
-    free_diffusion,
     spectrum_p_value,
 )
+from tweezer.analysis.free import Diffusion, Given, not_trapped
 from tweezer.analysis.histogram import potential
 from tweezer.analysis.in_time import autocorrelation, displacement, lags_of
 from tweezer.analysis.recording import Recording, load_recording
@@ -47,7 +47,7 @@ from tweezer.analysis.whittle import (
 )
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
-from tweezer.fluid import LOWEST
+from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
@@ -150,10 +150,6 @@ class AxisCalibration:
     """fit of both corner frequency and diffusion; the drag is k_B T/D"""
     relaxations: float
     """length of the record, in relaxation times of `fit`"""
-    free_diffusion: float | None
-    """diffusion from displacements, m^2/s, if the bead looks free (finding "free")"""
-    free_diffusion_uncertainty: float | None
-    """its standard uncertainty, m^2/s"""
     detector: tuple[Detected, ...] = ()
     """parameters of the detector that were fitted"""
     sensitivity: float | None = None
@@ -215,11 +211,17 @@ class Calibration:
     axes: tuple[AxisCalibration, ...]
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
+    free: Diffusion | None = None
+    """of the axes along which no trap is seen; None if a trap is seen along all"""
 
     def __repr__(self) -> str:
         """In short: for each axis the first trusted stiffness."""
         told = []
+        free = [] if self.free is None else [each.axis for each in self.free.axes]
         for axis in self.axes:
+            if axis.axis in free:
+                told.append(f"{axis.axis} not trapped")
+                continue
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
             value = f"{with_uncertainty(1e6 * best.stiffness, 1e6 * best.uncertainty)} pN/um"
             told.append(f"{axis.axis} {'not to be trusted' if best.caveat else value}")
@@ -235,6 +237,7 @@ def calibrate(
     displaced_mass: float | str | None = None,
     wall: float | str | tuple[float, float] | None = None,
     radius: float | str | None = None,
+    viscosity: float | str | None = None,
     exposure: float | str | None = None,
     diode: float | str | tuple[float, float] | None = None,
     noise: float | str | None = None,
@@ -251,6 +254,8 @@ def calibrate(
     those of the scene's camera, and 0 without one; the drag beside a wall is that of the mean
     mobility on the way). An unknown exposure is taken as 0, and a finding reports a record that
     could have another one.
+
+    viscosity: of the medium, Pa s; with the radius it makes the drag.
 
     wall: the distance of the bead's centre from a wall across the light, m, or with its standard
     uncertainty "1.2 um +- 50 nm"; radius: of the bead, m, which it needs. `drag` is then that far
@@ -282,6 +287,10 @@ def calibrate(
     autocorrelation uses only the rate of decay and needs a drag, but no temperature. Potential:
     `potential`, with the corrections of equipartition.
 
+    Along axes where no trap is seen the bead is taken for a free one: `Calibration.free` has its
+    diffusion, and what that tells of the viscosity, the radius or Boltzmann's constant, whichever
+    is not given.
+
     `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
     `ResultError` without a temperature, for an exposure longer than the step, for what
     `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
@@ -294,6 +303,7 @@ def calibrate(
     mass = _in_si(recording, "mass", mass, "kg")
     fluid = _in_si(recording, "displaced_mass", displaced_mass, "kg")
     radius = _in_si(recording, "radius", radius, "m")
+    viscosity = _in_si(recording, "viscosity", viscosity, "Pa s")
     poles, on_the_way = TrappedBead.poles, False
     asked = {"exposure": exposure, "diode_frequency": diode, "noise": noise}
     detector = tuple(name for name, value in asked.items() if value == "fit")
@@ -314,6 +324,8 @@ def calibrate(
         if temperature is None:
             temperature = recording.scene.medium.temperature
         radius = recording.scene.bead.radius if radius is None else radius
+        if viscosity is None:
+            viscosity = recording.scene.medium.viscosity
         if drag is None:
             drag = bead_properties(recording.scene).drag
             on_the_way = wall is None
@@ -322,6 +334,8 @@ def calibrate(
         if fluid is None:
             fluid = of_scene[1]
             poles = recording.scene.medium.poles or poles
+    elif radius is not None and viscosity is not None and drag is None:
+        drag = stokes(viscosity, radius).translation
     if exposure is None and "exposure" not in detector:
         exposure = recording.exposure
         if exposure is None and recording.scene is not None:
@@ -330,7 +344,7 @@ def calibrate(
         raise ResultError(f"{recording.name}: needs the temperature of the medium")
     positive = {
         "temperature": temperature, "drag": drag, "mass": mass, "displaced_mass": fluid,
-        "radius": radius,
+        "radius": radius, "viscosity": viscosity,
     }  # fmt: skip
     for name, value in positive.items():
         if value is not None and value <= 0:
@@ -414,11 +428,20 @@ def calibrate(
             ) from None
     if height is not None and ACROSS in axes:
         axes[ACROSS] = _of_its_height(axes[ACROSS], height)
+    of_free = Given(
+        temperature, radius, viscosity, drag, exposure, noise,
+        {axis: drag / along for axis, along in drags.items()} if drag is not None else {},
+        recording.unit,
+    )  # fmt: skip
+    free = not_trapped(
+        recording.name, {axis: axes[axis].findings for axis in recording.axes},
+        np.stack([signal for signal, _ in signals], axis=1), step, of_free,
+    )  # fmt: skip
     return Calibration(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
         len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
-        height,
+        height, free,
     )  # fmt: skip
 
 
@@ -740,14 +763,10 @@ def _calibrated(
     if well.stiffness is not None and well.uncertainty is not None:
         found = corrected(well.stiffness, well.uncertainty, fits)
         add("potential", found, too_few("potential"))
-    alone = None
-    if any(finding.name == "free" for finding in findings):
-        alone = free_diffusion(positions, step)
     per_volt = 1 / response if scaled else None
     force = bead.stiffness / response if scaled else None
     return AxisCalibration(
         axis, float(positions.mean()), tuple(findings), tuple(estimates), own, of_free, relaxations,
-        *(alone or (None, None)),  # type: ignore[call-arg]
         detector, per_volt, per_volt and per_volt * fit.uncertainty(0, 0, 1),
         force, force and force * fit.uncertainty(1, 0, -1), answers,
         (*_undetermined(detector, known.unit), *_late(fit, answers, response)),

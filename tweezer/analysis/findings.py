@@ -368,18 +368,3 @@ def _drag(fits: Fits) -> Finding | None:
     if ratio > 1 and fits.fit.bead.wall is None:
         text += ", as beside a wall"
     return Finding("drag", text)
-
-
-def free_diffusion(positions: Array, step: float) -> tuple[float, float] | None:
-    """Diffusion of a free bead and its standard uncertainty, m^2/s; None if not determined.
-
-    From displacements and products of successive ones, so that noise and exposure cancel
-    (C. L. Vestergaard et al., Phys. Rev. E 89, 022726 (2014)), without a steady drift.
-    """
-    steps = np.diff(positions)
-    steps -= steps.mean()
-    each = (steps[:-1] ** 2 / 2 + steps[:-1] * steps[1:]) / step
-    # the mean is that of the record: it removes 3/2 of a step's variance over the number of steps
-    diffusion = float(each.mean()) * (1 + 3 / len(steps))
-    uncertainty = standard_error(each)
-    return (diffusion, uncertainty) if 0 < uncertainty < 0.3 * diffusion else None

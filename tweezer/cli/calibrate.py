@@ -19,6 +19,7 @@ from tweezer.cli.console import (
     write_figure,
     write_json,
 )
+from tweezer.cli.free import print_free
 from tweezer.cli.tables import table_of
 from tweezer.errors import ResultError
 from tweezer.rounding import rounded, with_uncertainty
@@ -52,7 +53,11 @@ def calibrate(
         str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
     ] = None,
     viscosity: Annotated[
-        str | None, typer.Option(help='Of the medium: "1 mPa s"; goes with --radius.')
+        str | None,
+        typer.Option(
+            help='Of the medium: "1 mPa s"; with --radius it is the drag. Of a bead that is not '
+            "trapped either one tells the other."
+        ),
     ] = None,
     density: Annotated[
         str | None,
@@ -154,11 +159,7 @@ def calibrate(
         raise ResultError("--wall gives what --focus finds; must be one of them")
     for each in loaded:
         _check_known(each, given, asked)
-    drag = mass = displaced = None
-    if "radius" in given:
-        from tweezer.fluid import stokes
-
-        drag = stokes(given["viscosity"], given["radius"]).translation
+    mass = displaced = None
     if "density" in given:
         volume = 4 / 3 * math.pi * given["radius"] ** 3
         mass = given["density"] * volume
@@ -168,9 +169,10 @@ def calibrate(
     for each in loaded:
         calibrations.append(
             calibrated(
-                each, temperature=given.get("temperature"), drag=None if places else drag,
-                mass=mass, displaced_mass=displaced, wall=_bare(wall), radius=given.get("radius"),
-                exposure=exposed, diode=diode, noise=_bare(noise),
+                each, temperature=given.get("temperature"), mass=mass, displaced_mass=displaced,
+                wall=_bare(wall), radius=given.get("radius"),
+                viscosity=None if places else given.get("viscosity"), exposure=exposed,
+                diode=diode, noise=_bare(noise),
             )
         )  # fmt: skip
         if len(loaded) > 1:
@@ -179,6 +181,9 @@ def calibrate(
     put_together = together(calibrations) if len(loaded) > 1 and not places else ()
     surface = None
     if places:
+        from tweezer.fluid import stokes
+
+        drag = stokes(given["viscosity"], given["radius"]).translation
         surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
         _print_surface(surface, calibrations, places)
     if put_together:
@@ -230,7 +235,7 @@ def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) 
     for option in beside:
         if loaded.scene is not None:
             raise ResultError(f"{loaded.name}: its scene has the wall; {option} is not for a run")
-        if "radius" not in given:
+        if not {"radius", "viscosity"} <= set(given):
             raise ResultError(f"{loaded.name}: {option} needs --radius and --viscosity")
     if loaded.scene is not None and given:
         raise ResultError(
@@ -240,10 +245,8 @@ def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) 
         raise ResultError(
             f"{loaded.name}: needs --temperature, and --radius and --viscosity if known"
         )
-    if ("radius" in given) != ("viscosity" in given) or ("density" in given) > ("radius" in given):
-        raise ResultError(
-            f"{loaded.name}: --radius and --viscosity go together; --density needs both"
-        )
+    if "density" in given and not {"radius", "viscosity"} <= set(given):
+        raise ResultError(f"{loaded.name}: --density needs --radius and --viscosity")
     if ("fluid-density" in given) > ("density" in given):
         raise ResultError(f"{loaded.name}: --fluid-density needs --density")
 
@@ -263,27 +266,16 @@ def _determined(value: float, uncertainty: float, unit: str) -> str:
 
 
 def _print_calibration(calibration: Calibration) -> None:
+    free = calibration.free
+    if free is not None:
+        print_free(free, calibration.unit)
     for axis in calibration.axes:
-        if {finding.name for finding in axis.findings} & {"free", "drift"} == {"free"}:
-            _print_free(axis)
-        else:
+        if free is None or axis.axis not in [each.axis for each in free.axes]:
             _print_trapped(axis, calibration.unit)
         if calibration.wall is not None and axis.drag is not None:
             _print_wall(calibration.wall, axis)
     if calibration.note:
         show_warning(calibration.note)
-
-
-def _print_free(axis: AxisCalibration) -> None:
-    D, uncertainty = axis.free_diffusion, axis.free_diffusion_uncertainty
-    diffusion = "not determined"
-    if D is not None and uncertainty is not None:
-        diffusion = _determined(1e12 * D, 1e12 * uncertainty, "um^2/s")
-    OUT.print(
-        f"{axis.axis}: no trap is seen: the bead looks free, or the record is too short; the "
-        f"diffusion of a free bead, from displacements: {diffusion}",
-        highlight=False, soft_wrap=True,
-    )  # fmt: skip
 
 
 def _print_wall(wall: Height, axis: AxisCalibration) -> None:

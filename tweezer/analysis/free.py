@@ -1,0 +1,583 @@
+"""A bead that is not trapped: its diffusion, by blurred and noisy positions, and what follows.
+
+Positions at even times of a bead with diffusion D and drift v, each the mean over an exposure W and
+with a localisation error of variance sigma^2. Successive steps, less v dt, have the variance
+2 D dt + 2 s and the covariance -s with their neighbours, s = sigma^2 - W D/3, and no other
+(C. L. Vestergaard, P. C. Blainey and H. Flyvbjerg, Phys. Rev. E 89, 022726 (2014)): D is told
+whatever blur and error are. Sines diagonalise that covariance, so that the likelihood is exact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+from scipy.fft import dst
+from scipy.optimize import brentq, minimize_scalar
+from scipy.special import chdtrc, ndtr
+
+from tweezer.analysis.findings import IMPROBABLE, Finding
+from tweezer.errors import ResultError
+
+Array = NDArray[np.float64]
+
+#: Rise of twice the negative log-likelihood at the ends of a 95 % interval.
+_LEVEL = 3.841
+#: Largest step of a bead, in standard deviations; a larger one is a jump, and left out.
+_JUMP = 6.0
+#: Largest fraction of the steps that are left out as jumps.
+_FEW_JUMPS = 0.01
+#: Standard deviation of a Gaussian over its median absolute deviation.
+_DEVIATION_PER_MEDIAN = 1.4826
+#: Smallest number of steps between two jumps.
+_LEAST_STEPS = 3
+#: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
+_BLOCKS = 1000
+#: Largest number of steps of Fisher's scoring.
+_SCORINGS = 40
+#: Range of the logarithm of B/A of `_Steps`, and of A about its start, in a fit.
+_NOISY = (-7.0, 16.0)
+_SOUGHT = 5.0
+#: Lowest and highest end of an interval, as logarithms of the ratio to the estimate.
+_ENDS = (-12.0, 6.0)
+#: Numbers of the slowest ordinates that are compared with the others.
+_SLOW = (4, 16, 64)
+#: Excess kurtosis that is not chance, in its standard deviations.
+_TAILED = 4.0
+#: Findings against a trapped bead that a free one can explain.
+_OBJECTIONS = {"drift", "noise", "spectrum"}
+#: Number of bands of the spectrum whose mean squares are compared.
+_BANDS = 10
+#: Largest number of jumps that are told.
+_TOLD = 3
+#: Smallest A, in mean squared steps, from which a fit starts.
+_LEAST_START = 0.05
+#: Tolerance of logarithms.
+_EXACT = 1e-5
+#: Squared noise that is seen, in its standard uncertainties, and the 95 % upper limit of any.
+_SEEN, _ONE_SIDED = 3.0, 1.645
+#: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
+_WHOLE_EXPOSURE = 1 / 3
+
+
+class _Steps:
+    """The steps of one coordinate between jumps, as sums over blocks of frequencies.
+
+    The spectrum of the steps is A (1 + cos)/2 + B (1 - cos)/2 of the angle of a frequency, with
+    A = 2 D dt and B = A + 4 s, in units of the mean squared step.
+    """
+
+    def __init__(
+        self, pieces: Sequence[Array], step: float, without: Sequence[tuple[float, float]] = ()
+    ):
+        """pieces: rows of successive steps, m; without: bands (Hz) whose ordinates are not used."""
+        every = np.concatenate(pieces)
+        self.count, self.step = len(every), step
+        self.square = float(np.var(every))
+        rows = []
+        for piece in pieces:
+            n = len(piece)
+            angle = np.pi * np.arange(1, n + 1) / (n + 1)
+            # of a steady drift: the transform of ones
+            ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
+            ordinate = dst(piece, type=1, norm="ortho")
+            frequency = angle / (2 * np.pi * step)
+            kept = np.ones(n, bool)
+            for low, high in without:
+                kept &= (frequency < low) | (frequency > high)
+            rows.append(np.stack([angle, ordinate, ones])[:, kept])
+        angle, ordinate, ones = np.concatenate(rows, axis=1)
+        order = np.argsort(angle, kind="stable")
+        self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
+        self.share = (1 + np.cos(angle[order])) / 2
+        n = len(order)
+        starts = np.arange(n)
+        if n > 2 * _BLOCKS:
+            starts = np.unique(np.geomspace(1, n + 1, _BLOCKS).astype(int))[:-1] - 1
+        self._counts = np.diff([*starts, n]).astype(np.float64)
+        self._share = np.add.reduceat(self.share, starts) / self._counts
+        products = self.ordinates**2, self.ordinates * self.ones, self.ones**2
+        self._squares, self._cross, self._drift = (
+            np.add.reduceat(each, starts) for each in products
+        )
+        self._near = 0.0  # ln B of the last fit
+
+    def misfit(self, a: float, b: float) -> float:
+        """-2 times the log-likelihood with any drift, of ln A and ln B."""
+        A, B = math.exp(a), math.exp(b)
+        spectrum = A * self._share + B * (1 - self._share)
+        per = 1 / spectrum
+        of_drift = float(self._drift @ per)
+        value = self._counts @ np.log(spectrum) + self._squares @ per
+        return float(value - (self._cross @ per) ** 2 / of_drift) + math.log(of_drift)
+
+    def best(self, a: float) -> tuple[float, float]:
+        """The smallest misfit with that ln A, and its ln B: by Fisher's scoring, or by search."""
+        A, b = math.exp(a), self._near if abs(self._near - a) < _NOISY[1] else a
+        for _ in range(_SCORINGS):
+            of_b = math.exp(b) * (1 - self._share)
+            per = 1 / (A * self._share + of_b)
+            slope = of_b * per
+            again = slope * per
+            of_drift, cross = float(self._drift @ per), float(self._cross @ per)
+            change = self._counts @ slope - self._squares @ again
+            change += 2 * cross * float(self._cross @ again) / of_drift
+            change -= float(self._drift @ again) * (cross**2 / of_drift + 1) / of_drift
+            move = -float(change) / float(self._counts @ slope**2)
+            b = min(max(b + min(max(move, -1.0), 1.0), a + _NOISY[0]), a + _NOISY[1])
+            if abs(move) < _EXACT:
+                self._near = b
+                return self.misfit(a, b), b
+        found = minimize_scalar(
+            lambda noisy: self.misfit(a, a + noisy), bounds=_NOISY, method="bounded",
+            options={"xatol": _EXACT},
+        )  # fmt: skip
+        return float(found.fun), a + float(found.x)
+
+    def information(self, a: float, b: float) -> Array:
+        """Fisher's, of ln A and ln B, (2, 2)."""
+        A, B = math.exp(a), math.exp(b)
+        spectrum = A * self._share + B * (1 - self._share)
+        slopes = np.stack([A * self._share, B * (1 - self._share)]) / spectrum
+        return np.asarray((slopes * self._counts) @ slopes.T / 2)
+
+    def drift(self, a: float, b: float) -> tuple[float, float]:
+        """m/s, and its standard uncertainty."""
+        per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
+        of_drift = float(self._drift @ per)
+        unit = math.sqrt(self.square) / self.step
+        return unit * float(self._cross @ per) / of_drift, unit / math.sqrt(of_drift)
+
+    def ratios(self, a: float, b: float) -> Array:
+        """Squares over their expectations: each of one degree of freedom, by frequency."""
+        drift = self.drift(a, b)[0] * self.step / math.sqrt(self.square)
+        spectrum = math.exp(a) * self.share + math.exp(b) * (1 - self.share)
+        return np.asarray((self.ordinates - drift * self.ones) ** 2 / spectrum)
+
+
+@dataclass(frozen=True)
+class FreeAxis:
+    """The diffusion along one axis, by itself."""
+
+    axis: str
+    diffusion: float
+    """by likelihood, m^2/s"""
+    interval: tuple[float, float]
+    """95 %, m^2/s"""
+    by_covariance: float
+    """by the means of squared steps and of products of successive ones, m^2/s"""
+    by_covariance_uncertainty: float
+    """its standard uncertainty, m^2/s"""
+    drift: float
+    """m/s"""
+    drift_uncertainty: float
+    """standard uncertainty, m/s"""
+    noise: float | None
+    """standard deviation of the localisation error, m; None if the exposure is not known, or it is
+    not seen"""
+    noise_limit: float | None
+    """95 % upper limit of it, m; None if the exposure is not known"""
+    p_value: float
+    """probability of a spectrum of the steps that differs as much or more, in ten bands"""
+    jumps: tuple[int, ...]
+    """samples before which the bead jumped: those steps are left out"""
+
+
+@dataclass(frozen=True)
+class Inferred:
+    """What diffusion, temperature and Einstein's relation tell of what is not given."""
+
+    name: str
+    """"viscosity" (Pa s), "radius" (m), "drag" (kg/s) or "Boltzmann" (J/K)"""
+    value: float
+    interval: tuple[float, float]
+    """95 %; infinite without an upper end"""
+
+
+@dataclass(frozen=True)
+class Diffusion:
+    """The diffusion of a free bead, by its motion along one or more axes, SI."""
+
+    name: str
+    diffusion: float
+    """far from walls, m^2/s (V^2/s for a record in volts)"""
+    uncertainty: float
+    """standard uncertainty"""
+    interval: tuple[float, float]
+    """95 %, by the profile of the likelihood; from 0 if no diffusion is seen"""
+    inferred: Inferred | None
+    """None without a temperature, or for a record in volts"""
+    expected: float | None
+    """by Einstein, m^2/s; None unless temperature and drag are known"""
+    findings: tuple[Finding, ...]
+    """what speaks against it"""
+    remarks: tuple[str, ...]
+    """what was left out, or widens the interval"""
+    axes: tuple[FreeAxis, ...]
+
+
+class Given(NamedTuple):
+    """What is known of a free bead, SI; None: not known."""
+
+    temperature: float | None = None
+    radius: float | None = None
+    viscosity: float | None = None
+    drag: float | None = None
+    """far from walls; with the radius and the viscosity it is theirs"""
+    exposure: float | None = None
+    noise: float | None = None
+    mobilities: Mapping[str, float] = {}
+    """along each axis, of that far from walls: 1 if not given"""
+    unit: str = "m"
+    """of the positions"""
+    without: Sequence[tuple[float, float]] = ()
+    """bands of frequencies (Hz) that are not used"""
+
+
+def not_trapped(
+    name: str, found: Mapping[str, Sequence[Finding]], positions: Array, step: float, given: Given
+) -> Diffusion | None:
+    """The diffusion along the axes along which no trap is seen; None if there are none.
+
+    found: for each axis of positions (n, axes), what speaks against a trapped bead. One that looks
+    free is; and so is one to which other things are objected, if nothing speaks against a free one.
+    """
+
+    def fitted(axes: Sequence[str]) -> Diffusion | None:
+        columns = [i for i, axis in enumerate(found) if axis in axes]
+        try:
+            return free_bead(name, axes, positions[:, columns], step, given)
+        except ResultError:
+            return None
+
+    def free(axis: str, against: set[str]) -> bool:
+        if against & {"free", "drift"} == {"free"}:
+            return True
+        alone = fitted([axis]) if against & _OBJECTIONS else None
+        return alone is not None and alone.interval[0] > 0 and not alone.findings
+
+    axes = [axis for axis, each in found.items() if free(axis, {one.name for one in each})]
+    return fitted(axes) if axes else None
+
+
+def free_bead(
+    name: str, axes: Sequence[str], positions: Array, step: float, given: Given
+) -> Diffusion:
+    """Diffusion from positions (n, axes), m, one every `step` (s), and what it tells.
+
+    D is that of the largest restricted likelihood over D, drifts and, for each axis, s; where
+    exposure and noise are known, s follows from D, unless the record contradicts it. Steps of more
+    than six standard deviations are left out. Where steps have heavier tails than a Gaussian, the
+    interval is as much wider. Raises `ResultError` for a record most of whose positions are the
+    same.
+    """
+    fits = [_Fit.of(axis, x, step, given) for axis, x in zip(axes, positions.T, strict=True)]
+    every = [fit for fit in fits if fit is not None]
+    if len(every) < len(fits):
+        raise ResultError(f"{name}: most of its positions are the same: no diffusion to tell")
+
+    def misfit(a: float) -> float:
+        return sum(fit.misfit(a) for fit in every)
+
+    best, least = _least(misfit, float(np.mean([fit.best for fit in every])))
+    informations = [fit.information(best) for fit in every]
+    information = sum(informations)
+    # the variance of ln D, over that of Gaussian steps
+    wider = 1 + sum(
+        each**2 * fit.tails / fit.steps.count
+        for fit, each in zip(every, informations, strict=True)
+    ) / information  # fmt: skip
+    ends = _ends(misfit, best, least, _LEVEL * wider)
+    D, low, high = (math.exp(a) / (2 * step) for a in (best, *ends))
+    findings = [finding for fit in every for finding in fit.findings(step)]
+    apart = max(least - sum(fit.least for fit in every), 0.0) / wider
+    if len(every) > 1 and chdtrc(len(every) - 1, apart) < IMPROBABLE:
+        unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
+        values = " and ".join(f"{1e12 * fit.diffusion(step):.3g}" for fit in every)
+        text = f"its diffusion differs between {' and '.join(axes)}: {values} {unit}"
+        findings.append(Finding("axes", text))
+    inferred = expected = None
+    if given.temperature is not None and given.unit == "m":
+        inferred = _inferred(given, D, (low, high))
+        if given.drag is not None:
+            expected = Boltzmann * given.temperature / given.drag
+            rise = max(misfit(math.log(2 * expected * step)) - least, 0.0) / wider
+            if chdtrc(1, rise) < IMPROBABLE:
+                text = f"its diffusion is {D / expected:.3g} times Einstein's for what is given"
+                findings.append(Finding("Einstein", text))
+    return Diffusion(
+        name, D, D * math.sqrt(wider / information), (low, high), inferred, expected,
+        tuple(findings), _remarks(every, step), tuple(fit.result(step, given) for fit in every),
+    )  # fmt: skip
+
+
+def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
+    """What was left out, what widens the interval, and what looks odd."""
+    said = []
+    jumps = [f"{step * jump:.4g} s ({fit.axis})" for fit in fits for jump in fit.jumps]
+    if jumps:
+        more = ", ..." if len(jumps) > _TOLD else ""
+        said.append(f"left out: jumps before {', '.join(jumps[:_TOLD])}{more}")
+    if tailed := [fit.axis for fit in fits if fit.tails]:
+        said.append(f"{', '.join(tailed)}: large steps are frequent, so that the interval is wider")
+    if smoothed := [fit.axis for fit in fits if fit.smoothed]:
+        said.append(
+            f"{', '.join(smoothed)}: the bead moves less from sample to sample than a whole "
+            "exposure leaves: are the positions smoothed?"
+        )
+    return tuple(said)
+
+
+def _least(misfit: Callable[[float], float], about: float) -> tuple[float, float]:
+    """Where it is smallest, and that misfit."""
+    found = minimize_scalar(
+        misfit, bounds=(about - _SOUGHT, about + _SOUGHT), method="bounded",
+        options={"xatol": _EXACT},
+    )  # fmt: skip
+    return float(found.x), float(found.fun)
+
+
+def _ends(
+    misfit: Callable[[float], float], best: float, least: float, level: float
+) -> tuple[float, float]:
+    """Where the misfit has risen by `level`; infinite where it does not."""
+
+    def above(a: float) -> float:
+        return misfit(a) - least - level
+
+    low, high = (best + end for end in _ENDS)
+    return (
+        brentq(above, low, best, xtol=_EXACT) if above(low) > 0 else -math.inf,
+        brentq(above, best, high, xtol=_EXACT) if above(high) > 0 else math.inf,
+    )
+
+
+def _inferred(given: Given, D: float, ends: tuple[float, float]) -> Inferred:
+    """By Einstein and Stokes, k_B T = 6 pi mu r D."""
+    assert given.temperature is not None
+    kT, radius, viscosity = Boltzmann * given.temperature, given.radius, given.viscosity
+    if given.drag is not None:
+        factor = given.drag / given.temperature
+        return Inferred("Boltzmann", factor * D, (factor * ends[0], factor * ends[1]))
+    name, factor = "drag", kT
+    if radius is not None:
+        name, factor = "viscosity", kT / (6 * math.pi * radius)
+    elif viscosity is not None:
+        name, factor = "radius", kT / (6 * math.pi * viscosity)
+    low, high = (factor / end if end else math.inf for end in reversed(ends))
+    return Inferred(name, factor / D, (low, high))
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """One axis by itself. The unknown a is ln(2 D dt), D in m^2/s far from walls."""
+
+    axis: str
+    steps: _Steps
+    shift: float
+    """ln A is a + shift"""
+    known: tuple[float, float] | None
+    """exposure over the step, and squared noise over the mean squared step; None: s is fitted"""
+    jumps: tuple[int, ...]
+    """samples before which the bead jumped"""
+    tails: float
+    """excess kurtosis of the steps; 0 if that may be chance"""
+    by_covariance: tuple[float, float]
+    halves: float
+    """difference of the diffusion between the halves, in its standard uncertainties"""
+
+    @classmethod
+    def of(cls, axis: str, x: Array, step: float, given: Given) -> _Fit | None:
+        """The fit of positions (n,), m; None if most of them are the same."""
+        every = np.diff(x)
+        off = np.abs(every - np.median(every))
+        spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
+        if not spread > 0:
+            return None
+        jumps = np.flatnonzero(off > _JUMP * spread)
+        if len(jumps) > _FEW_JUMPS * len(every):
+            jumps = jumps[:0]
+        pieces = [piece[int(i > 0) :] for i, piece in enumerate(np.split(every, jumps))]
+        pieces = [piece for piece in pieces if len(piece) >= _LEAST_STEPS]
+        steps = _Steps(pieces, step, given.without)
+        kept = np.concatenate(pieces)
+        kurtosis = float(((kept - kept.mean()) ** 4).mean() / np.var(kept) ** 2) - 3
+        known = None
+        if given.exposure is not None and given.noise is not None:
+            known = given.exposure / step, given.noise**2 / steps.square
+        mobility = given.mobilities.get(axis, 1.0)
+        return cls(
+            axis, steps, math.log(mobility / steps.square), known, tuple(map(int, jumps + 1)),
+            kurtosis if kurtosis > _TAILED * math.sqrt(24 / len(kept)) else 0.0,
+            *_by_covariance(pieces, step),
+        )  # fmt: skip
+
+    def _noisy(self, a: float) -> tuple[float, float]:
+        """ln B as exposure and noise make it, and its slope by ln A."""
+        assert self.known is not None
+        exposure, noise = self.known
+        A = math.exp(a)
+        B = A * (1 - 2 / 3 * exposure) + 4 * noise
+        return math.log(B), (B - 4 * noise) / B
+
+    @cached_property
+    def contradicted(self) -> bool:
+        """Whether the record excludes the known exposure and noise."""
+        if self.known is None:
+            return False
+        as_known = _least(lambda a: self.steps.misfit(a, self._noisy(a)[0]), self._start)[1]
+        fitted = _least(lambda a: self.steps.best(a)[0], self._start)[1]
+        return bool(chdtrc(1, max(as_known - fitted, 0.0)) < IMPROBABLE)
+
+    def _at(self, a: float) -> tuple[float, float]:
+        """The smallest misfit with that ln A, and its ln B."""
+        if self.known is None or self.contradicted:
+            return self.steps.best(a)
+        b = self._noisy(a)[0]
+        return self.steps.misfit(a, b), b
+
+    @property
+    def _start(self) -> float:
+        """ln A by the covariances."""
+        D, _ = self.by_covariance
+        return math.log(max(2 * D * self.steps.step / self.steps.square, _LEAST_START))
+
+    @cached_property
+    def _own(self) -> tuple[float, float, float]:
+        """ln A and ln B that fit this axis best, and the misfit."""
+        a, least = _least(lambda a: self._at(a)[0], self._start)
+        return a, self._at(a)[1], least
+
+    @property
+    def best(self) -> float:
+        """a of this axis."""
+        return self._own[0] - self.shift
+
+    @property
+    def least(self) -> float:
+        """The smallest misfit of this axis."""
+        return self._own[2]
+
+    def misfit(self, a: float) -> float:
+        """-2 times the log-likelihood, over drift and, unless known, s."""
+        return self._at(a + self.shift)[0]
+
+    def diffusion(self, step: float) -> float:
+        """Along this axis, m^2/s."""
+        return math.exp(self._own[0]) * self.steps.square / (2 * step)
+
+    def information(self, a: float) -> float:
+        """Fisher's, of a."""
+        own = a + self.shift
+        b = self._at(own)[1]
+        matrix = self.steps.information(own, b)
+        if self.known is None or self.contradicted:
+            return float(matrix[0, 0] - matrix[0, 1] ** 2 / matrix[1, 1])
+        along = np.array([1.0, self._noisy(own)[1]])
+        return float(along @ matrix @ along)
+
+    def findings(self, step: float) -> list[Finding]:
+        """What speaks against a free bead with a steady drift."""
+        a, b, _ = self._own
+        ratios = self.steps.ratios(a, b)
+        found = []
+        if self.contradicted:
+            text = (
+                f"{self.axis}: exposure and noise as given contradict the record: both are fitted"
+            )
+            found.append(Finding("noise", text))
+        slow = [each for each in _SLOW if each <= len(ratios) // 4]
+        sums = [float(ratios[:each].sum()) for each in slow]
+        more = [float(chdtrc(n - 1, total)) for n, total in zip(slow, sums, strict=True)]
+        less = [1 - float(chdtrc(n - 1, total)) for n, total in zip(slow, sums, strict=True)]
+        duration = self.steps.count * step
+        if min(more) < IMPROBABLE / len(slow):
+            n = slow[int(np.argmin(more))]
+            text = f"{self.axis}: its drift changes, slower than {n / (2 * duration):.2g} Hz"
+            found.append(Finding("drift", text))
+        elif min(less) < IMPROBABLE / len(slow):
+            n = slow[int(np.argmin(less))]
+            text = (
+                f"{self.axis}: it moves less than a free bead over {2 * duration / n:.2g} s and "
+                "more: is it held?"
+            )
+            found.append(Finding("confined", text))
+        elif self.p_value < IMPROBABLE:
+            text = f"{self.axis}: its steps are not those of a free bead, blurred and with noise"
+            found.append(Finding("spectrum", text))
+        if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE:
+            text = f"{self.axis}: its halves differ in how the bead diffuses"
+            found.append(Finding("halves", text))
+        return found
+
+    @cached_property
+    def p_value(self) -> float:
+        """By the mean squares in bands of the spectrum, of which two parameters are fitted."""
+        bands = np.array_split(self.steps.ratios(*self._own[:2]), _BANDS)
+        squares = sum(len(band) / 2 * (float(band.mean()) - 1) ** 2 for band in bands)
+        return float(chdtrc(_BANDS - 2, squares))
+
+    @property
+    def smoothed(self) -> bool:
+        """Whether the bead moves less from sample to sample than an exposure of a step leaves."""
+        a, b, least = self._own
+        rise = self.steps.misfit(a, a + math.log(_WHOLE_EXPOSURE)) - least
+        return b - a < math.log(_WHOLE_EXPOSURE) and bool(chdtrc(1, max(rise, 0.0)) < IMPROBABLE)
+
+    def result(self, step: float, given: Given) -> FreeAxis:
+        """This axis, in public."""
+        a, b, least = self._own
+        information = self.information(self.best)
+        wider = 1 + self.tails * information / self.steps.count
+        ends = _ends(lambda a: self._at(a)[0], a, least, _LEVEL * wider)
+        unit = self.steps.square / (2 * step)
+        noise, limit = (
+            (None, None) if given.exposure is None else self._noise(given.exposure / step)
+        )
+        return FreeAxis(
+            self.axis, unit * math.exp(a), (unit * math.exp(ends[0]), unit * math.exp(ends[1])),
+            *self.by_covariance, *self.steps.drift(a, b), noise, limit, self.p_value, self.jumps,
+        )  # fmt: skip
+
+    def _noise(self, exposure: float) -> tuple[float | None, float]:
+        """Standard deviation of the localisation error, m, if it is seen, and its upper limit.
+
+        exposure: over the step.
+        """
+        A, B = map(math.exp, self._own[:2])
+        slopes = np.array([A * (exposure / 6 - 1 / 4), B / 4])
+        square = float(slopes.sum())
+        covariance = np.linalg.pinv(self.steps.information(*self._own[:2]))
+        error = math.sqrt(float(slopes @ covariance @ slopes))
+        unit = math.sqrt(self.steps.square)
+        seen = unit * math.sqrt(square) if square > _SEEN * error else None
+        return seen, unit * math.sqrt(max(square, 0.0) + _ONE_SIDED * error)
+
+
+def _by_covariance(pieces: Sequence[Array], step: float) -> tuple[tuple[float, float], float]:
+    """D and its uncertainty, m^2/s, by covariances; and by how much its halves differ.
+
+    Vestergaard et al., (14) and (16), the drift being that of the record.
+    """
+    count = sum(map(len, pieces))
+    drift = sum(float(piece.sum()) for piece in pieces) / count
+    squares = np.concatenate([(piece[:-1] - drift) ** 2 for piece in pieces])
+    products = np.concatenate([(piece[:-1] - drift) * (piece[1:] - drift) for piece in pieces])
+
+    def estimated(part: slice) -> tuple[float, float]:
+        square, product = float(squares[part].mean()), float(products[part].mean())
+        n = len(squares[part])
+        D, s = (square / 2 + product) / step, -product
+        ratio = s / (D * step)
+        relative = (6 + 4 * ratio + 2 * ratio**2) / n + 4 * (1 + ratio) ** 2 / n**2
+        return D * (1 + 3 / count), abs(D) * math.sqrt(relative)
+
+    half = len(squares) // 2
+    (first, error), (second, other) = estimated(slice(half)), estimated(slice(half, None))
+    return estimated(slice(None)), (first - second) / math.hypot(error, other)
