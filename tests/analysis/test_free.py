@@ -93,10 +93,10 @@ def test_noise_is_told_if_the_exposure_is():
 def test_known_noise_and_exposure_narrow_the_interval():
     record = seen(5, exposure=STEP / 2, noise=SIZE)
     fitted = found(record)
-    known = found(record, KNOWN._replace(exposure=STEP / 2, noise=SIZE))
+    known = found(record, KNOWN._replace(exposure=STEP / 2, noise=dict.fromkeys("xy", SIZE)))
     assert known.uncertainty < 0.9 * fitted.uncertainty
     assert known.interval[0] < D < known.interval[1]
-    wrong = found(record, KNOWN._replace(exposure=STEP / 2, noise=2 * SIZE))
+    wrong = found(record, KNOWN._replace(exposure=STEP / 2, noise=dict.fromkeys("xy", 2 * SIZE)))
     assert {each.name for each in wrong.findings} == {"noise"}
     assert wrong.interval == pytest.approx(fitted.interval)
 

@@ -429,7 +429,7 @@ def calibrate(
     if height is not None and ACROSS in axes:
         axes[ACROSS] = _of_its_height(axes[ACROSS], height)
     of_free = Given(
-        temperature, radius, viscosity, drag, exposure, noise,
+        temperature, radius, viscosity, drag, exposure, {} if noise is None else noises,
         {axis: drag / along for axis, along in drags.items()} if drag is not None else {},
         recording.unit,
     )  # fmt: skip

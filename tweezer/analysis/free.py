@@ -231,7 +231,8 @@ class Given(NamedTuple):
     drag: float | None = None
     """far from walls; with the radius and the viscosity it is theirs"""
     exposure: float | None = None
-    noise: float | None = None
+    noise: Mapping[str, float] = {}
+    """along each axis; none: not known"""
     mobilities: Mapping[str, float] = {}
     """along each axis, of that far from walls: 1 if not given"""
     unit: str = "m"
@@ -409,8 +410,8 @@ class _Fit:
         kept = np.concatenate(pieces)
         kurtosis = float(((kept - kept.mean()) ** 4).mean() / np.var(kept) ** 2) - 3
         known = None
-        if given.exposure is not None and given.noise is not None:
-            known = given.exposure / step, given.noise**2 / steps.square
+        if given.exposure is not None and axis in given.noise:
+            known = given.exposure / step, given.noise[axis] ** 2 / steps.square
         mobility = given.mobilities.get(axis, 1.0)
         return cls(
             axis, steps, math.log(mobility / steps.square), known, tuple(map(int, jumps + 1)),
@@ -511,7 +512,7 @@ class _Fit:
         elif self.p_value < IMPROBABLE:
             text = f"{self.axis}: its steps are not those of a free bead, blurred and with noise"
             found.append(Finding("spectrum", text))
-        if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE:
+        if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE / 10:
             text = f"{self.axis}: its halves differ in how the bead diffuses"
             found.append(Finding("halves", text))
         return found
