@@ -384,8 +384,9 @@ def test_command_on_a_free_bead_and_on_a_camera(command_line):
 @pytest.mark.parametrize(
     ("options", "complaint"),
     [([], "mine.csv: needs --temperature"),
-     (["--temperature", "20 degC", "--radius", "1 um"], "mine.csv: --radius and --viscosity go"),
-     (["--temperature", "20 degC", "--density", "2000"], "mine.csv: --radius and --viscosity go"),
+     (["--temperature", "20 degC", "--radius", "1 um", "--density", "2000"],
+      "mine.csv: --density needs --radius and --viscosity"),
+     (["--temperature", "20 degC", "--density", "2000"], "mine.csv: --density needs --radius"),
      (["--temperature", "20 s"], "--temperature '20 s': has the wrong unit"),
      ([*KNOWN, "--skip", "-1"], "--skip '-1': must be from 0"),
      ([*KNOWN, "--skip", "10 s"], "mine.csv: has 0 samples"),
