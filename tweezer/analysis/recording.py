@@ -90,14 +90,18 @@ class Recording:
             self._refuse("not finite; calibrate the samples before and after it apart", at)
         steps = np.diff(self.times)
         if (steps <= 0).any():
-            self._refuse("its time is not after the one before", 1 + int(np.argmax(steps <= 0)))
+            self._refuse(
+                "its time is not after the one before; rows at even times are read without it, "
+                'such as --columns "x=..." --rate "1 kHz"',
+                1 + int(np.argmax(steps <= 0)),
+            )
         even = np.linspace(self.times[0], self.times[-1], len(self.times))
         if np.abs(self.times - even).max() > _UNEVEN * self.step:
             usual = float(np.median(steps))
             off = np.abs(steps - usual)
             self._refuse(
                 f"its time breaks the even step of {usual:.4g} s, which samples must have; if only "
-                f'the stamps of time are uneven, give the rate: --rate "{1 / usual:.4g} Hz"',
+                f'the stamps of time are uneven, give the rate: --rate "{1 / self.step:.4g} Hz"',
                 1 + int(np.argmax(off > 0.99 * off.max())),
             )
         low, high = _VOLTS if self.unit == "V" else _EXTENTS
@@ -107,7 +111,7 @@ class Recording:
             if not low <= extent <= high:
                 self._refuse(
                     f"{axis} extends over {extent:.3g} {self.unit}; must be from {low:g} to "
-                    f"{high:g} {self.unit}. Is its unit missing?"
+                    f"{high:g} {self.unit}. Is its unit missing? Of pixels --scale has it"
                 )
 
     def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
@@ -169,7 +173,8 @@ class Track:
         if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
             raise ResultError(
                 f"{self.name}: extends to {extent:.3g} m from the axis; must be from "
-                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing?"
+                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing? Of pixels --scale has "
+                "it"
             )
 
 
@@ -222,7 +227,7 @@ def load_recording(
     `Recording` refuses.
     """
     reading = Reading.of(columns, rate, scale, drive)
-    found = _read(source, reading, Wanted(("x",), volts=True))
+    found = _read(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
     if not isinstance(found, Columns):
         if drive is not None:
             raise ResultError(f"{found[0]}: a run of tweezer has no column {drive!r}")

@@ -22,6 +22,8 @@ from tweezer.reading.table import (
     rate_among,
 )
 
+#: First bytes of a .npy
+_NPY = b"\x93NUMPY"
 #: Largest number of bytes of an array in a packed file
 _MOST_BYTES = 64 * MOST_SAMPLES
 #: How deep structures within structures are read
@@ -36,6 +38,9 @@ def open_numpy(path: Path) -> Table:
                 raise ResultError(f"{path}: has more than {MOST_SAMPLES:,} samples")
         with np.load(path, allow_pickle=False) as arrays:
             return table_of_arrays(str(path), dict(arrays))
+    with path.open("rb") as file:
+        if file.read(len(_NPY)) != _NPY:
+            raise ValueError("its beginning is another")
     array = np.load(path, mmap_mode="r", allow_pickle=False)
     if array.dtype.names:
         return table_of_arrays(str(path), {name: array[name] for name in array.dtype.names})

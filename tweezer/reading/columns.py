@@ -117,9 +117,11 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
     missing = [axis for axis in wanted.axes if axis not in places]
     if reading.drive is not None and "drive" not in places:
         missing.append(reading.drive)
-    timed = {"t", "frame"} & set(places) or reading.rate is not None or _has_rate(table, places)
+    waveforms = any(column.step is not None for column in table.columns)
+    timed = bool({"t", "frame"} & set(places)) or reading.rate is not None
+    timed |= waveforms if missing else _has_rate(table, places)
     if missing or not timed:
-        _refuse_missing(table, [*([] if timed else ["t"]), *missing])
+        _refuse_missing(table, places, [*([] if timed else ["t"]), *missing], reading.drive)
     if "t" in places and "frame" in places:
         del places["t" if reading.rate is not None else "frame"]
     if "frame" in places and reading.rate is None and not _has_rate(table, places):
@@ -133,12 +135,11 @@ def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:
     """Whether cells of a text are the headings of the columns that are wanted."""
     names = [_folded(cell) for cell in cells]
     if called := [_folded(each.heading) for each in reading.columns if each.heading]:
-        return all(
-            any(name.startswith(each.partition("[")[0]) for name in names) for each in called
-        )
+        begins = [each.partition("[")[0].rstrip() for each in called]
+        return all(any(name.startswith(each) for name in names) for each in begins)
     named = {understood(cell).quantity for cell in cells}
     driven = reading.drive is None or any(of_the_drive(cell, reading.drive) for cell in cells)
-    return driven and named >= {*wanted.axes}
+    return driven and bool(named & {*AXES}) and named >= {*wanted.axes}
 
 
 def _has_rate(table: Table, places: dict[str, _Place]) -> bool:
@@ -221,14 +222,24 @@ def _by_headings(table: Table) -> dict[str, _Place]:
     return places
 
 
-def _refuse_missing(table: Table, missing: list[str]) -> NoReturn:
-    named = "t=...,x=..." if "t" in missing else ",".join(f"{each}=..." for each in missing)
-    way = f'headings are such as "t [s]" and "x [um]"; name others with --columns "{named}"'
-    if missing == ["t"]:
-        rate = f"it has {table.rate_beside}, perhaps its rate: " if table.rate_beside else ""
-        way += f'; of rows at even times give the rate, {rate}--rate "1 kHz"'
+def _refuse_missing(
+    table: Table, places: dict[str, _Place], missing: list[str], drive: str | None
+) -> NoReturn:
+    """Refuse a table that lacks columns, with what to do about it."""
+    used = {place.column for place in places.values()}
+    others = [each.name for i, each in enumerate(table.columns) if i not in used]
+    named = [f"{each}={table.columns[places[each].column].name}" for each in places if each in AXES]
+    lacking = [each for each in missing if each != drive]
+    named = [f"{each}={name}" for each, name in zip(lacking, others, strict=False)] + named
+    ways = ['headings are such as "t [s]" and "x [um]"']
+    if lacking and len(others) >= len(lacking):
+        ways += [f'name others, such as --columns "{",".join(named)}"']
+    if missing == ["t"] and table.rate_beside:
+        ways += [f'{table.rate_beside} is perhaps the rate of its rows, for --rate "1 kHz"']
+    elif missing == ["t"]:
+        ways += ['give the rate of rows at even times, such as --rate "1 kHz"']
     columns = " and ".join(f"no column {each}" for each in missing)
-    raise ResultError(f"{table.name}: has {columns}{_there(table)}; {way}")
+    raise ResultError(f"{table.name}: has {columns}{_there(table)}; {'; '.join(ways)}")
 
 
 def _there(table: Table) -> str:

@@ -51,11 +51,11 @@ def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[A
     numbers = np.concatenate([[0.0], np.cumsum(leaps)])
     every = int(numbers[-1]) + 1
     lost = every - int(there.sum())
-    said = f"{lost:,} of {every:,} samples are missing"
+    said = f"samples missing: {lost:,} of {every:,}"
     if whole and lost <= _FILLED * math.sqrt(every):
         grid = np.arange(every)
         filled = [np.interp(grid, numbers[there], column[there]) for column in columns.T]
-        notes.append(f"{said}, and filled in by straight lines")
+        notes.append(f"{said}, filled in by straight lines")
         return np.interp(grid, numbers, times), np.stack(filled, axis=1), "; ".join(notes)
     first, last = _longest(there, leaps)
     if last - first < least:
@@ -64,7 +64,7 @@ def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[A
             f"must have {least} or more"
         )
     notes.append(
-        f"{said}: the longest stretch without a gap is taken, {last - first:,} samples from "
+        f"{said}; the longest stretch without a gap is taken: {last - first:,} samples from "
         f"{times[first]:.6g} s on"
     )
     return times[first:last], columns[first:last], "; ".join(notes)

@@ -15,6 +15,8 @@ from tweezer.reading.table import Array, Column, Table
 
 #: Attribute of the file by which it is known
 _VERSION = "Bluelake version"
+#: Attribute of a calibration that has the force of a volt, in all of them
+_RESPONSE = "Response (pN/V)"
 #: Group of the calibrations of the forces
 _CALIBRATIONS = "Calibration"
 
@@ -65,5 +67,5 @@ def open_lumicks(path: Path) -> Table:
 
 def _response(piece: Any) -> float | None:
     """pN/V by which a force was calibrated; None for one in volts."""
-    found = [item.force_sensitivity for item in piece.calibration]
+    found = [item.force_sensitivity for item in piece.calibration if _RESPONSE in item]
     return float(found[0]) if found and found[0] else None

@@ -150,21 +150,19 @@ def _scale(given: float | str) -> Scale:
     try:
         match = _NUMBER.fullmatch(above)
         if match is None:
-            raise ValueError("is no number with a unit")
+            raise ValueError(above)
         number, unit = float(match["number"]), match["unit"] or "m"
-        (length, kind), signal = factor_of(unit, "x"), below or PIXEL
-        if kind != "m":  # pixels or volts in a length
-            length, signal = to_si(f"1 {below}", "m") / length, unit
-            number = 1 / number
-        factor, of = factor_of(signal, "x")
-        if of == "m":
-            raise ValueError(f"is in {signal}")
-        metres = number * length / factor
-        if not _SCALES[0] <= metres <= _SCALES[1]:
-            raise ValueError(f"must be from {_SCALES[0]:g} to {_SCALES[1]:g} m")
-    except (ValueError, ZeroDivisionError) as error:
+        factor, kind = factor_of(unit, "x")
+        if kind == "m":
+            signal, of = factor_of(below or PIXEL, "x")
+            metres = number * factor / signal
+        else:  # pixels or volts in a length
+            of, metres = kind, to_si(f"1 {below}", "m") / (number * factor)
+        if of == "m" or not _SCALES[0] <= metres <= _SCALES[1]:
+            raise ValueError(f"{metres:g} m")
+    except (ValueError, ZeroDivisionError):
         raise ResultError(
-            f'scale = {given!r}: {error}; must be such as "85.8 nm", of a pixel, or "11.66 px/um" '
-            'or "0.5 um/V"'
+            f'scale = {given!r}: must be a length such as "85.8 nm", of a pixel, or "11.66 px/um" '
+            f'or "0.5 um/V", from {_SCALES[0]:g} to {_SCALES[1]:g} m'
         ) from None
     return Scale(metres, of)

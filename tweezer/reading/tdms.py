@@ -10,6 +10,8 @@ import numpy as np
 from tweezer.errors import ResultError
 from tweezer.reading.table import MOST_SAMPLES, Array, Column, Table
 
+#: First bytes of a TDMS file
+_BEGINNING = b"TDSm"
 #: Properties of a channel that have its unit
 _UNITS = ("unit_string", "NI_UnitDescription", "Unit", "unit")
 
@@ -22,6 +24,9 @@ def open_tdms(path: Path) -> Table:
         raise ResultError(
             f'{path}: npTDMS reads TDMS files, and is not there: pip install "tweezer[recordings]"'
         ) from None
+    with path.open("rb") as file:
+        if file.read(len(_BEGINNING)) != _BEGINNING:
+            raise ValueError("its beginning is another")
     columns, places = [], []
     for group in TdmsFile.read_metadata(path).groups():
         for channel in group.channels():

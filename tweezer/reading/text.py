@@ -110,7 +110,8 @@ def _layout(head: list[str], names: Callable[[list[str]], bool]) -> _Layout:
             return _below(head, number, cells, delimiter)
         if (found := _of_numbers(line)) is not None:
             above = _cells(_bare(head[number - 1]), found[0]) if number else []
-            alike = len(above) == found[1] and any(cell.strip(AROUND) for cell in above)
+            alike = len(above) >= found[1] > 1 or len(above) == found[1]
+            alike &= any(cell.strip(AROUND) for cell in above)
             if alike or any(understood(cell).quantity for cell in above):
                 return _Layout(above, [], found[0], number, len(above))
             return _Layout([], [], found[0], number, found[1])
@@ -199,7 +200,7 @@ def _numbers(
                 sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
                 decimal="," if commas else ".",
                 header=None,
-                names=range(layout.columns),
+                names=range(max(places) + 1),
                 index_col=False,
                 usecols=sorted(set(places)),
                 skiprows=layout.first,

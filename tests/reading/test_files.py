@@ -1,0 +1,315 @@
+"""Recordings as programs of measurement write them: each is read right, or refused with a way out.
+
+The files are written here by NumPy, h5py, SciPy and npTDMS, from positions that are known.
+"""
+
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+import xarray as xr
+from nptdms import ChannelObject, TdmsWriter
+
+import tweezer
+
+N, STEP = 400, 1e-3
+T = STEP * np.arange(N)
+X, Y = 2e-8 * np.random.default_rng(5).standard_normal((2, N))
+PIXEL = 8.58e-8
+
+
+@pytest.fixture(autouse=True)
+def place(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def text(heading, *columns, mark=",", decimal=".", before="", end="\n", encoding="utf-8"):
+    """A table in text; without a line of headings where `heading` is None."""
+    rows = [
+        mark.join(f"{value:.10g}".replace(".", decimal) for value in row)
+        for row in zip(*columns, strict=True)
+    ]
+    lines = [*([before] if before else []), *([heading] if heading is not None else []), *rows]
+    return lambda path: Path(path).write_bytes((end.join(lines) + end).encode(encoding))
+
+
+def npy(array):
+    return lambda path: np.save(path, array)
+
+
+def npz(**arrays):
+    return lambda path: np.savez(path, **arrays)
+
+
+def mat(**variables):
+    return lambda path: scipy.io.savemat(path, variables)
+
+
+def matlab_7_3(path):
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in (("t", T), ("bead/x", X), ("bead/y", Y)):
+            file[name] = values[None]
+            file[name].attrs["MATLAB_class"] = np.bytes_("double")
+        file["who"] = np.array([[65], [66]], np.uint16)
+        file["who"].attrs["MATLAB_class"] = np.bytes_("char")
+
+
+def tdms(**properties):
+    def write(path):
+        with TdmsWriter(path) as writer:
+            writer.write_segment(
+                [ChannelObject("Data", name, 1e9 * values, properties=properties)
+                 for name, values in (("QPD X", X), ("QPD Y", Y))]
+            )  # fmt: skip
+
+    return write
+
+
+def lumicks(path):
+    """As Bluelake has it: forces in pN, calibrated by 2 pN/V."""
+    start, stop = 10**15, 10**15 + N * 10**6
+    with h5py.File(path, "w") as file:
+        file.attrs.update(
+            {"Bluelake version": "2.0", "File format version": 2, "Export time (ns)": 1,
+             "Description": "", "Experiment": ""}
+        )  # fmt: skip
+        for name, volts in (("Force 1x", X), ("Force 1y", Y)):
+            channel = file.create_dataset(f"Force HF/{name}", data=2e9 * volts)
+            channel.attrs.update(
+                {"Kind": "Continuous", "Sample rate (Hz)": 1000, "Start time (ns)": start,
+                 "Stop time (ns)": stop}
+            )  # fmt: skip
+            item = file.create_group(f"Calibration/1/{name}")
+            item.attrs.update({"Response (pN/V)": 2.0, "Stop time (ns)": 10**14})
+        file["Calibration/1"].attrs["Timestamp (ns)"] = 10**14
+
+
+TRACKMATE = (
+    "LABEL,POSITION_X,POSITION_Y,POSITION_T,FRAME\nLabel,X,Y,T,Frame\n,(micron),(micron),(sec),"
+)
+LABVIEW = "LabVIEW Measurement\t\nDecimal_Separator\t.\n***End_of_Header***\t\nChannels\t1\t"
+FRAMES = np.arange(N)
+STAMPS = T + 1.5e-4 * np.random.default_rng(6).uniform(-1, 1, N)
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "options", "axes", "unit"),
+    [("a.csv", text("time_s,x_nm", T, 1e9 * X), {}, "x", "m"),
+     ("a.csv", text("t/s,x/nm", T, 1e9 * X), {}, "x", "m"),
+     ("a.csv", text("Time (ms),X position (nm),Y-Pos [um]", 1e3 * T, 1e9 * X, 1e6 * Y), {}, "xy",
+      "m"),
+     ("a.csv", text("Elapsed time [s];Bead centre X [um]", T, 1e6 * X, mark=";"), {}, "x", "m"),
+     ("a.csv", text("timestamp_ms,posX_um,posY_um", 1e3 * T, 1e6 * X, 1e6 * Y), {}, "xy", "m"),
+     ("a.csv", text("seconds,x,y\ns,um,um", T, 1e6 * X, 1e6 * Y), {}, "xy", "m"),
+     ("a.csv", text(TRACKMATE, T, 1e6 * X, 1e6 * Y, T, FRAMES), {}, "xy", "m"),
+     ("a.csv", text("t,x [um],x_raw [um]", T, 1e6 * X, 1e6 * Y), {}, "x", "m"),
+     ("a.csv", text("t,x [um],bead x [um]", T, 1e6 * X, 1e6 * Y), {}, "x", "m"),
+     ("a.csv", text("Zeit,Pos A,Pos B", T, 1e6 * X, Y), {"columns": "t=Zeit,x=Pos A [um]"}, "x",
+      "m"),
+     ("a.csv", text("x1,y1,x2,y2", X, Y, Y, X), {"columns": {"x": 1, "y": 2}, "rate": 1e3},
+      "xy", "m"),
+     ("a.csv", text("t,x [um],x [nm]", T, 1e6 * X, 1e9 * X), {"columns": "t=t,x=x [nm]"}, "x", "m"),
+     ("a.csv", text(None, T, 1e6 * Y, 1e9 * X), {"columns": "t [s],-,x [nm]"}, "x", "m"),
+     ("a.csv", text(None, T, 1e9 * X), {"columns": ["t", "x [nm]"]}, "x", "m"),
+     ("a.csv", text("t [s];x [nm]", T, 1e9 * X, mark=";", decimal=","), {}, "x", "m"),
+     ("a.txt", text(None, T, 1e9 * X, mark=" ", decimal=","), {"columns": "t,x [nm]"}, "x", "m"),
+     ("a.dat", text("# t [s]   x [nm]", T, 1e9 * X, mark="   "), {}, "x", "m"),
+     ("a.csv", text("time [s]\tx [nm]", T, 1e9 * X, mark="\t", before="Rate\t1000\nDate\tMonday"),
+      {}, "x", "m"),
+     ("a.txt", text("Time [ms]\tX [µm]", 1e3 * T, 1e6 * X, mark="\t", encoding="utf-16",
+                    end="\r\n"), {}, "x", "m"),
+     ("a.csv", text("Time [µs],X [µm]", 1e6 * T, 1e6 * X, encoding="latin-1"), {}, "x", "m"),
+     ("a.lvm", text("X_Value\tVoltage\tComment", T, 1e9 * X, mark="\t", before=LABVIEW),
+      {"columns": "t=X_Value,x=Voltage [nm]"}, "x", "m"),
+     ("a.csv", text("frame;x;y", FRAMES, X / PIXEL, Y / PIXEL, mark=";"),
+      {"rate": "1000 fps", "scale": "85.8 nm"}, "xy", "m"),
+     ("a.csv", text("frame,x (px),y (pixels)", FRAMES, X / PIXEL, Y / PIXEL),
+      {"rate": 1000, "scale": f"{1e-6 / PIXEL!r} px/um"}, "xy", "m"),
+     ("a.csv", text("t,x", STAMPS, X), {"rate": "1 kHz"}, "x", "m"),
+     ("a.csv", text("x [um]", 1e6 * X), {"rate": "1 kHz"}, "x", "m"),
+     ("a.csv", text("t [s],QPD X [mV],Voltage Y [mV]", T, X * 1e3, Y * 1e3), {}, "xy", "V"),
+     ("a.csv", text("t [s],x voltage,y voltage", T, X, Y), {}, "xy", "V"),
+     ("a.csv", text("t [s],x [mV],y [mV]", T, 1e9 * X, 1e9 * Y), {"scale": "1 um/V"}, "xy", "m"),
+     ("a.csv", text("t [s],x [mV],y [mV]", T, 1e9 * X, 1e9 * Y), {"scale": "1000 mV/um"}, "xy",
+      "m"),
+     ("a.npy", npy(np.stack([T, 1e6 * X])), {"columns": "t,x [um]"}, "x", "m"),
+     ("a.npy", npy(X), {"columns": "x", "rate": 1e3}, "x", "m"),
+     ("a.npy", npy(np.rec.fromarrays([T, X], names="time,x")), {}, "x", "m"),
+     ("a.npz", npz(t_ms=1e3 * T, x_um=1e6 * X, y=Y, fs=1e3), {}, "xy", "m"),
+     ("a.mat", mat(t=T, x=X, y=Y), {}, "xy", "m"),
+     ("a.mat", mat(bead={"t": T, "x": X, "fs": 1e3}), {}, "x", "m"),
+     ("a.mat", mat(data=np.column_stack([T, 1e6 * X])),
+      {"columns": "t=data:1,x=data:2 [um]"}, "x", "m"),
+     ("a.mat", matlab_7_3, {}, "xy", "m"),
+     ("a.tdms", tdms(wf_increment=STEP, unit_string="nV"), {}, "xy", "V"),
+     ("a.tdms", tdms(), {"columns": "x=Data/QPD X [nV],y=QPD Y [nV]", "rate": "1 kHz"}, "xy", "V")],
+)  # fmt: skip
+def test_read_right(name, write, options, axes, unit):
+    write(name)
+    recording = tweezer.load_recording(name, **options)
+    assert (recording.axes, recording.unit, recording.note) == (tuple(axes), unit, "")
+    np.testing.assert_allclose(recording.times - recording.times[0], T, rtol=0, atol=1e-12)
+    expected = np.stack([X, Y], axis=1)[:, : len(axes)]
+    np.testing.assert_allclose(recording.positions, expected, rtol=1e-8, atol=1e-17)
+
+
+def test_forces_of_lumicks_are_put_back_into_volts():
+    lumicks("a.h5")
+    recording = tweezer.load_recording(
+        "a.h5", columns="x=Force HF/Force 1x,y=Force HF/Force 1y", scale="1 nm/V"
+    )
+    np.testing.assert_allclose(recording.positions, np.stack([X, Y], axis=1), rtol=1e-12)
+    assert recording.step == pytest.approx(STEP)
+    assert recording.note.startswith("Force 1x in pN is divided by its 2 pN/V; Force 1y")
+
+
+def gap(*rows, fill=None):
+    """A table that lacks rows, or the numbers of x in them."""
+    there = ~np.isin(FRAMES, rows)
+    if fill is None:
+        return text("t,x", T[there], X[there])
+    lines = [
+        f"{t:.10g},{x:.10g}" if ok else f"{t:.10g},{fill}"
+        for t, x, ok in zip(T, X, there, strict=True)
+    ]
+    return lambda path: Path(path).write_text("t,x\n" + "\n".join(lines) + "\n")
+
+
+@pytest.mark.parametrize("fill", [None, "", "NaN", "#N/A", "-"])
+def test_a_few_missing_samples_are_filled_in(fill):
+    gap(50, 200, fill=fill)("a.csv")
+    recording = tweezer.load_recording("a.csv")
+    assert recording.note == "samples missing: 2 of 400, filled in by straight lines"
+    expected = X.copy()
+    expected[50], expected[200] = (X[49] + X[51]) / 2, (X[199] + X[201]) / 2
+    np.testing.assert_allclose(recording.positions[:, 0], expected, rtol=1e-8)
+    np.testing.assert_allclose(recording.times, T, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("fill", [None, ""])
+def test_of_a_record_with_gaps_the_longest_stretch_is_taken(fill):
+    gap(50, *range(100, 120), 399, fill=fill)("a.csv")
+    recording = tweezer.load_recording("a.csv")
+    np.testing.assert_allclose(recording.times, T[120:399], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recording.positions[:, 0], X[120:399], rtol=1e-8)
+    assert (
+        "21 of 399; the longest stretch without a gap is taken: 279 samples from 0.12"
+        in recording.note
+    )
+    assert ("1 row without numbers at its ends left out" in recording.note) is (fill is not None)
+
+
+def test_frames_that_were_dropped_are_a_gap():
+    kept = FRAMES[FRAMES != 70]
+    text("frame,x [um]", kept, 1e6 * X[kept])("a.csv")
+    recording = tweezer.load_recording("a.csv", rate=1000)
+    assert len(recording.times) == N
+    assert recording.positions[70, 0] == pytest.approx((X[69] + X[71]) / 2)
+
+
+def test_a_track_is_read_by_the_same_options():
+    text("frame;x;y", FRAMES, X / PIXEL, Y / PIXEL, mark=";")("a.csv")
+    track = tweezer.load_track("a.csv", rate="15 Hz", scale="85.8 nm")
+    np.testing.assert_allclose(track.times, FRAMES / 15, rtol=1e-12)
+    np.testing.assert_allclose(track.positions, np.stack([X, Y], axis=1), rtol=1e-8)
+
+
+BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "options", "way"),
+    [("a.csv", text("frame;x;y", FRAMES, X, Y, mark=";"), {},
+      'give their rate, such as --rate "15 Hz"'),
+     ("a.csv", text("t,x_px", T, X / PIXEL), {}, 'such as --scale "85.8 nm"'),
+     ("a.csv", text("t,x", T, X / PIXEL * 100), {},
+      "Is its unit missing? Of pixels --scale has it"),
+     ("a.csv", text("t,x [um]", T, X), {"scale": "1 nm"},
+      "is in m, and --scale is for positions in pixels"),
+     ("a.csv", text("x [um]", 1e6 * X), {},
+      'give the rate of rows at even times, such as --rate "1 kHz"'),
+     ("a.csv", text(None, T, X, Y), {}, '--columns "t [s],x [um],y [um]"'),
+     ("a.csv", text("Zeit,Pos A", T, X), {}, 'such as --columns "t=Zeit,x=Pos A"'),
+     ("a.csv", text("t,x [um],x [nm]", T, X, X), {}, 'such as --columns "x=x [um]"'),
+     ("a.csv", text("t,x", T, X), {"columns": "t=t,x=place"},
+      "no column is called 'place' among 't', 'x'"),
+     ("a.csv", text("t,x", T, X), {"columns": "t=1,x=9"},
+      "has 2 columns; there is no number 9 for x"),
+     ("a.csv", text("t [s],x [um]", T, X), {"columns": "t [ms],x"}, "is in ms, and in s"),
+     ("a.csv", text("t,x", STAMPS, X), {}, 'give the rate: --rate "999.7 Hz"'),
+     ("a.csv", text("t,x", STAMPS, X), {"rate": "50 Hz"}, "its times have 99"),
+     ("a.csv", text("t,x", T[::-1], X), {}, '--columns "x=..." --rate "1 kHz"'),
+     ("a.csv", text("t,x", T, X, decimal=","), {}, "decimals need a point, or ; between the cells"),
+     ("a.csv", BEADS, {"rate": 15}, "keep the rows of one of them in a file of its own"),
+     ("a.csv", gap(*range(0, 400, 50), fill=""), {},
+      "the longest stretch without a gap has 49 samples"),
+     ("a.csv", text("frame,x [um]", FRAMES / 7, 1e6 * X), {"rate": 15},
+      "frame: must be whole numbers"),
+     ("a.xlsx", text("t,x", T, X), {}, "programs of measurement and of tables can save .csv"),
+     ("a.npy", npy(np.stack([T, X])), {}, '--columns "t [s],x [um]"'),
+     ("a.npz", npz(x=X, fs=1e3), {}, 'fs = 1000 is perhaps the rate of its rows, for --rate'),
+     ("a.mat", mat(d=np.stack([T, X])), {}, '--columns "t=d:1,x=d:2"'),
+     ("a.tdms", tdms(), {}, "has no column t among 'Data/QPD X'"),
+     ("a.h5", lumicks, {}, '--columns "x=Force HF/Force 1x"'),
+     ("a.npy", text("t,x", T, X), {}, "not a NumPy file, or damaged"),
+     ("a.npz", text("t,x", T, X), {}, "not a NumPy file, or damaged"),
+     ("a.mat", text("t,x", T, X), {}, "not a MATLAB file, or damaged"),
+     ("a.tdms", text("t,x", T, X), {}, "not a TDMS file, or damaged")],
+)  # fmt: skip
+def test_refused_with_the_way_out(name, write, options, way):
+    write(name)
+    with pytest.raises(tweezer.ResultError) as refusal:
+        tweezer.load_recording(name, **options)
+    assert str(refusal.value).startswith(name)
+    assert len(str(refusal.value).splitlines()) == 1
+    assert way in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("options", "complaint"),
+    [({"columns": "t,foo"}, "columns: 'foo' is not known; must be t, frame, x, y or z"),
+     ({"columns": "t=1,x"}, "must name all columns in their order"),
+     ({"columns": "t,t,x"}, "has two columns for t"),
+     ({"columns": "t,-"}, "must have x, y or z among them"),
+     ({"columns": "x=0"}, "columns are counted from 1"),
+     ({"rate": "15 nm"}, "rate = '15 nm': has a unit that is not known; must be convertible"),
+     ({"rate": 0}, "rate = 0: must be from 1e-06 to 1e.12 1/s"),
+     ({"scale": "85.8 kg"}, "scale = '85.8 kg': must be a length such as"),
+     ({"scale": "85.8 nm/s"}, "must be a length such as"),
+     ({"scale": 0}, "must be a length such as")],
+)  # fmt: skip
+def test_bad_options(options, complaint):
+    with pytest.raises(tweezer.ResultError, match=complaint):
+        tweezer.load_recording("a.csv", **options)
+
+
+@pytest.mark.parametrize(("module", "name"), [("nptdms", "a.tdms"), ("lumicks", "a.h5")])
+def test_without_a_reader_the_line_says_how_to_get_it(monkeypatch, module, name):
+    (lumicks if module == "lumicks" else tdms())(name)
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(tweezer.ResultError, match=r'pip install "tweezer\[recordings\]"'):
+        tweezer.load_recording(name)
+
+
+def test_options_are_not_for_a_run():
+    with pytest.raises(tweezer.ResultError, match="is a run of tweezer; --rate is for other files"):
+        tweezer.load_recording(xr.Dataset(attrs={"title": "mine"}), rate=15)
+
+
+def test_command(command_line):
+    text("frame;x;y", FRAMES, X / PIXEL, Y / PIXEL, mark=";")("a.csv")
+    known = ["--temperature", "20 degC"]
+    refused = command_line("calibrate", "a.csv", *known)
+    assert (refused.code, refused.err) == (
+        2,
+        'a.csv: has frames and no times; give their rate, such as --rate "15 Hz"\n',
+    )
+    done = command_line(
+        "calibrate", "a.csv", *known, "--rate", "1 kHz", "--scale", "85.8 nm",
+        "--columns", "frame=1,y=3",
+    )  # fmt: skip
+    assert done.code == 0
+    assert "y: stiffness by" in done.out
