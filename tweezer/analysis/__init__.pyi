@@ -15,6 +15,7 @@ from .first_passage import EscapeTimes, escape_times
 from .free import Diffusion, FreeAxis, Inferred
 from .heights import trap_over_heights
 from .histogram import Potential, potential
+from .holding import LeastPower, Lifetime, least_power
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
     TrappedBead,
@@ -48,6 +49,8 @@ __all__ = [
     "FreeAxis",
     "Height",
     "Inferred",
+    "LeastPower",
+    "Lifetime",
     "Minimum",
     "Parameter",
     "Potential",
@@ -69,6 +72,7 @@ __all__ = [
     "find_wall",
     "fit_depth",
     "in_metres",
+    "least_power",
     "load_recording",
     "load_track",
     "mean_squared_displacement",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.analysis.escape import Escape, escapes, largest
+from tweezer.analysis.holding import Lifetime, lifetime
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
     FOCUS,
@@ -55,6 +57,7 @@ class Efficiency:
 class Trap:
     """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
 
+    scene: InitVar[Scene]
     power_through_pupil: float
     """P, W, of all beams, without their modulation"""
     fraction_through_pupil: float | None
@@ -98,6 +101,25 @@ class Trap:
     """what ray optics is worth for this bead (`ray_optics_caveat`); None by waves, in the dark"""
     ray_optics: RayOpticsWorth | None
     """the same in numbers: how far equilibrium, stiffness and escape forces may be off"""
+
+    def __post_init__(self, scene: Scene) -> None:
+        object.__setattr__(self, "_scene", scene)
+
+    @functools.cached_property
+    def lifetime(self) -> Lifetime | None:
+        """How long thermal motion leaves the bead in the trap, computed when it is asked for.
+
+        The mean time from the equilibrium until the bead is `Trap.reach` or
+        `simulation.loss_distance` from the focus, whichever is less, at the temperature of the
+        medium, whatever `forces.brownian` is. It is a mean first passage time of the overdamped
+        motion in the exact force, of which no potential is asked, with the mobility at each place.
+        The light is taken as the same all around the axis: of linear light it is that of the half
+        planes along x and along y, whose mean is given and whose distance is in the error.
+
+        None without an equilibrium, of more than one beam, one that is moved or changes, and with
+        `forces.dlvo`.
+        """
+        return lifetime(self._scene, self)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
         """In short: equilibrium and stiffness."""
@@ -183,6 +205,7 @@ def characterise(scene: Scene) -> Trap:
             across = search.line()
             lateral = [_efficiency(light_force, to, across, unit) for to in ("+x", "+y")]
     return Trap(
+        scene=scene,
         power_through_pupil=power,
         fraction_through_pupil=power / given if given else None,
         backward_efficiency=backward,

@@ -234,6 +234,8 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
             drag = three(*(1e9 * each for each in characterised.drag))
             table.add_row("drag there (x, y, z)", f"{drag} nN s/m")
         table.add_row("corner frequencies", f"{three(*frequencies)} Hz{doubt}")
+        if held := characterised.lifetime:
+            table.add_row("held against thermal motion", f"{held.words}{doubt}")
     if characterised.absorbed_power is not None and characterised.torque is not None:
         table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
         torque = three(*(1e18 * each for each in characterised.torque))
@@ -326,9 +328,10 @@ def _efficiency(found: Efficiency | None) -> str:
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
     from tweezer.version import __version__
 
+    held = characterised.lifetime
     result = {
         "tweezer_version": __version__,
         "scene": scene.model_dump(mode="json", exclude_none=True),
-        "trap": dataclasses.asdict(characterised),
+        "trap": dataclasses.asdict(characterised) | {"lifetime": held and dataclasses.asdict(held)},
     }
     write_json(result, path)

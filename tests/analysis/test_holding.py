@@ -1,0 +1,157 @@
+"""How long a trap holds its bead: closed forms, another solver, and the power for an hour."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference import exit_times
+from tweezer.analysis.exit_time import Region
+from tweezer.analysis.holding import LONGEST, Lifetime, _log_time
+
+#: J, s/kg, m
+THERMAL, MOBILITY, RADIUS = 4e-21, 1e8, 1e-6
+
+
+def silica(**changes):
+    return tweezer.load_scene("silica-1um").replace(**changes)
+
+
+def weak(**changes):
+    """A trap of a few k_B T, whose ball ends 1.5 um from the focus."""
+    return silica(
+        bead={"diameter": "0.3 um", "refractive_index": 1.57, "density": "1050 kg/m^3"},
+        beam={"power_through_pupil": "0.9 mW"},
+        simulation={"loss_distance": "1.5 um"},
+    ).replace(**changes)
+
+
+@pytest.mark.parametrize("depth", [0, 2, 10, 25, 60])
+def test_spring_in_a_ball(depth):
+    """Up to 1e21 s, where subtracting anything would leave nothing."""
+    stiffness = 2 * depth * THERMAL / RADIUS**2
+
+    def field(rho, z):
+        mobile = np.full_like(z, MOBILITY)
+        return -stiffness * rho, -stiffness * z, mobile, mobile
+
+    log, error = _log_time(Region(RADIUS, 12e-9), field, 0.0, THERMAL)
+    expected = math.log(exit_times.of_spring(depth, RADIUS, THERMAL * MOBILITY))
+    assert abs(log - expected) < max(error, 2e-3)
+    assert error < 0.1
+
+
+@pytest.mark.parametrize("wall", [False, True])
+def test_barrier_with_a_mobility_that_changes_along_it(wall):
+    """Across the axis a stiff spring, so that the way is a line; below a wall that lets none out.
+
+    The spring has a potential, and the whole field none.
+    """
+    scale, barrier = 0.3e-6, 12 * THERMAL
+
+    def along(z):
+        return -6 * barrier / scale * (z / scale) * (1 - z / scale) * (z > -0.7e-6)
+
+    def mobility(z):
+        return MOBILITY * (1 + 0.5 * np.tanh(z / scale))
+
+    def field(rho, z):
+        stiff = 4000 * THERMAL / RADIUS**2 * (1 + 0.5 * np.sin(z / 0.2e-6))
+        return -stiff * rho, along(z), mobility(z), mobility(z)
+
+    low = -0.25e-6 if wall else -math.inf
+    log, error = _log_time(Region(0.6e-6, 8e-9, low=low), field, 0.0, THERMAL)
+    z = np.linspace(-0.25e-6 if wall else -0.6e-6, 0.6e-6, 200_001)
+    expected = exit_times.along_a_line(
+        z, along(z), THERMAL * mobility(z), THERMAL, 0.0, wall=wall
+    )
+    assert abs(log - math.log(expected)) < error + 0.02
+    assert error < 0.05
+
+
+def test_a_weak_trap_loses_its_bead_when_another_solver_says():
+    scene = weak()
+    trap = tweezer.characterise(scene)
+    weight = np.array(tweezer.bead_properties(scene).weight)
+    thermal = 1.380649e-23 * scene.medium.temperature
+    drag = tweezer.bead_properties(scene).drag
+    coarse, fine = (
+        exit_times.on_a_square_grid(
+            lambda places: tweezer.optical_force(scene, places) + weight,
+            thermal / drag, thermal, 1.5e-6, step, trap.equilibrium.position[2],
+        )
+        for step in (60e-9, 30e-9)
+    )  # fmt: skip
+    assert trap.lifetime.lost_at == 1.5e-6
+    assert trap.lifetime.time == pytest.approx(2 * fine - coarse, rel=0.05)
+    assert 0 < trap.lifetime.error < 0.05 * trap.lifetime.time
+
+
+def test_linear_light_says_by_how_much_it_is_not_round():
+    round_one = tweezer.characterise(weak()).lifetime
+    linear = [
+        tweezer.characterise(weak(beam={"polarisation": "linear", "jones": jones})).lifetime
+        for jones in (["1", "0"], ["0", "1"])
+    ]
+    assert linear[0].time == pytest.approx(linear[1].time, rel=1e-6)
+    assert abs(linear[0].time - round_one.time) < linear[0].error + round_one.error
+    assert linear[0].error > 2 * round_one.error
+
+
+def test_what_has_no_lifetime():
+    assert tweezer.characterise(silica(bead={"refractive_index": 1.2})).lifetime is None
+    two = silica(beam={"position": ["0.1 um", "0 um", "0 um"]})
+    assert tweezer.characterise(two).lifetime is None
+    deep = tweezer.characterise(silica()).lifetime
+    assert (deep.time, deep.error) == (math.inf, 0.0)
+
+
+def test_beside_a_wall_a_bead_is_held_longer():
+    """The wall in its way, and the drag beside it."""
+    free = tweezer.characterise(weak()).lifetime
+    beside = tweezer.characterise(weak(wall={"position": "-0.4 um"}, start={"position": [0, 0, 0]})).lifetime
+    assert free.time < beside.time < 30 * free.time
+
+
+def test_least_power_holds_for_that_time_and_no_longer():
+    scene = weak()
+    least = tweezer.least_power(scene, "1 h")
+    assert least.lifetime.time == pytest.approx(3600, rel=5e-3)
+    assert 0 < least.error < 0.01 * least.power
+    for factor in (0.98, 1.02):
+        power = factor * least.power
+        held = tweezer.characterise(scene.replace(beam={"power_through_pupil": power})).lifetime
+        assert (held.time > 3600) == (factor > 1)
+
+
+def test_least_power_of_what_is_never_held():
+    assert tweezer.least_power(silica(bead={"refractive_index": 1.2})) is None
+    with pytest.raises(tweezer.SceneError, match="least power: needs one beam"):
+        tweezer.least_power(silica(forces={"optical": False}))
+    with pytest.raises(tweezer.SceneError, match=r"time = '5 um': "):
+        tweezer.least_power(silica(), "5 um")
+    with pytest.raises(tweezer.SceneError, match="time = 0"):
+        tweezer.least_power(silica(), 0)
+
+
+@pytest.mark.parametrize(
+    ("time", "error", "words"),
+    [
+        (11520.0, 360.0, "3.2 +- 0.1 h"),
+        (0.0123, 0.0004, "12.3 +- 0.4 ms"),
+        (3.1e11, 3e9, "9823 +- 95 years"),
+        (8.9e17, 1e16, "2.8e+10 years, within 1 %"),
+        (math.inf, 0.0, f"longer than {LONGEST:.0e} s"),
+        (2e-6, 1e-7, "2.0 +- 0.1 us"),
+    ],
+)
+def test_words(time, error, words):
+    assert Lifetime(time, error, 1e-6).words == words
+
+
+def test_a_trap_is_written_as_before():
+    """The scene that a lifetime needs is no part of the result."""
+    written = dataclasses.asdict(tweezer.characterise(silica()))
+    assert not {"scene", "lifetime"} & written.keys()

@@ -1,0 +1,209 @@
+"""The mean time until thermal motion takes a bead out of a region, in a field round an axis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+#: force across and along the axis, N, and mobilities across and along it, s/kg, (n,) each, at
+#: distances from the axis and heights on it, (n,) m
+Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
+
+Slices = tuple[slice, slice]
+
+#: Smallest part of the radius, or of an edge, that counts
+_SAME = 1e-6
+#: Growth of the distance of nodes with the distance from the focus
+_GROWTH = 0.08
+
+
+@dataclass(frozen=True)
+class Region:
+    """A ball about the origin, between heights where there may be walls; and its nodes."""
+
+    radius: float
+    """m; a bead this far from the origin is out"""
+    finest: float
+    """distance of nodes at the origin, m"""
+    low: float = -math.inf
+    """heights between which a bead is, m: it does not get past them"""
+    high: float = math.inf
+
+    def across(self) -> Array:
+        """Distances of the nodes from the axis, an odd number of them, m."""
+        return _graded(self.radius, self.finest)
+
+    def has(self, across: Array, along: Array) -> NDArray[np.bool_]:
+        """Which nodes are in the region, (heights, distances)."""
+        return np.hypot(along[:, None], across) < self.radius * (1 - _SAME)
+
+    def share(self, across: Array, along: Array, begin: Slices, end: Slices) -> Array:
+        """Part of each edge from a node within to one beyond that is in the ball."""
+        rho = np.broadcast_to(across, (len(along), len(across)))
+        z = np.broadcast_to(along[:, None], rho.shape)
+        from_rho, from_z, to_rho, to_z = rho[begin], z[begin], rho[end], z[end]
+        sideways = from_z == to_z
+        fixed = np.where(sideways, from_z, from_rho)
+        start, stop = np.where(sideways, (from_rho, to_rho), (from_z, to_z))
+        out = np.sqrt(np.maximum(self.radius**2 - fixed**2, 0.0)) * np.sign(stop - start)
+        return np.clip((out - start) / (stop - start), _SAME, 1.0)
+
+    def along(self) -> Array:
+        """Heights of the nodes, an odd number of them, m."""
+        above, below = (
+            _graded(min(self.radius, abs(end)), self.finest) for end in (self.high, self.low)
+        )
+        return np.concatenate([-below[:0:-1], above])
+
+
+def _graded(end: float, finest: float) -> Array:
+    """Places from 0 to `end`, an odd number of them."""
+    intervals = math.log1p(_GROWTH * end / finest) / _GROWTH
+    even = 2 * max(2, math.ceil(intervals / 2))
+    return end * np.expm1(np.linspace(0.0, 1.0, even + 1) * math.log1p(_GROWTH * end / finest)) / (
+        _GROWTH * end / finest
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Neighbouring nodes along one coordinate: how hard it is to get from one to the other."""
+
+    work: Array
+    """of the force on the way, in k_B T"""
+    mobility: Array
+    """s/kg"""
+
+    def coarse(self, axis: int) -> Edges:
+        """Between every other node: `axis` is the coordinate of the edges."""
+        first, second = (
+            Edges(*(np.take(each, range(k, each.shape[axis], 2), axis) for each in self._both))
+            for k in (0, 1)
+        )
+        every = [slice(None)] * 2
+        every[1 - axis] = slice(None, None, 2)
+        there = tuple(every)
+        mobility = 2 / (1 / first.mobility + 1 / second.mobility)
+        return Edges((first.work + second.work)[there], mobility[there])
+
+    @property
+    def _both(self) -> tuple[Array, Array]:
+        return self.work, self.mobility
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes in the half plane of an axis, and the edges between them."""
+
+    across: Array
+    """distances of the nodes from the axis, m"""
+    along: Array
+    """their heights, m"""
+    to_side: Edges
+    """(heights, distances - 1)"""
+    upwards: Edges
+    """(heights - 1, distances)"""
+
+    @classmethod
+    def of(cls, region: Region, field: Field, energy: float) -> Grid:
+        """The grid of a region in a field; energy: k_B T, J."""
+        across, along = region.across(), region.along()
+        inside = _with_neighbours(region.has(across, along))
+        z, rho = np.meshgrid(along, (across[1:] + across[:-1]) / 2, indexing="ij")
+        wanted = inside[:, 1:] | inside[:, :-1]
+        side, _, mobile, _ = _at(field, rho, z, wanted)
+        to_side = _works(across, side.T, wanted.T).T / energy
+        z, rho = np.meshgrid((along[1:] + along[:-1]) / 2, across, indexing="ij")
+        wanted = inside[1:] | inside[:-1]
+        _, up, _, mobile_up = _at(field, rho, z, wanted)
+        upwards = _works(along, up, wanted) / energy
+        return cls(across, along, Edges(to_side, mobile), Edges(upwards, mobile_up))
+
+    def coarse(self) -> Grid:
+        """Every other node."""
+        return Grid(
+            self.across[::2], self.along[::2], self.to_side.coarse(1), self.upwards.coarse(0)
+        )
+
+
+def _with_neighbours(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Also the nodes next to them, which `Grid.coarse` needs."""
+    padded = np.pad(nodes, 1)
+    return nodes | padded[2:, 1:-1] | padded[:-2, 1:-1] | padded[1:-1, 2:] | padded[1:-1, :-2]
+
+
+def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[Array]:
+    """The field where it is wanted; elsewhere ones."""
+    found = []
+    for each in field(rho[wanted], z[wanted]):
+        whole = np.ones(rho.shape)
+        whole[wanted] = each
+        found.append(whole)
+    return found
+
+
+def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
+    """Work over each edge between nodes, J, from the force in its middle, (edges, lines) N.
+
+    The curvature of the force is that of the neighbours: without it the works of long edges are
+    wrong by tenths of k_B T.
+    """
+    edge, middle = np.diff(nodes)[:, None], (nodes[1:] + nodes[:-1]) / 2
+    curvature = np.zeros_like(force)
+    slopes = np.diff(force, axis=0) / np.diff(middle)[:, None]
+    curvature[1:-1] = np.diff(slopes, axis=0) / ((middle[2:] - middle[:-2]) / 2)[:, None]
+    curvature[1:-1] *= wanted[2:] & wanted[:-2]
+    return force * edge + curvature * edge**3 / 24
+
+
+def mean_time(grid: Grid, region: Region, height: float, energy: float) -> float:
+    """Mean time from a height on the axis until the bead is out of the region, s.
+
+    A Markov chain between the nodes, whose rates are those of a diffusion under a constant force
+    between neighbours (Scharfetter, Gummel, IEEE Trans. Electron Devices 16, 64 (1969)): the error
+    falls with the square of the distance of nodes. energy: k_B T, J. Infinite where it is longer
+    than numbers are.
+    """
+    from tweezer.analysis.elimination import mean_times
+
+    across, along = grid.across, grid.along
+    inside = region.has(across, along)
+    n, width = inside.shape
+    rates, lost = np.zeros((n, width, 2 * width + 1)), np.zeros((n, width))
+    every, first, last = slice(None), slice(None, -1), slice(1, None)
+
+    def link(begin: Slices, end: Slices, step: int, edge: Array, work: Array, unit: Array) -> None:
+        """Rates from the nodes of `begin` to those of `end`; unit: of them, times m, m/s."""
+        here, there = inside[begin], inside[end]
+        rates[(*begin, width + step)] = np.where(here & there, unit / edge * _bernoulli(-work), 0.0)
+        share = np.where(here & ~there, region.share(across, along, begin, end), 1.0)
+        leaving = unit / (share * edge) * _bernoulli(-share * work)
+        lost[begin] += np.where(here & ~there, leaving, 0.0)
+
+    middle = (across[1:] + across[:-1]) / 2
+    areas = np.diff(np.concatenate([[0.0], middle, across[-1:]]) ** 2) / 2
+    edge, side = np.diff(across), grid.to_side
+    unit = energy * side.mobility * middle
+    link((every, first), (every, last), 1, edge, side.work, unit / areas[:-1])
+    link((every, last), (every, first), -1, edge, -side.work, unit / areas[1:])
+    middle = (along[1:] + along[:-1]) / 2
+    heights = np.diff(np.concatenate([along[:1], middle, along[-1:]]))[:, None]
+    edge, up = np.diff(along)[:, None], grid.upwards
+    unit = energy * up.mobility
+    link((first, every), (last, every), width, edge, up.work, unit / heights[:-1])
+    link((last, every), (first, every), -width, edge, -up.work, unit / heights[1:])
+    times = np.zeros(n * width)
+    mean_times(rates.reshape(n * width, -1), lost.ravel(), inside.ravel().astype(float), times)
+    return float(np.interp(height, along, times.reshape(n, width)[:, 0]))
+
+
+def _bernoulli(x: Array) -> Array:
+    """x/(exp(x) - 1)."""
+    small = np.abs(x) < 1e-5
+    with np.errstate(over="ignore"):
+        return np.where(small, 1 - x / 2, x / np.expm1(np.where(small, 1.0, x)))
