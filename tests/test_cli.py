@@ -513,6 +513,7 @@ def test_trap_prints_what_characterise_tells(command_line):
         "stable equilibrium": f"z = {1e6 * trap.equilibrium.position[2]:.4g} um, on the axis",
         r"stiffness \(x, y, z\)": f"{kx:.4g}, {ky:.4g}, {kz:.4g} pN/um",
         "corner frequencies": f"{fx:.4g}, {fy:.4g}, {fz:.4g} Hz",
+        "held for": "longer than 1e+20 s",
         "unstable equilibria": f"z = {1e6 * unstable.position[2]:.4g} um",
         "error of the force": f"{1e12 * trap.force_error:.1g} pN",
         "force by": "quadrature",
@@ -562,6 +563,7 @@ def test_trap_writes_what_it_is_asked_to(command_line):
     assert [escape["range"] for escape in written["trap"]["escapes"]] == [
         escape.range for escape in trap.escapes
     ]
+    assert written["trap"]["lifetime"] == {"time": None, "error": 0.0, "lost_at": trap.reach}
     worth = written["trap"]["ray_optics"]
     assert tuple(worth["escape_across"]) == trap.ray_optics.escape_across
     assert Path("mine.svg").stat().st_size < 1e6

@@ -64,9 +64,7 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
     low = -0.25e-6 if wall else -math.inf
     log, error = _log_time(Region(0.6e-6, 8e-9, low=low), field, 0.0, THERMAL)
     z = np.linspace(-0.25e-6 if wall else -0.6e-6, 0.6e-6, 200_001)
-    expected = exit_times.along_a_line(
-        z, along(z), THERMAL * mobility(z), THERMAL, 0.0, wall=wall
-    )
+    expected = exit_times.along_a_line(z, along(z), THERMAL * mobility(z), THERMAL, 0.0, wall=wall)
     assert abs(log - math.log(expected)) < error + 0.02
     assert error < 0.05
 
@@ -111,7 +109,9 @@ def test_what_has_no_lifetime():
 def test_beside_a_wall_a_bead_is_held_longer():
     """The wall in its way, and the drag beside it."""
     free = tweezer.characterise(weak()).lifetime
-    beside = tweezer.characterise(weak(wall={"position": "-0.4 um"}, start={"position": [0, 0, 0]})).lifetime
+    beside = tweezer.characterise(
+        weak(wall={"position": "-0.4 um"}, start={"position": [0, 0, 0]})
+    ).lifetime
     assert free.time < beside.time < 30 * free.time
 
 

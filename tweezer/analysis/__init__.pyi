@@ -15,7 +15,8 @@ from .first_passage import EscapeTimes, escape_times
 from .free import Diffusion, FreeAxis, Inferred
 from .heights import trap_over_heights
 from .histogram import Potential, potential
-from .holding import LeastPower, Lifetime, least_power
+from .holding import Lifetime
+from .least_power import LeastPower, least_power
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
     TrappedBead,

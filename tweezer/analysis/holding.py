@@ -1,45 +1,33 @@
-"""How long a trap holds a bead against thermal motion, and the power that holds it long enough."""
+"""How long a trap holds a bead against thermal motion."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
+from tweezer.analysis.escape import Escape
 from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
 from tweezer.dynamics import Problem, bound_once
-from tweezer.errors import SceneError
+from tweezer.equilibria import Equilibrium
 from tweezer.optics import sampled
 from tweezer.scene import Scene
-from tweezer.units import to_si
-
-if TYPE_CHECKING:
-    from tweezer.analysis.trap import Trap
 
 Array = NDArray[np.float64]
 
 #: Longest time that is told from for ever, s
 LONGEST = 1e20
 #: Work on every straight way out, k_B T, from which on no time is computed: it is longer than that
-_DEEP = 300.0
+DEEP = 300.0
 #: Distance of the nodes at the focus, in radii and in distances of samples
 _FINE_RADII, _FINE_SAMPLES = 0.05, 0.5
 #: Smallest gap of the bead from a wall, in radii
 _BESIDE_WALL = 1e-3
 #: Part of the correction by the coarser grid that is taken as its error
 _OF_CORRECTION = 0.5
-#: Powers between which the least one is sought, W
-_LEAST, _MOST = 1e-9, 100.0
-#: Factor between powers at which the search begins, as a logarithm
-_STRIDE = math.log(3.0)
-#: Relative tolerance of the least power, and half the step of its slope
-_POWER, _SLOPE = 1e-4, 1e-2
-#: Shortest time that a bead is asked to be held, s
-_SHORTEST = 1e-6
 #: Units of time and their length, s
 _UNITS = (
     (365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"),
@@ -71,29 +59,23 @@ class Lifetime:
         return f"{self.time / size:.{digits}f} +- {self.error / size:.{digits}f} {unit}"
 
 
-@dataclass(frozen=True)
-class LeastPower:
-    """The least power through the pupil that holds a bead for a time."""
-
-    power: float
-    """W"""
-    error: float
-    """estimated error, W"""
-    lifetime: Lifetime
-    """at that power"""
-
-
-def lifetime(scene: Scene, trap: Trap) -> Lifetime | None:
-    """The lifetime of a characterised trap of `scene`: see `Trap.lifetime`."""
-    if trap.equilibrium is None or not scene.plain or scene.forces.dlvo is not None:
+def lifetime(
+    scene: Scene,
+    equilibrium: Equilibrium | None,
+    escapes: tuple[Escape, ...],
+    reach: float,
+    force_error: float,
+) -> Lifetime | None:
+    """The lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`."""
+    if equilibrium is None or not scene.plain or scene.forces.dlvo is not None:
         return None
     problem = bound_once(scene)
-    height = trap.equilibrium.position[2]
-    radius = min(trap.reach, scene.simulation.loss_distance)
+    height = equilibrium.position[2]
+    radius = min(reach, scene.simulation.loss_distance)
     energy = Boltzmann * scene.medium.temperature
     if abs(height) >= radius:
         return None
-    if min(escape.energy_kT for escape in trap.escapes) > _DEEP:
+    if min(escape.energy_kT for escape in escapes) > DEEP:
         return Lifetime(math.inf, 0.0, radius)
     region = _region(problem, radius)
     found = [
@@ -104,8 +86,8 @@ def lifetime(scene: Scene, trap: Trap) -> Lifetime | None:
     if not mean < math.log(LONGEST):
         return Lifetime(math.inf, 0.0, radius)
     apart = float(np.ptp([log for log, _ in found])) / 2
-    ways = [escape.range or escape.force_at for escape in trap.escapes]
-    by_force = trap.force_error * min(ways) / energy
+    ways = [escape.range or escape.force_at for escape in escapes]
+    by_force = force_error * min(ways) / energy
     error = max(error for _, error in found) + apart + by_force
     return Lifetime(math.exp(mean), math.exp(mean) * math.expm1(error), radius)
 
@@ -149,56 +131,3 @@ def _log_time(region: Region, field: Field, height: float, energy: float) -> tup
         return math.inf, 0.0
     correction = math.log(fine / coarse) / 3
     return math.log(fine) + correction, _OF_CORRECTION * abs(correction)
-
-
-def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
-    """The least power through the pupil at which the trap of `scene` holds its bead for a time.
-
-    time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
-    if the bead is not held for so long by any power up to 100 W, which is far beyond what beads and
-    lenses survive. Raises `SceneError` for more than one beam, or one that moves or changes, for no
-    light, and for a time that is none.
-    """
-    from scipy.optimize import brentq
-
-    from tweezer.analysis.trap import characterise
-
-    try:
-        wanted = to_si(time, "s", _SHORTEST, 0.1 * LONGEST)
-    except ValueError as error:
-        raise SceneError(f"time = {time!r}: {error}") from None
-    if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
-        raise SceneError(
-            "least power: needs one beam at rest along z through the origin, forces.optical = true "
-            "and no forces.dlvo"
-        )
-
-    def at(power: float) -> Trap:
-        return characterise(scene.replace(beam={"power": None, "power_through_pupil": power}))
-
-    def above(log_power: float) -> float:
-        """Logarithm of the lifetime over the time wanted."""
-        found = at(math.exp(log_power)).lifetime
-        if found is None or found.time == 0.0:
-            return -_DEEP
-        return min(math.log(found.time / wanted), _DEEP)
-
-    most = math.log(_MOST)
-    high = math.log(1e-3)
-    while above(high) < 0:
-        if high == most:
-            return None
-        high = min(high + _STRIDE, most)
-    low = high - _STRIDE
-    while above(low) > 0:
-        low, high = low - _STRIDE, low
-        if low < math.log(_LEAST):
-            return None
-    root = brentq(above, low, high, xtol=_POWER)
-    power = math.exp(root)
-    found = at(power).lifetime
-    slope = (above(root + _SLOPE) - above(root - _SLOPE)) / (2 * _SLOPE)
-    if found is None or not found.time or slope <= 0:
-        return None
-    relative = math.log1p(found.error / found.time) / slope + _POWER
-    return LeastPower(power, power * relative, found)

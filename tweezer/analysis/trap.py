@@ -119,7 +119,8 @@ class Trap:
         None without an equilibrium, of more than one beam, one that is moved or changes, and with
         `forces.dlvo`.
         """
-        return lifetime(self._scene, self)  # type: ignore[attr-defined]
+        scene: Scene = self._scene  # type: ignore[attr-defined]
+        return lifetime(scene, self.equilibrium, self.escapes, self.reach, self.force_error)
 
     def __repr__(self) -> str:
         """In short: equilibrium and stiffness."""

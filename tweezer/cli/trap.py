@@ -235,7 +235,7 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
             table.add_row("drag there (x, y, z)", f"{drag} nN s/m")
         table.add_row("corner frequencies", f"{three(*frequencies)} Hz{doubt}")
         if held := characterised.lifetime:
-            table.add_row("held against thermal motion", f"{held.words}{doubt}")
+            table.add_row("held for", f"{held.words}{doubt}")
     if characterised.absorbed_power is not None and characterised.torque is not None:
         table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
         torque = three(*(1e18 * each for each in characterised.torque))

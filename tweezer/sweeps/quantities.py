@@ -51,6 +51,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "corner_frequency": Quantity("axis", "Hz", "corner frequency at the equilibrium"),
         "escape_force": Quantity("direction", "N", "largest restoring force on the way out"),
         "escape_energy": Quantity("direction", "1", "work of pulling the bead out, in k_B T"),
+        "lifetime": Quantity("", "s", "mean time that thermal motion leaves the bead in the trap"),
         "force_error": Quantity("", "N", "largest error of the force of the light", error=False),
     },
     "run": {
@@ -136,8 +137,11 @@ def _of_trap(scene: Scene, _: Asked) -> Values:
     corner = np.array(trap.corner_frequencies)
     lengths = [each.range or each.wall_at or trap.reach for each in trap.escapes]
     thermal = Boltzmann * scene.medium.temperature
+    held = trap.lifetime
     return values | {
         "outcome": HELD,
+        "lifetime": math.nan if held is None else held.time,
+        "lifetime_error": math.nan if held is None else held.error,
         "equilibrium": list(place.position),
         "equilibrium_error": [error / place.eigenvalues[0]] * 3,
         "stiffness": stiffness.tolist(),

@@ -1,0 +1,84 @@
+"""The least power that holds a bead in its trap for a time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tweezer.analysis.holding import DEEP, LONGEST, Lifetime
+from tweezer.analysis.trap import Trap, characterise
+from tweezer.errors import SceneError
+from tweezer.scene import Scene
+from tweezer.units import to_si
+
+#: Powers between which the least one is sought, W
+_LEAST, _MOST = 1e-9, 100.0
+#: Power at which the search begins, W, and the factor by which it goes on, as a logarithm
+_FIRST, _STRIDE = 1e-3, math.log(3.0)
+#: Relative tolerance of the least power, and half the step of its slope
+_POWER, _SLOPE = 1e-4, 1e-2
+#: Shortest time that a bead is asked to be held, s
+_SHORTEST = 1e-6
+
+
+@dataclass(frozen=True)
+class LeastPower:
+    """The least power through the pupil that holds a bead for a time."""
+
+    power: float
+    """W"""
+    error: float
+    """estimated error, W"""
+    lifetime: Lifetime
+    """at that power"""
+
+
+def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
+    """The least power through the pupil at which the trap of `scene` holds its bead for a time.
+
+    time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
+    if the bead is not held for so long by any power up to 100 W, which is far beyond what beads and
+    lenses survive. Raises `SceneError` for more than one beam, or one that moves or changes, for no
+    light, and for a time that is none.
+    """
+    from scipy.optimize import brentq
+
+    try:
+        wanted = to_si(time, "s", _SHORTEST, 0.1 * LONGEST)
+    except ValueError as error:
+        raise SceneError(f"time = {time!r}: {error}") from None
+    if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
+        raise SceneError(
+            "least power: needs one beam at rest along z through the origin, forces.optical = true "
+            "and no forces.dlvo"
+        )
+
+    def at(power: float) -> Trap:
+        return characterise(scene.replace(beam={"power": None, "power_through_pupil": power}))
+
+    def above(log_power: float) -> float:
+        """Logarithm of the lifetime over the time wanted."""
+        found = at(math.exp(log_power)).lifetime
+        if found is None or found.time == 0.0:
+            return -DEEP
+        return min(math.log(found.time / wanted), DEEP)
+
+    most = math.log(_MOST)
+    high = math.log(_FIRST)
+    while above(high) < 0:
+        if high == most:
+            return None
+        high = min(high + _STRIDE, most)
+    low = high - _STRIDE
+    while above(low) > 0:
+        low, high = low - _STRIDE, low
+        if low < math.log(_LEAST):
+            return None
+    root = brentq(above, low, high, xtol=_POWER)
+    power = math.exp(root)
+    found = at(power).lifetime
+    slope = (above(root + _SLOPE) - above(root - _SLOPE)) / (2 * _SLOPE)
+    if found is None or not found.time or slope <= 0:
+        return None
+    relative = math.log1p(found.error / found.time) / slope + _POWER
+    return LeastPower(power, power * relative, found)
