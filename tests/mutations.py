@@ -18,8 +18,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import scipy.io
 import typer.testing
 import xarray as xr
+from nptdms import ChannelObject, TdmsWriter
 
 import tweezer
 from tweezer import cli
@@ -233,13 +235,16 @@ def _write_table(name: str, rows: int) -> None:
 
 
 def mutated_recordings(count: int) -> Counter[str]:
-    """CSV, HDF5 and NetCDF: headings, lines and bytes changed, and cut."""
+    """CSV, HDF5, NetCDF, NumPy's, MATLAB's, TDMS: headings, lines and bytes changed, and cut.
+
+    The options that say how a file is read are drawn too.
+    """
     scene = tweezer.load_scene("silica-1um").replace(forces={"brownian": True})
 
     def case(rng: np.random.Generator) -> str:
         _write_table("mine.csv", 150)
         sound = tweezer.load_recording("mine.csv")
-        name = str(pick(rng, ("mine.csv", "mine.h5", "mine.nc")))
+        name = str(pick(rng, ("mine.csv", "mine.h5", "mine.nc", *_ARRAYS)))
         if name == "mine.h5":
             with h5py.File(name, "w") as file:
                 file["time_s"], file["x"] = sound.times, sound.positions[:, 0]
@@ -247,6 +252,9 @@ def mutated_recordings(count: int) -> Counter[str]:
                 file["y"].attrs["units"] = "m"
         elif name == "mine.nc":
             tweezer.save_run(_run(scene, sound), name)
+        elif name in _ARRAYS:
+            x, y = sound.positions.T
+            _ARRAYS[name](name, {"t": sound.times, "x": x, "y": y})
         content = Path(name).read_bytes()
         if name == "mine.csv" and rng.random() < 0.5:
             lines = content.decode().splitlines()
@@ -258,7 +266,13 @@ def mutated_recordings(count: int) -> Counter[str]:
         else:
             changed = changed_bytes(rng, content)
         Path(name).write_bytes(changed)
-        read = pick(rng, (tweezer.load_recording, tweezer.load_track))(name)
+        said = {}
+        if rng.random() < 0.5:
+            options = ("columns", ("t,x", "t=t,x=x", "x=1", *VALUES)), ("rate", ("15 Hz", *VALUES))
+            for option, values in (*options, ("scale", ("80 nm", "2 px/um", "1 um/V", *VALUES))):
+                if rng.random() < 0.4:
+                    said[option] = str(pick(rng, values))
+        read = pick(rng, (tweezer.load_recording, tweezer.load_track))(name, **said)
         as_it_was = len(read.times) == len(sound.times) and np.allclose(
             read.positions[:, :2], sound.positions, atol=0, rtol=1e-9, equal_nan=True
         )
@@ -267,6 +281,22 @@ def mutated_recordings(count: int) -> Counter[str]:
         return f"{name[-4:]}: read {'as it was' if as_it_was else 'otherwise'}"
 
     return counted(count, 3, case)
+
+
+def _write_tdms(name: str, columns: dict[str, np.ndarray]) -> None:
+    with TdmsWriter(name) as file:
+        file.write_segment([ChannelObject("Data", *column) for column in columns.items()])
+
+
+#: Files of arrays, and what writes them
+_ARRAYS = {
+    "mine.npz": lambda name, columns: np.savez(name, **columns),
+    "mine.npy": lambda name, columns: np.save(
+        name, np.rec.fromarrays(list(columns.values()), names=list(columns))
+    ),
+    "mine.mat": scipy.io.savemat,
+    "mine.tdms": _write_tdms,
+}
 
 
 def _run(scene: Scene, recording: tweezer.Recording) -> xr.Dataset:

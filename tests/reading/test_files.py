@@ -166,6 +166,16 @@ def test_forces_of_lumicks_are_put_back_into_volts():
     assert recording.note.startswith("Force 1x in pN is divided by its 2 pN/V; Force 1y")
 
 
+def test_a_waveform_that_is_cut_off_is_said(caplog):
+    tdms(wf_increment=STEP, unit_string="nV")("a.tdms")
+    content = Path("a.tdms").read_bytes()
+    Path("a.tdms").write_bytes(content[:-800])  # of the last 100 samples of y
+    recording = tweezer.load_recording("a.tdms", columns="x=QPD X")
+    assert recording.note == "its end is missing"
+    assert len(recording.times) == N
+    assert not caplog.records
+
+
 def gap(*rows, fill=None):
     """A table that lacks rows, or the numbers of x in them."""
     there = ~np.isin(FRAMES, rows)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import logging
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +30,10 @@ def open_tdms(path: Path) -> Table:
         if file.read(len(_BEGINNING)) != _BEGINNING:
             raise ValueError("its beginning is another")
     columns, places = [], []
-    for group in TdmsFile.read_metadata(path).groups():
+    with _silent():
+        read = TdmsFile.read_metadata(path)
+    cut = "its end is missing" if read.file_status.incomplete_final_segment else ""
+    for group in read.groups():
         for channel in group.channels():
             if channel.dtype.kind not in "fiu" or len(channel) < 2:
                 continue
@@ -38,19 +43,30 @@ def open_tdms(path: Path) -> Table:
                     f"{path}: {name}: has {len(channel):,} samples; must have at most "
                     f"{MOST_SAMPLES:,}"
                 )
-            unit = next(
-                (str(channel.properties[each]) for each in _UNITS if channel.properties.get(each)),
-                None,
-            )
-            step = float(channel.properties.get("wf_increment", 0.0))
-            columns.append(Column(name, channel.name, unit, step if step > 0 else None))
+            told = channel.properties
+            unit = next((str(told[each]) for each in _UNITS if told.get(each)), None)
+            step = float(told.get("wf_increment", 0.0))
+            columns.append(Column(name, channel.name, unit, step if step > 0 else None, cut))
             places.append((group.name, channel.name))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
-        with TdmsFile.open(path) as file:
+        with _silent(), TdmsFile.open(path) as file:
             return [
                 np.asarray(file[group][channel][:], dtype=np.float64)
                 for group, channel in (places[i] for i in chosen)
             ]
 
     return Table(str(path), columns, numbers)
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """A context in which npTDMS logs nothing: it warns of a file that is cut off."""
+    from nptdms.log import log_manager
+
+    before = log_manager.log_level
+    log_manager.set_level(logging.ERROR)
+    try:
+        yield
+    finally:
+        log_manager.set_level(before)

@@ -205,7 +205,8 @@ def _numbers(
                 usecols=sorted(set(places)),
                 skiprows=layout.first,
                 dtype=np.float64,
-                na_values=list(_MISSING),
+                na_values=[*_MISSING, *(f"{each} " for each in _MISSING)],
+                skipinitialspace=True,
                 encoding=encoding,
                 encoding_errors="replace",
             )
