@@ -132,7 +132,7 @@ STAMPS = T + 1.5e-4 * np.random.default_rng(6).uniform(-1, 1, N)
      ("a.csv", text("x [um]", 1e6 * X), {"rate": "1 kHz"}, "x", "m"),
      ("a.csv", text("t [s],QPD X [mV],Voltage Y [mV]", T, X * 1e3, Y * 1e3), {}, "xy", "V"),
      ("a.csv", text("t [s],x voltage,y voltage", T, X, Y), {}, "xy", "V"),
-     ("a.csv", text("t [s],x [mV],y [mV]", T, 1e9 * X, 1e9 * Y), {"scale": "1 um/V"}, "xy", "m"),
+     ("a.csv", text("t [s],x [mV],y [mV]", T, 1e9 * X, 1e9 * Y), {"scale": "1 nm/mV"}, "xy", "m"),
      ("a.csv", text("t [s],x [mV],y [mV]", T, 1e9 * X, 1e9 * Y), {"scale": "1000 mV/um"}, "xy",
       "m"),
      ("a.npy", npy(np.stack([T, 1e6 * X])), {"columns": "t,x [um]"}, "x", "m"),

@@ -38,8 +38,6 @@ def open_hdf5(path: Path) -> Table:
         for name, dataset in datasets(path, file):
             if dataset.dtype.kind not in "fiu" or dataset.shape is None:
                 continue
-            if _is_text(dataset):
-                continue
             if dataset.size == 1:
                 scalars[name] = float(np.asarray(dataset[()]).reshape(()))
                 continue
@@ -92,10 +90,6 @@ def _lies_elsewhere(item: Any, file: h5py.File) -> bool:
 def text_of(value: Any) -> str:
     """An attribute as text."""
     return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
-
-
-def _is_text(dataset: h5py.Dataset) -> bool:
-    return text_of(dataset.attrs.get("MATLAB_class", "")) == "char"
 
 
 def _unit(dataset: h5py.Dataset) -> str | None:
