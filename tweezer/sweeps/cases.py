@@ -238,12 +238,16 @@ def _varied(key: Any, given: Any) -> Varied:
 
 def _in_si(given: Any, quantity: Quantity | None) -> Value:
     """A value as the result has it. Raises `ValueError` for a quantity that is none."""
+    if isinstance(given, list | tuple):
+        return str(list(given))
+    if isinstance(given, str) and given.startswith(("[", "{")):
+        return given  # a vector is read where the scene is
     if isinstance(given, str):
         try:
             given = tomllib.loads(f"value = {given}")["value"]
         except ValueError:
             given = {"True": True, "False": False}.get(given, given)
-    if quantity is not None and not isinstance(given, list):
+    if quantity is not None:
         return to_si(given, quantity.unit)
     return given if isinstance(given, bool | int | float | str) else str(given)
 

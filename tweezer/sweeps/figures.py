@@ -79,6 +79,10 @@ def sweep_figure(result: xr.Dataset) -> Figure:
             _draw_map(axes, panel, result, *swept)
         else:
             _draw_curves(axes, panel, result, swept, family)
+    without = any(np.isnan(panel.values.values).any() for panel in panels)
+    if not drawn_as_map and (without or (result["caveat"].values != "").any()):
+        told = "× no number, such as where nothing holds the bead; ▽ failed; hollow: with a caveat"
+        figure.supxlabel(told, fontsize=8, color="#777777")
     title = f"{scene_of(result).name}: {result.attrs['of']} over {' and '.join(swept)}"
     figure.suptitle(title, parse_math=False, fontsize=11)
     return figure
@@ -111,7 +115,7 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
             return [_panel(result, "lost"), *(_panel(result, "variance", axis) for axis in "xyz")]
         case _:
             return [
-                *(_panel(result, "stiffness", axis) for axis in "xyz"),
+                *(_panel(result, "stiffness", axis, log=True) for axis in "xyz"),
                 _panel(result, "diffusion", "x"),
             ]
 
@@ -216,7 +220,8 @@ def _draw_curves(
     values = panel.values.transpose(*names, along).values.reshape(-1, x.size)
     errors = panel.error.transpose(*names, along).values.reshape(values.shape)
     outcome = result["outcome"].transpose(*names, along).values.reshape(values.shape)
-    told = _told(result[names[0]]) if names else [""]
+    told = _told(result, names[0]) if names else [""]
+    doubted = result["caveat"].transpose(*names, along).values.reshape(values.shape) != ""
     colours = _colours(len(values))
     for row, colour, name in zip(range(len(values)), colours, told, strict=True):
         order = np.argsort(x)
@@ -224,6 +229,10 @@ def _draw_curves(
         axes.errorbar(
             x[order], values[row][order], bars, fmt=".-", ms=4, lw=1.3, elinewidth=0.8,
             color=colour, label=name,
+        )  # fmt: skip
+        axes.plot(
+            x[doubted[row]], values[row][doubted[row]], ".", ms=4, color=colour, mfc="white",
+            zorder=4,
         )  # fmt: skip
         for word, marker in (("", "x"), (FAILED, "v")):
             without = np.isnan(values[row]) & ((outcome[row] == FAILED) == (word == FAILED))
@@ -242,15 +251,30 @@ def _draw_curves(
         axes.axhline(_STABLE, color="#777777", lw=0.8, ls="--")
     axes.set_title(panel.label, fontsize=9, parse_math=False)
     if names:
-        axes.legend(frameon=False, fontsize=8, title=_axis_of(result[names[0]])[1])
+        title = ", ".join(map(str, _keys_of(result, names[0])))
+        axes.legend(frameon=False, fontsize=8, title=title, title_fontsize=8)
 
 
-def _told(values: xr.DataArray) -> list[str]:
-    """A name for each value of a key."""
-    scale, _ = _shown(values.attrs.get("units", ""))
-    if _numeric(values):
-        return [f"{scale * value:.4g}" for value in values.values]
-    return [str(value) for value in values.values]
+def _keys_of(result: xr.Dataset, dimension: str) -> list[str]:
+    """The keys that vary along a dimension: several along that of a table of cases."""
+    if dimension in result.coords:
+        return [dimension]
+    return [str(name) for name, of in result.coords.items() if of.dims == (dimension,)]
+
+
+def _told(result: xr.Dataset, dimension: str) -> list[str]:
+    """A name for each entry of a dimension, by the values of its keys."""
+    columns = []
+    for key in _keys_of(result, dimension):
+        values = result[key]
+        scale, unit = _shown(values.attrs.get("units", ""))
+        unit = unit.strip(" ()")
+        columns.append(
+            [f"{scale * value:.4g} {unit}".strip() for value in values.values]
+            if _numeric(values)
+            else [str(value) for value in values.values]
+        )
+    return [", ".join(row) for row in zip(*columns, strict=True)]
 
 
 def _colours(count: int) -> list[Any]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import json
+import logging
 import math
 import os
 import platform
+import signal
 import subprocess
 import sys
 import threading
@@ -202,15 +204,12 @@ def _process(asked: Asked) -> subprocess.Popen[str]:
 
 def serve() -> None:
     """Compute the tasks that standard input has a line for, each case to a line of output."""
-    import signal
-
-    from tweezer.compiled import compilation
-
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that began this one ends it
+    logging.disable(logging.WARNING)  # each process would tell that it compiles
     answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     asked = Asked(**json.loads(sys.stdin.readline()))
-    with compilation(lambda _: None), contextlib.suppress(BrokenPipeError):
+    with contextlib.suppress(BrokenPipeError):
         for line in sys.stdin:
             for case, settings in json.loads(line):
                 answers.write(to_text([case, asked.compute(settings)]) + "\n")
@@ -237,7 +236,7 @@ def cluster(asked: Asked, tasks: list[Task], client: Client) -> Generator[Done, 
     except CancelledError:
         raise TweezerError("scheduler: is gone; it can be resumed") from None
     finally:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False)  # which cancels what is in flight
 
 
 def _there(asked: Asked, ours: dict[str, str], task: Task) -> list[Done]:

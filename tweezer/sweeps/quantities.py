@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import json
 import math
 import warnings
@@ -94,7 +95,11 @@ class Asked:
 
     def case(self, settings: Mapping[str, str]) -> Scene:
         """The scene of a case. Raises `SceneError` if it is none."""
-        return with_settings(Scene.model_validate_json(self.scene), settings)
+        return with_settings(self._scene, settings)
+
+    @functools.cached_property
+    def _scene(self) -> Scene:
+        return Scene.model_validate_json(self.scene)
 
     def check(self, scene: Scene) -> None:
         """Raises `SceneError` for a scene, or arguments, of which it cannot be computed."""
