@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -30,7 +29,6 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import table_of
-from tweezer.errors import PhysicsWarning
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -92,10 +90,7 @@ def sweep(
     out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
     plot = plot and writable(plot, FIGURE_FORMATS)
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0
-    with (
-        showing_progress(described.name, 1.0) as progress,
-        warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # each case has its own
-    ):
+    with showing_progress(described.name, 1.0) as progress:
         from tweezer.sweeps import sweep as computed
         from tweezer.sweeps.cases import read_over
 

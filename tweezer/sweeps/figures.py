@@ -70,7 +70,8 @@ def sweep_figure(result: xr.Dataset) -> Figure:
     rows = math.ceil(len(panels) / columns)
     figure = Figure(figsize=(11.0, 0.8 + 3.7 * rows), layout="constrained")
     every = list(figure.subplots(rows, columns, squeeze=False).flat)
-    family = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
+    few = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
+    family = sorted(few, key=lambda dim: (_numeric(result[dim]), result.sizes[dim]))
     drawn_as_map = len(swept) == 2 and not family
     for axes, panel in itertools.zip_longest(every, panels):
         if panel is None:
@@ -81,7 +82,7 @@ def sweep_figure(result: xr.Dataset) -> Figure:
             _draw_curves(axes, panel, result, swept, family)
     without = any(np.isnan(panel.values.values).any() for panel in panels)
     if not drawn_as_map and (without or (result["caveat"].values != "").any()):
-        told = "× no number, such as where nothing holds the bead; ▽ failed; hollow: with a caveat"
+        told = "cross: no number, where nothing holds the bead; triangle: failed; hollow: a caveat"
         figure.supxlabel(told, fontsize=8, color="#777777")
     title = f"{scene_of(result).name}: {result.attrs['of']} over {' and '.join(swept)}"
     figure.suptitle(title, parse_math=False, fontsize=11)

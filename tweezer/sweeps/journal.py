@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import IO, Any
 
 from filelock import FileLock, Timeout
+from pydantic import ValidationError
 
 from tweezer.errors import ResultError
+from tweezer.scene import Scene
 from tweezer.sweeps.quantities import Values, to_text
 
 #: Names in the folder of a running sweep
@@ -112,13 +114,24 @@ def remove_part(part: Path) -> None:
 def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
     """Raises `ResultError` unless what was made is what is asked."""
     for key, value in asked.items():
-        if made.get(key) != value:
+        if key == "title":  # the scene has the same in numbers
+            continue
+        if made.get(key) != value and not (key == "scene" and _same_scene(made.get(key), value)):
             what = key.replace("_", " ")
             if isinstance(value, str) and len(value) <= 40:
                 raise ResultError(
                     f"{out}: made with {what} {made.get(key)}, which cannot be resumed with {value}"
                 )
             raise ResultError(f"{out}: made with another {what}; it cannot be resumed with this")
+
+
+def _same_scene(made: object, asked: str) -> bool:
+    try:
+        return isinstance(made, str) and (
+            Scene.model_validate_json(made) == Scene.model_validate_json(asked)
+        )
+    except ValidationError:
+        return False
 
 
 @contextlib.contextmanager

@@ -1,0 +1,327 @@
+"""A sweep computes each case as it is alone, in whatever order, and as often as it is stopped."""
+
+import hashlib
+import json
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.collections import QuadMesh
+from scipy.constants import Boltzmann
+
+import tweezer
+from tweezer.sweeps import pool
+from tweezer.sweeps.figures import sweep_figure
+from tweezer.sweeps.quantities import asked_of
+
+SCENE = tweezer.load_scene("silica-1um")
+#: an aperture beyond the index of water is refused; the sine map has none
+OVER = {
+    "beam.power_through_pupil": ["5 mW", "50 mW"],
+    "bead.diameter": [4e-7, 6e-7],
+    "lens.numerical_aperture": [0.4, 1.25, 1.4],
+}
+#: a bead without light
+FREE = SCENE.replace(
+    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+    start={"position": [3e-7, 2e-7, -3e-7]},
+    simulation={"model": "overdamped", "duration": "10 ms", "samples": 101},
+)
+
+
+def content(store):
+    """Digest of every file of a store by name."""
+    return {
+        str(file.relative_to(store)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(store.rglob("*")) if file.is_file()
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """The sweep without an interruption, and its store."""
+    store = tmp_path_factory.mktemp("sweep") / "whole.zarr"
+    return tweezer.sweep(SCENE, OVER, out=store, workers=1), store
+
+
+def test_each_case_is_as_it_is_alone(whole):
+    result, _ = whole
+    assert result["outcome"].dims == tuple(OVER)
+    assert result["bead.diameter"].attrs["units"] == "m"
+    assert result["beam.power_through_pupil"].values == pytest.approx([5e-3, 50e-3])
+    for power in (5e-3, 50e-3):
+        for diameter in OVER["bead.diameter"]:
+            for aperture in (0.4, 1.25):
+                scene = SCENE.replace(
+                    beam={"power_through_pupil": power}, bead={"diameter": diameter},
+                    lens={"numerical_aperture": aperture},
+                )  # fmt: skip
+                trap = tweezer.characterise(scene)
+                case = result.sel({
+                    "beam.power_through_pupil": power, "bead.diameter": diameter,
+                    "lens.numerical_aperture": aperture,
+                })  # fmt: skip
+                assert case["reason"] == ""
+                assert case["force_error"] == pytest.approx(trap.force_error, rel=1e-9)
+                if trap.equilibrium is None:
+                    assert case["outcome"] == "not held"
+                    assert not case["trapped"]
+                    assert np.isnan(case["stiffness"]).all()
+                    continue
+                assert case["trapped"]
+                k = np.diag(trap.equilibrium.stiffness)
+                assert case["stiffness"].values == pytest.approx(k, rel=1e-9)
+                assert case["equilibrium"].values == pytest.approx(trap.equilibrium.position)
+                assert case["corner_frequency"].values == pytest.approx(trap.corner_frequencies)
+                energy = [each.energy for each in trap.escapes]
+                depth = np.array(energy) / (Boltzmann * SCENE.medium.temperature)
+                assert case["escape_energy"].values == pytest.approx(depth, rel=1e-6)
+                force = [each.force for each in trap.escapes]
+                assert case["escape_force"].values == pytest.approx(force, rel=1e-6)
+    assert set(result["outcome"].values.ravel()) == {"held", "not held", "failed"}
+
+
+def test_the_error_of_the_stiffness_holds(whole):
+    """Against a tolerance a thousand times smaller."""
+    result, _ = whole
+    chosen = {"beam.power_through_pupil": 0.05, "lens.numerical_aperture": 1.25}
+    case = result.sel(chosen).isel({"bead.diameter": 1})
+    finer = SCENE.replace(
+        optics={"tolerance": 1e-12}, bead={"diameter": 6e-7}, beam={"power_through_pupil": 0.05}
+    )
+    exact = np.diag(tweezer.characterise(finer).equilibrium.stiffness)
+    error = np.abs(case["stiffness"].values - exact)
+    assert (error <= case["stiffness_error"].values + 1e-12 * exact).all()
+    assert case["stiffness_error"].max() < 1e-5 * exact.min()
+
+
+def test_failed_cases_are_marked(whole):
+    result, _ = whole
+    failed = result.sel({"lens.numerical_aperture": 1.4})
+    assert (failed["outcome"] == "failed").all()
+    assert np.isnan(failed["force_error"]).all()
+    for reason in failed["reason"].values.ravel():
+        assert re.match(r"lens.numerical_aperture = 1.4: must be less than medium", reason)
+    assert result.attrs["cases_failed"] == 4
+    assert result.attrs["status"] == "complete"
+
+
+def test_every_quantity_names_its_error(whole):
+    result, _ = whole
+    named = {name: of.attrs.get("ancillary_variables") for name, of in result.items()}
+    assert named["stiffness"] == "stiffness_error"
+    errors = {name for name in named if name.endswith("_error")} - {"force_error"}
+    assert {error for error in named.values() if error} == errors
+    for name in errors:
+        of = result[name.removesuffix("_error")]
+        assert (np.isnan(result[name]) == np.isnan(of)).all()
+        assert (result[name].values[~np.isnan(of.values)] > 0).all()
+
+
+def test_the_store_is_the_result(whole):
+    result, store = whole
+    xr.testing.assert_identical(xr.open_zarr(store).load(), result)
+    assert tweezer.scene_of(result) == SCENE
+    again = tweezer.sweep(SCENE, OVER, out=store, workers=1, resume=True)
+    xr.testing.assert_identical(again, result)
+
+
+def test_the_order_does_not_matter(whole):
+    """A case is the same whichever power of a light comes first."""
+    result, _ = whole
+    turned = {key: values[::-1] for key, values in reversed(OVER.items())}
+    other = tweezer.sweep(SCENE, turned, workers=1)
+    for name, values in result.data_vars.items():
+        same = other[name].isel({key: slice(None, None, -1) for key in OVER})
+        np.testing.assert_array_equal(same.transpose(*values.dims).values, values.values, name)
+
+
+def test_stopped_and_resumed_it_has_the_same_bytes(whole, tmp_path):
+    """After every case, twice with a line of the journal cut off, and once with the store torn."""
+    _, store = whole
+    out, journal = tmp_path / "sweep.zarr", tmp_path / "sweep.zarr.part" / "journal.jsonl"
+
+    def stop(done):
+        raise KeyboardInterrupt
+
+    for count in range(1, 12):
+        stopped = tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=True, progress=stop)
+        assert stopped.attrs["status"] == "interrupted"
+        assert (stopped["outcome"] != "not computed").sum() == stopped.attrs["cases_done"] > 0
+        assert not out.exists()
+        text = journal.read_text()
+        if count in (3, 7):
+            journal.write_text(text[:-40])
+        if count == 5:
+            journal.write_text(text + '[3,{"outcome":"he')
+    (journal.parent / "new").mkdir()
+    (journal.parent / "new" / "zarr.json").write_text("{")
+    tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=True)
+    assert content(out) == content(store)
+    assert [path.name for path in tmp_path.iterdir()] == ["sweep.zarr"]
+
+
+def test_what_is_there_is_not_lost(whole, tmp_path):
+    _, store = whole
+    before = content(store)
+    with pytest.raises(tweezer.ResultError, match="exists; resume it"):
+        tweezer.sweep(SCENE, OVER, out=store, workers=1)
+    with pytest.raises(tweezer.ResultError, match="made with another over; it cannot be resumed"):
+        tweezer.sweep(SCENE, {**OVER, "bead.diameter": [1e-6]}, out=store, workers=1, resume=True)
+    other = SCENE.replace(medium={"viscosity": "1 mPa s"})
+    with pytest.raises(tweezer.ResultError, match="made with another scene"):
+        tweezer.sweep(other, OVER, out=store, workers=1, resume=True)
+    assert content(store) == before
+    out = tmp_path / "sweep.zarr"
+    foreign = tmp_path / "sweep.zarr.part"
+    foreign.mkdir()
+    (foreign / "notes.txt").write_text("mine")
+    with pytest.raises(tweezer.ResultError, match="in the way, and of no sweep"):
+        tweezer.sweep(SCENE, OVER, out=out, workers=1)
+    (foreign / "notes.txt").rename(foreign / "journal.jsonl")
+    with pytest.raises(tweezer.ResultError, match="is begun; resume it"):
+        tweezer.sweep(SCENE, OVER, out=out, workers=1)
+    assert (foreign / "journal.jsonl").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ({"over": {}}, "over: nothing to sweep over"),
+        ({"over": {"bead.diameter": "1 um"}}, "must be a list of values"),
+        ({"over": {"bead.diameter": [1e-6]}, "of": "traps"}, "of = 'traps': allowed: trap, run"),
+        ({"over": {"lens.numerical_aperture": [1.4]}}, "lens.numerical_aperture = 1.4: must be"),
+        ({"over": {"beam.power": [1.0]}, "workers": 0}, "workers = 0: must be a whole number"),
+        ({"over": {"beam.power": [1.0]}, "of": "ensemble"}, "there is no thermal motion"),
+        ({"over": {"beam.power": [1.0]}, "out": "sweep.nc"}, "must end in .zarr"),
+        ({"over": {"bead.diameter": [1e-6], "bead.radius": [1e-6]}}, "bead"),
+    ],
+)
+def test_what_is_no_sweep(arguments, told):
+    with pytest.raises(tweezer.TweezerError, match=told):
+        tweezer.sweep(SCENE, **arguments)
+
+
+def test_thermal_quantities():
+    """Of ensembles and calibrations, as they are alone."""
+    over = {"simulation.loss_distance": ["0.6 um", "20 um"]}
+    found = tweezer.sweep(FREE, over, "ensemble", trajectories=50, seed=3, workers=1)
+    for i, distance in enumerate((6e-7, 2e-5)):
+        scene = FREE.replace(simulation={"loss_distance": distance})
+        alone = tweezer.ensemble(scene, 50, seed=3, statistics=True, workers=1)
+        case = found.isel({"simulation.loss_distance": i})
+        assert case["lost"] == float(alone["trajectories_lost"]) / 50
+        assert (case["variance"].values == alone["stationary_variance"].values).all()
+        assert (case["variance_error"].values == alone["stationary_variance_error"].values).all()
+    assert found["outcome"].values.tolist() == ["some lost", "all held"]
+    p = float(found["lost"][0])
+    assert found["lost_error"][0] == pytest.approx((p * (1 - p) / 50) ** 0.5, rel=0.1)
+    assert 0 < found["lost_error"][1] < 0.02
+
+    run = tweezer.simulate(FREE.replace(simulation={"samples": 201}), seed=3)
+    alone = tweezer.calibrate(run)
+    found = tweezer.sweep(FREE, {"simulation.samples": [201]}, "calibrate", seed=3, workers=1)
+    assert found["outcome"].item() == "not to be trusted"
+    assert "x: " in found["caveat"].item()
+    for i, axis in enumerate(alone.axes):
+        assert found["stiffness"][0, i] == axis["power spectrum"].stiffness
+        assert found["stiffness_error"][0, i] == axis["power spectrum"].uncertainty
+
+
+def test_runs():
+    scene = FREE.replace(
+        forces={"brownian": False, "gravity": True}, simulation={"duration": "1 ms"}
+    )
+    found = tweezer.sweep(scene, {"bead.density": ["1.2 g/cm^3", 3000.0]}, "run", workers=1)
+    for i, density in enumerate((1200.0, 3000.0)):
+        run = tweezer.simulate(scene.replace(bead={"density": density}))
+        summary = tweezer.summarise(run)
+        assert found["outcome"][i] == summary.outcome
+        assert found["end"][i].values.tolist() == list(summary.end)
+        assert found["end_error"][i, 0] >= run.attrs["integration_error"]
+
+
+#: a process that dies at case 3, always, and once at case 1
+PROCESS = """
+import json, os, pathlib, sys
+sys.stdin.readline()
+for line in sys.stdin:
+    for case, settings in json.loads(line):
+        died = pathlib.Path(sys.argv[1])
+        if case == 3 or (case == 1 and not died.exists()):
+            died.touch()
+            os._exit(7)
+        print(json.dumps([case, {"outcome": "held", "force_error": case}]), flush=True)
+"""
+
+
+def test_processes_that_die_are_replaced(monkeypatch, tmp_path):
+    def process(asked):
+        made = subprocess.Popen(
+            [sys.executable, "-S", "-c", PROCESS, str(tmp_path / "died")],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        made.stdin.write("{}\n")
+        return made
+
+    monkeypatch.setattr(pool, "_process", process)
+    over = {"bead.diameter": np.linspace(4e-7, 6e-7, 6)}
+    found = tweezer.sweep(SCENE, over, workers=2)
+    assert found["outcome"].values.tolist() == ["held"] * 3 + ["failed"] + ["held"] * 2
+    assert found["force_error"].values[[0, 1, 2, 4, 5]].tolist() == [0, 1, 2, 4, 5]
+    assert found["reason"][3] == "its process died 3 times, last with exit status 7"
+
+
+def test_a_process_serves(whole):
+    """A true one gives what this one gives, and ends with its input."""
+    result, _ = whole
+    asked = asked_of(SCENE, "trap", 100, 0, 0.0)
+    over = {"beam.power_through_pupil": "5 mW", "bead.diameter": "4e-07"}
+    tasks = [[(7, {**over, "lens.numerical_aperture": text}) for text in ("1.25",)]]
+    ((case, values),) = pool.processes(asked, tasks, 1)
+    assert case == 7
+    same = result.isel({"beam.power_through_pupil": 0, "bead.diameter": 0}).sel(
+        {"lens.numerical_aperture": 1.25}
+    )
+    assert values["stiffness"] == same["stiffness"].values.tolist()
+    assert json.loads(json.dumps(values)) == values
+
+
+def test_a_cluster_gives_the_same(whole):
+    distributed = pytest.importorskip("distributed")
+    result, _ = whole
+    over = {**OVER, "lens.numerical_aperture": [1.25]}
+    with distributed.Client(
+        processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None
+    ) as client:
+        other = tweezer.sweep(SCENE, over, scheduler=client)
+    for name in ("stiffness", "escape_energy", "outcome"):
+        same = result[name].sel({"lens.numerical_aperture": [1.25]})
+        np.testing.assert_array_equal(other[name].values, same.values)
+
+
+def test_figures(whole):
+    """A map shows the numbers of the result; curves have one line for each member of the family."""
+    result, _ = whole
+    family = result.sel({"lens.numerical_aperture": 1.25})
+    panel = sweep_figure(family).axes[1]
+    curves = [bars.lines[0].get_ydata() for bars in panel.containers]
+    assert np.allclose(curves, 1e6 * family["stiffness"].sel(axis="x").values, rtol=1e-12)
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["5 mW", "50 mW"]
+    with pytest.raises(tweezer.ResultError, match="a figure is of one or two keys"):
+        sweep_figure(result)
+    wide = xr.concat([result] * 5, "bead.diameter").isel({"lens.numerical_aperture": 1})
+    wide = xr.concat([wide] * 5, "beam.power_through_pupil")
+    wide = wide.assign_coords(
+        {
+            "bead.diameter": 1e-6 * np.arange(1, 11),
+            "beam.power_through_pupil": np.geomspace(1, 9, 10),
+        }
+    )
+    panel = sweep_figure(wide).axes[1]
+    (mesh,) = (each for each in panel.collections if isinstance(each, QuadMesh))
+    k = wide["stiffness"].sel(axis="x").transpose("beam.power_through_pupil", "bead.diameter")
+    assert mesh.get_array().data.ravel() == pytest.approx(1e6 * k.values.ravel())
