@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
 from tweezer.errors import ResultError
@@ -19,6 +20,7 @@ from tweezer.sweeps.quantities import FAILED, MISSING
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
 Array = NDArray[np.float64]
 
@@ -30,6 +32,8 @@ _SHOWN = {
 #: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
 #: 288 (1986))
 _STABLE = 10.0
+#: A lifetime of an hour, and the longest that is told apart, s
+_HOUR, _LONGEST = 3600.0, 1e10
 #: Largest number of curves in a family
 _FAMILY = 8
 #: Ratio of the ends of a range from which on its axis is logarithmic, if its values are even so
@@ -45,8 +49,10 @@ class _Panel(NamedTuple):
     """over the swept dimensions"""
     error: xr.DataArray
     label: str
-    log: bool
+    log: bool = False
     """whether its sizes differ by orders of magnitude"""
+    line: float | None = None
+    """a value that is shown by a line"""
 
 
 def sweep_figure(result: xr.Dataset) -> Figure:
@@ -66,9 +72,9 @@ def sweep_figure(result: xr.Dataset) -> Figure:
             f"{', '.join(swept)} with .sel first"
         )
     panels = _panels(result)
-    columns = min(2, len(panels))
+    columns = min(2, len(panels)) if len(panels) <= 4 else 3
     rows = math.ceil(len(panels) / columns)
-    figure = Figure(figsize=(11.0, 0.8 + 3.7 * rows), layout="constrained")
+    figure = Figure(figsize=(0.6 + 5.2 * columns, 0.8 + 3.7 * rows), layout="constrained")
     every = list(figure.subplots(rows, columns, squeeze=False).flat)
     few = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
     family = sorted(few, key=lambda dim: (_numeric(result[dim]), result.sizes[dim]))
@@ -97,18 +103,21 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
     """What is drawn, by what the sweep is of."""
     match result.attrs["of"]:
         case "trap":
-            depth = result["escape_energy"]
-            weakest = depth.fillna(math.inf).argmin("direction")
-            return [
-                _Panel(
-                    depth.isel(direction=weakest),
-                    result["escape_energy_error"].isel(direction=weakest),
-                    "depth: work of the easiest straight way out (k_B T)",
-                    True,
+            panels = [
+                _easiest(
+                    result, "escape_energy", 1.0,
+                    f"depth: work of the easiest way out (k_B T); line: {_STABLE:g}", _STABLE,
                 ),
-                *(_panel(result, "stiffness", axis, log=True) for axis in "xz"),
                 _panel(result, "equilibrium", "z"),
-            ]
+                _easiest(result, "escape_force", 1e12, "smallest force that takes it out (pN)"),
+                *(_panel(result, "stiffness", axis, log=True) for axis in "xz"),
+            ]  # fmt: skip
+            if result["lifetime"].notnull().any():
+                times = result["lifetime"].clip(max=_LONGEST)
+                errors = result["lifetime_error"].where(times < _LONGEST)
+                label = f"lifetime (s), up to {_LONGEST:.0e}; line: an hour"
+                panels.insert(1, _Panel(times, errors, label, True, _HOUR))
+            return panels
         case "run":
             names = ("outcome_time", "closest_approach", "overshoot", "largest_force")
             return [_panel(result, name) for name in names]
@@ -119,6 +128,15 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
                 *(_panel(result, "stiffness", axis, log=True) for axis in "xyz"),
                 _panel(result, "diffusion", "x"),
             ]
+
+
+def _easiest(
+    result: xr.Dataset, name: str, scale: float, label: str, line: float | None = None
+) -> _Panel:
+    """The smallest value over the directions."""
+    at = result[name].fillna(math.inf).argmin("direction")
+    values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))
+    return _Panel(scale * values, scale * errors, label, True, line)
 
 
 def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
@@ -160,6 +178,9 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
     if panel.log and positive.size and positive.max() / positive.min() > _WIDE:
         norm = LogNorm(positive.min(), positive.max())
     axes.set(xscale="log" if x_wide else "linear", yscale="log" if y_wide else "linear")
+    for axis, at, wide in ((axes.xaxis, x, x_wide), (axes.yaxis, y, y_wide)):
+        if wide:
+            _number(axis, at)
     shown = axes.pcolormesh(
         _edges(x, wide=x_wide), _edges(y, wide=y_wide), np.ma.masked_invalid(values), norm=norm,
         cmap="viridis", rasterized=True,
@@ -168,13 +189,11 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
     colorbar.ax.tick_params(labelsize=8)
     outcome = result["outcome"].transpose(down, along).values
     _mark(axes, x, y, x_wide, y_wide, np.isnan(values), outcome)
-    if (
-        panel.label.startswith("depth")
-        and positive.size
-        and (positive.min() < _STABLE < positive.max())
-    ):
-        axes.contour(x, y, np.ma.masked_invalid(values), [_STABLE], colors="white", linewidths=1.4)
-        colorbar.ax.axhline(_STABLE, color="white", lw=1.4)
+    line = panel.line
+    if line is not None and positive.size and positive.min() < line < positive.max():
+        heights = np.log(np.ma.masked_less_equal(np.ma.masked_invalid(values), 0.0))
+        axes.contour(x, y, heights, [math.log(line)], colors="white", linewidths=1.4)
+        colorbar.ax.axhline(line, color="white", lw=1.4)
     axes.set(xlabel=x_label, ylabel=y_label)
     axes.set_title(panel.label, fontsize=9, parse_math=False)
 
@@ -201,6 +220,13 @@ def _one_colour(colour: str) -> Any:
     from matplotlib.colors import ListedColormap
 
     return ListedColormap([colour])
+
+
+def _number(axis: Axis, at: Array) -> None:
+    """Plain numbers on a logarithmic axis, and more of them where it is short."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if at.max() < 100 * at.min() else (1,)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _edges(at: Array, *, wide: bool) -> Array:
@@ -245,13 +271,16 @@ def _draw_curves(
     positive = values[np.isfinite(values)]
     log = panel.log and positive.size and positive.min() > 0
     log = bool(log and positive.max() / positive.min() > _WIDE)
-    axes.set(xscale="log" if wide else "linear", yscale="log" if log else "linear", xlabel=label)
+    axes.set(yscale="log" if log else "linear", xlabel=label)
+    if wide:
+        axes.set(xscale="log")
+        _number(axes.xaxis, x)
     if not _numeric(result[along]):
         axes.set_xticks(x, [str(value) for value in result[along].values])
-    if panel.label.startswith("depth"):
-        axes.axhline(_STABLE, color="#777777", lw=0.8, ls="--")
+    if panel.line is not None:
+        axes.axhline(panel.line, color="#777777", lw=0.8, ls="--")
     axes.set_title(panel.label, fontsize=9, parse_math=False)
-    if names:
+    if names and axes is axes.figure.axes[0]:
         title = ", ".join(map(str, _keys_of(result, names[0])))
         axes.legend(frameon=False, fontsize=8, title=title, title_fontsize=8)
 
