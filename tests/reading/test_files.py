@@ -212,6 +212,15 @@ def test_of_a_record_with_gaps_the_longest_stretch_is_taken(fill):
     assert ("1 row without numbers at its ends left out" in recording.note) is (fill is not None)
 
 
+def test_stamps_in_whole_milliseconds_are_no_gaps():
+    """1.5 ms between samples: 0, 2, 3, 5, 6, 8 ms."""
+    text("t [ms],x", np.floor(1.5 * FRAMES + 0.5), X)("a.csv")
+    with pytest.raises(tweezer.ResultError, match=r'uneven, give the rate: --rate "666\.\d Hz"'):
+        tweezer.load_recording("a.csv")
+    recording = tweezer.load_recording("a.csv", rate=1e3 / 1.5)
+    np.testing.assert_allclose(recording.times, 1.5e-3 * FRAMES, rtol=1e-12)
+
+
 def test_frames_that_were_dropped_are_a_gap():
     kept = FRAMES[FRAMES != 70]
     text("frame,x [um]", kept, 1e6 * X[kept])("a.csv")
@@ -253,6 +262,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text("t,x", STAMPS, X), {"rate": "50 Hz"}, "its times have 99"),
      ("a.csv", text("t,x", T[::-1], X), {}, '--columns "x=..." --rate "1 kHz"'),
      ("a.csv", text("t,x", T, X, decimal=","), {}, "decimals need a point, or ; between the cells"),
+     ("a.csv", text("t,x\n12:30:01.001,5", T, X), {}, '--columns "x=..." --rate "1 kHz"'),
      ("a.csv", BEADS, {"rate": 15}, "keep the rows of one of them in a file of its own"),
      ("a.csv", gap(*range(0, 400, 50), fill=""), {},
       "the longest stretch without a gap has 49 samples"),

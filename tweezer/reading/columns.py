@@ -312,9 +312,11 @@ def _at_even_times(name: str, times: Array, rate: float) -> Array:
     steps = np.diff(times[dated]) * rate
     if not len(steps):
         return times
-    if abs(np.median(steps) - 1) > _RATE_OFF:
+    single = steps[steps < 1.5]
+    usual = float(np.mean(single) if len(single) else np.median(steps))
+    if abs(usual - 1) > _RATE_OFF:
         raise ResultError(
-            f"{name}: its times have {rate / np.median(steps):.6g} Hz, and --rate is {rate:g} Hz"
+            f"{name}: its times have {rate / usual:.6g} Hz, and --rate is {rate:g} Hz"
         )
     if (steps < 0.5).any():
         raise ResultError(

@@ -12,8 +12,10 @@ from tweezer.reading.table import Array
 #: Factor on the root of the number of samples: so many may be filled in. They change a variance or
 #: a diffusion by less than a tenth of its uncertainty.
 _FILLED = 0.1
-#: Deviation of steps from the usual one, over it, of times that are not even
+#: Deviation of a step from the usual one, over it, beyond which it is another
 _UNEVEN = 0.1
+#: Fraction of steps that are others, beyond which times are uneven rather than with gaps
+_OFTEN = 0.2
 #: Deviation of a longer step from a whole number of steps, beyond which samples are not filled in
 _OFF = 0.2
 
@@ -42,7 +44,8 @@ def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[A
     steps = np.diff(times)
     usual = float(np.median(steps)) if len(steps) else 0.0
     off = np.abs(steps - usual)
-    if not (steps > 0).all() or not np.isfinite(times).all() or np.median(off) > _UNEVEN * usual:
+    uneven = np.mean(off > _UNEVEN * usual) > _OFTEN
+    if not (steps > 0).all() or not np.isfinite(times).all() or uneven:
         return times[there], columns[there], "; ".join(notes)  # refused by who takes them
     leaps = np.maximum(np.rint(steps / usual), 1.0)
     if there.all() and (leaps == 1).all():

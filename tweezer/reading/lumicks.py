@@ -67,5 +67,5 @@ def open_lumicks(path: Path) -> Table:
 
 def _response(piece: Any) -> float | None:
     """pN/V by which a force was calibrated; None for one in volts."""
-    found = [item.force_sensitivity for item in piece.calibration if _RESPONSE in item]
+    found = [abs(item[_RESPONSE]) for item in piece.calibration if _RESPONSE in item]
     return float(found[0]) if found and found[0] else None

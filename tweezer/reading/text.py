@@ -18,7 +18,7 @@ import numpy as np
 from tweezer.errors import ResultError
 from tweezer.reading.columns import short
 from tweezer.reading.headings import AROUND, is_unit, understood
-from tweezer.reading.table import Array, Column, Table
+from tweezer.reading.table import MOST_SAMPLES, Array, Column, Table
 
 #: Number of lines in which headings and the first numbers are looked for
 _HEAD = 200
@@ -30,6 +30,8 @@ _NUMBER = re.compile(
     r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[+-]?inf(?:inity)?", re.I
 )
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
+#: Part of a date or of the time of day
+_CLOCK = re.compile(r"[0-9]{1,4}([:/-])[0-9]{1,2}\1[0-9]")
 _DELIMITERS = (";", "\t", ",", " ")
 
 
@@ -190,6 +192,10 @@ def _numbers(
     import pandas as pd
 
     lines = content.count(b"\n") + (not content.endswith(b"\n"))
+    if lines - layout.first > MOST_SAMPLES:
+        raise ResultError(
+            f"{name}: has {lines - layout.first:,} rows; must have at most {MOST_SAMPLES:,}"
+        )
     if layout.first >= lines or not content[_start(content, layout.first) :].strip():
         return [np.empty(0)] * len(places)
     _refuse_surplus(name, content, layout)
@@ -264,6 +270,9 @@ def _complaint(
                 continue
             if commas and re.fullmatch(r"[+-]?[0-9]+(?:[eE][+-]?[0-9]+)?", cell):
                 continue
-            point = "; decimals need a point" if _WITH_COMMA.fullmatch(cell) else ""
-            return f"line {number}: {short(cell)!r} is not a number{point}"
+            way = "; decimals need a point" if _WITH_COMMA.fullmatch(cell) else ""
+            if _CLOCK.search(cell):
+                way = '; rows at even times are read without it, such as --columns "x=..." '
+                way += '--rate "1 kHz"'
+            return f"line {number}: {short(cell)!r} is not a number{way}"
     return None
