@@ -7,7 +7,16 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 
 from tweezer.errors import ResultError
-from tweezer.reading.headings import AROUND, AXES, PIXEL, SI, factor_of, of_the_drive, understood
+from tweezer.reading.headings import (
+    AROUND,
+    AXES,
+    PIXEL,
+    SI,
+    factor_of,
+    is_unit,
+    of_the_drive,
+    understood,
+)
 from tweezer.reading.options import Chosen, Reading
 from tweezer.reading.table import Array, Table
 
@@ -161,7 +170,7 @@ def _place(table: Table, chosen: Chosen) -> _Place:
     column = table.columns[index]
     units = unit, understood(column.heading).unit, column.unit
     given = tuple(each for each in units if each)
-    return _Place(index, tuple(each for each in given if _is_known(each, chosen.quantity)) or given)
+    return _Place(index, tuple(each for each in given if is_unit(each, chosen.quantity)) or given)
 
 
 def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
@@ -189,14 +198,6 @@ def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
 
 def _folded(name: str) -> str:
     return " ".join(name.strip(AROUND).lower().split())
-
-
-def _is_known(unit: str, quantity: str) -> bool:
-    try:
-        factor_of(unit, quantity)
-    except (ValueError, KeyError):
-        return False
-    return True
 
 
 def _by_headings(table: Table) -> dict[str, _Place]:
@@ -235,7 +236,8 @@ def _refuse_missing(
     if lacking and len(others) >= len(lacking):
         ways += [f'name others, such as --columns "{",".join(named)}"']
     if missing == ["t"] and table.rate_beside:
-        ways += [f'{table.rate_beside} is perhaps the rate of its rows, for --rate "1 kHz"']
+        rate = table.rate_beside.rpartition(" ")[2]
+        ways += [f'{table.rate_beside} is perhaps the rate of its rows: --rate "{rate} Hz"']
     elif missing == ["t"]:
         ways += ['give the rate of rows at even times, such as --rate "1 kHz"']
     columns = " and ".join(f"no column {each}" for each in missing)
@@ -312,8 +314,9 @@ def _at_even_times(name: str, times: Array, rate: float) -> Array:
     steps = np.diff(times[dated]) * rate
     if not len(steps):
         return times
-    single = steps[steps < 1.5]
-    usual = float(np.mean(single) if len(single) else np.median(steps))
+    single = steps[steps < 1.5]  # those over no missing samples
+    means = float(np.mean(steps)), float(np.mean(single) if len(single) else np.median(steps))
+    usual = min(means, key=lambda mean: abs(mean - 1))
     if abs(usual - 1) > _RATE_OFF:
         raise ResultError(
             f"{name}: its times have {rate / usual:.6g} Hz, and --rate is {rate:g} Hz"

@@ -127,7 +127,7 @@ def is_unit(text: str, quantity: str) -> bool:
     """Whether a column of that quantity may be in the unit `text`."""
     try:
         factor_of(text, quantity)
-    except ValueError:
+    except (KeyError, ValueError):  # a number of frames has no unit
         return False
     return True
 

@@ -32,6 +32,10 @@ _NUMBER = re.compile(
 _WITH_COMMA = re.compile(r"[+-]?[0-9]*,[0-9]+(?:[eE][+-]?[0-9]+)?")
 #: Part of a date or of the time of day
 _CLOCK = re.compile(r"[0-9]{1,4}([:/-])[0-9]{1,2}\1[0-9]")
+#: What is not the end of a text
+_ANY = re.compile(rb"\S")
+#: Beginnings of lines of comments
+_COMMENTS = ("#", "%", "//")
 _DELIMITERS = (";", "\t", ",", " ")
 
 
@@ -129,6 +133,9 @@ def _below(head: list[str], number: int, headings: list[str], delimiter: str) ->
     units: list[str] = []
     first = number + 1
     for line in head[first : first + _BETWEEN]:
+        if line.lstrip().startswith(_COMMENTS):
+            first += 1
+            continue
         cells = _cells(_bare(line), delimiter)
         filled = [cell.strip(AROUND) for cell in cells if cell.strip(AROUND) not in _MISSING]
         if len(cells) != len(headings) or any(map(_is_number, filled)):
@@ -196,7 +203,7 @@ def _numbers(
         raise ResultError(
             f"{name}: has {lines - layout.first:,} rows; must have at most {MOST_SAMPLES:,}"
         )
-    if layout.first >= lines or not content[_start(content, layout.first) :].strip():
+    if layout.first >= lines or not _ANY.search(content, _start(content, layout.first)):
         return [np.empty(0)] * len(places)
     _refuse_surplus(name, content, layout)
     try:
