@@ -37,6 +37,7 @@ from .errors import (
 from .fluid import wall_mobilities
 from .io import load_run, save_run, scene_of
 from .optics import absorbed_power, optical_force, optical_jacobian, optical_torque
+from .report import write_report
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
 from .sweeps import sweep
@@ -93,4 +94,5 @@ __all__ = [
     "trap_over_heights",
     "tune",
     "wall_mobilities",
+    "write_report",
 ]

@@ -8,7 +8,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from matplotlib.patches import Circle, Polygon
 from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.constants import Boltzmann
@@ -45,7 +45,7 @@ _SOLID: dict[str, Any] = {"fc": "#dddddd", "ec": "#aaaaaa", "hatch": "///", "lw"
 _NO_LINES = 1e-3
 
 
-def _add_title(figure: Figure, text: str, **style: Any) -> None:
+def _add_title(figure: Figure | SubFigure, text: str, **style: Any) -> None:
     """Title above all panels; `text` is literal, as a dollar sign in a name is no formula."""
     figure.suptitle(text, parse_math=False, **style)
 
@@ -531,8 +531,16 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
     fits are those of `calibration`. A record in volts is drawn in metres, one with a drive without
     the motion that the stage causes.
     """
-    recording = analysis.in_metres(recording, calibration)
     figure = Figure(figsize=(13.0, 7.2), layout="constrained")
+    draw_calibration(figure, recording, calibration)
+    return figure
+
+
+def draw_calibration(
+    figure: Figure | SubFigure, recording: Recording, calibration: Calibration
+) -> None:
+    """Draw what `calibration_figure` has."""
+    recording = analysis.in_metres(recording, calibration)
     axes = figure.subplot_mosaic(
         [["trajectory", "trajectory", "density"], ["spectrum", "displacement", "potential"]]
     )
@@ -553,7 +561,6 @@ def calibration_figure(recording: Recording, calibration: Calibration) -> Figure
         f"{calibration.samples} samples, one every {calibration.step * _MILLI:.3g} ms",
         fontsize=11,
     )
-    return figure
 
 
 def _draw_trajectory(axes: Axes, recording: Recording) -> None:

@@ -115,6 +115,12 @@ _add_benchmark(
 )  # fmt: skip
 
 
+_add_benchmark(
+    "camera", "camera_report",
+    "Calibration of what a camera saw: coverage. Simulated tracks, exposed all the time, noisy.",
+)  # fmt: skip
+
+
 def _benchmark(name: str) -> ModuleType:
     """Import a module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[2]

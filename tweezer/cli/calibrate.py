@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -119,6 +120,10 @@ def calibrate(
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
+    report: Annotated[
+        Path | None,
+        typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
+    ] = None,
 ) -> None:  # fmt: skip
     """Stiffness of a trap from a RECORDING.
 
@@ -145,8 +150,11 @@ def calibrate(
         exposed = quantity_in("--blur", blur, Time)
     out = out and writable(out, ("json",))
     plot = plot and writable(plot, FIGURE_FORMATS)
+    report = report and writable(report, ("html", "pdf"))
     if plot and len(recordings) > 1:
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
+    if report and len(recordings) > 1:
+        raise ResultError(f"--report tells of one recording, not {len(recordings)}")
     places, shift = _places(focus, focal_shift, len(recordings))
     if places and "fluid-density" in given:
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
@@ -199,7 +207,11 @@ def calibrate(
         from tweezer.plots import calibration_figure
 
         write_figure(calibration_figure(loaded[0], calibrations[0]), plot)
-    tell_written(out, plot)
+    if report:
+        from tweezer.report import write_report
+
+        write_report(loaded[0], calibrations[0], report)
+    tell_written(out, plot, report)
 
 
 def _places(

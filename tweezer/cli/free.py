@@ -2,49 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from tweezer.cli.console import OUT
-from tweezer.rounding import rounded, with_uncertainty
 
 if TYPE_CHECKING:
     from tweezer.analysis import Diffusion
 
-#: What is inferred in words, with the factor to its unit and the unit.
-_INFERRED = {
-    "viscosity": ("viscosity", 1e3, "mPa s"),
-    "radius": ("radius", 1e9, "nm"),
-    "drag": ("drag", 1e9, "nN s/m"),
-    "Boltzmann": ("Boltzmann's constant", 1e23, "10^-23 J/K"),
-}
-
 
 def print_free(free: Diffusion, unit: str) -> None:
     """One line of verdict; below it what was left out and what speaks against it."""
-    axes = ", ".join(each.axis for each in free.axes)
-    relative = free.uncertainty / free.diffusion
-    told = _with_interval(free.diffusion, relative, free.interval, 1e12, f"u{unit}^2/s")
-    parts = [f"{axes}: no trap is seen; as of a free bead: diffusion {told}"]
-    inferred = free.inferred
-    if inferred is not None and free.interval[0]:
-        name, factor, of = _INFERRED[inferred.name]
-        told = _with_interval(inferred.value, relative, inferred.interval, factor, of)
-        parts.append(f"{name} {told}")
-    if free.expected is not None:
-        parts.append(f"by Einstein the diffusion is {1e12 * free.expected:.4g} um^2/s")
-    OUT.print("; ".join(parts), highlight=False, soft_wrap=True)
+    from tweezer.analysis.wording import diffusion_in_words
+
+    OUT.print(diffusion_in_words(free, unit), highlight=False, soft_wrap=True)
     for text in (*free.remarks, *(f"not trusted: {each.text}" for each in free.findings)):
         OUT.print(f"   {text}", highlight=False, soft_wrap=True)
-
-
-def _with_interval(
-    value: float, relative: float, ends: tuple[float, float], factor: float, unit: str
-) -> str:
-    """Value, standard uncertainty and 95 % interval, with as many digits as these leave."""
-    low, high = (factor * end for end in ends)
-    if not low or not math.isfinite(high):
-        return f"below {high:.2g} {unit} (95 %)"
-    error = factor * value * relative
-    first, last = rounded(low, error)[0], rounded(high, error)[0]
-    return f"{with_uncertainty(factor * value, error)} {unit} (95 %: {first} to {last})"

@@ -1,0 +1,93 @@
+"""The results of the benchmark of what a camera saw as a table, as a figure, and on their page.
+
+`python -m tests.benchmarks.camera_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+from scipy.stats import binomtest
+
+from tests.benchmarks import pages
+from tests.benchmarks.calibrate_report import COLOURS, METHODS
+from tests.benchmarks.camera import FRAMES, Results
+
+
+def pooled(study: Results) -> dict[str, tuple[int, int]]:
+    """By method: numbers of all axes without a finding, and those whose interval is right."""
+    found = {}
+    for method in METHODS:
+        own = [each for each in study["numbers"] if each["by"].endswith(f", {method}")]
+        if own:
+            found[method] = (
+                sum(each["numbers"] for each in own), sum(each["inside"] for each in own)
+            )  # fmt: skip
+    return found
+
+
+def _named(study: Results) -> str:
+    drag = "given" if study["drag_given"] else "fitted"
+    return f"{study['rate']:.0f} a second, drag {drag}"
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """One; its first row is that of the headings."""
+    rows = []
+    for study in results["studies"]:
+        own = pooled(study)
+        cells = [
+            f"{100 * own[method][1] / own[method][0]:.1f} ({own[method][0]})"
+            if method in own
+            else ""
+            for method in METHODS
+        ]
+        rows.append([_named(study), *cells])
+    return [[["frames", *METHODS.values()], *rows]]
+
+
+def figure(results: Results) -> Figure:
+    """Coverage of what carries no finding, by method."""
+    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    axes = drawn.subplots()
+    for i, study in enumerate(results["studies"]):
+        for method, (count, inside) in pooled(study).items():
+            j = list(METHODS).index(method)
+            low, high = binomtest(inside, count).proportion_ci(0.95)
+            at = 100 * inside / count
+            axes.errorbar(
+                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
+                capsize=2, color=COLOURS[j], label=METHODS[method] if i == 0 else None,
+            )  # fmt: skip
+    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    axes.set_xticks(range(len(results["studies"])), [_named(each) for each in results["studies"]])
+    axes.tick_params(axis="x", labelsize=8)
+    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
+    drawn.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    k, records = results["stiffness"], results["studies"][0]["records"]
+    explained = (
+        f"{records} simulated runs of a 1 um silica bead in a trap of {1e6 * k['x']:.1f}, "
+        f"{1e6 * k['y']:.1f} and {1e6 * k['z']:.1f} pN/um, by the whole force of the light and "
+        f"without inertia, are seen by a camera: {FRAMES:,} frames, exposed all the "
+        "time, with noise of "
+        f"{1e9 * results['studies'][0]['noise']:.0f} nm across the light and four times that along "
+        "it. Each is calibrated by what the camera saw, its exposure and its noise. In percent: "
+        "how often the 95 % interval holds the stiffness of the force, of the numbers along x, y "
+        "and z that carry no finding; how many these are stands in brackets. Where the drag is "
+        "fitted, the calibration is told only the temperature, the exposure and the noise."
+    )
+    lines = [
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        "![Coverage of the intervals from a camera, by method](figures/bench-camera.png)",
+    ]  # fmt: skip
+    return pages.block("camera", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("camera", block, figure)
