@@ -21,6 +21,8 @@ from tests.benchmarks import (
     brownian_report,
     calibrate,
     calibrate_report,
+    camera,
+    camera_report,
     depth_report,
     estimate,
     fluid_report,
@@ -245,7 +247,7 @@ def test_peers_integrate_our_equations(changes):
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
      ("fluid", fluid_report), ("wall", wall_report), ("scaling", scaling_report),
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
-     ("heights", heights_report)],
+     ("heights", heights_report), ("camera", camera_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -505,6 +507,28 @@ def test_durations():
 
 def test_page_quotes_the_committed_calibration():
     assert pages.quoted("calibrate") == calibrate_report.block(pages.committed("calibrate"))
+
+
+def test_page_quotes_the_committed_calibration_of_what_a_camera_saw():
+    """And what is asked of it: of every method 93 to 97 % of the numbers that are trusted."""
+    results = pages.committed("camera")
+    assert pages.quoted("camera") == camera_report.block(results)
+    assert {each["rate"] for each in results["studies"]} == {500, 2500}
+    for study in results["studies"]:
+        assert study["records"] == 200
+        for count, inside in camera_report.pooled(study).values():
+            assert count >= 198
+            assert 0.93 < inside / count < 0.97
+
+
+def test_what_a_camera_saw_is_counted():
+    """Two short records: of each axis, by each method, and of the truth they are compared with."""
+    found = camera.judged([camera.calibrated(camera.STUDIES[0], 1, 2, frames=1000)])
+    ways = {each["by"] for each in found["numbers"]}
+    assert ways >= {f"{axis}, power spectrum" for axis in "xyz"}
+    for each in found["numbers"]:
+        assert each["numbers"] <= 2
+        assert abs(each["mean_score"]) < 4
 
 
 def test_page_quotes_the_committed_calibration_of_fast_records():
