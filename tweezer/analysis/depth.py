@@ -151,7 +151,7 @@ def fit_depth(
     scene: Scene | None = None,
     *,
     noise: float | None = None,
-    exposure: float = 0.0,
+    exposure: float | None = None,
     search: tuple[float, float] | None = None,
     fit: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
@@ -162,7 +162,7 @@ def fit_depth(
     its own if not given. noise: standard deviation of a coordinate, m; fitted if not given.
     exposure: the time that each frame averages over, s, up to the shortest time between two; the
     times of the track are those of its middle, and z is where the bead was when the first frame
-    began. search:
+    began; that of the camera of a run of ours, and 0 of another track, if not given. search:
     where the start may be, m from the focus; three quarters of the map to both sides if not given:
     15 radii, and by waves 4 radii and 7 wavelengths in the medium, about, or up to a wall. fit:
     what else is not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release"
@@ -210,6 +210,7 @@ def fit_depth(
         half = _SEARCH * light_of_one_beam(scene).search.reach
         search = _between_walls(scene, -half, half)
     _refuse(track, scene, noise, search, fit)
+    exposure = (track.exposure or 0.0) if exposure is None else exposure
     shortest = float(np.diff(track.times).min())
     if not 0 <= exposure <= shortest * (1 + _UNEVEN):
         raise ResultError(

@@ -150,6 +150,8 @@ class Track:
     """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
     scene: Scene | None = None
     """scene of a run of tweezer"""
+    exposure: float | None = None
+    """s, over which each frame averages; None if not known"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, 2)
@@ -260,7 +262,8 @@ def load_track(
     """
     found = _read(source, Reading.of(columns, rate, scale), Wanted(("x", "y")))
     if not isinstance(found, Columns):
-        return Track(found.name, found.times, found.positions[:, :2], found.scene)
+        places = found.positions[:, :2]
+        return Track(found.name, found.times, places, found.scene, found.exposure)
     positions = np.stack([found.columns["x"], found.columns["y"]], axis=1)
     there = ~np.isnan(found.times)
     both = np.isfinite(positions).all(axis=1) & there

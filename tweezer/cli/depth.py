@@ -53,7 +53,7 @@ def fit_depth(
     ] = None,
     exposure: Annotated[
         str | None,
-        typer.Option(help='Time that a frame averages over: "2 ms". None if not given.'),
+        typer.Option(help='Time that a frame averages over: "2 ms". 0, or that of a run.'),
     ] = None,
     search: Annotated[
         tuple[str, str] | None,
@@ -81,7 +81,7 @@ def fit_depth(
 
     described = scene_with(scene, settings_of(set or []))
     given = quantity_in("--noise", noise, PositiveLength) if noise is not None else None
-    exposed = quantity_in("--exposure", exposure, Time) if exposure is not None else 0.0
+    exposed = quantity_in("--exposure", exposure, Time) if exposure is not None else None
     range_ = None
     if search is not None:
         low, high = (quantity_in("--search", text, Length) for text in search)

@@ -1,0 +1,97 @@
+"""The page of a calibration: its numbers, what is not to be trusted, and its two forms."""
+
+from __future__ import annotations
+
+import html
+import re
+
+import numpy as np
+import pytest
+
+import tweezer
+from tests.reference.trapped_bead import trapped
+from tweezer.analysis import Recording
+from tweezer.report import page_of
+
+DRAG = 9.4e-9
+
+
+@pytest.fixture(scope="module")
+def drifting():
+    """A record of 40 and 10 pN/um, 2,000 samples a second, of which x drifts, and what it tells."""
+    columns = [
+        trapped(5e-4, 3000, k, DRAG, None, 293.15, seed, 1, exposure=0.0)[0]
+        for seed, k in enumerate((40e-6, 10e-6), start=1)
+    ]
+    x = np.stack(columns, axis=1)
+    x[:, 0] += np.linspace(0.0, 2e-7, len(x))
+    recording = Recording("bead <1>.csv", 5e-4 * np.arange(len(x)), x, ("x", "y"))
+    return recording, tweezer.calibrate(recording, temperature=293.15, drag=DRAG, exposure=0.0)
+
+
+def words(path):
+    """The text of an HTML page."""
+    text = re.sub(r"<style>.*?</style>|<[^>]*>", " ", path.read_text(encoding="utf-8"), flags=re.S)
+    return " ".join(html.unescape(text).split())
+
+
+def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_path):
+    """The drift stands there once, the numbers of x refer to it, and those of y are trusted."""
+    recording, found = drifting
+    path = tweezer.write_report(recording, found, tmp_path / "page.html")
+    text = words(path)
+    x, y = found.axes
+    assert text.startswith("Calibration of bead <1>.csv")
+    assert {"drift"} <= {finding.name for finding in x.findings}
+    assert not y.findings
+    for number, finding in enumerate(x.findings, start=1):
+        assert text.count(finding.text) == 2  # in the verdict, and as a note
+        assert page_of(recording, found).notes[number - 1] == f"x: {finding.text}"
+    assert "not trusted: 1" in text
+    assert f"y: k = {y.estimates[0].stiffness * 1e6:.1f}" in text
+    for axis in found.axes:
+        for each in axis.estimates:
+            digits = tweezer.rounding.with_uncertainty(
+                1e6 * each.stiffness, 1e6 * each.uncertainty, "±"
+            )
+            assert digits in text
+    for said in ("3,000 samples", "0.5 ms", "9.4 nN s/m, given", "293.15 K"):
+        assert said in text
+    source = path.read_text(encoding="utf-8")
+    assert "http" not in source
+    assert source.count("data:image/png;base64,") == 1
+
+
+def test_a_pdf_is_one_page(drifting, tmp_path):
+    content = tweezer.write_report(*drifting, tmp_path / "page.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    assert re.findall(rb"/Type /Page\b(?!s)", content) == [b"/Type /Page"]
+
+
+def test_a_free_bead_has_one_verdict_and_no_table():
+    rng = np.random.default_rng(1)
+    x = np.cumsum(1e-7 * rng.standard_normal((1000, 2)), axis=0)
+    recording = Recording("free", np.arange(1000) / 100, x, ("x", "y"))
+    page = page_of(recording, tweezer.calibrate(recording, temperature=293.15))
+    assert not page.tables
+    (verdict,) = page.verdicts
+    assert verdict.text.startswith("x, y: no trap is seen; as of a free bead: diffusion 0.")
+
+
+def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tmp_path):
+    recording, _ = drifting
+    table = np.column_stack([recording.times, recording.positions])
+    for name in ("a.csv", "b.csv"):
+        np.savetxt(tmp_path / name, table, delimiter=",", header="t,x,y", comments="")
+    given = "--temperature", "293.15 K", "--blur", "0"
+    done = command_line("calibrate", "a.csv", *given, "--report", "a.html")
+    assert done.code == 0, done.err
+    assert "wrote a.html" in done.err + done.out
+    assert "Calibration of a.csv" in words(tmp_path / "a.html")
+    for arguments, said in (
+        (("a.csv", "b.csv", *given, "--report", "b.html"), "--report tells of one recording"),
+        (("a.csv", *given, "--report", "a.txt"), "must end in .html, .pdf"),
+    ):
+        refused = command_line("calibrate", *arguments)
+        assert refused.code == 2
+        assert said in refused.err
