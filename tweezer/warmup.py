@@ -46,4 +46,5 @@ def warm_up(scene: Scene) -> None:
         if scene.lit:
             kalman_filter(bind_translation(bound_once(scene), "overdamped"))
         scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
-        simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}))
+        seen = {"camera": {"rate": 1 / _MOMENT}} if scene.forces.brownian else {}
+        simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}, **seen))
