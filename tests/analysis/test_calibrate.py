@@ -28,6 +28,7 @@ from tweezer.analysis.in_time import (
     of_products,
     of_squared_displacements,
 )
+from tweezer.analysis.left_out import Missing
 from tweezer.rounding import with_uncertainty
 
 T = 293.15
@@ -235,7 +236,7 @@ def test_estimates_are_as_uncertain_as_they_say(case):
     assert sum(p < 0.01 for p in p_values) < 4
 
 
-def testcovariance_of_averages_over_a_record():
+def test_covariance_of_averages_over_a_record():
     """4000 records: each covariance scatters by 2.2 % of the root of its variances, sqrt 2 more for
     pairs; 8 % is 3.5 scatters (12 numbers, false alarm 1e-2, the seed is fixed).
     """
@@ -248,7 +249,9 @@ def testcovariance_of_averages_over_a_record():
         (products, of_products), (squares, of_squared_displacements),
     ):  # fmt: skip
         measured = np.cov(averages)
-        expected = covariance_of_averages(bead, step, samples, lags, of_one)
+        expected = covariance_of_averages(
+            bead, step, samples, lags, of_one, Missing(np.empty(0), np.empty(0))
+        )
         size = np.sqrt(np.diag(measured))
         assert np.abs((measured - expected) / np.outer(size, size)).max() < 0.08
 

@@ -21,6 +21,7 @@ from tweezer.analysis.driving import Answer, Drive, KnownDrag
 from tweezer.analysis.equipartition import corrected, equipartition
 from tweezer.analysis.findings import (
     IMPROBABLE,
+    SLOW,
     Finding,
     Fits,
     examine,
@@ -29,6 +30,7 @@ from tweezer.analysis.findings import (
 from tweezer.analysis.free import Diffusion, Given, not_trapped
 from tweezer.analysis.histogram import potential
 from tweezer.analysis.in_time import autocorrelation, displacement, lags_of
+from tweezer.analysis.left_out import NOTHING, LeftOut
 from tweezer.analysis.recording import Recording, load_recording
 from tweezer.analysis.spectra import (
     TrappedBead,
@@ -84,6 +86,8 @@ _LATE = (5.0, 0.02)
 _ROAMING = 0.3
 #: Axes of a run
 _EVERY_AXIS = ("x", "y", "z")
+#: Half the width of what is left out about the frequency of a drive, in ordinates
+_BESIDE = 1.499
 #: Number of places at which the drag of a run is taken
 _PLACES = 1000
 
@@ -213,6 +217,8 @@ class Calibration:
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
     """of the axes along which no trap is seen; None if a trap is seen along all"""
+    left_out: LeftOut = NOTHING
+    """what was left out of the record, and of the fits"""
 
     def __repr__(self) -> str:
         """In short: for each axis the first trusted stiffness."""
@@ -242,6 +248,9 @@ def calibrate(
     diode: float | str | tuple[float, float] | None = None,
     noise: float | str | None = None,
     drive: str | None = None,
+    leave_out: Sequence[str | tuple[float, float]] = (),
+    drift: float | str | None = None,
+    fit_range: str | tuple[float, float] | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
 
@@ -272,6 +281,11 @@ def calibrate(
     one or several frequencies, and drags the bead (active calibration, `tweezer.analysis.driving`).
     Stiffness, drag and metres a volt then come from one fit of the spectrum and of the answers at
     those frequencies, whole periods of the record.
+
+    leave_out: bands of frequencies, "49 Hz..51 Hz" or two numbers, Hz, that are taken out of the
+    record; drift: a frequency, Hz: what is slower is taken off as whole cosines. What both take of
+    the bead's own motion is corrected for (`tweezer.analysis.left_out`). fit_range: "10 Hz..10 kHz"
+    or two numbers: spectra are fitted over these frequencies only; the other methods use all.
 
     The record is tested first (`tweezer.analysis.findings`); its findings apply to every number of
     the axis. Equipartition: k_B T over the variance, corrected for the exposure and for the mean,
@@ -304,6 +318,8 @@ def calibrate(
     fluid = _in_si(recording, "displaced_mass", displaced_mass, "kg")
     radius = _in_si(recording, "radius", radius, "m")
     viscosity = _in_si(recording, "viscosity", viscosity, "Pa s")
+    left = LeftOut.of(recording.name, leave_out, drift, fit_range)
+    left.refuse_too_much(recording.name, len(recording.times), recording.step)
     poles, on_the_way = TrappedBead.poles, False
     asked = {"exposure": exposure, "diode_frequency": diode, "noise": noise}
     detector = tuple(name for name, value in asked.items() if value == "fit")
@@ -391,7 +407,8 @@ def calibrate(
         made_by.append(Finding("one-call", text))
     known = _Known(
         given, detector, exposure is not None or "exposure" in detector,
-        bool(height and height.uncertainty), recording.unit, made_by,
+        bool(height and height.uncertainty), recording.unit, made_by, left,
+        () if moved is None else moved.frequencies,
     )  # fmt: skip
     signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
     if moved and not any(answers for _, answers in signals):
@@ -406,7 +423,6 @@ def calibrate(
             beside = (_told_by(next(iter(axes.values())), axis, height),)
         if axis in drags and height is not None and known.uncertain:
             beside = (*beside, KnownDrag(drags[axis], height.relative_uncertainty(axis)))
-        without = () if moved is None else moved.frequencies
         try:
             with (
                 warnings.catch_warnings(action="error", category=LinAlgWarning),
@@ -418,7 +434,6 @@ def calibrate(
                     step,
                     known.along(axis, drags.get(axis), noises[axis]),
                     beside,
-                    without,
                 )
                 axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
@@ -431,7 +446,7 @@ def calibrate(
     of_free = Given(
         temperature, radius, viscosity, drag, exposure, {} if noise is None else noises,
         {axis: drag / along for axis, along in drags.items()} if drag is not None else {},
-        recording.unit,
+        recording.unit, (*left.bands, (0.0, left.drift), *left.of_fit),
     )  # fmt: skip
     free = not_trapped(
         recording.name, {axis: axes[axis].findings for axis in recording.axes},
@@ -441,7 +456,7 @@ def calibrate(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
         len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
-        height, free,
+        height, free, left,
     )  # fmt: skip
 
 
@@ -493,10 +508,15 @@ def _drags(
 
 
 def in_metres(recording: Recording, calibration: Calibration) -> Recording:
-    """A recording as it was calibrated: in metres, without the answers to a drive."""
+    """A recording as it was calibrated: in metres, without answers to a drive and what else was
+    left out.
+    """
     moved = None if recording.drive is None else Drive.of(recording.drive, recording.step)
     columns = [
-        (axis.sensitivity or 1.0) * (moved.answers(signal)[0] if moved else signal)
+        (axis.sensitivity or 1.0)
+        * calibration.left_out.without(
+            moved.answers(signal)[0] if moved else signal, recording.step
+        )
         for axis, signal in zip(calibration.axes, recording.positions.T, strict=True)
     ]
     return dataclasses.replace(
@@ -578,6 +598,10 @@ class _Known:
     unit: str
     made_by: list[Finding]
     """findings against every number that uses the dynamics"""
+    left_out: LeftOut
+    """what is left out of the record"""
+    driven: Sequence[float]
+    """frequencies of a drive, Hz, whose ordinates and the two beside each are not fitted"""
 
     def along(self, axis: str, drag: float | None, noise: float) -> _Known:
         """The same of one axis, with what is known of its drag, kg/s, and the detector's noise."""
@@ -610,19 +634,23 @@ def _fits(
     step: float,
     known: _Known,
     beside: tuple[Evidence, ...],
-    without: Sequence[float],
 ) -> Fits:
     """The periodogram of a signal, the fit with the drag as known, and that with a free drag."""
     given, detector = known.bead, known.detector
     scaled = known.unit == "V" or any(isinstance(each, Answer) for each in beside)
-    whole = Periodogram.of(signal, step, without)
+    bin_ = 1 / (len(signal) * step)
+    driven = [(each - _BESIDE * bin_, each + _BESIDE * bin_) for each in known.driven]
+    left = known.left_out
+    whole = Periodogram.of(signal, step, (*driven, *left.of_record(len(signal), step)))
+    low, high = left.fit_range
+    ranged = whole[(whole.frequencies >= low) & (whole.frequencies <= high)]
     # without masses where metres are not known yet: they are negligible for a start
     first = given
     if scaled:
         first = dataclasses.replace(given, mass=None, displaced_mass=None, drag=math.nan)
-    start = best_start(whole, signal, first)
+    start = best_start(ranged, signal, first)
     if not (scaled or detector):
-        part = usable(whole, start, to_the_end=known.all_frequencies)
+        part = usable(ranged, start, to_the_end=known.all_frequencies)
         free = fit = fitted(part, start, MOTION)
         if known.drag and not _evaluated(free):
             free = fit = fitted(part, dataclasses.replace(start, drag=given.drag), STIFFNESS)
@@ -630,15 +658,15 @@ def _fits(
             fit = fitted(part, dataclasses.replace(free.bead, drag=given.drag), STIFFNESS)
         elif beside:
             fit = fitted(dataclasses.replace(part, beside=beside), free.bead, MOTION)
-        return Fits(whole, fit, free)
-    part = usable(whole, start, to_the_end=known.all_frequencies)
+        return Fits(whole, fit, free, left)
+    part = usable(ranged, start, to_the_end=known.all_frequencies)
     if part.counts.sum() < _LEAST_BLOCKS / 2:
         raise ArithmeticError("too few frequencies for a fit")
     early = part
     if detector:
-        low = part.frequencies <= _BEFORE_DETECTOR * start.roll_off
-        low[:_LEAST_BLOCKS] = True
-        early = part[low]
+        early_on = part.frequencies <= _BEFORE_DETECTOR * start.roll_off
+        early_on[:_LEAST_BLOCKS] = True
+        early = part[early_on]
     start = fitted(early, start, MOTION).bead
     part = dataclasses.replace(part, beside=beside)
     names = (*MOTION, *(["response"] if scaled else []), *detector)
@@ -658,14 +686,14 @@ def _fits(
         fit = best(names, starts)
         answers = tuple(each for each in beside if not isinstance(each, KnownDrag))
         if answers == beside or (scaled and not answers):
-            return Fits(whole, fit, fit)
+            return Fits(whole, fit, fit, left)
         # what the record tells by itself
         without_drag = dataclasses.replace(part, beside=answers)
-        return Fits(whole, fit, fitted(without_drag, fit.bead, names))
+        return Fits(whole, fit, fitted(without_drag, fit.bead, names), left)
     fit = best(tuple(name for name in names if name != "drag"), starts)
     if scaled and not beside:
-        return Fits(whole, fit, fit)  # volts a metre follow from the drag
-    return Fits(whole, fit, best(names, [fit.bead]))
+        return Fits(whole, fit, fit, left)  # volts a metre follow from the drag
+    return Fits(whole, fit, best(names, [fit.bead]), left)
 
 
 def _evaluated(fit: WhittleFit) -> bool:
@@ -711,10 +739,11 @@ def _calibrated(
     step: float,
     known: _Known,
     beside: tuple[Evidence, ...],
-    without: Sequence[float],
 ) -> AxisCalibration:
     """The trap along one axis."""
-    fits = _fits(signal, step, known, beside, without)
+    recorded, signal = signal, known.left_out.without(signal, step)
+    left = known.left_out.words(recorded, signal, step, known.unit)
+    fits = _fits(signal, step, known, beside)
     fit = fits.fit
     detector = tuple(fit.detected(name) for name in known.detector)
     scaled = "response" in fit.free
@@ -726,6 +755,12 @@ def _calibrated(
     own = _spectrum_fit(positions, step, fit)
     of_free = own if free is fit else _spectrum_fit(positions, step, free)
     findings = examine(positions, step, fits, known.exposure)
+    # a drift slower than all frequencies of the fits is not in their way
+    beyond = known.left_out.fit_range[0] > (
+        (known.left_out.cosines(len(positions), step) + SLOW) / (2 * len(positions) * step)
+    )
+    slow = [each for each in findings if each.name == "drift" and beyond]
+    findings = [each for each in findings if each not in slow]
     answers = tuple(each for each in beside if isinstance(each, Answer))
     findings += _disagreeing(fit, answers, response)
 
@@ -752,24 +787,29 @@ def _calibrated(
     if free is not fit:
         fitted_too = free.bead.stiffness, of_free.stiffness_uncertainty
         add("power spectrum, drag fitted", fitted_too, made_by)
-    add("equipartition", equipartition(positions, fits), [])
+    add("equipartition", equipartition(positions, fits), slow)
     if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
         lags = lags_of(len(positions), step, bead)
-        found = displacement(positions, step, bead, lags, known.drag)
-        add("displacement", found, [*made_by, *too_few("displacement")])
+        missing = known.left_out.missing(bead, len(positions), step)
+        found = displacement(positions, step, bead, lags, missing, known.drag)
+        add("displacement", found, [*slow, *made_by, *too_few("displacement")])
         if known.drag:
-            add("autocorrelation", autocorrelation(positions, step, bead, lags), made_by)
+            found = autocorrelation(positions, step, bead, lags, missing)
+            add("autocorrelation", found, [*slow, *made_by])
     well = potential(positions, bead.temperature)
     if well.stiffness is not None and well.uncertainty is not None:
         found = corrected(well.stiffness, well.uncertainty, fits)
-        add("potential", found, too_few("potential"))
+        add("potential", found, [*slow, *too_few("potential")])
     per_volt = 1 / response if scaled else None
     force = bead.stiffness / response if scaled else None
     return AxisCalibration(
         axis, float(positions.mean()), tuple(findings), tuple(estimates), own, of_free, relaxations,
         detector, per_volt, per_volt and per_volt * fit.uncertainty(0, 0, 1),
         force, force and force * fit.uncertainty(1, 0, -1), answers,
-        (*_undetermined(detector, known.unit), *_late(fit, answers, response)),
+        (
+            *([Finding("left out", left)] if left else []),
+            *_undetermined(detector, known.unit), *_late(fit, answers, response),
+        ),
     )  # fmt: skip
 
 

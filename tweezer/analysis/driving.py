@@ -54,7 +54,6 @@ def driven_frequencies(drive: Array, step: float) -> list[float]:
     from scipy.signal.windows import hann
 
     n = len(drive)
-    times = np.arange(n) * step
     window = hann(n, sym=False)
     left = drive
     found: list[float] = []
@@ -68,20 +67,41 @@ def driven_frequencies(drive: Array, step: float) -> list[float]:
         if not power[peak]:
             break
 
-        def missed(frequency: float, signal: Array = window * left) -> float:
-            return -abs(np.exp(-2j * np.pi * frequency * times) @ signal)
-
-        bin_ = 1 / (n * step)
-        ends = (peak - 0.6) * bin_, (peak + 0.6) * bin_
-        options = {"xatol": _FINE * bin_}
-        best = minimize_scalar(missed, bounds=ends, method="bounded", options=options)
-        amplitude = -2 * best.fun / window.sum()
+        frequency, size = _refined(window * left, peak, step)
+        amplitude = 2 * size / window.sum()
         strongest = max(strongest, amplitude)
         if amplitude < _WEAKEST * strongest:
             break
-        found.append(float(best.x))
-        left = drive - _motion(drive, found, step)[1]
+        found.append(frequency)
+        left = drive - motion(drive, found, step)[1]
     return found
+
+
+def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> float | None:
+    """The frequency (Hz) in a band that a signal (n,) is largest at; None if it has none there."""
+    from scipy.fft import rfft
+    from scipy.signal.windows import hann
+
+    windowed = hann(len(signal), sym=False) * signal
+    size = np.abs(rfft(windowed))
+    frequencies = np.arange(len(size)) / (len(signal) * step)
+    size[(frequencies < band[0]) | (frequencies > band[1]) | (frequencies == 0)] = 0.0
+    peak = int(size.argmax())
+    return _refined(windowed, peak, step)[0] if peak else None
+
+
+def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
+    """Frequency (Hz) near an ordinate where the sum over a record is largest, and that sum."""
+    times = np.arange(len(windowed)) * step
+
+    def missed(frequency: float) -> float:
+        return -abs(np.exp(-2j * np.pi * frequency * times) @ windowed)
+
+    bin_ = 1 / (len(windowed) * step)
+    ends = (peak - 0.6) * bin_, (peak + 0.6) * bin_
+    options = {"xatol": _FINE * bin_}
+    best = minimize_scalar(missed, bounds=ends, method="bounded", options=options)
+    return float(best.x), -float(best.fun)
 
 
 def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> int:
@@ -91,7 +111,7 @@ def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> in
     return int(lengths[::-1][np.abs(periods - np.rint(periods)).max(axis=0)[::-1].argmin()])
 
 
-def _motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
+def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
     """Amplitudes c of Re(c e^(i w t)) in a signal, and their sum with its mean (n,)."""
     angles = 2 * np.pi * step * np.outer(frequencies, np.arange(len(signal)))
     waves = np.vstack([np.ones(len(signal)), np.cos(angles), np.sin(angles)])
@@ -126,14 +146,14 @@ class Drive:
         if not frequencies or np.ptp(drive) < _ROUNDING * extent:
             return None
         samples = whole_periods(frequencies, len(drive), step)
-        amplitudes, moved = _motion(drive[:samples], frequencies, step)
+        amplitudes, moved = motion(drive[:samples], frequencies, step)
         still = drive[:samples] - moved
         error = [_thermal(still, step, frequencies, each) for each in frequencies]
         return cls(tuple(frequencies), amplitudes, np.sqrt(error), samples, step)
 
     def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...]]:
         """The signal (samples,) without its answers to the drive, and those that are seen."""
-        amplitudes, moved = _motion(signal[: self.samples], self.frequencies, self.step)
+        amplitudes, moved = motion(signal[: self.samples], self.frequencies, self.step)
         still = signal[: self.samples] - moved + signal[: self.samples].mean()
         found = []
         for f, stage, error, answer in zip(

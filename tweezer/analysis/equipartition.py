@@ -30,12 +30,15 @@ def equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
 def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
     """k from k_B T over the variance of the record, corrected for what differs from the motion's.
 
-    Missing are the variance of the mean and what the detector does not show; its noise is too much.
+    Missing are the variance of the mean, what was left out of the record and what the detector does
+    not show; its noise is too much.
     Both depend on what was fitted, whose uncertainty adds to that of k.
     """
     whole, fit, bead = fits.whole, fits.fit, fits.fit.bead
     relative_square = (uncertainty / k) ** 2
-    missing = bead.variance_of_mean(whole.step, whole.samples) / bead.variance
+    missing = bead.variance_of_mean(whole.step, whole.samples)
+    missing += fits.left_out.missing(bead, int(whole.samples), whole.step).variances.sum()
+    missing /= bead.variance
     # if the record does not resolve the relaxation, only rounding is left
     k *= max(1 - missing, 1 / whole.samples)
     if bead.seen_as_it_is and "response" not in fit.free:
@@ -64,9 +67,9 @@ def corrected(k: float, uncertainty: float, fits: Fits) -> tuple[float, float]:
         return np.array(math.log(other.stiffness * other.variance))
 
     found = k * bead.stiffness / shown(bead.stiffness)
-    n = fit.slopes.shape[1]
+    used = np.isin(whole.frequencies, fit.periodogram.frequencies)
     power = whole.counts * whole.expected(bead)
     follows = fit.periodogram.differences(hidden, bead, fit.free)
-    both = follows @ fit.covariance @ (fit.slopes @ power[:n]) / power.sum()
+    both = follows @ fit.covariance @ (fit.slopes @ power[used]) / power.sum()
     relative_square += float(follows @ fit.covariance @ follows - 2 * both)
     return found, found * math.sqrt(max(relative_square, 0.0))

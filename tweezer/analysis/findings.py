@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc, ndtr
 
+from tweezer.analysis.left_out import NOTHING, LeftOut
 from tweezer.analysis.spectra import (
     TrappedBead,
     power_spectrum,
@@ -46,7 +47,11 @@ _HEAPED = 2
 #: Standard deviation of a Gaussian over its median absolute deviation.
 _DEVIATION_PER_MEDIAN = 1.4826
 #: Number of cosines that describe slow motion: with half a period in the record, one, ...
-_SLOW = 4
+SLOW = 4
+#: Number of half periods in a record up to which a drift looks like lines.
+_SLOWEST = 40
+#: Largest distance of ordinates of one line, and largest number of lines that are told.
+_LINE, _LINES_TOLD = 3, 3
 #: The same as `_HARM` for an exposure that is not known, and may be 0.
 _HARM_IF_ANY = 1.0
 #: Exposures that are tried if none is given, in steps.
@@ -82,23 +87,29 @@ class Fits:
     """fit with the given drag; `free` if none was given"""
     free: WhittleFit
     """fit of stiffness and drag"""
+    left_out: LeftOut = NOTHING
+    """what is left out of the record"""
 
     def per(self, response: float) -> Fits:
         """The same of a signal over a response."""
         fit = self.fit.per(response)
         free = fit if self.free is self.fit else self.free.per(response)
-        return Fits(self.whole.per(response), fit, free)
+        return Fits(self.whole.per(response), fit, free, self.left_out)
 
 
 def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
     """Findings against the record, and so against every estimate from it."""
     few = _few_relaxations(len(positions) * step, fits.free.bead)
+    unsteady = _unsteady(positions, step, fits, few is not None)
+    drifts = any(each is not None and each.name == "drift" for each in unsteady)
+    # a drift is mostly at the lowest frequencies
+    slowest = _SLOWEST / (2 * len(positions) * step) if drifts else 0.0
     found = [
         _unsettled(positions),
         few,
-        *_unsteady(positions, step, fits.fit, few is not None),
+        *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
-        _line(positions, step, fits),
+        _line(positions, step, fits, slowest),
         _white(positions, step, fits),
         _spectrum(positions, step, fits.free),
         _drag(fits),
@@ -111,8 +122,8 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
         hidden |= {"exposure"}
-    if "drift" in named:  # it is mostly at the lowest frequencies
-        hidden |= {"line"}
+    if {"drift", "line"} & named.keys():  # they are why
+        hidden |= {"spectrum"}
     return [finding for name, finding in named.items() if name not in hidden]
 
 
@@ -160,26 +171,27 @@ def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
     return Finding("free", text)
 
 
-def _unsteady(
-    positions: Array, step: float, fit: WhittleFit, looks_free: bool
-) -> list[Finding | None]:
+def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> list[Finding | None]:
     """A mean that drifts, and a variance that differs between the halves.
 
-    Drift: the first cosines of the record (DCT-II, half a period and more) against the spectrum of
-    the remainder. They are nearly independent and Gaussian, each with a variance of S/(2 step) at
-    its frequency; the spectrum is itself fitted, hence Fisher's F. Free diffusion resembles a
-    drift: for a bead that looks free, drift is reported only if the remainder is long.
+    Drift: the first cosines of the record (DCT-II, half a period and more), or the first that were
+    not taken off, against the spectrum of the remainder. They are nearly independent and Gaussian,
+    each with a variance of S/(2 step) at its frequency; the spectrum is itself fitted, hence
+    Fisher's F. Free diffusion resembles a drift: for a bead that looks free, drift is reported only
+    if the remainder is long.
     """
     from scipy.fft import dct, idct
 
-    samples = len(positions)
+    samples, fit = len(positions), fits.fit
+    first = 1 + fits.left_out.cosines(samples, step)
     cosines = dct(positions, norm="ortho")
-    slow = cosines[1 : _SLOW + 1].copy()
-    cosines[1 : _SLOW + 1] = 0
+    slow = cosines[first : first + SLOW].copy()
+    cosines[first : first + SLOW] = 0
     rest = idct(cosines, norm="ortho")
-    whole = Periodogram.of(rest, step)
+    whole = Periodogram.of(rest, step, fits.whole.without)
+    slowest = (first + SLOW) / (2 * samples * step)
     # the frequencies that lose nothing with the cosines
-    kept = (whole.frequencies > (_SLOW + 1) / (2 * samples * step)) & (
+    kept = (whole.frequencies > max(slowest, fits.left_out.fit_range[0])) & (
         whole.frequencies <= fit.periodogram.frequencies[-1]
     )
     start = fit.bead
@@ -188,11 +200,11 @@ def _unsteady(
         start = best_start(whole, rest, dataclasses.replace(fit.bead, drag=drag))
     whole = dataclasses.replace(whole, beside=fit.periodogram.beside)
     steady = fitted(whole[kept], start, fit.free, _ROUGHLY)
-    at = np.arange(1, _SLOW + 1) / (2 * samples * step)
+    at = np.arange(first, first + SLOW) / (2 * samples * step)
     expected = steady.bead.sampled_spectrum(at, step) / (2 * step)
     freedom = 2 / steady.uncertainty(-2, 1) ** 2  # of S(0) = 4 k_B T beta/k^2
     p_value = 2 * min(
-        float(fdtrc(m, freedom, (slow[:m] ** 2 / expected[:m]).mean())) for m in (1, _SLOW)
+        float(fdtrc(m, freedom, (slow[:m] ** 2 / expected[:m]).mean())) for m in (1, SLOW)
     )
     relative = relative_variance_of_variance(steady.bead, whole)
     excess = float((slow**2 - expected).sum()) / samples
@@ -201,18 +213,18 @@ def _unsteady(
     strays = looks_free and samples * step < _LONG * steady.bead.relaxation_time
     if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative) and not strays:
         text = (
-            f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms: by that alone the variance is "
-            f"{100 * share:.0f} % too large"
+            f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms slower than {at[-1]:.2g} Hz: by "
+            f"that alone the variance is {100 * share:.0f} % too large, unless it is taken off"
         )
         found.append(Finding("drift", text))
-    first, second = np.array_split(rest, 2)
-    ratio = float(np.var(first) / np.var(second))
+    early, late = np.array_split(rest, 2)
+    ratio = float(np.var(early) / np.var(late))
     of_half = 1 / relative  # degrees of freedom: 2 over the relative variance, twice as large
     p_value = 2 * float(fdtrc(of_half, of_half, max(ratio, 1 / ratio)))
     if p_value < IMPROBABLE:
         text = f"its first half has {ratio:.2g} times the variance of its second"
         found.append(Finding("halves", text))
-    elif _short_times_differ(first, second):
+    elif _short_times_differ(early, late):
         text = "its halves differ in how the bead moves from sample to sample"
         found.append(Finding("halves", text))
     return found
@@ -234,8 +246,11 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     constant, positive or negative.
     """
     free, part = fits.free, fits.free.periodogram
-    increments = Periodogram.of(np.diff(positions), step)
-    beyond = increments[increments.frequencies > part.frequencies[-1]]
+    increments = Periodogram.of(np.diff(positions), step, fits.whole.without)
+    beyond = increments[
+        (increments.frequencies > part.frequencies[-1])
+        & (increments.frequencies <= fits.left_out.fit_range[1])
+    ]
     gain = 4 * np.sin(np.pi * beyond.frequencies * step) ** 2
     sampled = free.bead.sampled_spectrum(beyond.frequencies, step)
     n = np.concatenate([part.counts, beyond.counts])
@@ -318,33 +333,39 @@ def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
     from scipy.stats import kstest
 
     frequencies, density = power_spectrum(positions, step)
-    used = slice(int(fit.periodogram.counts.sum()))
+    used = fit.periodogram.covers(frequencies)
     expected = fit.bead.sampled_spectrum(frequencies[used], step, len(positions))
     passed = np.cumsum(density[used] / expected)
     return float(kstest(passed[:-1] / passed[-1], "uniform").pvalue)
 
 
-def _line(positions: Array, step: float, fits: Fits) -> Finding | None:
-    """Motion at one frequency, such as a vibration.
+def _line(positions: Array, step: float, fits: Fits, above: float) -> Finding | None:
+    """Motion at single frequencies, such as a vibration or hum.
 
-    The largest ordinate of the periodogram over the fitted spectrum; such ratios are distributed
-    exponentially (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)).
+    Ordinates of the periodogram over the fitted spectrum; such ratios are distributed exponentially
+    (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)). above: Hz.
     """
     frequencies, density = power_spectrum(positions, step)
-    used = slice(int(fits.free.periodogram.counts.sum()))
+    used = fits.free.periodogram.covers(frequencies) & (frequencies > above)
     bead = fits.free.bead
-    expected = bead.sampled_spectrum(frequencies[used], step, len(positions))
-    ratio = density[used] / expected
-    largest = int(ratio.argmax())
-    p_value = -math.expm1(len(ratio) * math.log1p(-math.exp(-float(ratio[largest]))))
-    excess = float(density[largest] - expected[largest]) / (len(positions) * step)
+    frequencies, density = frequencies[used], density[used]
+    expected = bead.sampled_spectrum(frequencies, step, len(positions))
+    ratio = density / expected
+    least = -math.log(-math.expm1(math.log1p(-IMPROBABLE) / max(len(ratio), 1)))
+    high = np.flatnonzero(ratio > least)
+    excess = float((density[high] - expected[high]).sum()) / (len(positions) * step)
     share = excess / bead.variance
     harmless = _HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
-    if p_value >= IMPROBABLE or share < harmless:
+    if not high.size or share < harmless:
         return None
+    lines = np.split(high, np.flatnonzero(np.diff(high) > _LINE) + 1)
+    peaks = [int(line[ratio[line].argmax()]) for line in lines]
+    peaks.sort(key=lambda i: -density[i])
+    told = [f"{frequencies[i]:.3g}" for i in sorted(peaks[:_LINES_TOLD])]
+    more = " and more" if len(peaks) > _LINES_TOLD else ""
     return Finding(
-        "line", f"it oscillates at {frequencies[largest]:.3g} Hz, {1e9 * math.sqrt(excess):.2g} nm "
-        f"rms: by that alone the variance is {100 * share:.0f} % too large"
+        "line", f"it oscillates at {' and '.join(told)} Hz{more}, {1e9 * math.sqrt(excess):.2g} nm "
+        f"rms: by that alone the variance is {100 * share:.0f} % too large, unless it is left out"
     )  # fmt: skip
 
 

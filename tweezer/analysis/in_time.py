@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import least_squares
 
+from tweezer.analysis.left_out import Missing
 from tweezer.analysis.spectra import TrappedBead, autocovariance, mean_squared_displacement
 from tweezer.analysis.whittle import inverse
 
@@ -33,16 +34,27 @@ def lags_of(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
 
 
 def displacement(
-    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64], drag_known: bool
+    positions: Array,
+    step: float,
+    bead: TrappedBead,
+    lags: NDArray[np.int64],
+    missing: Missing,
+    drag_known: bool,
 ) -> tuple[float, float]:
-    """Stiffness by mean squared displacements, and its standard uncertainty, N/m."""
+    """Stiffness by mean squared displacements, and its standard uncertainty, N/m.
+
+    missing: of the motion of that bead in the record.
+    """
+    lost = 2 * (missing.variances.sum() - missing.autocovariance(lags * step)) / bead.variance
 
     def predicted(logarithms: Array) -> Array:
         values = [*np.exp(logarithms), bead.drag]
         other = dataclasses.replace(bead, stiffness=values[0], drag=values[1])
-        return other.mean_squared_displacement(lags * step)
+        return other.mean_squared_displacement(lags * step) - lost * other.variance
 
-    covariance = covariance_of_averages(bead, step, len(positions), lags, of_squared_displacements)
+    covariance = covariance_of_averages(
+        bead, step, len(positions), lags, of_squared_displacements, missing
+    )
     values = mean_squared_displacement(positions)[lags]
     start = np.log([bead.stiffness] if drag_known else [bead.stiffness, bead.drag])
     found, errors = _least_squares(values, covariance, predicted, start)
@@ -51,17 +63,21 @@ def displacement(
 
 
 def autocorrelation(
-    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64]
+    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64], missing: Missing
 ) -> tuple[float, float]:
-    """Stiffness by the rate of decay; without lag 0, the only one with white noise."""
-    lost = bead.variance_of_mean(step, len(positions)) / bead.variance
+    """Stiffness by the rate of decay; without lag 0, the only one with white noise.
+
+    missing: of the motion of that bead in the record.
+    """
+    lost = bead.variance_of_mean(step, len(positions)) + missing.autocovariance(lags * step)
+    lost = lost / bead.variance
 
     def predicted(logarithms: Array) -> Array:
         k, variance = np.exp(logarithms)
         other = dataclasses.replace(bead, stiffness=k)
         return variance * (other.autocovariance(lags * step) / other.variance - lost)
 
-    covariance = covariance_of_averages(bead, step, len(positions), lags, of_products)
+    covariance = covariance_of_averages(bead, step, len(positions), lags, of_products, missing)
     values = autocovariance(positions)[lags]
     start = np.log([bead.stiffness, bead.variance])
     found, errors = _least_squares(values, covariance, predicted, start)
@@ -89,6 +105,7 @@ def covariance_of_averages(
     samples: int,
     lags: NDArray[np.int64],
     of_one: Callable[[Covariance, NDArray[np.int64], int, int], Array],
+    missing: Missing,
 ) -> Array:
     """Covariance (lags, lags) of averages over the record.
 
@@ -97,7 +114,8 @@ def covariance_of_averages(
     """
     longest = int(lags[-1])
     reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
-    table = bead.autocovariance(np.arange(reach + 2 * longest + 1) * step)
+    times = step * np.arange(reach + 2 * longest + 1, dtype=np.float64)
+    table = bead.autocovariance(times) - missing.autocovariance(times)
     apart = np.arange(-reach, reach + 1)
     result = np.empty((lags.size, lags.size))
     for a, i in enumerate(lags):

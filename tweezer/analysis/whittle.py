@@ -120,29 +120,36 @@ class Periodogram:
     """length of the record; infinite if leakage is left out"""
     floor: float
     """density at the highest frequencies of the record: the unit of that of white noise"""
+    ends: Array
+    """(blocks, 2) Hz, the lowest and the highest ordinate of each block"""
+    without: tuple[tuple[float, float], ...] = ()
+    """bands (Hz) whose ordinates are left out"""
     beside: tuple[Evidence, ...] = ()
     """what else is known"""
 
     @classmethod
-    def of(cls, positions: Array, step: float, without: Sequence[float] = ()) -> Periodogram:
+    def of(
+        cls, positions: Array, step: float, without: Sequence[tuple[float, float]] = ()
+    ) -> Periodogram:
         """The periodogram of `positions` (n,), m, one every `step` (s).
 
-        without: frequencies (Hz) whose ordinates, and the two beside each, are left out.
+        without: bands (Hz) whose ordinates are left out.
         """
         frequencies, density = power_spectrum(positions, step)
         n = frequencies.size
         edges = np.unique(np.geomspace(1, n + 1, min(_BLOCKS, n)).astype(int)) - 1
         starts = np.arange(n) if n <= _BLOCKS else edges[:-1]
-        used = np.ones(n)
-        for each in without:
-            used[np.abs(frequencies - each) < 1.5 * frequencies[0]] = 0.0
+        used = (~_within(frequencies, without)).astype(np.float64)
         counts = np.add.reduceat(used, starts)
         kept = counts > 0
         f, mean = (
             np.add.reduceat(values * used, starts)[kept] / counts[kept]
             for values in (frequencies, density)
         )
-        return cls(f, mean, counts[kept], step, len(positions), float(mean[-1]))
+        ends = frequencies[np.stack([starts, [*(starts[1:] - 1), n - 1]], axis=1)][kept]
+        return cls(
+            f, mean, counts[kept], step, len(positions), float(mean[-1]), ends, tuple(without)
+        )
 
     def __getitem__(self, part: slice | NDArray[np.bool_]) -> Periodogram:
         return dataclasses.replace(
@@ -150,7 +157,14 @@ class Periodogram:
             frequencies=self.frequencies[part],
             density=self.density[part],
             counts=self.counts[part],
+            ends=self.ends[part],
         )
+
+    def covers(self, frequencies: Array) -> NDArray[np.bool_]:
+        """Which ordinates of a record, at `frequencies` (Hz), are in its blocks."""
+        block = np.searchsorted(self.ends[:, 0], frequencies, side="right") - 1
+        inside = (block >= 0) & (frequencies <= self.ends[block, 1])
+        return inside & ~_within(frequencies, self.without)
 
     def per(self, response: float) -> Periodogram:
         """That of a signal over a response."""
@@ -216,6 +230,13 @@ class Periodogram:
             return np.array([one.misfit(each) for one in self.beside])
 
         return self.differences(misfits, bead, free)
+
+
+def _within(frequencies: Array, bands: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    found = np.zeros(frequencies.shape, bool)
+    for low, high in bands:
+        found |= (frequencies >= low) & (frequencies <= high)
+    return found
 
 
 @dataclass(frozen=True)

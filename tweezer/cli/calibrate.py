@@ -117,6 +117,25 @@ def calibrate(
         str | None,
         typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
     ] = None,
+    leave_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            help='Frequencies that are taken out of the record: "49 Hz..51 Hz". May be repeated.',
+            metavar="BAND",
+        ),
+    ] = None,
+    drift: Annotated[
+        str | None,
+        typer.Option(
+            help='What is slower is taken off, as whole cosines: "0.5 Hz".', metavar="FREQUENCY"
+        ),
+    ] = None,
+    fit_range: Annotated[
+        str | None,
+        typer.Option(
+            help='Frequencies that spectra are fitted over: "10 Hz..10 kHz".', metavar="BAND"
+        ),
+    ] = None,
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
@@ -180,7 +199,8 @@ def calibrate(
                 each, temperature=given.get("temperature"), mass=mass, displaced_mass=displaced,
                 wall=_bare(wall), radius=given.get("radius"),
                 viscosity=None if places else given.get("viscosity"), exposure=exposed,
-                diode=diode, noise=_bare(noise),
+                diode=diode, noise=_bare(noise), leave_out=leave_out or (), drift=drift,
+                fit_range=fit_range,
             )
         )  # fmt: skip
         if len(loaded) > 1:
