@@ -122,8 +122,6 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     hidden = {"blur", "exposure"} if "noise" in named else set()
     if "blur" in named:
         hidden |= {"exposure"}
-    if {"drift", "line"} & named.keys():  # they are why
-        hidden |= {"spectrum"}
     return [finding for name, finding in named.items() if name not in hidden]
 
 
