@@ -26,8 +26,8 @@ def check_run(scene: Scene, seed: int | None) -> None:
     """Raises `SceneError` for a seed that is none, or is given where nothing is drawn."""
     if seed is None:
         return
-    if not (scene.forces.brownian or (scene.camera and any(scene.camera.noises))):
-        raise SceneError("seed: is for forces.brownian = true")
+    if not scene.draws:
+        raise SceneError("seed: is for forces.brownian = true, and a camera with noise")
     check_seed(seed)
 
 

@@ -195,7 +195,7 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
     if made.get("other_forces"):
         return "a run with forces beside those of its scene"
     here = by_key(scene.model_dump(mode="json", exclude_none=True))
-    if scene.forces.brownian:
+    if scene.draws:
         there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}
     for key in here | there:
         if here.get(key) != there.get(key):

@@ -481,6 +481,11 @@ class Scene(Section):
         return float(self.room(0.0)) - (FREE - 1) * self.bead.radius if self.wall else math.inf
 
     @property
+    def draws(self) -> bool:
+        """Whether random numbers are drawn, so that a seed has a meaning."""
+        return self.forces.brownian or (self.camera is not None and any(self.camera.noises))
+
+    @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
         turned = self._turned_by_light or any(self.start.angular_velocity)

@@ -127,6 +127,7 @@ def followed(
         **as_given,
         "emitted_module": equations.name,
         "method": result.method,
+        **({"seed": seed or 0} if scene.draws else {}),
         "status": result.status,
         "message": result.message,
         "events": json.dumps(

@@ -162,19 +162,21 @@ def test_a_bead_without_thermal_motion_is_seen_too():
     scene = tweezer.load_scene("silica-1um").replace(
         simulation={"duration": "5 ms", "samples": 5001}, camera=camera
     )
-    run = tweezer.simulate(scene)
-    assert run["seen"].shape == (10, 2)
-    for j, seen in enumerate(run["seen"].values):
+    whole = tweezer.simulate(scene)
+    assert whole["seen"].shape == (10, 2)
+    for j, seen in enumerate(whole["seen"].values):
         there = slice(500 * j, 500 * j + 201)
-        mean = np.trapezoid(run["position"].values[there], dx=1 / 200, axis=0)
+        mean = np.trapezoid(whole["position"].values[there], dx=1 / 200, axis=0)
         np.testing.assert_allclose(seen, mean[:2], atol=1e-11)
     noisy = scene.replace(camera={"exposure": 0.0, "noise": "5 nm"}, simulation={"samples": 11})
-    seen = [tweezer.simulate(noisy, seed=seed)["seen"].values for seed in (1, 1, 2)]
-    path = run["position"].values[::500, :2]
+    runs = [tweezer.simulate(noisy, seed=seed) for seed in (1, 1, 2)]
+    assert [run.attrs["seed"] for run in runs] == [1, 1, 2]
+    seen = [run["seen"].values for run in runs]
+    path = whole["position"].values[::500, :2]
     assert np.array_equal(seen[0], seen[1])
     assert not np.array_equal(seen[0], seen[2])
     assert 0.5 < (seen[0] - path).std() / 5e-9 < 1.5
-    with pytest.raises(SceneError, match="seed"):
+    with pytest.raises(SceneError, match="seed: is for"):
         tweezer.simulate(scene, seed=1)
 
 
@@ -220,6 +222,7 @@ def test_a_saved_run_is_read_as_what_its_camera_saw(command_line, tmp_path):
         "start.drawn=boltzmann", "--duration", "0.4 s", "--seed", "4", "--out", path,
     )  # fmt: skip
     assert outcome.code == 0, outcome.err
+    assert "1000 frames, one every 0.4 ms" in outcome.out
     run = tweezer.load_run(path)
     assert run["seen"].dims == ("frame", "seen_axis")
     assert "frame_time" in run.coords

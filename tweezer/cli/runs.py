@@ -162,10 +162,14 @@ def _print_summary(scene: Scene, result: Run) -> None:
     if summary.smallest_gap is not None:
         gap = located(summary.smallest_gap, summary.smallest_gap_error, 1e6, "um")
         table.add_row("smallest gap to the wall", gap)
-    if scene.forces.brownian:
-        table.add_row("seed of the thermal motion", f"{attributes['seed']}")
-    else:
+    if not scene.forces.brownian:
         _add_approach(table, summary)
+    if scene.draws:
+        of = "thermal motion" if scene.forces.brownian else "noise"
+        table.add_row(f"seed of the {of}", f"{attributes['seed']}")
+    if scene.camera is not None and "seen" in result:
+        frames = f"{len(result['seen'])} frames, one every {1e3 / scene.camera.rate:.4g} ms"
+        table.add_row("seen by the camera", frames)
     table.add_row("model, method", f"{model}; {attributes['method']}")
     table.add_row("inertia of the fluid", attributes["fluid_inertia"])
     where = " at the samples" if summary.by_samples else ""

@@ -79,18 +79,19 @@ def ensemble(
     seen_axis) in m, NaN from the frame in which a bead was lost. They are read from the store when
     used; `xarray.open_zarr` opens it. Every chunk has a checksum.
 
-    Statistics are the mean, variance, skewness and excess kurtosis over the trajectories at up to
-    10,000 times, of position_..., velocity_..., angular_velocity_...; and of the positions from
-    `skip` on their stationary_mean and stationary_variance (axis), counts and density (bin, axis),
-    the mean-square displacement msd (axis, lag) and the one-sided spectrum psd (axis, frequency) of
-    windows of at most 2^14 samples (Bartlett's method, mean removed; of instantaneous positions,
-    so aliased). X_error is the standard error of X: over the trajectories; for stationary
-    statistics, msd and psd over windows, taken as independent, which they are if windows are much
-    longer than the trap's relaxation; for the density over blocks of trajectories. Samples after a
-    loss are excluded, and from spectra and displacements the windows with a loss; both are
-    counted. An error that would need more trajectories, windows or blocks is NaN, as its comment
-    says, and so are skewness and kurtosis of equal values. There are no msd and psd for the method
-    "one-call", whose displacements from step to step are not those of the motion.
+    Statistics, which are of the motion and leave out a camera, are the mean, variance, skewness and
+    excess kurtosis over the trajectories at up to 10,000 times, of position_..., velocity_...,
+    angular_velocity_...; and of the positions from `skip` on their stationary_mean and
+    stationary_variance (axis), counts and density (bin, axis), the mean-square displacement msd
+    (axis, lag) and the one-sided spectrum psd (axis, frequency) of windows of at most 2^14 samples
+    (Bartlett's method, mean removed; of instantaneous positions, so aliased). X_error is the
+    standard error of X: over the trajectories; for stationary statistics, msd and psd over windows,
+    taken as independent, which they are if windows are much longer than the trap's relaxation; for
+    the density over blocks of trajectories. Samples after a loss are excluded, and from spectra and
+    displacements the windows with a loss; both are counted. An error that would need more
+    trajectories, windows or blocks is NaN, as its comment says, and so are skewness and kurtosis of
+    equal values. There are no msd and psd for the method "one-call", whose displacements from step
+    to step are not those of the motion.
 
     The numbers do not depend on workers, interruptions, or, for trajectories, on blocks and
     windows. The attributes hold the scene, the seed, the versions, the step and why it was chosen;
