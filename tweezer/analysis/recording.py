@@ -222,8 +222,9 @@ def load_recording(
     scale: m, or text such as "85.8 nm", "11.66 px/um" or "0.5 um/V": of a pixel or a volt, for
     positions without a unit or in it.
 
-    Rows that lack numbers: up to sqrt(N)/10 of N are filled in by straight lines; else the longest
-    stretch without a gap is taken. `Recording.note` says so.
+    Rows that lack numbers: gaps of up to 10 samples, and of 5 % of them in all, are filled in from
+    the samples around them; else the longest stretch without a gap is taken. `Recording.note` says
+    so.
 
     Raises `ResultError`, naming the file and the sample, for a file of another kind, and for what
     `Recording` refuses.
@@ -237,7 +238,9 @@ def load_recording(
     axes = tuple(axis for axis in _AXES if axis in found.columns)
     names = [*axes, *(["drive"] if drive is not None else [])]
     table = np.stack([found.columns[name] for name in names], axis=1)
-    times, table, note = without_gaps(str(source), found.times, table, LEAST_SAMPLES)
+    times, table, note = without_gaps(
+        str(source), found.times, table, LEAST_SAMPLES, len(names) - len(axes)
+    )
     return Recording(
         str(source), times, table[:, : len(axes)], axes, unit=found.unit,
         drive=table[:, -1] if drive is not None else None,

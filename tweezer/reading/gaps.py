@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from tweezer.errors import ResultError
+from tweezer.reading.filling import LONGEST, filled
 from tweezer.reading.table import Array
 
-#: Factor on the root of the number of samples: so many may be filled in. They change a variance or
-#: a diffusion by less than a tenth of its uncertainty.
-_FILLED = 0.1
+#: Largest fraction of samples that are filled in
+_FILLED = 0.05
 #: Deviation of a step from the usual one, over it, beyond which it is another
 _UNEVEN = 0.1
 #: Fraction of steps that are others, beyond which times are uneven rather than with gaps
@@ -20,12 +18,16 @@ _OFTEN = 0.2
 _OFF = 0.2
 
 
-def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[Array, Array, str]:
+def without_gaps(
+    name: str, times: Array, columns: Array, least: int, straight: int = 0
+) -> tuple[Array, Array, str]:
     """Times (n,) and columns (n, k) without gaps, and what was done about them.
 
     A row that has no time, or lacks a column, is missing; so are rows where the time leaps. Those
-    at the beginning and the end are left out. Of N samples up to sqrt(N)/10 are filled in by
-    straight lines; of a record that lacks more, the longest stretch without a gap is taken.
+    at the beginning and the end are left out. Gaps of up to 10 samples, of up to 5 % of the record
+    together, are filled in (`filled`). Otherwise the longest stretch without a gap is taken.
+
+    straight: number of columns at the end, of a stage, that are filled in by straight lines.
 
     Raises `ResultError` if that has fewer than `least` samples.
     """
@@ -55,11 +57,16 @@ def without_gaps(name: str, times: Array, columns: Array, least: int) -> tuple[A
     every = int(numbers[-1]) + 1
     lost = every - int(there.sum())
     said = f"samples missing: {lost:,} of {every:,}"
-    if whole and lost <= _FILLED * math.sqrt(every):
-        grid = np.arange(every)
-        filled = [np.interp(grid, numbers[there], column[there]) for column in columns.T]
-        notes.append(f"{said}, filled in by straight lines")
-        return np.interp(grid, numbers, times), np.stack(filled, axis=1), "; ".join(notes)
+    longest_gap = int(np.diff(numbers[there]).max()) - 1
+    few = every >= least and longest_gap <= LONGEST and lost <= _FILLED * every
+    if whole and few:
+        notes.append(f"{said}, filled in from those around them")
+        grid, known = np.arange(every), numbers[there]
+        there_on_grid = np.isin(grid, known)
+        lines = np.stack([np.interp(grid, known, column[there]) for column in columns.T], axis=1)
+        for column in lines.T[: lines.shape[1] - straight]:
+            column[:] = filled(column, there_on_grid)
+        return np.interp(grid, numbers, times), lines, "; ".join(notes)
     first, last = _longest(there, leaps)
     if last - first < least:
         raise ResultError(

@@ -21,7 +21,7 @@ _VOLTS = {**FREQUENT["V"], "volt": 1.0, "volts": 1.0}
 _TIMES = {"t", "time", "times", "timestamp", "timestamps"}
 _SECONDS = {"seconds": "s", "second": "s", "secs": "s", "sec": "s"}
 #: Words beside that of a time
-_OF_TIME = {"elapsed", "relative", "stamp", "position", "pos"}
+_OF_TIME = {"elapsed", "relative", "stamp", "sample", "position", "pos"}
 #: Words of the number of a frame, and words beside them
 _FRAMES = {"frame", "frames", "framenumber", "image", "slice", "sample", "samples", "index"}
 _OF_FRAMES = {"number", "no", "nr", "num", "index", "idx", "id", "count"}
