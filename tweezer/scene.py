@@ -211,10 +211,9 @@ class Scene(Section):
         self._start_in_the_medium()
         return self
 
-    @property
-    def of_one_watt(self) -> Scene:
-        """The scene with 1 W through the pupil by its only beam: it has the same light."""
-        beam = self.beam.model_copy(update={"power": None, "power_through_pupil": 1.0})
+    def of_power(self, power: float) -> Scene:
+        """The scene with that power through the pupil, W, by its only beam."""
+        beam = self.beam.model_copy(update={"power": None, "power_through_pupil": power})
         return self.model_copy(update={"beam": beam})
 
     def _aperture_in_reach(self) -> None:

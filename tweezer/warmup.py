@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 
+from tweezer.analysis.elimination import mean_times
 from tweezer.dynamics import bound_once, chosen
 from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
@@ -45,6 +46,7 @@ def warm_up(scene: Scene) -> None:
                 bound.field(np.zeros((1, 3)), gradient=gradient)
         if scene.lit:
             kalman_filter(bind_translation(bound_once(scene), "overdamped"))
+            mean_times(np.zeros((1, 1)), np.ones(1), np.ones(1), np.zeros(1))
         scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
         seen = {"camera": {"rate": 1 / _MOMENT}} if scene.forces.brownian else {}
         simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}, **seen))

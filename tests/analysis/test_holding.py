@@ -8,8 +8,9 @@ import pytest
 
 import tweezer
 from tests.reference import exit_times
-from tweezer.analysis.exit_time import Region
-from tweezer.analysis.holding import LONGEST, Lifetime, _log_time
+from tweezer.analysis.exit_time import Grid, Region
+from tweezer.analysis.holding import LONGEST, Lifetime, _field, _log_time
+from tweezer.dynamics import bound_once
 
 #: J, s/kg, m
 THERMAL, MOBILITY, RADIUS = 4e-21, 1e8, 1e-6
@@ -69,6 +70,36 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
     assert error < 0.05
 
 
+def test_work_between_nodes_is_that_of_a_force_that_bends():
+    """To a tenth of what the force in the middle alone would give."""
+    wave = 2 * math.pi / 0.8e-6
+
+    def field(rho, z):
+        mobile = np.full_like(z, MOBILITY)
+        return np.zeros_like(z), 1e-14 * np.cos(wave * z), mobile, mobile
+
+    grid = Grid.of(Region(RADIUS, 40e-9), field, THERMAL)
+    work, z = grid.upwards.work[:, 0] * THERMAL, grid.along
+    middle = 1e-14 * np.cos(wave * (z[1:] + z[:-1]) / 2) * np.diff(z)
+    exact = np.diff(1e-14 * np.sin(wave * z)) / wave
+    counted = np.abs(z[1:]) < 0.7 * RADIUS
+    error = np.abs(work - exact)[counted].max()
+    assert error < 0.2 * np.abs(middle - exact)[counted].max()
+
+
+def test_bead_beside_a_wall_has_its_weight_and_the_mobility_there():
+    scene = weak(wall={"position": "-0.4 um"}, start={"position": [0, 0, 0]})
+    rho, z = np.array([0.1e-6, 0.2e-6, 0.0]), np.array([-0.2e-6, 0.0, 0.3e-6])
+    across, along, mobile, mobile_along = _field(bound_once(scene), 0.0, 0)(rho, z)
+    bead = tweezer.bead_properties(scene)
+    light = tweezer.optical_force(scene, np.stack([rho, 0 * rho, z], axis=1))
+    np.testing.assert_allclose(across, light[:, 0], rtol=1e-9, atol=1e-24)
+    np.testing.assert_allclose(along, light[:, 2] + bead.weight[2], rtol=1e-9)
+    expected = tweezer.wall_mobilities((z + 0.4e-6) / 0.15e-6 - 1)
+    np.testing.assert_allclose(mobile * bead.drag, expected.parallel, rtol=1e-6)
+    np.testing.assert_allclose(mobile_along * bead.drag, expected.perpendicular, rtol=1e-6)
+
+
 def test_a_weak_trap_loses_its_bead_when_another_solver_says():
     scene = weak()
     trap = tweezer.characterise(scene)
@@ -96,6 +127,16 @@ def test_linear_light_says_by_how_much_it_is_not_round():
     assert linear[0].time == pytest.approx(linear[1].time, rel=1e-6)
     assert abs(linear[0].time - round_one.time) < linear[0].error + round_one.error
     assert linear[0].error > 2 * round_one.error
+
+
+def test_a_bead_next_to_where_it_is_lost():
+    """A place where a bead of lower index hovers, a hundredth of k_B T deep."""
+    scene = silica(bead={"refractive_index": 1.2}, beam={"power_through_pupil": "9 mW"})
+    trap = tweezer.characterise(scene)
+    assert min(escape.energy_kT for escape in trap.escapes) < 0.02
+    apart = trap.lifetime.lost_at + trap.equilibrium.position[2]
+    diffusion = 1.380649e-23 * 293.15 / tweezer.bead_properties(scene).drag
+    assert 0 < trap.lifetime.time < 100 * apart**2 / diffusion
 
 
 def test_what_has_no_lifetime():
@@ -126,6 +167,20 @@ def test_least_power_holds_for_that_time_and_no_longer():
         assert (held.time > 3600) == (factor > 1)
 
 
+def test_least_power_may_be_that_of_the_least_trap():
+    """A bead that is not lost so soon even when it is free, but has no trap in so little light."""
+    scene = weak()
+    least = tweezer.least_power(scene, "10 ms")
+    assert least.lifetime.time > 0.1
+    assert least.error < 1e-3 * least.power
+    assert (
+        tweezer.characterise(
+            scene.replace(beam={"power_through_pupil": 0.99 * least.power})
+        ).equilibrium
+        is None
+    )
+
+
 def test_least_power_of_what_is_never_held():
     assert tweezer.least_power(silica(bead={"refractive_index": 1.2})) is None
     with pytest.raises(tweezer.SceneError, match="least power: needs one beam"):
@@ -134,6 +189,8 @@ def test_least_power_of_what_is_never_held():
         tweezer.least_power(silica(), "5 um")
     with pytest.raises(tweezer.SceneError, match="time = 0"):
         tweezer.least_power(silica(), 0)
+    with pytest.raises(tweezer.SceneError, match="so soon the bead is not lost"):
+        tweezer.least_power(weak(forces={"gravity": False, "buoyancy": False}), "10 ms")
 
 
 @pytest.mark.parametrize(

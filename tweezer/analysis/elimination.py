@@ -19,7 +19,8 @@ def mean_times(rates: Any, lost: Any, spent: Any, times: Any) -> None:
     """Fill in the mean times until the chain is lost.
 
     rates: (n, 2 w + 1) 1/s, [i, w + k] from state i to i + k; overwritten. lost: (n,) 1/s, rates at
-    which a state is lost. spent: (n,) s 1/s, ones; both overwritten. times: (n,) s.
+    which a state is lost. spent: (n,) ones, or 0 of a state that is lost from the
+    outset; both overwritten. times: (n,) s.
 
     Grassmann, Taksar, Heyman, Oper. Res. 33, 1107 (1985): as all terms are positive, every time has
     the accuracy of the rates, however long it is.
@@ -48,4 +49,4 @@ def mean_times(rates: Any, lost: Any, spent: Any, times: Any) -> None:
             left += rate
             if rate > 0.0:
                 time += rate * times[j]
-        times[s] = time / left
+        times[s] = time / left if time > 0.0 else 0.0

@@ -15,7 +15,7 @@ from tweezer.units import to_si
 _LEAST, _MOST = 1e-9, 100.0
 #: Power at which the search begins, W, and the factor by which it goes on, as a logarithm
 _FIRST, _STRIDE = 1e-3, math.log(3.0)
-#: Relative tolerance of the least power, and half the step of its slope
+#: Relative tolerance of the least power, and half the step of the slope there
 _POWER, _SLOPE = 1e-4, 1e-2
 #: Shortest time that a bead is asked to be held, s
 _SHORTEST = 1e-6
@@ -39,7 +39,7 @@ def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
     time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
     if the bead is not held for so long by any power up to 100 W, which is far beyond what beads and
     lenses survive. Raises `SceneError` for more than one beam, or one that moves or changes, for no
-    light, and for a time that is none.
+    light, for a time that is none, and for one in which even a free bead is not lost.
     """
     from scipy.optimize import brentq
 
@@ -54,7 +54,7 @@ def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
         )
 
     def at(power: float) -> Trap:
-        return characterise(scene.replace(beam={"power": None, "power_through_pupil": power}))
+        return characterise(scene.of_power(power))
 
     def above(log_power: float) -> float:
         """Logarithm of the lifetime over the time wanted."""
@@ -73,12 +73,13 @@ def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
     while above(low) > 0:
         low, high = low - _STRIDE, low
         if low < math.log(_LEAST):
-            return None
-    root = brentq(above, low, high, xtol=_POWER)
-    power = math.exp(root)
-    found = at(power).lifetime
-    slope = (above(root + _SLOPE) - above(root - _SLOPE)) / (2 * _SLOPE)
-    if found is None or not found.time or slope <= 0:
-        return None
-    relative = math.log1p(found.error / found.time) / slope + _POWER
+            raise SceneError(f"time = {time!r}: so soon the bead is not lost even without a trap")
+    # on the side of the beads that are held
+    root = brentq(above, low, high, xtol=_POWER) + _POWER
+    power, found = math.exp(root), at(math.exp(root)).lifetime
+    assert found is not None
+    relative = 2 * _POWER
+    if (before := above(root - _SLOPE)) > -DEEP:  # or else a heavy bead has no trap there at all
+        slope = (above(root + _SLOPE) - before) / (2 * _SLOPE)
+        relative += math.log1p(found.error / found.time) / slope
     return LeastPower(power, power * relative, found)

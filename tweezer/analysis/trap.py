@@ -58,6 +58,7 @@ class Trap:
     """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
 
     scene: InitVar[Scene]
+    """the scene, which `lifetime` needs; no attribute"""
     power_through_pupil: float
     """P, W, of all beams, without their modulation"""
     fraction_through_pupil: float | None

@@ -25,7 +25,7 @@ def sampled(scene: Scene, positions: Array) -> tuple[Array, Array]:
     """
     if not scene.lit:
         return np.zeros((len(positions), 3)), np.zeros(len(positions))
-    force, error = _of_one_watt(scene.of_one_watt, np.ascontiguousarray(positions).tobytes())
+    force, error = _of_one_watt(scene.of_power(1.0), np.ascontiguousarray(positions).tobytes())
     power = cone(scene).power
     return power * force, power * error
 

@@ -69,11 +69,12 @@ def sweep(
     Returns a dataset over the swept keys, in SI with their units (over `case`, for a table). Each
     quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
     of a trap the equilibrium, stiffness and corner frequency (axis), escape force and escape energy
-    in k_B T (direction), and whether the bead is `trapped`; of others, see `tweezer.sweeps`. Errors
-    of a trap are those of the force of the light, by its theory: `caveat` says in words what ray
-    optics is worth. `outcome` says what becomes of each case; one that "failed" has its `reason`,
-    and NaN for numbers. The attribute `status` is "complete", or "interrupted" of a dataset with
-    the cases reached before Ctrl-C, which can be resumed.
+    in k_B T (direction), the lifetime, infinite above 1e20 s, and whether the bead is `trapped`; of
+    others, see `tweezer.sweeps`. Errors of a trap are those of the force of the light, by its
+    theory: `caveat` says in words what ray optics is worth. `outcome` says what becomes of each
+    case; one that "failed" has its `reason`, and NaN for numbers. The attribute `status` is
+    "complete", or "interrupted" of a dataset with the cases reached before Ctrl-C, which can be
+    resumed.
 
     The numbers do not depend on workers and interruptions.
 

@@ -115,7 +115,7 @@ def by_quadrature(scene: Scene) -> WavesByQuadrature:
 
     What does not depend on the power is computed once for each light.
     """
-    alike = _of_one_watt(scene.of_one_watt)
+    alike = _of_one_watt(scene.of_power(1.0))
     return dataclasses.replace(alike, light=waves_on_bead(scene), alike=alike)
 
 
