@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera hydro heights
+BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera hydro heights sweep
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report hydro_report heights_report
+REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report hydro_report heights_report sweep_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
@@ -39,6 +39,9 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \
 		--set simulation.samples=50001 --duration "0.6 s" --seed 1 --out fast.nc --overwrite
 	$(BIN)/tweezer calibrate fast.nc --skip "20 ms" --plot docs/figures/calibrate-fast.png
+	$(BIN)/tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log \
+		--over beam.power_through_pupil=1mW..1W:60:log --out diagram.zarr --resume \
+		--plot docs/figures/trap-sweep.png
 	$(BIN)/tweezer reproduce --out docs/figures/thesis
 	$(QUOTE)
 

@@ -37,6 +37,9 @@ NOT_RUN = {
     ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
     "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
     "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
+    "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "
+    "--over beam.power_through_pupil=1mW..1W:60:log --out diagram.zarr "
+    "--plot diagram.png": "takes a minute; `make figures` runs it, and tests/benchmarks/sweep.py",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",
@@ -54,7 +57,7 @@ class Block(NamedTuple):
     @property
     def lines(self):
         """Commands without their comments; those that go on over a line's end are one."""
-        whole = self.source.replace("\\\n", " ")
+        whole = re.sub(r" *\\\n *", " ", self.source)
         return [re.sub(r"\s+# .*", "", line) for line in whole.splitlines() if line.strip()]
 
 

@@ -110,6 +110,12 @@ _add_benchmark(
 
 
 _add_benchmark(
+    "sweep", "sweep_report",
+    "Sweeps: time, and bytes after kills. Two processes, workers of Dask.",
+)  # fmt: skip
+
+
+_add_benchmark(
     "heights", "heights_report",
     "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
 )  # fmt: skip

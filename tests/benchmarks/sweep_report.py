@@ -1,0 +1,73 @@
+"""The results of the benchmark of sweeps as tables, as a figure, and on their page.
+
+`python -m tests.benchmarks.sweep_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.sweep import Results
+
+PAGE = pages.ROOT / "docs/sweeps.md"
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """What was measured; the first row is that of the headings."""
+    whole, killed, dask = (results[name] for name in ("whole", "killed", "dask"))
+    sizes, powers = results["grid"]
+    return [
+        [
+            [f"traps by waves, {sizes} sizes x {powers} powers", ""],
+            [f"time, {results['processes']} processes, s", f"{whole['wall_s']:.4g}"],
+            ["processor time, s", f"{whole['cpu_s']:.4g}"],
+            ["the same a trap, ms", f"{1e3 * whole['cpu_s'] / whole['cases']:.3g}"],
+            [f"killed {killed['kills']} times and resumed",
+             "the same bytes" if killed["same_bytes"] else "other bytes"],
+        ],
+        [
+            [f"Dask, {dask['cases']} traps: workers", "1", "2", "ratio"],
+            ["time, s", *(f"{dask['wall_s'][n]:.4g}" for n in "12"), f"{dask['speed_up']:.3g}"],
+            ["processor time of the busiest, s",
+             *(f"{dask['busiest_cpu_s'][n]:.4g}" for n in "12"),
+             f"{dask['speed_up_of_processor_time']:.3g}"],
+        ],
+    ]  # fmt: skip
+
+
+def figure(results: Results) -> Figure:
+    """Cases that were done at each kill."""
+    drawn = Figure(figsize=(6.5, 3.2), layout="constrained")
+    axes = drawn.subplots()
+    done = results["killed"]["cases_done_at_each"]
+    axes.step(range(len(done) + 1), [0, *done], where="mid", color="#004488", marker="o", ms=4)
+    axes.axhline(results["whole"]["cases"], color="#777777", lw=0.8, ls="--")
+    axes.set(xlabel="kill", ylabel="cases done", xlim=(0, max(len(done), 1)), ylim=(0, None))
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    whole, killed, dask = (results[name] for name in ("whole", "killed", "dask"))
+    sizes, powers = results["grid"]
+    same = "the same bytes as" if killed["same_bytes"] else "other bytes than"
+    explained = (
+        f"The traps of a silica bead by waves, {sizes} sizes times {powers} powers, take "
+        f"{whole['wall_s']:.0f} s by {results['processes']} processes, their start included, and "
+        f"{whole['cpu_s']:.0f} s of processor time. Killed {killed['kills']} times by SIGKILL and "
+        f"resumed, the store has {same} without. Two workers of Dask against one: "
+        f"{dask['speed_up']:.2f} times as fast; the busier of the two has "
+        f"1/{dask['speed_up_of_processor_time']:.2f} of the processor time of the one."
+    )
+    lines = [
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        "![Cases that were done at each kill](figures/bench-sweep.png)",
+    ]  # fmt: skip
+    return pages.block("sweep", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("sweep", block, figure, PAGE)
