@@ -40,6 +40,10 @@ NOT_RUN = {
     "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "
     "--over beam.power_through_pupil=1mW..1W:60:log --out diagram.zarr "
     "--plot diagram.png": "takes a minute; `make figures` runs it, and tests/benchmarks/sweep.py",
+    "git clone https://github.com/yunkiyau/3rdyearphys-optical_tweezers_experiment": "fetches the "
+    "tracks of others",
+    'tweezer calibrate 3rdyearphys-optical_tweezers_experiment/data/3um*bead1.csv --rate "15 Hz" '
+    '--scale "11.66 px/um" --temperature "20 degC" --viscosity "1.002 mPa s"': "reads those tracks",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",

@@ -27,6 +27,8 @@ from tests.benchmarks import (
     estimate,
     fluid_report,
     force,
+    free,
+    free_report,
     heights,
     heights_report,
     hydro,
@@ -35,6 +37,7 @@ from tests.benchmarks import (
     numpy_sum,
     pages,
     peers,
+    real_tracks,
     report,
     scaling,
     scaling_report,
@@ -247,7 +250,8 @@ def test_peers_integrate_our_equations(changes):
     [("force", report), ("integrate", integrate_report), ("brownian", brownian_report),
      ("fluid", fluid_report), ("wall", wall_report), ("scaling", scaling_report),
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
-     ("heights", heights_report), ("camera", camera_report)],
+     ("heights", heights_report), ("camera", camera_report),
+     ("free", free_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -519,6 +523,47 @@ def test_page_quotes_the_committed_calibration_of_what_a_camera_saw():
         for count, inside in camera_report.pooled(study).values():
             assert count >= 198
             assert 0.93 < inside / count < 0.97
+
+
+def test_page_quotes_the_committed_diffusion_of_free_beads():
+    """And what is asked of it: 93 to 97 % of the intervals hold the diffusion."""
+    results = pages.committed("free")
+    assert pages.quoted("free") == free_report.block(results)
+    for study in results["studies"]:
+        assert study["tracks"] == study["seen_free"] == 200
+        assert 0.93 <= study["inside"] / 200 <= 0.97
+        assert abs(study["mean_ratio"] - 1) < 0.02
+
+
+def test_page_quotes_what_the_real_tracks_tell():
+    """No trap is seen in any; the 3 um beads agree with their displacements lag by lag."""
+    results = pages.committed("real_tracks")
+    assert pages.quoted("real-tracks", real_tracks.PAGE) == real_tracks.block(results)
+    assert len(results["tracks"]) == 10
+    for track in results["tracks"]:
+        assert track["axes"] == ["x", "y"]
+        if track["name"].startswith("3um"):
+            low, high = track["interval"]
+            assert low < track["by_pairs"][0] < high
+
+
+def test_displacements_lag_by_lag():
+    """Of a track of three steps of 1, 2 and 3 m in 2 s each, whose mean is taken off."""
+    positions = np.array([[0.0], [1.0], [3.0], [6.0]])
+    assert real_tracks._displacement(positions[:, 0], 1) == pytest.approx(2 / 3)
+    steep = np.cumsum(np.random.default_rng(1).standard_normal(50_000))
+    one, other = real_tracks._by_pairs(steep, 2.0)
+    assert one == pytest.approx(0.25, rel=0.05)
+    assert other == pytest.approx(0.25, rel=0.1)
+
+
+def test_tracks_of_free_beads_are_counted():
+    """Two short ones, of one of which a trap was seen."""
+    tracks = free.analysed(free.STUDIES[3], 1, 2)
+    assert all(track.seen_free and 0.3 < track.ratio < 3 for track in tracks)
+    found = free.judged([[*tracks, None]])
+    assert (found["tracks"], found["seen_free"]) == (3, 2)
+    assert found["alone_inside"] == sum(track.alone for track in tracks)
 
 
 def test_what_a_camera_saw_is_counted():

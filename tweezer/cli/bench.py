@@ -127,6 +127,12 @@ _add_benchmark(
 )  # fmt: skip
 
 
+_add_benchmark(
+    "free", "free_report",
+    "Free beads: coverage of the diffusion. Tracks with blur, noise and drift.",
+)  # fmt: skip
+
+
 def _benchmark(name: str) -> ModuleType:
     """Import a module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[2]

@@ -1,0 +1,107 @@
+"""The results of the benchmark of free beads as a table, as a figure, and on their page.
+
+`python -m tests.benchmarks.free_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+from scipy.stats import binomtest
+
+from tests.benchmarks import pages
+from tests.benchmarks.free import Results
+
+#: What is counted: its key, tracks or axes, and a heading
+COUNTED = (
+    ("inside", 1, "both axes"),
+    ("alone_inside", 2, "one axis"),
+    ("by_covariance_inside", 2, "covariances"),
+)
+COLOURS = ("#004488", "#6699cc", "#bb5566")
+
+
+def _named(study: Results) -> str:
+    blur = "blurred" if study["exposure"] else "no blur"
+    given = ", given" if study["given"] else ""
+    return f"{study['frames']} frames, {blur}, noise {study['noise']:g}{given}"
+
+
+def _share(study: Results, key: str, each: int) -> tuple[int, int]:
+    return study[key], each * study["seen_free"]
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """One; its first row is that of the headings."""
+    rows = [
+        [
+            _named(study),
+            f"{100 * study['seen_free'] / study['tracks']:.0f}",
+            *(f"{100 * inside / of:.1f}" for inside, of in _shares(study)),
+            f"{100 * study['uncertainty']:.1f}",
+            f"{study['mean_ratio']:.3f}",
+            f"{100 * study['marked'] / study['seen_free']:.1f}",
+        ]
+        for study in results["studies"]
+    ]
+    headings = [
+        "tracks",
+        "free, %",
+        *(heading for *_, heading in COUNTED),
+        "+-, %",
+        "mean",
+        "marked, %",
+    ]
+    return [[headings, *rows]]
+
+
+def _shares(study: Results) -> list[tuple[int, int]]:
+    return [_share(study, key, each) for key, each, _ in COUNTED]
+
+
+def figure(results: Results) -> Figure:
+    """Coverage, by study."""
+    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    axes = drawn.subplots()
+    for i, study in enumerate(results["studies"]):
+        for j, ((inside, of), (*_, heading)) in enumerate(
+            zip(_shares(study), COUNTED, strict=True)
+        ):
+            low, high = binomtest(inside, of).proportion_ci(0.95)
+            at = 100 * inside / of
+            axes.errorbar(
+                [i + 0.15 * (j - 1)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
+                capsize=2, color=COLOURS[j], label=heading if i == 0 else None,
+            )  # fmt: skip
+    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    names = [_named(study).replace(", ", "\n") for study in results["studies"]]
+    axes.set_xticks(range(len(names)), names)
+    axes.tick_params(axis="x", labelsize=8)
+    axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
+    drawn.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    explained = (
+        f"{results['studies'][0]['tracks']} tracks of each kind, in x and y, of a free bead of 1 "
+        "um in water are drawn exactly, 20 frames a second: exposed for all of each frame "
+        "(blurred) or for none, with a localisation error in units of the thermal displacement "
+        "along an axis in one frame (noise), and, but for the first kind, a steady drift of three "
+        "times the thermal displacement over the track. `tweezer calibrate` is told the "
+        "temperature, and, where it says so, exposure and noise. In percent: how often no trap is "
+        "seen; how often the 95 % interval holds the true diffusion, by the likelihood of both "
+        "axes and of one, and by covariances of one; the median standard uncertainty; in how many "
+        "tracks something speaks against the number. Mean: of the diffusion over the true one."
+    )
+    lines = [
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        "![Coverage of the intervals of the diffusion](figures/bench-free.png)",
+    ]  # fmt: skip
+    return pages.block("free", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("free", block, figure)
