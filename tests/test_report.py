@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html
 import re
 
@@ -11,6 +12,7 @@ import pytest
 import tweezer
 from tests.reference.trapped_bead import trapped
 from tweezer.analysis import Recording
+from tweezer.analysis.left_out import LeftOut
 from tweezer.report import page_of
 
 DRAG = 9.4e-9
@@ -76,6 +78,17 @@ def test_a_free_bead_has_one_verdict_and_no_table():
     assert not page.tables
     (verdict,) = page.verdicts
     assert verdict.text.startswith("x, y: no trap is seen; as of a free bead: diffusion 0.")
+
+
+def test_a_page_says_what_was_left_out(drifting):
+    recording, found = drifting
+    left_out = LeftOut(((49.0, 51.0),), 0.5, (10.0, np.inf))
+    facts = page_of(recording, dataclasses.replace(found, left_out=left_out)).facts
+    usual = page_of(recording, found).facts
+    assert ("frequencies left out", "49 to 51 Hz") in facts
+    assert ("drift taken off", "slower than 0.5 Hz") in facts
+    assert ("frequencies of the fit", "from 10 Hz on") in facts
+    assert len(usual) == len(facts) - 3
 
 
 def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tmp_path):

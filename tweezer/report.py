@@ -185,9 +185,19 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
         facts.append(("noise of the detector", f"{each} {unit}"))
     if calibration.wall is not None:
         facts.append(("distance from a wall", f"{1e6 * calibration.wall.distance:.4g} µm"))
+    left_out = calibration.left_out
+    facts += [("frequencies left out", _band(*band)) for band in left_out.bands]
+    if left_out.drift:
+        facts.append(("drift taken off", f"slower than {left_out.drift:.4g} Hz"))
+    if left_out.of_fit:
+        facts.append(("frequencies of the fit", _band(*left_out.fit_range)))
     if calibration.note:
-        facts.append(("left out", calibration.note))
+        facts.append(("omitted", calibration.note))
     return [*facts, ("made by", f"tweezer {__version__}")]
+
+
+def _band(low: float, high: float) -> str:
+    return f"{low:.4g} to {high:.4g} Hz" if math.isfinite(high) else f"from {low:.4g} Hz on"
 
 
 def write_report(recording: Recording, calibration: Calibration, path: str | Path) -> Path:
