@@ -214,16 +214,15 @@ def test_the_stage_is_filled_in_by_straight_lines():
     ids=["inertial", "diffusive", "slow"],
 )
 def test_what_is_filled_in_moves_as_the_record_does(bead):
-    """Mean squares of x, its steps and their differences, with 5 % of the samples drawn.
+    """Mean squares of x, its steps and their differences, with a fifth of the samples drawn.
 
-    Ten records together: a deviation of 4 sd (false alarm 1e-4) is 0.02 at most, and straight lines
-    are off by 0.05 in all but the variance.
+    Ten records together: 4 sd (false alarm 1e-4) are 0.02. Straight lines are off by up to 0.3.
     """
     step, k, mass = bead
     rng = np.random.default_rng(7)
     sums = np.zeros((2, 3))
     for whole in trapped(step, 4000, k, 9.4e-9, mass, 293.15, 8, 10):
-        there = rng.random(4000) > 0.05
+        there = rng.random(4000) > 0.2
         there[[0, -1]] = True
         for i, x in enumerate((filled(whole, there), whole)):
             sums[i] += [np.sum(np.diff(x, order) ** 2) for order in range(3)]
@@ -232,24 +231,35 @@ def test_what_is_filled_in_moves_as_the_record_does(bead):
 
 @pytest.mark.parametrize("fill", [None, ""])
 def test_of_a_record_with_gaps_the_longest_stretch_is_taken(fill):
-    gap(50, *range(100, 120), 399, fill=fill)("a.csv")
+    gap(50, *range(100, 112), 399, fill=fill)("a.csv")
     recording = tweezer.load_recording("a.csv")
-    np.testing.assert_allclose(recording.times, T[120:399], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(recording.positions[:, 0], X[120:399], rtol=1e-8)
+    np.testing.assert_allclose(recording.times, T[112:399], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(recording.positions[:, 0], X[112:399], rtol=1e-8)
     assert (
-        "21 of 399; the longest stretch without a gap is taken: 279 samples from 0.12"
+        "13 of 399; the longest stretch without a gap is taken: 287 samples from 0.112"
         in recording.note
     )
     assert ("1 row without numbers at its ends left out" in recording.note) is (fill is not None)
 
 
 def test_stamps_in_whole_milliseconds_are_no_gaps():
-    """1.5 ms between samples: 0, 2, 3, 5, 6, 8 ms."""
-    text("t [ms],x", np.floor(1.5 * FRAMES + 0.5), X)("a.csv")
-    with pytest.raises(tweezer.ResultError, match=r'uneven, give the rate: --rate "666\.\d Hz"'):
+    """1.4 ms between samples: 0, 1, 3, 4, 6, 7, 8 ms."""
+    text("t [ms],x", np.round(1.4 * FRAMES), X)("a.csv")
+    with pytest.raises(tweezer.ResultError, match=r'uneven, give the rate: --rate "71\d\.\d Hz"'):
         tweezer.load_recording("a.csv")
-    recording = tweezer.load_recording("a.csv", rate=1e3 / 1.5)
-    np.testing.assert_allclose(recording.times, 1.5e-3 * FRAMES, rtol=1e-12)
+    recording = tweezer.load_recording("a.csv", rate=1e3 / 1.4)
+    np.testing.assert_allclose(recording.times, 1.4e-3 * FRAMES, rtol=1e-12)
+
+
+def test_packed_numbers_of_netcdf():
+    packed = {"dtype": "int16", "scale_factor": 5e-12, "add_offset": 3e-9, "_FillValue": -9999}
+    values = np.where(FRAMES == 30, np.nan, X)
+    table = xr.Dataset({"x": ("t", values, {"units": "m"})}, {"t": T})
+    table.to_netcdf("a.nc", engine="h5netcdf", encoding={"x": packed})
+    recording = tweezer.load_recording("a.nc")
+    assert recording.note.startswith("samples missing: 1 of 400")
+    there = FRAMES != 30
+    np.testing.assert_allclose(recording.positions[there, 0], X[there], rtol=0, atol=3e-12)
 
 
 def test_frames_that_were_dropped_are_a_gap():
