@@ -85,6 +85,23 @@ def test_frames_of_a_bead_far_from_its_spring_follow_the_bend_of_its_path(exposu
         assert abs(x.mean() - expected) < 5 * x.std() / 16 + 1e-9
 
 
+def test_beside_a_wall_frames_diffuse_as_the_bead_does_there():
+    """Three to a step, at a gap of 60 nm, where D is 0.46 and 0.1 of that far away."""
+    scene = SCENE.replace(
+        forces={"gravity": False}, beam={"power_through_pupil": "1 mW"},
+        wall={"position": "-0.56 um"}, start={"drawn": "no", "position": [0, 0, 0]},
+        simulation={"duration": "0.2 ms", "samples": 3, "step": "0.1 ms"},
+        camera={"rate": 3e4, "exposure": 0.0, "noise_along": 0.0},
+    )  # fmt: skip
+    bound, seen = filmed(scene, 512, cuts=(0, 2))
+    places = seen[:, :-1].reshape(-1, 3)
+    D = bound.plan.kT * bound.problem.mobilities(places)[:, :3].mean(axis=0)
+    squares = np.diff(seen, axis=1).reshape(-1, 3) ** 2 * 3e4 / 2
+    error = squares.std(axis=0) / math.sqrt(len(squares))
+    assert len(squares) == 512 * 6
+    assert np.all(np.abs(squares.mean(axis=0) - D) < 5 * error)
+
+
 def test_frames_are_means_of_the_path():
     """Of steps that are all in the output: what is between them is 0.3 nm, a thermal move 60 nm."""
     scene = SCENE.replace(

@@ -27,10 +27,12 @@ Integers = NDArray[np.int64]
 
 #: Relative rounding of the time of a frame
 _ROUNDING = 1e-12
-#: Nodes and weights of Gauss's rule on the interval from 0 to 1
-_NODES, _WEIGHTS = ((values + shift) / 2 for values, shift in zip(
-    np.polynomial.legendre.leggauss(4), (1.0, 0.0), strict=True
-))  # fmt: skip
+#: Nodes and weights of Gauss's rule on the interval from -1 to 1
+_GAUSS = np.polynomial.legendre.leggauss(4)
+#: Nodes on the interval from 0 to 1
+_NODES = (_GAUSS[0] + 1) / 2
+#: Their weights
+_WEIGHTS = _GAUSS[1] / 2
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,9 @@ class Exposure:
     step: float
     """s"""
     diffusion: Array
-    """(3,) m^2/s, in times as short as a step"""
+    """(3,) m^2/s, in times as short as a step, where the mobility is `mobility`"""
+    mobility: Array
+    """(3,) s/kg"""
     kappa: Array
     """(3,) 1/s, rates of return to the trap"""
     spring: Array | None
@@ -153,7 +157,7 @@ class Exposure:
         begins = places[:, :-1].reshape(-1, 3)
         there = np.isfinite(begins).all(axis=1)
         found = np.zeros_like(begins)
-        found[there] = self.problem.mobilities(begins[there])[:, :3] / self.problem.mobility[:3]
+        found[there] = self.problem.mobilities(begins[there])[:, :3] / self.mobility
         return (self.diffusion * found).reshape(len(places), -1, 3)
 
     def _bend(self, means: Array, which: slice) -> Array:

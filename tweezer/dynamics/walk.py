@@ -227,7 +227,7 @@ class Walk:
     def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
         """As `advance`, and what the camera sees in the frames that end, (n, frames, axes) m.
 
-        NaN once a bead is lost, and of a camera that is none without frames.
+        NaN once a bead is lost; no frames without a camera.
         """
         if self.exposure is None:
             self.advance(states, trajectories, sample, out)
@@ -452,7 +452,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
             of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
             short = at_short_times(step, short, of_velocity)
         spring = centre[:3] if how.spring_only else None
-        exposure = Exposure(frames, problem, step, short, np.diag(rates).copy(), spring)
+        exposure = Exposure(
+            frames, problem, step, short, mobility[:3], np.diag(rates).copy(), spring
+        )
     columns = ["x", "y", "z"]
     if inertial:
         columns += ["vx", "vy", "vz"]
