@@ -64,12 +64,6 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
     assert source.count("data:image/png;base64,") == 1
 
 
-def test_a_pdf_is_one_page(drifting, tmp_path):
-    content = tweezer.write_report(*drifting, tmp_path / "page.pdf").read_bytes()
-    assert content.startswith(b"%PDF")
-    assert re.findall(rb"/Type /Page\b(?!s)", content) == [b"/Type /Page"]
-
-
 def test_a_free_bead_has_one_verdict_and_no_table():
     rng = np.random.default_rng(1)
     x = np.cumsum(1e-7 * rng.standard_normal((1000, 2)), axis=0)
@@ -97,10 +91,12 @@ def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tm
     for name in ("a.csv", "b.csv"):
         np.savetxt(tmp_path / name, table, delimiter=",", header="t,x,y", comments="")
     given = "--temperature", "293.15 K", "--blur", "0"
-    done = command_line("calibrate", "a.csv", *given, "--report", "a.html")
+    done = command_line("calibrate", "a.csv", *given, "--report", "a.pdf")
     assert done.code == 0, done.err
-    assert "wrote a.html" in done.err + done.out
-    assert "Calibration of a.csv" in words(tmp_path / "a.html")
+    assert "wrote a.pdf" in done.err + done.out
+    content = (tmp_path / "a.pdf").read_bytes()
+    assert content.startswith(b"%PDF")
+    assert re.findall(rb"/Type /Page\b(?!s)", content) == [b"/Type /Page"]
     for arguments, said in (
         (("a.csv", "b.csv", *given, "--report", "b.html"), "--report tells of one recording"),
         (("a.csv", *given, "--report", "a.txt"), "must end in .html, .pdf"),
