@@ -24,6 +24,8 @@ from tests.benchmarks import (
     camera,
     camera_report,
     depth_report,
+    diagram,
+    diagram_report,
     estimate,
     fluid_report,
     force,
@@ -251,7 +253,8 @@ def test_peers_integrate_our_equations(changes):
      ("fluid", fluid_report), ("wall", wall_report), ("scaling", scaling_report),
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
      ("heights", heights_report), ("camera", camera_report),
-     ("free", free_report)],
+     ("free", free_report),
+     ("diagram", diagram_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -583,6 +586,16 @@ def test_page_quotes_the_committed_calibration_of_fast_records():
 
 def test_page_quotes_the_committed_calibration_beside_a_wall():
     assert pages.quoted("heights") == heights_report.block(pages.committed("heights"))
+
+
+def test_page_quotes_the_committed_trapping_diagram():
+    results = pages.committed("diagram")
+    page = diagram_report.PAGE
+    assert pages.quoted("diagram", page) == diagram_report.block(results)
+    numbers = diagram_report.NUMBERS.read_text(encoding="utf-8").splitlines()
+    assert len(numbers) == 1 + len(results["least"]) * len(diagram.TIMES)
+    for each in results["ensembles"]:
+        assert abs(diagram_report.off(each)) < 4
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 #: force across and along the axis, N, and mobilities across and along it, s/kg, (n,) each, at
 #: distances from the axis and heights on it, (n,) m
 Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
-
+#: Part of a grid: heights, distances
 Slices = tuple[slice, slice]
 
 #: Smallest part of the radius, or of an edge, that counts
@@ -54,20 +54,21 @@ class Region:
         return np.clip((out - start) / (stop - start), _SAME, 1.0)
 
     def along(self) -> Array:
-        """Heights of the nodes, an odd number of them, m."""
-        above, below = (
-            _graded(min(self.radius, abs(end)), self.finest) for end in (self.high, self.low)
-        )
-        return np.concatenate([-below[:0:-1], above])
+        """Heights of the nodes, an odd number of them, m: closest at the focus, or next to it."""
+        nearest = min(max(0.0, self.low), self.high)
+        below = _graded(nearest - max(-self.radius, self.low), self.finest)
+        above = _graded(min(self.radius, self.high) - nearest, self.finest)
+        return nearest + np.concatenate([-below[:0:-1], above])
 
 
 def _graded(end: float, finest: float) -> Array:
     """Places from 0 to `end`, an odd number of them."""
-    intervals = math.log1p(_GROWTH * end / finest) / _GROWTH
-    even = 2 * max(2, math.ceil(intervals / 2))
-    return end * np.expm1(np.linspace(0.0, 1.0, even + 1) * math.log1p(_GROWTH * end / finest)) / (
-        _GROWTH * end / finest
-    )  # fmt: skip
+    if end <= 0:
+        return np.zeros(1)
+    stretch = _GROWTH * end / finest
+    logarithm = math.log1p(stretch)
+    even = 2 * max(2, math.ceil(logarithm / (2 * _GROWTH)))
+    return end / stretch * np.expm1(np.linspace(0.0, logarithm, even + 1))
 
 
 @dataclass(frozen=True)
@@ -81,19 +82,10 @@ class Edges:
 
     def coarse(self, axis: int) -> Edges:
         """Between every other node: `axis` is the coordinate of the edges."""
-        first, second = (
-            Edges(*(np.take(each, range(k, each.shape[axis], 2), axis) for each in self._both))
-            for k in (0, 1)
-        )
-        every = [slice(None)] * 2
-        every[1 - axis] = slice(None, None, 2)
-        there = tuple(every)
-        mobility = 2 / (1 / first.mobility + 1 / second.mobility)
-        return Edges((first.work + second.work)[there], mobility[there])
-
-    @property
-    def _both(self) -> tuple[Array, Array]:
-        return self.work, self.mobility
+        even, odd, kept = slice(None, None, 2), slice(1, None, 2), slice(None, None, 2)
+        first, second = ((kept, even), (kept, odd)) if axis else ((even, kept), (odd, kept))
+        mobility = 2 / (1 / self.mobility[first] + 1 / self.mobility[second])
+        return Edges(self.work[first] + self.work[second], mobility)
 
 
 @dataclass(frozen=True)

@@ -133,6 +133,12 @@ _add_benchmark(
 )  # fmt: skip
 
 
+_add_benchmark(
+    "diagram", "diagram_report",
+    "What is trapped, and for how long: size against power. Least powers; against ensembles.",
+)  # fmt: skip
+
+
 def _benchmark(name: str) -> ModuleType:
     """Import a module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[2]

@@ -1,0 +1,178 @@
+"""The trapping diagram as tables, a figure, a file of its numbers, and on its page.
+
+`python -m tests.benchmarks.diagram_report` writes them from the committed results.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import textwrap
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.diagram import MATERIALS, TIMES, Results
+from tests.benchmarks.timing import ROOT
+
+PAGE = ROOT / "docs/trapping-diagram.md"
+#: The least powers, one line for each bead and time
+NUMBERS = ROOT / "docs/figures/trapping-diagram.csv"
+#: sizes of the table, um
+SHOWN = 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0
+#: lines of the figure
+LINES = {"1 h": "-", "1 year": "--"}
+#: range of the figure's powers, W, and of its depths, k_B T
+LOWEST, DEPTHS = 1e-5, (10.0, 1e5)
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """Least powers; lifetimes and ensembles; the first row of each is that of the headings."""
+    return [
+        [
+            ["bead, um", *(f"{material}, {name}" for material in MATERIALS for name in TIMES)],
+            *_least(results),
+        ],
+        [
+            ["held", "depth, kT", "lifetime, s", "ensemble, s", "off, sd"],
+            *map(_against_ensemble, results["ensembles"]),
+        ],
+    ]
+
+
+def _least(results: Results) -> list[list[str]]:
+    """Least powers of some sizes, mW."""
+    diameters = np.array(results["diameters_m"])
+    nearest = {int(np.abs(np.log(diameters / (1e-6 * size))).argmin()) for size in SHOWN}
+    rows = []
+    for diameter in diameters[sorted(nearest)]:
+        of_size = [each for each in results["least"] if each["diameter_m"] == diameter]
+        by_material = {each["material"]: each["powers_W"] for each in of_size}
+        powers = [by_material[material][name] for material in MATERIALS for name in TIMES]
+        rows.append([f"{1e6 * diameter:.2f}", *map(_milliwatts, powers)])
+    return rows
+
+
+def _milliwatts(power: float | None) -> str:
+    return "never" if power is None else f"{1e3 * power:.3g}"
+
+
+def _against_ensemble(each: Results) -> list[str]:
+    light = ", linear light" if each["polarisation"] == "linear" else ""
+    return [
+        f"{1e6 * each['diameter_m']:g} um {each['material']}, {1e3 * each['power_W']:g} mW{light}",
+        f"{each['depth_kT']:.1f}",
+        f"{each['lifetime_s']:.3g} +- {each['lifetime_error_s']:.1g}",
+        f"{each['ensemble_s']:.3g} +- {each['ensemble_error_s']:.1g}",
+        f"{off(each):.1f}",
+    ]
+
+
+def off(each: Results) -> float:
+    """Distance of the ensemble's time from the lifetime, in standard deviations of both."""
+    error = math.hypot(each["ensemble_error_s"], each["lifetime_error_s"])
+    return float((each["ensemble_s"] - each["lifetime_s"]) / error)
+
+
+def figure(results: Results) -> Figure:
+    """Depth of the traps over size and power, and the least powers, of each material."""
+    drawn = Figure(figsize=(9.5, 4.6), layout="constrained")
+    panels = drawn.subplots(1, 2, sharex=True, sharey=True)
+    colours: Any = None
+    for panel, (material, found) in zip(panels, results["maps"].items(), strict=True):
+        colours = _depths(panel, results, found)
+        for name, style in LINES.items():
+            points = [
+                (1e6 * each["diameter_m"], each["powers_W"][name])
+                for each in results["least"]
+                if each["material"] == material and each["powers_W"][name] is not None
+            ]
+            wide = 2.0 if name == "1 h" else 1.0
+            panel.plot(*zip(*points, strict=True), style, color="black", lw=wide, label=name)
+        panel.set(xscale="log", yscale="log", xlabel="diameter (µm)", title=material)
+        panel.set_ylim(LOWEST, max(results["powers_W"]))
+        panel.set_xticks([0.2, 0.3, 0.5, 1, 2, 3], ["0.2", "0.3", "0.5", "1", "2", "3"])
+        panel.minorticks_off()
+    panels[0].set_ylabel("power through the pupil (W)")
+    panels[0].legend(title="least power to hold it for", frameon=False, loc="lower left")
+    drawn.colorbar(colours, ax=panels, label="work of the easiest straight way out ($k_BT$)")
+    return drawn
+
+
+def _depths(panel: Axes, results: Results, found: Results) -> Any:
+    """Colours of the depth; grey where nothing is trapped."""
+    depth = np.array(found["depth_kT"]).T
+    held = np.array(found["outcome"]).T == "held"
+    panel.axhspan(min(results["powers_W"]), max(results["powers_W"]), color="0.8", lw=0)
+    return panel.pcolormesh(
+        1e6 * np.array(results["diameters_m"]), results["powers_W"],
+        np.ma.masked_array(depth, ~held), norm=LogNorm(*DEPTHS), cmap="viridis",
+        shading="nearest", rasterized=True,
+    )  # fmt: skip
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    cases = len(results["diameters_m"]) * len(results["powers_W"])
+    told = []
+    for material, found in results["maps"].items():
+        outcomes = np.array(found["outcome"])
+        short = sum(
+            time is not None and time < TIMES["1 h"]
+            for row, outcome in zip(found["lifetime_s"], outcomes, strict=True)
+            for time, each in zip(row, outcome, strict=True)
+            if each == "held"
+        )
+        held = int((outcomes == "held").sum())
+        told.append(
+            f"of {cases:,} scenes with {material} {held:,} have a trap, and {short} of these "
+            "lose their bead within an hour"
+        )
+    ratios = [
+        each["powers_W"]["1 year"] / each["powers_W"]["1 h"]
+        for each in results["least"]
+        if None not in each["powers_W"].values()
+    ]
+    furthest = max(abs(off(each)) for each in results["ensembles"])
+    explained = (
+        f"Between {1e3 * min(results['powers_W']):g} mW and {max(results['powers_W']):g} W, and "
+        f"{1e6 * min(results['diameters_m']):g} to {1e6 * max(results['diameters_m']):g} µm: "
+        f"{'; '.join(told)}. Least powers below are in mW, through the pupil; a "
+        f"year takes {min(ratios):.2g} to {max(ratios):.2g} times the power of an hour."
+    )
+    checked = (
+        "Lifetimes that are short enough are held to ensembles of "
+        f"{results['ensembles'][0]['trajectories']:,} beads, which are "
+        f"{furthest:.1f} standard deviations off them at most:"
+    )
+    least, ensembles = tables(results)
+    lines = [
+        *textwrap.wrap(explained, 110), "",
+        "![Depth of the traps of polystyrene and silica beads over size and power]"
+        "(figures/bench-diagram.png)", "",
+        *pages.tables([least]), *textwrap.wrap(checked, 110), "", *pages.tables([ensembles]),
+    ]  # fmt: skip
+    return pages.block("diagram", lines, results["machine"])
+
+
+def write_numbers(results: Results) -> None:
+    """The least powers with their errors, as a file."""
+    with NUMBERS.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(["material", "diameter_um", "held_for", "least_power_mW", "error_mW"])
+        for each in results["least"]:
+            for name in TIMES:
+                power, error = each["powers_W"][name], each["errors_W"][name]
+                numbers = (
+                    ["", ""] if power is None else [f"{1e3 * power:.4g}", f"{1e3 * error:.1g}"]
+                )
+                rows.writerow([each["material"], f"{1e6 * each['diameter_m']:.4g}", name, *numbers])
+
+
+if __name__ == "__main__":
+    pages.renew("diagram", block, figure, PAGE)
+    write_numbers(pages.committed("diagram"))
