@@ -158,9 +158,17 @@ def test_what_is_no_free_bead_is_said():
     rough = seen(13, 2002, count=1, exposure=STEP)
     smoothed = (rough[2:] + rough[1:-1] + rough[:-2]) / 3
     assert "smoothed" in found(smoothed).remarks[-1]
-    still = np.repeat(seen(14, 100), 3, axis=0)
-    with pytest.raises(tweezer.ResultError, match="most of its positions are the same"):
-        found(still)
+    with pytest.raises(tweezer.ResultError, match="all of its steps are the same"):
+        found(np.linspace(0, 1e-6, 300)[:, None])
+
+
+def test_a_record_in_coarse_digits_still_tells():
+    """Most of its steps are nothing."""
+    coarse = 2 * SIZE * np.round(seen(14, 4000) / (2 * SIZE))
+    assert (np.diff(coarse[:, 0]) == 0).mean() > 0.5
+    told = found(coarse)
+    assert told.interval[0] < D < told.interval[1]
+    assert told.interval[1] < 1.3 * told.interval[0]
 
 
 def test_the_calibration_tells_a_free_bead_from_a_trapped_one():

@@ -35,6 +35,8 @@ _JUMP = 6.0
 _FEW_JUMPS = 0.01
 #: Standard deviation of a Gaussian over its median absolute deviation.
 _DEVIATION_PER_MEDIAN = 1.4826
+#: Scatter of steps that is only rounding, of the extent of a record.
+_ROUNDING = 1e-12
 #: Smallest number of steps between two jumps.
 _LEAST_STEPS = 3
 #: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
@@ -275,13 +277,12 @@ def free_bead(
     D is that of the largest restricted likelihood over D, drifts and, for each axis, s; where
     exposure and noise are known, s follows from D, unless the record contradicts it. Steps of more
     than six standard deviations are left out. Where steps have heavier tails than a Gaussian, the
-    interval is as much wider. Raises `ResultError` for a record most of whose positions are the
-    same.
+    interval is as much wider. Raises `ResultError` for a record all of whose steps are the same.
     """
     fits = [_Fit.of(axis, x, step, given) for axis, x in zip(axes, positions.T, strict=True)]
     every = [fit for fit in fits if fit is not None]
     if len(every) < len(fits):
-        raise ResultError(f"{name}: most of its positions are the same: no diffusion to tell")
+        raise ResultError(f"{name}: all of its steps are the same: no diffusion to tell")
 
     def misfit(a: float) -> float:
         return sum(fit.misfit(a) for fit in every)
@@ -395,12 +396,12 @@ class _Fit:
 
     @classmethod
     def of(cls, axis: str, x: Array, step: float, given: Given) -> _Fit | None:
-        """The fit of positions (n,), m; None if most of them are the same."""
+        """The fit of positions (n,), m; None if all steps are the same but for rounding."""
         every = np.diff(x)
-        off = np.abs(every - np.median(every))
-        spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
-        if not spread > 0:
+        if np.std(every) <= _ROUNDING * np.ptp(x):
             return None
+        off = np.abs(every - np.median(every))
+        spread = _DEVIATION_PER_MEDIAN * float(np.median(off)) or float(np.std(every))
         jumps = np.flatnonzero(off > _JUMP * spread)
         if len(jumps) > _FEW_JUMPS * len(every):
             jumps = jumps[:0]

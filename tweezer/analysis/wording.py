@@ -20,7 +20,8 @@ def diffusion_in_words(free: Diffusion, unit: str) -> str:
     """The verdict on a bead that is not trapped, in one line; unit: of the record, m or V."""
     axes = ", ".join(each.axis for each in free.axes)
     relative = free.uncertainty / free.diffusion
-    told = _with_interval(free.diffusion, relative, free.interval, 1e12, f"u{unit}^2/s")
+    factor, of = (1e12, "um^2/s") if unit == "m" else (1.0, "V^2/s")
+    told = _with_interval(free.diffusion, relative, free.interval, factor, of)
     parts = [f"{axes}: no trap is seen; as of a free bead: diffusion {told}"]
     inferred = free.inferred
     if inferred is not None and free.interval[0]:
