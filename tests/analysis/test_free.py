@@ -96,6 +96,10 @@ def test_known_noise_and_exposure_narrow_the_interval():
     known = found(record, KNOWN._replace(exposure=STEP / 2, noise=dict.fromkeys("xy", SIZE)))
     assert known.uncertainty < 0.9 * fitted.uncertainty
     assert known.interval[0] < D < known.interval[1]
+    whole = seen(17, 4000, exposure=STEP, noise=SIZE / 4)
+    told = found(whole, KNOWN._replace(exposure=STEP, noise=dict.fromkeys("xy", SIZE / 4)))
+    assert not told.findings
+    assert told.interval[0] < D < told.interval[1]
     wrong = found(record, KNOWN._replace(exposure=STEP / 2, noise=dict.fromkeys("xy", 2 * SIZE)))
     assert {each.name for each in wrong.findings} == {"noise"}
     assert wrong.interval == pytest.approx(fitted.interval)
@@ -143,7 +147,9 @@ def test_jumps_are_left_out_and_tails_widen():
     assert told.diffusion == pytest.approx(plain.diffusion, rel=0.01)
     rng = np.random.default_rng(9)
     tailed = np.cumsum(SIZE * rng.standard_t(5, (2000, 1)), axis=0)
-    assert "large steps are frequent" in found(tailed).remarks[-1]
+    told = found(tailed)
+    assert "large steps are frequent" in told.remarks[-1]
+    assert told.uncertainty > 1.05 * math.sqrt(6 / 2000) * told.diffusion  # Gaussian, without noise
 
 
 def test_what_is_no_free_bead_is_said():

@@ -11,6 +11,7 @@ from tests.reference.free_bead import free
 from tests.reference.trapped_bead import BOLTZMANN, trapped
 from tweezer.analysis import Recording, TrappedBead
 from tweezer.analysis.left_out import LeftOut
+from tweezer.analysis.whittle import Periodogram
 
 T, K = 293.15, 2e-5
 DRAG = 6 * math.pi * 1.002e-3 * 0.5e-6
@@ -56,6 +57,16 @@ def test_what_is_missing_is_the_mean_of_the_projected_covariance(left):
     expected = [np.diagonal(changed, lag).mean() for lag in lags]
     ours = left.missing(bead, n, STEP).autocovariance(lags * STEP)
     np.testing.assert_allclose(ours, expected, rtol=0.15, atol=1e-3 * bead.variance)
+
+
+def test_a_periodogram_covers_what_it_counts(clean):
+    bands = ((0, 3), (1000, 1003), (2000, math.inf))
+    part = Periodogram.of(clean, STEP, bands)[20:-5]
+    frequencies = np.arange(1, SAMPLES // 2) / (SAMPLES * STEP)
+    covered = frequencies[part.covers(frequencies)]
+    assert len(covered) == part.counts.sum()
+    assert not ((covered >= 1000) & (covered <= 1003)).any()
+    assert part.ends[0, 0] <= covered[0] < covered[-1] <= part.ends[-1, 1] < 2000
 
 
 def test_drift_and_lines_are_taken_off():
