@@ -3,9 +3,9 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
-BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera free hydro heights sweep diagram
+BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera free hydro heights sweep diagram fit
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report
+REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
 .PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
@@ -36,6 +36,13 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 		--set simulation.samples=50001 --duration "1 s" --seed 1 --overwrite
 	$(BIN)/tweezer calibrate silica-1um.nc --skip "20 ms" \
 		--plot docs/figures/calibrate-silica-1um.png
+	$(BIN)/tweezer run silica-1um --set "beam.power_through_pupil=10 mW" \
+		--set forces.brownian=true --set simulation.model=overdamped --set simulation.samples=11 \
+		--set "camera.rate=2500 Hz" --set "camera.exposure=0.4 ms" --set "camera.noise=3 nm" \
+		--duration "2 s" --seed 1 --out seen.nc --overwrite
+	$(BIN)/tweezer fit seen.nc --skip "20 ms" --scene silica-1um --set "bead.diameter=1.06 um" \
+		--set "beam.power_through_pupil=13 mW" --free bead.diameter \
+		--free beam.power_through_pupil --plot docs/figures/fit.png
 	$(BIN)/tweezer run silica-1um --set forces.brownian=true --set optics.evaluator=map \
 		--set simulation.samples=50001 --duration "0.6 s" --seed 1 --out fast.nc --overwrite
 	$(BIN)/tweezer calibrate fast.nc --skip "20 ms" --plot docs/figures/calibrate-fast.png

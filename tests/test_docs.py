@@ -44,6 +44,15 @@ NOT_RUN = {
     "tracks of others",
     'tweezer calibrate 3rdyearphys-optical_tweezers_experiment/data/3um*bead1.csv --rate "15 Hz" '
     '--scale "11.66 px/um" --temperature "20 degC" --viscosity "1.002 mPa s"': "reads those tracks",
+    "tweezer fit recording.csv --scene mine.toml --free bead.diameter "
+    "--free beam.power_through_pupil": "wants a recording of the reader's",
+    'tweezer run silica-1um --set "beam.power_through_pupil=10 mW" --set forces.brownian=true '
+    "--set simulation.model=overdamped --set simulation.samples=11 "
+    '--set "camera.rate=2500 Hz" --set "camera.exposure=0.4 ms" --set "camera.noise=3 nm" '
+    '--duration "2 s" --seed 1 --out seen.nc': "`make figures` runs it",
+    'tweezer fit seen.nc --skip "20 ms" --scene silica-1um --set "bead.diameter=1.06 um" '
+    '--set "beam.power_through_pupil=13 mW" --free bead.diameter '
+    "--free beam.power_through_pupil --plot fit.png": "takes long; tests/analysis/test_fit.py",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",

@@ -812,6 +812,27 @@ def described_at(key: str) -> tuple[Quantity | None, str]:
     return quantity_of(*field.metadata, field.annotation), field.description or key
 
 
+def value_at(scene: Scene, key: str) -> Any:
+    """The value of a dotted key of `scene`, as in `with_settings`; None if it has none.
+
+    Raises `SceneError` for a key that no scene has.
+    """
+    described_at(key)
+    first, *parts = key.split(".")
+    numbered = _NUMBERED.fullmatch(first)
+    within, value = _kind(first), getattr(scene, _kind(first))
+    if numbered and (number := int(first[5:-1])) != 1:
+        value = scene.beams[number - 1] if number <= len(scene.beams) else None
+    for part in parts:
+        name = _HALVES.get((within, part), part)
+        doubled = name != part and name not in ("power", "power_through_pupil")
+        value = getattr(value, part if hasattr(value, part) else name, None)
+        if doubled and value is not None:
+            value *= 2
+        within = f"{within}.{name}"
+    return value
+
+
 def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     """The scene of `data`; warns of bare numbers in the part of it that a user has `given`."""
     try:

@@ -124,6 +124,14 @@ def _from_text(text: str, unit: str) -> float:
     return _by_pint(number, match["unit"], unit)
 
 
+def usual_unit(size: float, unit: str) -> tuple[float, str]:
+    """Factor to SI and name of the unit in which a size of the SI unit `unit` is 1 to 1000."""
+    units = FREQUENT.get(unit, {unit: 1.0})
+    below = {name: factor for name, factor in units.items() if factor <= abs(size) * (1 + 1e-9)}
+    name = max(below, key=below.__getitem__) if below else min(units, key=units.__getitem__)
+    return units[name], name
+
+
 def _by_pint(number: float, text: str, unit: str) -> float:
     import pint
 

@@ -16,6 +16,7 @@ from .free import Diffusion, FreeAxis, Inferred
 from .heights import trap_over_heights
 from .histogram import Potential, potential
 from .holding import Lifetime
+from .inference import FittedKey, SceneFit, fit
 from .least_power import LeastPower, least_power
 from .recording import Recording, Track, load_recording, load_track
 from .spectra import (
@@ -47,6 +48,7 @@ __all__ = [
     "EscapeTimes",
     "Estimate",
     "Finding",
+    "FittedKey",
     "FreeAxis",
     "Height",
     "Inferred",
@@ -56,6 +58,7 @@ __all__ = [
     "Parameter",
     "Potential",
     "Recording",
+    "SceneFit",
     "SpectrumFit",
     "Summary",
     "Surface",
@@ -71,6 +74,7 @@ __all__ = [
     "derived_quantities",
     "escape_times",
     "find_wall",
+    "fit",
     "fit_depth",
     "in_metres",
     "least_power",

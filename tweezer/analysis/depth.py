@@ -18,11 +18,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
-from scipy.special import chdtrc
 from scipy.stats.qmc import Sobol
 
 from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
+from tweezer.analysis.residuals import p_value as p_value_of
 from tweezer.bead import bead_properties
 from tweezer.choices import evaluator
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
@@ -61,8 +61,6 @@ _FIRST = 7
 _GUESS = 4.5
 #: Relative excess of an exposure over the time between frames that is allowed: times are rounded
 _UNEVEN = 1e-3
-#: Number of lags at which the correlation of residuals is tested
-_LAGS = 10
 #: Probability of the residuals below which they are not white
 _IMPROBABLE = 1e-3
 
@@ -228,7 +226,7 @@ def fit_depth(
     intervals = tuple(below(profile))
     path = likelihood.filtered(best, optimum)
     parameters = tuple(likelihood.parameters(optimum, profile.spread()))
-    p_value = _p_value(path, sized=noise is not None)
+    p_value = p_value_of(path, sized=noise is not None)
     doubts = _doubts(scene.bead.radius, likelihood, profile, path, p_value)
     (low, high), *more = intervals
     open_end = low <= at[0] or intervals[-1][1] >= at[-1]
@@ -488,28 +486,6 @@ class _Likelihood:
             uncertainty = float(size * deviation) if told else None
             parameters.append(Parameter(name, float(number), uncertainty, FREE[name].unit))
         return parameters
-
-
-def _p_value(path: Filtered, *, sized: bool) -> float:
-    """How probable residuals are that are as far from white, of size 1 if `sized`."""
-    trusted = np.where(path.weights > 0.5, path.residuals, np.nan)
-    statistic, lags = 0.0, 0
-    for residuals in trusted.T:
-        seen = residuals[np.isfinite(residuals)]
-        if not seen.any():  # no correlation with a coordinate that is exactly what was predicted
-            continue
-        for lag in range(1, min(_LAGS, len(seen) // 5) + 1):
-            products = residuals[lag:] * residuals[:-lag]
-            pairs = int(np.isfinite(products).sum())
-            if pairs:
-                statistic += float(np.nansum(products)) ** 2 / pairs / float(np.mean(seen**2)) ** 2
-                lags += 1
-    p_value = float(chdtrc(lags, statistic)) if lags else 1.0
-    if sized:
-        seen = trusted[np.isfinite(trusted)]
-        above = float(chdtrc(seen.size, (seen**2).sum()))
-        p_value = min(2 * min(p_value, 2 * min(above, 1 - above)), 1.0)
-    return p_value
 
 
 class _Doubt(NamedTuple):

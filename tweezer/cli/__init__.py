@@ -25,6 +25,7 @@ for _group in (
     "ensemble",
     "sweep",
     "calibrate",
+    "fit",
     "depth",
     "thesis",
     "prepare",

@@ -119,6 +119,10 @@ _add_benchmark(
     "heights", "heights_report",
     "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
 )  # fmt: skip
+_add_benchmark(
+    "fit", "fit_report",
+    "Fits of a scene to recordings: coverage. Of size and power, and what is said of others.",
+)  # fmt: skip
 
 
 _add_benchmark(

@@ -1,0 +1,125 @@
+"""The command fit."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import (
+    Changes,
+    Columns,
+    FigureFile,
+    JsonFile,
+    Rate,
+    Scale,
+    app,
+    quantity_in,
+    scene_with,
+    settings_of,
+)
+from tweezer.cli.console import (
+    FIGURE_FORMATS,
+    OUT,
+    showing_progress,
+    tell_written,
+    writable,
+    write_figure,
+    write_json,
+)
+from tweezer.cli.tables import add_light, table_of
+from tweezer.rounding import with_uncertainty
+
+if TYPE_CHECKING:
+    from tweezer.analysis import FittedKey, SceneFit
+
+
+@app.command()
+def fit(
+    recordings: Annotated[
+        list[str],
+        typer.Argument(
+            help="NetCDF file of a run; or a table with x, or x and y, or all three. Several of "
+            "one scene are fitted together.",
+            metavar="RECORDING...",
+        ),
+    ],
+    scene: Annotated[
+        str,
+        typer.Option(help="Shipped scene or TOML file, with the first guesses.", metavar="SCENE"),
+    ],
+    free: Annotated[
+        list[str],
+        typer.Option(
+            help="Key of the scene to fit: bead.diameter. May be repeated.", metavar="KEY"
+        ),
+    ],
+    set: Changes = None,
+    columns: Columns = None,
+    rate: Rate = None,
+    scale: Scale = None,
+    skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
+    out: JsonFile = None,
+    plot: FigureFile = None,
+) -> None:
+    """Fit keys of SCENE to a RECORDING.
+
+    Of its trapped bead, by maximum likelihood, with the exact force; says what the recording does not determine.
+    Exposure and noise are those of the scene's [camera].
+    """
+    from tweezer.units import Time
+
+    described = scene_with(scene, settings_of(set or []))
+    skipped = quantity_in("--skip", skip, Time)
+    out = out and writable(out, ("json",))
+    plot = plot and writable(plot, FIGURE_FORMATS)
+
+    from tweezer.analysis import fit as fitted
+    from tweezer.analysis import load_recording
+
+    loaded = [
+        load_recording(each, columns=columns, rate=rate, scale=scale).since(skipped)
+        for each in recordings
+    ]
+    with showing_progress(described.name, 1.0) as progress:
+        found = fitted(loaded, described, free=free, progress=progress)
+    _print_fit(found)
+    if out:
+        result = {
+            field.name: getattr(found, field.name)
+            for field in dataclasses.fields(found)
+            if field.name not in ("scene", "keys")
+        }
+        result["scene"] = found.scene.model_dump(mode="json", exclude_none=True)
+        result["keys"] = [dataclasses.asdict(each) for each in found.keys]
+        write_json(result, out)
+    if plot:
+        from tweezer.fit_figure import fit_figure
+
+        write_figure(fit_figure(found), plot)
+    tell_written(out, plot)
+
+
+def _print_fit(found: SceneFit) -> None:
+    table = table_of(", ".join(Path(name).name for name in found.names), "", "95 % confidence")
+    for each in found.keys:
+        table.add_row(each.key, *_told(each))
+    table.add_row("frames", f"{found.frames}", "")
+    table.add_row("residuals white, p", f"{found.p_value:.2g}", "")
+    add_light(table, found.scene)
+    OUT.print(table)
+    OUT.print(found.statement, highlight=False, soft_wrap=True)
+
+
+def _told(key: FittedKey) -> tuple[str, str]:
+    """Value and interval of a key, in the usual unit of its size."""
+    from tweezer.units import usual_unit
+
+    factor, unit = usual_unit(key.value, key.unit)
+    uncertainty = math.nan if key.uncertainty is None else key.uncertainty / factor
+    value = f"{with_uncertainty(key.value / factor, uncertainty)} {unit}".rstrip()
+    ends = ["not told" if end is None else f"{end / factor:.4g}" for end in key.interval]
+    return value if key.determined else f"{value}, not determined", " to ".join(ends)
