@@ -475,7 +475,8 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
 
 @pytest.mark.parametrize(
     ("arguments", "line"),
-    [(["run", "silica-1um", "--seed", "3"], "seed: is for forces.brownian = true, and a camera with noise"),
+    [(["run", "silica-1um", "--seed", "3"],
+      "seed: is for forces.brownian = true, and a camera with noise"),
      (["run", *FREE, "--set", "forces.brownian=true", "--seed", "-3"],
       "seed = -3: must be a whole number from 0 to 2^63 - 1"),
      (["ensemble", "silica-1um", "--trajectories", "3"],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 
 from tweezer.analysis import SceneFit
 from tweezer.analysis.profile import LEVEL
@@ -20,7 +21,12 @@ def fit_figure(found: SceneFit) -> Figure:
         factor, unit = usual_unit(each.value, each.unit)
         values, misfit = np.array(each.profile).T
         near = np.isfinite(misfit)
-        panel.plot(values[near] / factor, misfit[near], "o-", ms=4, lw=1.2, color=_LINE)
+        if near.sum() > 3:  # its root is nearly straight on both sides
+            side = np.where(values[near] < each.value, -1.0, 1.0)
+            root = PchipInterpolator(values[near], side * np.sqrt(np.maximum(misfit[near], 0.0)))
+            along = np.linspace(values[near][0], values[near][-1], 200)
+            panel.plot(along / factor, root(along) ** 2, lw=1.2, color=_LINE)
+        panel.plot(values[near] / factor, misfit[near], "o", ms=4, color=_LINE)
         panel.axhline(LEVEL, color="0.4", lw=0.8, ls="--")
         ends = [
             outermost if end is None else end

@@ -67,8 +67,8 @@ def fit(
 ) -> None:
     """Fit keys of SCENE to a RECORDING.
 
-    Of its trapped bead, by maximum likelihood, with the exact force; says what the recording does not determine.
-    Exposure and noise are those of the scene's [camera].
+    Of its trapped bead, by maximum likelihood, with the exact force; says what the recording does
+    not determine. Exposure and noise are those of the scene's [camera].
     """
     from tweezer.units import Time
 
