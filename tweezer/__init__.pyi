@@ -1,6 +1,7 @@
 from .analysis import (
     Calibration,
     DepthFit,
+    FittedKey,
     LeastPower,
     Lifetime,
     Recording,
@@ -50,6 +51,7 @@ __all__ = [
     "Calibration",
     "DepthFit",
     "Event",
+    "FittedKey",
     "IntegrationError",
     "LeastPower",
     "Lifetime",
