@@ -9,7 +9,7 @@ import pytest
 import tweezer
 from tests.reference import exit_times
 from tweezer.analysis.exit_time import Grid, Region
-from tweezer.analysis.holding import LONGEST, Lifetime, _field, _log_time
+from tweezer.analysis.holding import LONGEST, Lifetime, _extrapolated, _field, _log_time
 from tweezer.dynamics import bound_once
 
 #: J, s/kg, m
@@ -70,6 +70,27 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
     )
     assert abs(log - math.log(expected)) < error + 0.02
     assert error < 0.05
+
+
+def test_a_narrow_trap_far_from_the_focus_has_closer_nodes():
+    """By those of the focus the error would be 0.2."""
+    height, scale, barrier = 0.5e-6, 0.3e-6, 12 * THERMAL
+
+    def along(z):
+        x = (z - height) / scale
+        return -6 * barrier / scale * x * (1 - x) * (x > -2)
+
+    def field(rho, z):
+        mobile = np.full_like(z, MOBILITY)
+        return -4000 * THERMAL / RADIUS**2 * rho, along(z), mobile, mobile
+
+    region = Region(1.1e-6, 30e-9)
+    log, error = _log_time(region, field, height, THERMAL)
+    z = np.linspace(-0.1e-6, 1.1e-6, 200_001)
+    diffusion = THERMAL * MOBILITY
+    expected = exit_times.along_a_line(z, along(z), diffusion, THERMAL, height, wall=True)
+    assert abs(log - math.log(expected)) < error + 0.01
+    assert error < 0.05 < _extrapolated(region, field, height, THERMAL)[1]
 
 
 def test_work_between_nodes_is_that_of_a_force_that_bends():
@@ -204,6 +225,7 @@ def test_least_power_of_what_is_never_held():
         (8.9e17, 1e16, "2.8e+10 years, within 1 %"),
         (math.inf, 0.0, f"longer than {LONGEST:.0e} s"),
         (2e-6, 1e-7, "2.0 +- 0.1 us"),
+        (51.0, 4.8e4, "about 5e+01 s, within a factor of 9e+02"),
     ],
 )
 def test_words(time, error, words):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,8 +19,10 @@ Slices = tuple[slice, slice]
 
 #: Smallest part of the radius, or of an edge, that counts
 _SAME = 1e-6
-#: Growth of the distance of nodes with the distance from the focus
+#: Growth of the distance of nodes with the distance from where they are closest
 _GROWTH = 0.08
+#: Factor of that growth where nodes are closer
+_FINER = 0.6
 
 
 @dataclass(frozen=True)
@@ -29,14 +32,24 @@ class Region:
     radius: float
     """m; a bead this far from the origin is out"""
     finest: float
-    """distance of nodes at the origin, m"""
+    """least distance of nodes, m"""
     low: float = -math.inf
     """heights between which a bead is, m: it does not get past them"""
     high: float = math.inf
+    centre: float = 0.0
+    """height at which nodes are closest, m"""
+    growth: float = _GROWTH
+    """of the distance of nodes with the distance from there"""
+
+    def finer(self, height: float) -> Region:
+        """With about half the distances, and closest at a height."""
+        return dataclasses.replace(
+            self, finest=self.finest / 2, centre=height, growth=_FINER * self.growth
+        )
 
     def across(self) -> Array:
         """Distances of the nodes from the axis, an odd number of them, m."""
-        return _graded(self.radius, self.finest)
+        return self._graded(self.radius)
 
     def has(self, across: Array, along: Array) -> NDArray[np.bool_]:
         """Which nodes are in the region, (heights, distances)."""
@@ -54,21 +67,20 @@ class Region:
         return np.clip((out - start) / (stop - start), _SAME, 1.0)
 
     def along(self) -> Array:
-        """Heights of the nodes, an odd number of them, m: closest at the focus, or next to it."""
-        nearest = min(max(0.0, self.low), self.high)
-        below = _graded(nearest - max(-self.radius, self.low), self.finest)
-        above = _graded(min(self.radius, self.high) - nearest, self.finest)
+        """Heights of the nodes, an odd number of them, m."""
+        nearest = min(max(self.centre, self.low), self.high)
+        below = self._graded(nearest - max(-self.radius, self.low))
+        above = self._graded(min(self.radius, self.high) - nearest)
         return nearest + np.concatenate([-below[:0:-1], above])
 
-
-def _graded(end: float, finest: float) -> Array:
-    """Places from 0 to `end`, an odd number of them."""
-    if end <= 0:
-        return np.zeros(1)
-    stretch = _GROWTH * end / finest
-    logarithm = math.log1p(stretch)
-    even = 2 * max(2, math.ceil(logarithm / (2 * _GROWTH)))
-    return end / stretch * np.expm1(np.linspace(0.0, logarithm, even + 1))
+    def _graded(self, end: float) -> Array:
+        """Places from 0 to `end`, an odd number of them."""
+        if end <= 0:
+            return np.zeros(1)
+        stretch = self.growth * end / self.finest
+        logarithm = math.log1p(stretch)
+        even = 2 * max(2, math.ceil(logarithm / (2 * self.growth)))
+        return end / stretch * np.expm1(np.linspace(0.0, logarithm, even + 1))
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ _FINE_RADII, _FINE_SAMPLES = 0.05, 0.5
 _BESIDE_WALL = 1e-3
 #: Part of the correction by the coarser grid that is taken as its error
 _OF_CORRECTION = 0.5
+#: Error of the logarithm from which on nodes are closer
+_ENOUGH = 0.05
 #: Units of time and their length, s
 _UNITS = (
     (365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"),
@@ -53,6 +55,9 @@ class Lifetime:
             return f"longer than {LONGEST:.0e} s"
         size, unit = next(each for each in _UNITS if self.time >= each[0])
         size = size or 1e-6
+        if self.error >= self.time:
+            within = 1 + self.error / self.time
+            return f"about {self.time / size:.1g} {unit}, within a factor of {within:.1g}"
         if self.time >= 1e5 * size:
             return f"{self.time / size:.1e} {unit}, within {100 * self.error / self.time:.1g} %"
         digits = max(0, -math.floor(math.log10(max(self.error, 1e-3 * self.time) / size)))
@@ -123,7 +128,20 @@ def _field(problem: Problem, height: float, side: int) -> Field:
 
 
 def _log_time(region: Region, field: Field, height: float, energy: float) -> tuple[float, float]:
-    """Logarithm of the mean time, s, extrapolated from two grids, and its error."""
+    """Logarithm of the mean time, s, and its error; on closer nodes if that is large.
+
+    A heavy bead may be held far from the focus, or in a narrow place.
+    """
+    log, error = _extrapolated(region, field, height, energy)
+    if error > _ENOUGH:
+        return _extrapolated(region.finer(height), field, height, energy)
+    return log, error
+
+
+def _extrapolated(
+    region: Region, field: Field, height: float, energy: float
+) -> tuple[float, float]:
+    """The same by the nodes of the region and by every other one of them."""
     grid = Grid.of(region, field, energy)
     fine = mean_time(grid, region, height, energy)
     coarse = mean_time(grid.coarse(), region, height, energy)

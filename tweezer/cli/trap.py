@@ -73,8 +73,8 @@ def trap(
 ) -> None:
     """Characterise the trap of SCENE.
 
-    Equilibrium, stiffness, escape, range, efficiencies; or what changes with the height above a
-    wall.
+    Equilibrium, stiffness, escape, range, lifetime, efficiencies; or what changes with the height
+    above a wall.
     """
     described = scene_with(scene, settings_of(set or []))
     out = out and writable(out, ("nc",) if heights else ("json",))
