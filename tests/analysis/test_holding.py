@@ -73,7 +73,7 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
 
 
 def test_a_narrow_trap_far_from_the_focus_has_closer_nodes():
-    """By those of the focus the error would be 0.2."""
+    """By those of the focus the error would be 0.4."""
     height, scale, barrier = 0.5e-6, 0.3e-6, 12 * THERMAL
 
     def along(z):
