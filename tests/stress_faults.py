@@ -103,12 +103,20 @@ scene = tweezer.load_scene("silica-1um").replace(
 out, most_bytes = sys.argv[1], int(sys.argv[2])
 resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
 try:
-    tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.endswith("nc"), resume=True)
+    if out.endswith("sweep.zarr"):
+        over = {"simulation.duration": [1e-3 * number for number in range(1, 31)]}
+        tweezer.sweep(
+            scene, over, "ensemble", out, trajectories=64, seed=8, workers=2, resume=True
+        )
+    else:
+        tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.endswith("nc"), resume=True)
 except tweezer.TweezerError as error:
     sys.exit(f"refused: {error}")
 """
 #: Names of the two kinds of output
 OUTPUTS = ("a.zarr", "a.nc")
+#: These, and that of a sweep
+WITH_SWEEP = (*OUTPUTS, "sweep.zarr")
 
 
 def _ensemble(out: Path, most_bytes: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
@@ -125,10 +133,10 @@ def _content(out: Path) -> dict[Path, bytes]:
     return {path.relative_to(out): path.read_bytes() for path in files}
 
 
-def _whole(folder: Path) -> dict[str, dict[Path, bytes]]:
+def _whole(folder: Path, outputs: tuple[str, ...]) -> dict[str, dict[Path, bytes]]:
     """What is written if nothing goes wrong, by name of the output."""
     found = {}
-    for name in OUTPUTS:
+    for name in outputs:
         out = folder / "whole" / name
         out.parent.mkdir(exist_ok=True)
         assert _ensemble(out).wait() == 0
@@ -149,18 +157,20 @@ def _mended(out: Path, expected: dict[Path, bytes], fault: str) -> str:
     return "refused in one line"
 
 
-def _places(count: int) -> Iterator[tuple[int, Path, dict[Path, bytes]]]:
-    """So many places for an ensemble: number, path, and what is written if nothing goes wrong."""
+def _places(
+    count: int, outputs: tuple[str, ...] = WITH_SWEEP
+) -> Iterator[tuple[int, Path, dict[Path, bytes]]]:
+    """So many places for an output: number, path, and what is written if nothing goes wrong."""
     with tempfile.TemporaryDirectory() as name:
-        expected = _whole(Path(name))
+        expected = _whole(Path(name), outputs)
         for number in range(count):
-            out = Path(name) / f"{number}" / OUTPUTS[number % 2]
+            out = Path(name) / f"{number}" / outputs[number % len(outputs)]
             out.parent.mkdir()
             yield number, out, expected[out.name]
 
 
 def kills(count: int) -> Counter[str]:
-    """Kill ensembles at random, and go on with them: the bytes are the same."""
+    """Kill ensembles and sweeps at random, and go on with them: the bytes are the same."""
     rng = np.random.default_rng(2)
     ended: Counter[str] = Counter()
     for number, out, expected in _places(count):
@@ -201,7 +211,7 @@ def damaged_stores(count: int) -> Counter[str]:
     """
     rng = np.random.default_rng(4)
     ended: Counter[str] = Counter()
-    for number, out, expected in _places(count):
+    for number, out, expected in _places(count, OUTPUTS):
         going = _ensemble(out)
         if number % 4 < 2:
             while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
@@ -231,8 +241,8 @@ FAULTS: list[tuple[str, Callable[[int], Counter[str]], int]] = [
     ("changed scenes", mutated_scenes, 1000),
     ("changed command lines", mutated_command_lines, 1000),
     ("changed recordings", mutated_recordings, 1000),
-    ("ensembles that are killed", kills, 50),
-    ("ensembles on a disk that is full", full_disk, 50),
+    ("ensembles and sweeps that are killed", kills, 75),
+    ("ensembles and sweeps on a disk that is full", full_disk, 75),
     ("damaged files of ensembles", damaged_stores, 100),
 ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
+import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any
@@ -23,7 +24,8 @@ _JOURNAL, _NEW = "journal.jsonl", "new"
 class Journal:
     """What of a sweep is done: in memory, and in OUT.part if it has an output.
 
-    The first line of the file says what is computed; each other line is a case.
+    The first line of the file says what is computed; each other line is a case. Before each stands
+    its checksum: from a damaged line on, cases are computed again.
     """
 
     def __init__(self, out: Path | None, identity: Mapping[str, Any], *, resume: bool) -> None:
@@ -63,12 +65,10 @@ class Journal:
         assert self._out is not None
         kept = 0
         for number, line in enumerate(text.splitlines(keepends=True)):
-            try:
-                found = json.loads(line) if line.endswith("\n") else None
-            except ValueError:
-                found = None
-            if found is None:
+            checksum, _, written = line.partition(" ")
+            if not line.endswith("\n") or checksum != _checksum(written):
                 break
+            found = json.loads(written)
             if number == 0:
                 check_same(self._out, found, identity)
             else:
@@ -86,7 +86,8 @@ class Journal:
 
     def _write(self, found: Any) -> None:
         assert self._file is not None
-        self._file.write(to_text(found) + "\n")
+        line = to_text(found) + "\n"
+        self._file.write(f"{_checksum(line)} {line}")
         self._file.flush()
 
     @property
@@ -98,9 +99,14 @@ class Journal:
         """Close the file; of a complete sweep it is no longer needed."""
         if self._file is None:
             return
-        self._file.close()
+        with contextlib.suppress(OSError):  # of a full disk, which is told already
+            self._file.close()
         if complete:
             remove_part(self._part)
+
+
+def _checksum(line: str) -> str:
+    return f"{zlib.crc32(line.encode()):08x}"
 
 
 def remove_part(part: Path) -> None:

@@ -71,10 +71,13 @@ def dataset_of(
 
 
 def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
-    """Write the store as a whole or not at all."""
+    """Write the store as a whole or not at all; every chunk has a checksum."""
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
     shutil.rmtree(new, ignore_errors=True)
+    encoding = {name: {"compressors": [ZstdCodec(), Crc32cCodec()]} for name in dataset.variables}
     with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
-        dataset.to_zarr(new, mode="w-", zarr_format=3, consolidated=True)
+        dataset.to_zarr(new, mode="w-", zarr_format=3, consolidated=True, encoding=encoding)
     new.replace(out)
 
 
