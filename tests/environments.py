@@ -39,6 +39,7 @@ COMMANDS = (
     f"tweezer ensemble silica-1um {THERMAL} --duration '1 ms' --trajectories 3 --out e.zarr",
     f"tweezer ensemble silica-1um {THERMAL} --duration '1 ms' --trajectories 3 --statistics",
     "tweezer trap silica-1um --plot trap.png --out trap.json",
+    "tweezer sweep silica-1um --over bead.diameter=0.5um,1um --out s.zarr --plot s.png",
     "tweezer run thesis-990nm --plot thesis-990nm.png",
     "tweezer tune thesis-990nm --factor 0.1 --duration '1 ms' --plot tune.png",
     "python script.py",

@@ -1,9 +1,9 @@
 """Sweeps: time of a trapping diagram, the same bytes after kills, workers of Dask.
 
 Traps of a silica bead, by waves, over sizes and powers. The sweep of two processes is a command of
-its own, so that its time has its start in it; another is killed by SIGKILL at random times and
-resumed. Of Dask's workers the time is that of the best round, and beside it the processor time of
-the busiest one: what is left of the time where other programs use the machine too.
+its own, so that its time has its start in it; another is killed by SIGKILL after random numbers of
+cases and resumed. Of Dask's workers the time is that of the best round, and beside it the processor
+time of the busiest one: what is left of the time where other programs use the machine too.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ SIZES, POWERS = (0.2e-6, 3e-6), (1e-3, 1.0)
 GRID, DASK = (40, 60), (24, 30)
 PROCESSES = 2
 KILLS, ROUNDS = 10, 3
-#: shortest and longest time to a kill, as parts of that of the whole sweep
-KILLED = 0.1, 0.3
+#: time between looks at a journal, s
+LOOK = 0.02
 
 
 def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
@@ -50,7 +50,7 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
         say("a sweep by two processes")
         whole = _whole(Path(folder), grid)
         say(f"the same, killed {kills} times")
-        killed = _killed(Path(folder), grid, kills, whole["wall_s"])
+        killed = _killed(Path(folder), grid, kills)
     say("workers of Dask")
     results: Results = _to_four_digits(
         {
@@ -94,25 +94,27 @@ def _end(running: subprocess.Popen[str]) -> None:
         raise RuntimeError(told)
 
 
-def _killed(folder: Path, grid: tuple[int, int], kills: int, wall: float) -> Results:
-    """The sweep killed so often, and resumed; whether its store is that of the whole one."""
+def _killed(folder: Path, grid: tuple[int, int], kills: int) -> Results:
+    """The sweep killed so often, and resumed; whether its store is that of the whole one.
+
+    It is killed when it has gone on by a random number of cases, fewer than all over the kills.
+    """
     rng, out = random.Random(23), folder / "killed.zarr"
     journal = out.with_name(out.name + ".part") / "journal.jsonl"
-    done, happened = [], 0
-    while happened < kills:
+    done = [0]
+    for _ in range(kills):
+        going_on = rng.randrange(max(1, math.prod(grid) // (kills + 1)))
         running = _begin(_command(out, grid))
-        try:
-            running.wait(wall * rng.uniform(*KILLED))
-        except subprocess.TimeoutExpired:
-            running.send_signal(signal.SIGKILL)
-            happened += 1
+        while _lines(journal) < done[-1] + going_on and running.poll() is None:
+            time.sleep(LOOK)
+        running.send_signal(signal.SIGKILL)
         running.communicate()
-        if out.exists():
+        if running.returncode != -signal.SIGKILL:
             break
         done.append(_lines(journal))
     _end(_begin(_command(out, grid)))
     return {
-        "kills": happened,
+        "kills": len(done) - 1,
         "cases_done_at_each": done,
         "same_bytes": _digest(out) == _digest(folder / "whole.zarr"),
     }

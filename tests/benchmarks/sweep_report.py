@@ -43,9 +43,9 @@ def figure(results: Results) -> Figure:
     drawn = Figure(figsize=(6.5, 3.2), layout="constrained")
     axes = drawn.subplots()
     done = results["killed"]["cases_done_at_each"]
-    axes.step(range(len(done) + 1), [0, *done], where="mid", color="#004488", marker="o", ms=4)
+    axes.step(range(len(done)), done, where="mid", color="#004488", marker="o", ms=4)
     axes.axhline(results["whole"]["cases"], color="#777777", lw=0.8, ls="--")
-    axes.set(xlabel="kill", ylabel="cases done", xlim=(0, max(len(done), 1)), ylim=(0, None))
+    axes.set(xlabel="kill", ylabel="cases done", xlim=(0, max(len(done) - 1, 1)), ylim=(0, None))
     return drawn
 
 

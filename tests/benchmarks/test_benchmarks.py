@@ -43,6 +43,8 @@ from tests.benchmarks import (
     report,
     scaling,
     scaling_report,
+    sweep,
+    sweep_report,
     wall_report,
 )
 from tests.benchmarks.timing import Call, in_fresh_process, per_item
@@ -254,7 +256,7 @@ def test_peers_integrate_our_equations(changes):
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
      ("heights", heights_report), ("camera", camera_report),
      ("free", free_report),
-     ("diagram", diagram_report)],
+     ("diagram", diagram_report), ("sweep", sweep_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -477,6 +479,14 @@ def test_quick_run_of_scaling(command_line, tmp_path):
         assert all(0 < entry["efficiency"] <= 1 for entry in each["cores"])
     # 8 bytes, and a checksum of 4 for each chunk
     assert 8 < results["bytes_per_number"] < 9
+
+
+def test_page_quotes_the_committed_sweep():
+    committed = pages.committed("sweep")
+    assert pages.quoted("sweep", sweep_report.PAGE) == sweep_report.block(committed)
+    assert not committed["quick"]
+    assert committed["killed"]["same_bytes"]
+    assert committed["killed"]["kills"] == sweep.KILLS
 
 
 def test_page_quotes_the_committed_scaling():
