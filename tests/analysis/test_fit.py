@@ -10,7 +10,7 @@ from scipy.linalg import expm
 import tweezer
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Recording
-from tweezer.analysis.inference import _Difference
+from tweezer.analysis.inference import _Difference, _Misfit
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import value_at
 from tweezer.units import usual_unit
@@ -78,6 +78,21 @@ def test_size_and_power_of_an_exact_record(found):
     finest = 1 / np.sqrt(FRAMES)
     assert finest < found[DIAMETER].uncertainty / found[DIAMETER].value < 4 * finest
     assert found.p_value > 1e-4
+
+
+def test_the_misfit_of_the_filter_rises_by_that_of_the_interval(scene, recording, found):
+    """Half of 3.84 in log(likelihood), at its least over the other key, by a parabola."""
+    end = found[DIAMETER].interval[1]
+    misfit = _Misfit([recording], scene, [DIAMETER, POWER])
+    diameter = misfit.keys[0].place(end)
+    power = misfit.keys[1].place(found[POWER].value) + np.array([0.05, 0.08, 0.11])
+    rises = [
+        2 * found.log_likelihood
+        - 2 * sum(path.log_likelihood for path in misfit.filtered(np.array([diameter, each])))
+        for each in power
+    ]
+    curvature, slope, value = np.polyfit(power, rises, 2)
+    assert value - slope**2 / (4 * curvature) == pytest.approx(3.84, abs=0.3)
 
 
 def test_a_wrong_camera_is_noticed(scene, recording):
@@ -155,9 +170,9 @@ def test_the_difference_of_two_misfits_is_a_parabola_along_each_direction():
 
     def parabola(q):
         t = (q - centre) @ np.linalg.inv(directions)
-        return 7 + 2 * t[0] - t[1] + 3 * t[0] ** 2 + t[1] ** 2
+        return 2 * t[0] - t[1] + 3 * t[0] ** 2 + t[1] ** 2
 
-    found = _Difference(parabola, centre, directions, bounds)
+    found = _Difference(lambda q: 7 + parabola(q), centre, directions, bounds)
     for place in ([1.0, 2.0], [1.2, 2.1], [0.8, 1.7]):
         assert found(np.array(place)) == pytest.approx(parabola(np.array(place)))
 

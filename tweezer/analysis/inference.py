@@ -44,7 +44,7 @@ _DIFFERENCE = 1e-3
 _GAIN, _SHORT = 1e-5, 1e-4
 #: Deviance where there is no trap
 _HOPELESS = 1e4
-#: Misfit added to the difference of two, so that its root can be a residual
+#: Misfit added to the change of a difference, so that its root is a residual
 _OFFSET = 1e3
 #: Information that everything is taken to have, so that its inverse is finite
 _FAINT = 1e-6
@@ -143,12 +143,12 @@ def fit(
     (1953)), which costs next to nothing. So what is minimised is that of the spectra and the
     difference of both, which is measured at a place and to both sides of it along each principal
     direction of the misfit, and taken as a parabola along each; and is measured again where the
-    minimum turns out to be, until it stays. The minimum is found by Newton's method in the
-    logarithms of the keys, or in radii for a key that is not positive, from the best of 17 places
-    about the guesses, up to a factor of 5 or 5 radii from them. The interval of a key holds its
-    values whose least misfit over the other keys is less than 3.84 above the least (S. S. Wilks,
-    Ann. Math. Stat. 9, 60 (1938)). Keys that the likelihood does not tell apart are named. The
-    p-value is that of `tweezer.fit_depth`.
+    minimum turns out to be, until it stays. The minimum is found by Gauss's and Newton's steps in
+    the logarithms of the keys, or in radii for a key that is not positive, from the best of 17
+    places about the guesses, up to a factor of 5 or 5 radii from them. The interval of a key holds
+    its values whose least misfit over the other keys is less than 3.84 above the least (S. S.
+    Wilks, Ann. Math. Stat. 9, 60 (1938)). Keys that the likelihood does not tell apart are named.
+    The p-value is that of `tweezer.fit_depth`.
 
     Raises `ResultError` for what `load_recording` refuses, without a scene, for voltages, for a
     camera of another rate, and where no bead is trapped; `SceneError` for keys that are no
@@ -171,7 +171,7 @@ def fit(
     tell(1.0)
     return SceneFit(
         tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found),
-        -best.value / 2,
+        sum(path.log_likelihood for path in paths),
         sum(len(each.times) for each in loaded), p,
         "; ".join(misfit.told(best, found, p)),
     )  # fmt: skip
@@ -244,22 +244,22 @@ class _Key:
 
 
 class _Difference:
-    """What the filter's misfit is above that of the spectra, about a place."""
+    """How the filter's misfit less that of the spectra changes about a place."""
 
     def __init__(
         self, of: Callable[[Array], float], centre: Array, directions: Array, bounds: Array
     ) -> None:
         """directions: (n, n), in rows, as long as the distances at which it is measured."""
         self._centre, self._inverse = centre, np.linalg.inv(directions)
-        self._value = of(centre)
-        if not math.isfinite(self._value):
+        here = of(centre)
+        if not math.isfinite(here):
             raise IntegrationError("the motion cannot be followed")
         slopes, curvatures = [], []
         for direction in directions:
             sides = []
             for way in (-1.0, 1.0):
                 t = way * _within(centre, way * direction, bounds)
-                sides.append((t, of(centre + t * direction) - self._value))
+                sides.append((t, of(centre + t * direction) - here))
             (a, below), (b, above) = sides
             if not (a < 0 < b and math.isfinite(below) and math.isfinite(above)):
                 usable = [(t, rise) for t, rise in sides if t and math.isfinite(rise)]
@@ -273,7 +273,7 @@ class _Difference:
 
     def __call__(self, q: Array) -> float:
         t = np.clip((q - self._centre) @ self._inverse, -_CARRIED, _CARRIED)
-        return float(self._value + self._slopes @ t + self._curvatures @ t**2 / 2)
+        return float(self._slopes @ t + self._curvatures @ t**2 / 2)
 
     def distance(self, q: Array) -> float:
         """Of a place from the centre, in the distances of the measurement."""
