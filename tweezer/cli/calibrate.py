@@ -146,7 +146,8 @@ def calibrate(
 ) -> None:  # fmt: skip
     """Stiffness of a trap from a RECORDING.
 
-    From the thermal motion of the bead, by several methods, and from its answer to a drive.
+    From the thermal motion of the bead, by several methods, and from its answer to a drive; or the
+    diffusion of a bead that is not trapped.
     """
     from tweezer.analysis import calibrate as calibrated
     from tweezer.analysis import find_wall, load_recording, together
