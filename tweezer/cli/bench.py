@@ -139,7 +139,7 @@ _add_benchmark(
 
 _add_benchmark(
     "diagram", "diagram_report",
-    "What is trapped, and for how long: size against power. Least powers; against ensembles.",
+    "What is trapped, and for how long. Size against power. Least powers; against ensembles.",
 )  # fmt: skip
 
 
