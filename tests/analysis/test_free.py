@@ -10,7 +10,8 @@ import tweezer
 from tests.reference.free_bead import free
 from tests.reference.trapped_bead import BOLTZMANN, trapped
 from tweezer.analysis import Recording
-from tweezer.analysis.free import Given, _Steps, free_bead
+from tweezer.analysis.free import Given, free_bead
+from tweezer.analysis.steps import Steps
 
 T, RADIUS, VISCOSITY = 293.15, 0.5e-6, 1.002e-3
 DRAG = 6 * math.pi * VISCOSITY * RADIUS
@@ -32,7 +33,7 @@ def test_the_likelihood_is_that_of_the_dense_gaussian():
     """With the drift integrated over, as the steps about an arbitrary one are without it."""
     rng = np.random.default_rng(2)
     pieces = [rng.standard_normal(n) for n in (17, 9)]
-    fit, n = _Steps(pieces, STEP), 26
+    fit, n = Steps(pieces, STEP), 26
     every, ones = np.concatenate(pieces), np.ones(n)
 
     def dense(A, B):

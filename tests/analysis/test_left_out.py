@@ -115,6 +115,19 @@ def test_a_range_is_what_spectra_are_fitted_over(clean):
     assert "drift" in {each.name for each in axis["equipartition"].findings}
 
 
+def test_command_leaves_out(command_line, clean):
+    table = np.column_stack([TIMES, clean + DISTURBED])
+    np.savetxt("mine.csv", table, delimiter=",", header="t,x", comments="")
+    options = [part for band in ("49 Hz..52 Hz", "149..153") for part in ("--leave-out", band)]
+    outcome = command_line(
+        "calibrate", "mine.csv", "--temperature", "20 degC", "--blur", "0", *options, "--drift",
+        "3 Hz", "--fit-range", "5 Hz..2 kHz",
+    )  # fmt: skip
+    assert outcome.code == 0
+    assert "not trusted" not in outcome.out
+    assert "left out: the drift, 12 cosines slower than 3 Hz, 49 to 52 Hz" in outcome.out
+
+
 def test_a_free_bead_is_told_without_what_is_left_out():
     D, step = 0.4e-12, 0.01
     size = math.sqrt(2 * D * step)

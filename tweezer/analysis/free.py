@@ -18,11 +18,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
-from scipy.fft import dst
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, ndtr
 
 from tweezer.analysis.findings import IMPROBABLE, Finding
+from tweezer.analysis.steps import EXACT, Steps
 from tweezer.errors import ResultError
 
 Array = NDArray[np.float64]
@@ -39,12 +39,7 @@ _DEVIATION_PER_MEDIAN = 1.4826
 _ROUNDING = 1e-12
 #: Smallest number of steps between two jumps.
 _LEAST_STEPS = 3
-#: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
-_BLOCKS = 1000
-#: Largest number of steps of Fisher's scoring.
-_SCORINGS = 40
-#: Range of the logarithm of B/A of `_Steps`, and of A about its start, in a fit.
-_NOISY = (-7.0, 16.0)
+#: Range of ln A about its start, in a fit.
 _SOUGHT = 5.0
 #: Lowest and highest end of an interval, as logarithms of the ratio to the estimate.
 _ENDS = (-12.0, 6.0)
@@ -60,107 +55,10 @@ _BANDS = 10
 _TOLD = 3
 #: Smallest A, in mean squared steps, from which a fit starts.
 _LEAST_START = 0.05
-#: Tolerance of logarithms.
-_EXACT = 1e-5
 #: Squared noise that is seen, in its standard uncertainties, and the 95 % upper limit of any.
 _SEEN, _ONE_SIDED = 3.0, 1.645
 #: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
 _WHOLE_EXPOSURE = 1 / 3
-
-
-class _Steps:
-    """The steps of one coordinate between jumps, as sums over blocks of frequencies.
-
-    The spectrum of the steps is A (1 + cos)/2 + B (1 - cos)/2 of the angle of a frequency, with
-    A = 2 D dt and B = A + 4 s, in units of the mean squared step.
-    """
-
-    def __init__(
-        self, pieces: Sequence[Array], step: float, without: Sequence[tuple[float, float]] = ()
-    ):
-        """pieces: rows of successive steps, m; without: bands (Hz) whose ordinates are not used."""
-        every = np.concatenate(pieces)
-        self.count, self.step = len(every), step
-        self.square = float(np.var(every))
-        rows = []
-        for piece in pieces:
-            n = len(piece)
-            angle = np.pi * np.arange(1, n + 1) / (n + 1)
-            # of a steady drift: the transform of ones
-            ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
-            ordinate = dst(piece, type=1, norm="ortho")
-            frequency = angle / (2 * np.pi * step)
-            kept = np.ones(n, bool)
-            for low, high in without:
-                kept &= (frequency < low) | (frequency > high)
-            rows.append(np.stack([angle, ordinate, ones])[:, kept])
-        angle, ordinate, ones = np.concatenate(rows, axis=1)
-        order = np.argsort(angle, kind="stable")
-        self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
-        self.share = (1 + np.cos(angle[order])) / 2
-        n = len(order)
-        starts = np.arange(n)
-        if n > 2 * _BLOCKS:
-            starts = np.unique(np.geomspace(1, n + 1, _BLOCKS).astype(int))[:-1] - 1
-        self._counts = np.diff([*starts, n]).astype(np.float64)
-        self._share = np.add.reduceat(self.share, starts) / self._counts
-        products = self.ordinates**2, self.ordinates * self.ones, self.ones**2
-        self._squares, self._cross, self._drift = (
-            np.add.reduceat(each, starts) for each in products
-        )
-        self._near = 0.0  # ln B of the last fit
-
-    def misfit(self, a: float, b: float) -> float:
-        """-2 times the log-likelihood with any drift, of ln A and ln B."""
-        A, B = math.exp(a), math.exp(b)
-        spectrum = A * self._share + B * (1 - self._share)
-        per = 1 / spectrum
-        of_drift = float(self._drift @ per)
-        value = self._counts @ np.log(spectrum) + self._squares @ per
-        return float(value - (self._cross @ per) ** 2 / of_drift) + math.log(of_drift)
-
-    def best(self, a: float) -> tuple[float, float]:
-        """The smallest misfit with that ln A, and its ln B: by Fisher's scoring, or by search."""
-        A, b = math.exp(a), self._near if abs(self._near - a) < _NOISY[1] else a
-        for _ in range(_SCORINGS):
-            of_b = math.exp(b) * (1 - self._share)
-            per = 1 / (A * self._share + of_b)
-            slope = of_b * per
-            again = slope * per
-            of_drift, cross = float(self._drift @ per), float(self._cross @ per)
-            change = self._counts @ slope - self._squares @ again
-            change += 2 * cross * float(self._cross @ again) / of_drift
-            change -= float(self._drift @ again) * (cross**2 / of_drift + 1) / of_drift
-            move = -float(change) / float(self._counts @ slope**2)
-            b = min(max(b + min(max(move, -1.0), 1.0), a + _NOISY[0]), a + _NOISY[1])
-            if abs(move) < _EXACT:
-                self._near = b
-                return self.misfit(a, b), b
-        found = minimize_scalar(
-            lambda noisy: self.misfit(a, a + noisy), bounds=_NOISY, method="bounded",
-            options={"xatol": _EXACT},
-        )  # fmt: skip
-        return float(found.fun), a + float(found.x)
-
-    def information(self, a: float, b: float) -> Array:
-        """Fisher's, of ln A and ln B, (2, 2)."""
-        A, B = math.exp(a), math.exp(b)
-        spectrum = A * self._share + B * (1 - self._share)
-        slopes = np.stack([A * self._share, B * (1 - self._share)]) / spectrum
-        return np.asarray((slopes * self._counts) @ slopes.T / 2)
-
-    def drift(self, a: float, b: float) -> tuple[float, float]:
-        """m/s, and its standard uncertainty."""
-        per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
-        of_drift = float(self._drift @ per)
-        unit = math.sqrt(self.square) / self.step
-        return unit * float(self._cross @ per) / of_drift, unit / math.sqrt(of_drift)
-
-    def ratios(self, a: float, b: float) -> Array:
-        """Squares over their expectations: each of one degree of freedom, by frequency."""
-        drift = self.drift(a, b)[0] * self.step / math.sqrt(self.square)
-        spectrum = math.exp(a) * self.share + math.exp(b) * (1 - self.share)
-        return np.asarray((self.ordinates - drift * self.ones) ** 2 / spectrum)
 
 
 @dataclass(frozen=True)
@@ -340,7 +238,7 @@ def _least(misfit: Callable[[float], float], about: float) -> tuple[float, float
     """Where it is smallest, and that misfit."""
     found = minimize_scalar(
         misfit, bounds=(about - _SOUGHT, about + _SOUGHT), method="bounded",
-        options={"xatol": _EXACT},
+        options={"xatol": EXACT},
     )  # fmt: skip
     return float(found.x), float(found.fun)
 
@@ -355,8 +253,8 @@ def _ends(
 
     low, high = (best + end for end in _ENDS)
     return (
-        brentq(above, low, best, xtol=_EXACT) if above(low) > 0 else -math.inf,
-        brentq(above, best, high, xtol=_EXACT) if above(high) > 0 else math.inf,
+        brentq(above, low, best, xtol=EXACT) if above(low) > 0 else -math.inf,
+        brentq(above, best, high, xtol=EXACT) if above(high) > 0 else math.inf,
     )
 
 
@@ -381,7 +279,7 @@ class _Fit:
     """One axis by itself. The unknown a is ln(2 D dt), D in m^2/s far from walls."""
 
     axis: str
-    steps: _Steps
+    steps: Steps
     shift: float
     """ln A is a + shift"""
     known: tuple[float, float] | None
@@ -407,7 +305,7 @@ class _Fit:
             jumps = jumps[:0]
         pieces = [piece[int(i > 0) :] for i, piece in enumerate(np.split(every, jumps))]
         pieces = [piece for piece in pieces if len(piece) >= _LEAST_STEPS]
-        steps = _Steps(pieces, step, given.without)
+        steps = Steps(pieces, step, given.without)
         kept = np.concatenate(pieces)
         kurtosis = float(((kept - kept.mean()) ** 4).mean() / np.var(kept) ** 2) - 3
         known = None

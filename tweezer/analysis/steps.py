@@ -1,0 +1,117 @@
+"""Steps of a free bead from sample to sample: their spectrum, and its exact likelihood."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import dst
+from scipy.optimize import minimize_scalar
+
+Array = NDArray[np.float64]
+
+#: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
+_BLOCKS = 1000
+#: Largest number of steps of Fisher's scoring.
+_SCORINGS = 40
+#: Range of the logarithm of B/A in a fit.
+_NOISY = (-7.0, 16.0)
+#: Tolerance of the logarithms of A and B.
+EXACT = 1e-5
+
+
+class Steps:
+    """The steps of one coordinate between jumps, as sums over blocks of frequencies.
+
+    The spectrum of the steps is A (1 + cos)/2 + B (1 - cos)/2 of the angle of a frequency, with
+    A = 2 D dt and B = A + 4 s, in units of the mean squared step.
+    """
+
+    def __init__(
+        self, pieces: Sequence[Array], step: float, without: Sequence[tuple[float, float]] = ()
+    ):
+        """pieces: rows of successive steps, m; without: bands (Hz) whose ordinates are not used."""
+        every = np.concatenate(pieces)
+        self.count, self.step = len(every), step
+        self.square = float(np.var(every))
+        rows = []
+        for piece in pieces:
+            n = len(piece)
+            angle = np.pi * np.arange(1, n + 1) / (n + 1)
+            # of a steady drift: the transform of ones
+            ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
+            ordinate = dst(piece, type=1, norm="ortho")
+            frequency = angle / (2 * np.pi * step)
+            kept = np.ones(n, bool)
+            for low, high in without:
+                kept &= (frequency < low) | (frequency > high)
+            rows.append(np.stack([angle, ordinate, ones])[:, kept])
+        angle, ordinate, ones = np.concatenate(rows, axis=1)
+        order = np.argsort(angle, kind="stable")
+        self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
+        self.share = (1 + np.cos(angle[order])) / 2
+        n = len(order)
+        starts = np.arange(n)
+        if n > 2 * _BLOCKS:
+            starts = np.unique(np.geomspace(1, n + 1, _BLOCKS).astype(int))[:-1] - 1
+        self._counts = np.diff([*starts, n]).astype(np.float64)
+        self._share = np.add.reduceat(self.share, starts) / self._counts
+        products = self.ordinates**2, self.ordinates * self.ones, self.ones**2
+        self._squares, self._cross, self._drift = (
+            np.add.reduceat(each, starts) for each in products
+        )
+        self._near = 0.0  # ln B of the last fit
+
+    def misfit(self, a: float, b: float) -> float:
+        """-2 times the log-likelihood with any drift, of ln A and ln B."""
+        A, B = math.exp(a), math.exp(b)
+        spectrum = A * self._share + B * (1 - self._share)
+        per = 1 / spectrum
+        of_drift = float(self._drift @ per)
+        value = self._counts @ np.log(spectrum) + self._squares @ per
+        return float(value - (self._cross @ per) ** 2 / of_drift) + math.log(of_drift)
+
+    def best(self, a: float) -> tuple[float, float]:
+        """The smallest misfit with that ln A, and its ln B: by Fisher's scoring, or by search."""
+        A, b = math.exp(a), self._near if abs(self._near - a) < _NOISY[1] else a
+        for _ in range(_SCORINGS):
+            of_b = math.exp(b) * (1 - self._share)
+            per = 1 / (A * self._share + of_b)
+            slope = of_b * per
+            again = slope * per
+            of_drift, cross = float(self._drift @ per), float(self._cross @ per)
+            change = self._counts @ slope - self._squares @ again
+            change += 2 * cross * float(self._cross @ again) / of_drift
+            change -= float(self._drift @ again) * (cross**2 / of_drift + 1) / of_drift
+            move = -float(change) / float(self._counts @ slope**2)
+            b = min(max(b + min(max(move, -1.0), 1.0), a + _NOISY[0]), a + _NOISY[1])
+            if abs(move) < EXACT:
+                self._near = b
+                return self.misfit(a, b), b
+        found = minimize_scalar(
+            lambda noisy: self.misfit(a, a + noisy), bounds=_NOISY, method="bounded",
+            options={"xatol": EXACT},
+        )  # fmt: skip
+        return float(found.fun), a + float(found.x)
+
+    def information(self, a: float, b: float) -> Array:
+        """Fisher's, of ln A and ln B, (2, 2)."""
+        A, B = math.exp(a), math.exp(b)
+        spectrum = A * self._share + B * (1 - self._share)
+        slopes = np.stack([A * self._share, B * (1 - self._share)]) / spectrum
+        return np.asarray((slopes * self._counts) @ slopes.T / 2)
+
+    def drift(self, a: float, b: float) -> tuple[float, float]:
+        """m/s, and its standard uncertainty."""
+        per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
+        of_drift = float(self._drift @ per)
+        unit = math.sqrt(self.square) / self.step
+        return unit * float(self._cross @ per) / of_drift, unit / math.sqrt(of_drift)
+
+    def ratios(self, a: float, b: float) -> Array:
+        """Squares over their expectations: each of one degree of freedom, by frequency."""
+        drift = self.drift(a, b)[0] * self.step / math.sqrt(self.square)
+        spectrum = math.exp(a) * self.share + math.exp(b) * (1 - self.share)
+        return np.asarray((self.ordinates - drift * self.ones) ** 2 / spectrum)
