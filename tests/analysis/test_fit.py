@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 import tweezer
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Recording
-from tweezer.analysis.inference import _Difference, _Misfit
+from tweezer.analysis.scene_misfit import Difference, Misfit
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import value_at
 from tweezer.units import usual_unit
@@ -83,7 +83,7 @@ def test_size_and_power_of_an_exact_record(found):
 
 def test_the_misfit_of_the_filter_rises_by_that_of_the_interval(scene, recording, found):
     """3.84 at an end, at the least over the other key, sought on the filter alone."""
-    misfit = _Misfit([recording], scene, [DIAMETER, POWER])
+    misfit = Misfit([recording], scene, [DIAMETER, POWER])
     end = misfit.keys[0].place(found[DIAMETER].interval[1])
     power = misfit.keys[1].place(found[POWER].value)
 
@@ -172,7 +172,7 @@ def test_the_difference_of_two_misfits_is_a_parabola_along_each_direction():
         t = (q - centre) @ np.linalg.inv(directions)
         return 2 * t[0] - t[1] + 3 * t[0] ** 2 + t[1] ** 2
 
-    found = _Difference(lambda q: 7 + parabola(q), centre, directions, bounds)
+    found = Difference(lambda q: 7 + parabola(q), centre, directions, bounds)
     for place in ([1.0, 2.0], [1.2, 2.1], [0.8, 1.7]):
         assert found(np.array(place)) == pytest.approx(parabola(np.array(place)))
 

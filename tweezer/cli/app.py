@@ -49,6 +49,7 @@ Scale = Annotated[
         help='Length of a pixel or a volt: "85.8 nm", "11.66 px/um", "0.5 um/V".', metavar="LENGTH"
     ),
 ]
+Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
 FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
 

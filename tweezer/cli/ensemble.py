@@ -11,6 +11,7 @@ import typer
 
 from tweezer.cli.app import (
     Changes,
+    Resume,
     SceneName,
     app,
     bind_light,
@@ -58,9 +59,7 @@ def ensemble(
             "or SCENE-statistics.nc if not given."
         ),
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with what is there, if anything is.")
-    ] = False,
+    resume: Resume = False,
     workers: Annotated[
         int | None, typer.Option(help="Threads; one for each core if not given.")
     ] = None,

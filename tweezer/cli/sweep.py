@@ -11,6 +11,7 @@ import typer
 from tweezer.cli.app import (
     Changes,
     FigureFile,
+    Resume,
     SceneName,
     app,
     quantity_in,
@@ -61,9 +62,7 @@ def sweep(
     out: Annotated[
         Path | None, typer.Option(help="Zarr store to write; SCENE-sweep.zarr if not given.")
     ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with what is there, if anything is.")
-    ] = False,
+    resume: Resume = False,
     workers: Annotated[
         int | None, typer.Option(help="Processes; one for each core if not given.")
     ] = None,
