@@ -11,6 +11,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import math
+import os
 import random
 import resource
 import signal
@@ -144,6 +145,7 @@ def _dask(grid: tuple[int, int], rounds: int) -> Results:
     first = {name: values[-1:] for name, values in over.items()}
     least = {1: math.inf, 2: math.inf}
     busiest = {1: math.inf, 2: math.inf}
+    load, _, _ = os.getloadavg()
     with (
         dask_clients(least) as clients,
         warnings.catch_warnings(action="ignore", category=tweezer.PhysicsWarning),  # of small beads
@@ -162,6 +164,7 @@ def _dask(grid: tuple[int, int], rounds: int) -> Results:
         "cases": math.prod(grid),
         "wall_s": {str(count): least[count] for count in least},
         "busiest_cpu_s": {str(count): busiest[count] for count in busiest},
+        "load_before": load,
         "speed_up": least[1] / least[2],
         "speed_up_of_processor_time": busiest[1] / busiest[2],
     }

@@ -12,6 +12,8 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.sweep import Results
 
+#: load average from which on times are not those of an idle machine
+BUSY = 1.0
 PAGE = pages.ROOT / "docs/sweeps.md"
 
 
@@ -62,6 +64,11 @@ def block(results: Results) -> str:
         f"{dask['speed_up']:.2f} times as fast; the busier of the two has "
         f"1/{dask['speed_up_of_processor_time']:.2f} of the processor time of the one."
     )
+    if dask["load_before"] > BUSY:
+        explained += (
+            " Other programs used the machine at the time (load average "
+            f"{dask['load_before']:.0f}), so that the processor time tells more than the time."
+        )
     lines = [
         *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
         "![Cases that were done at each kill](figures/bench-sweep.png)",

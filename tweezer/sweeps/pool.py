@@ -34,6 +34,8 @@ Task = list[tuple[int, dict[str, str]]]
 
 #: Number of tasks for each worker, so that all end at about the same time
 _TASKS = 8
+#: Keys of the size of a bead
+_SIZES = ("bead.diameter", "bead.radius")
 #: Largest number of cases of a task
 _LONGEST = 64
 #: Number of times that a case is tried whose process dies
@@ -59,7 +61,14 @@ def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
             [(case, cases.settings(case)) for case in kept[i : i + size]]
             for i in range(0, len(kept), size)
         ]
-    return tasks
+    # the longest first, so that all workers end at about the same time
+    return sorted(tasks, key=_bead_size, reverse=True)
+
+
+def _bead_size(task: Task) -> float:
+    """Size of the bead, if the sweep is over it: larger ones take longer."""
+    _, settings = task[0]
+    return max(float(settings.get(key, 0.0)) for key in _SIZES)
 
 
 def cores() -> int:
