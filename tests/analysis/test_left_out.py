@@ -140,6 +140,29 @@ def test_a_free_bead_is_told_without_what_is_left_out():
     assert high < 1.2 * low
 
 
+@pytest.mark.parametrize("how", [{"drift": "1 Hz"}, {"fit_range": "1 Hz..50 Hz"}])
+def test_a_free_bead_without_its_slow_motion_is_no_trapped_one(how):
+    """Records that a trap of 0.3 to 1 Hz fits; of 180 such ones none was taken for trapped."""
+    D, step = BOLTZMANN * T / DRAG, 0.01
+    for seed in (7, 8, 9, 10):
+        x = free(step, 5000, D, seed)[0]
+        recording = Recording("mine", step * np.arange(5000), x[:, None], ("x",))
+        found = tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, **how)
+        assert all("a free bead looks so too" in each.caveat for each in found.axes[0].estimates)
+        low, high = found.free.interval
+        assert 0.7 * D < low < high < 1.4 * D
+
+
+def test_a_trap_faster_than_the_drift_stays_a_trap():
+    """A corner frequency of 3 Hz, a drift slower than 1 Hz."""
+    step, k = 0.01, 6 * math.pi * DRAG
+    x = trapped(step, 5000, k, DRAG, None, T, 5)[0]
+    recording = Recording("mine", step * np.arange(5000), x[:, None], ("x",))
+    found = tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, drift="1 Hz")
+    assert found.free is None
+    assert abs(found.axes[0]["power spectrum"].stiffness - k) < 0.3 * k
+
+
 @pytest.mark.parametrize(
     ("how", "complaint"),
     [({"leave_out": ["50 Hz"]}, 'leave_out = .50 Hz.: must be such as "49 Hz..51 Hz"'),

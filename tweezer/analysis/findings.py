@@ -38,6 +38,10 @@ _HARM = 0.5
 _RELAXATIONS = 30.0
 #: Record that is certainly long enough, in relaxation times.
 _LONG = 300.0
+#: Half the width of a 95 % interval of a corner frequency, in standard uncertainties.
+_INTERVAL = 1.96
+#: Lowest frequency of a fit from which on slow motion is left out, in that of one period a record.
+_NEXT = 1.5
 #: Largest distance of a position from the median, in standard deviations.
 _FAR = 6.0
 #: Fraction of the samples at one extreme value above which the range of the detector may end there.
@@ -99,7 +103,7 @@ class Fits:
 
 def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
     """Findings against the record, and so against every estimate from it."""
-    few = _few_relaxations(len(positions) * step, fits.free.bead)
+    few = _like_a_free_bead(len(positions) * step, fits)
     unsteady = _unsteady(positions, step, fits, few is not None)
     drifts = any(each is not None and each.name == "drift" for each in unsteady)
     # a drift is mostly at the lowest frequencies
@@ -161,11 +165,17 @@ def _two_largest(numbers: Array) -> tuple[float, float]:
     return float(largest), float(numbers[numbers < largest].max())
 
 
-def _few_relaxations(duration: float, bead: TrappedBead) -> Finding | None:
+def _like_a_free_bead(duration: float, fits: Fits) -> Finding | None:
+    """Too few relaxations; or slow motion is left out, and no plateau is seen in what remains."""
+    bead, slowest = fits.free.bead, float(fits.free.periodogram.frequencies[0])
     relaxations = duration / bead.relaxation_time
-    if relaxations >= _RELAXATIONS:
+    if relaxations < _RELAXATIONS:
+        text = f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
+        return Finding("free", text)
+    least = bead.roll_off * (1 - _INTERVAL * fits.free.uncertainty(1, -1))
+    if slowest * duration < _NEXT or least > slowest:
         return None
-    text = f"the record is {relaxations:.2g} relaxation times: a free bead looks so too"
+    text = f"without what is slower than {slowest:.2g} Hz a free bead looks so too"
     return Finding("free", text)
 
 
