@@ -1,5 +1,6 @@
 """Keys of a scene from recordings: against exact records of a linear trap, and what is refused."""
 
+import dataclasses
 import json
 from pathlib import Path
 
@@ -11,9 +12,9 @@ from scipy.optimize import minimize_scalar
 import tweezer
 from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.analysis import Recording
-from tweezer.analysis.scene_misfit import Difference, Misfit
+from tweezer.analysis.scene_misfit import Difference, FreeKey, Misfit
 from tweezer.errors import ResultError, SceneError
-from tweezer.scene import value_at
+from tweezer.scene import value_at, with_settings
 from tweezer.units import usual_unit
 
 RATE, FRAMES, NOISE = 2000.0, 3000, 4e-9
@@ -142,7 +143,9 @@ def test_command(scene, recording, command_line):
      ({}, ["beam.power"], "free = 'beam.power': the scene has no value of it"),
      ({"camera": {"noise": 0}}, ["camera.noise"], "must have a first guess above 0"),
      ({}, [POWER, POWER], "given more than once"),
-     ({"camera": {"rate": 1000}}, [POWER], "2000 frames a second, and camera.rate = 1000"),
+     ({"camera": {"rate": 1000}}, [POWER], "its camera has rate = 2000, and the scene, or"),
+     ({}, ["simulation.duration"], "tells nothing of a bead at rest"),
+     ({}, ["bead.radius", DIAMETER], "bead.radius or diameter: not both"),
      ({"beam": {"power_through_pupil": 1e-9}}, [POWER], "the light holds no bead"),
      ({"beam": {"motion": {"kind": "ramp", "velocity": [1e-6, 0, 0]}}}, [POWER],
       "whose forces do not change in time")],
@@ -175,6 +178,40 @@ def test_the_difference_of_two_misfits_is_a_parabola_along_each_direction():
     found = Difference(lambda q: 7 + parabola(q), centre, directions, bounds)
     for place in ([1.0, 2.0], [1.2, 2.1], [0.8, 1.7]):
         assert found(np.array(place)) == pytest.approx(parabola(np.array(place)))
+
+
+def test_a_limit_of_what_a_scene_may_have_is_no_end_of_an_interval(scene, recording):
+    """The exposure, which is the whole time between frames, cannot be longer."""
+    found = tweezer.fit(recording, scene, free=["camera.exposure"])["camera.exposure"]
+    low, high = found.interval
+    assert 0.9 / RATE < low < 1 / RATE
+    assert (high, found.determined, found.uncertainty) == (None, False, None)
+
+
+def test_a_guess_too_far_off_is_not_the_fault_of_the_record(scene, recording):
+    found = tweezer.fit(
+        recording, scene.replace(beam={"power_through_pupil": "80 mW"}), free=[POWER]
+    )
+    assert f"{POWER} at an end of what was tried: begin nearer" in found.statement
+    assert "determine" not in found.statement
+
+
+def test_cameras_of_several_records_must_agree(scene, recording):
+    dark = tweezer.load_scene("silica-1um").replace(beam={"power_through_pupil": "10 mW"})
+    sharp = dataclasses.replace(recording, exposure=0.0, noise=(NOISE, NOISE))
+    with pytest.raises(ResultError, match="its camera has exposure = 0, and the scene, or another"):
+        tweezer.fit([dataclasses.replace(sharp, exposure=1 / RATE), sharp], dark, free=[POWER])
+
+
+def test_places_of_keys(scene):
+    """Logarithms, or radii where a key may be negative; the index of a bead is a number too."""
+    beside = FreeKey(scene.replace(wall={"position": "-2 um"}), "wall.position")
+    assert beside.setting(np.float64(0.5)) == "-1.75e-06 m"
+    assert beside.place(-1.5e-6) == pytest.approx(1.0)
+    assert beside.bounds == pytest.approx((-5.0, 5.0))
+    index = FreeKey(scene, "bead.refractive_index")
+    assert float(index.setting(np.log(1.02))) == pytest.approx(1.45 * 1.02)
+    with_settings(scene, {"bead.refractive_index": index.setting(0.01)})
 
 
 def test_usual_units():

@@ -23,12 +23,15 @@ from tweezer.analysis.residuals import p_value
 from tweezer.analysis.scene_misfit import Least, Misfit
 from tweezer.errors import ResultError
 from tweezer.scene import Scene, checked_scene
-from tweezer.units import Quantity
 
 #: Information that everything is taken to have, so that its inverse is finite
 _FAINT = 1e-6
+#: Distance from a bound at which a value counts as there
+_AT_END = 1e-3
 #: Tolerance of the end of an interval, in its distance
 _END = 0.01
+#: Part of the level that the misfit has reached just before a smooth end
+_SMOOTH = 0.9
 #: Smallest number of relaxation times, of the slowest axis that is seen
 _FEW = 50.0
 #: Probability of the residuals below which the scene is not that of the record
@@ -54,9 +57,9 @@ class FittedKey:
     """standard uncertainty: the interval over 3.92; None if `determined` is False"""
     interval: tuple[float | None, float | None]
     """95 % confidence by profile likelihood; None for an end farther off than a factor of 1.65 or
-    half a radius"""
+    half a radius, or beyond what a scene may have"""
     determined: bool
-    """whether both ends are told, within a factor of 1.65 or half a radius of the value"""
+    """whether both ends are told, the fit has converged and the residuals are those of the scene"""
     profile: tuple[tuple[float, float], ...]
     """values of the key, and least misfit there, -2 log(likelihood), above the least of all"""
 
@@ -131,12 +134,13 @@ def fit(
     misfit = Misfit(loaded, scene, free)
     tell = progress or (lambda _: None)
     best = misfit.best(lambda part: tell(0.4 * part))
+    paths = misfit.filtered(best.at)
+    p = min(len(paths) * min(p_value(path, sized=True) for path in paths), 1.0)
+    sound = best.converged and p >= _IMPROBABLE
     found: list[FittedKey] = []
     for i in range(len(free)):
         tell(0.4 + 0.6 * i / len(free))
-        found.append(_Interval(misfit, best, i).found())
-    paths = misfit.filtered(best.at)
-    p = min(len(paths) * min(p_value(path, sized=True) for path in paths), 1.0)
+        found.append(_Interval(misfit, best, i).found(sound=sound))
     tell(1.0)
     return SceneFit(
         tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found),
@@ -166,19 +170,26 @@ def _loaded(recordings: Any) -> list[Recording]:
 def _told(misfit: Misfit, best: Least, found: Sequence[FittedKey], p: float) -> list[str]:
     """What the recordings tell, in words; first of all what they do not."""
     lines = []
-    lost = [each.key for each in found if not each.determined]
+    at_ends = [
+        key.key
+        for key, place in zip(misfit.keys, best.at, strict=True)
+        if abs(place) > key.reach - _AT_END
+    ]
+    lost = [each.key for each in found if not each.determined and each.key not in at_ends]
     if not best.converged:
         lines.append("the fit has not converged: nothing of it is to be trusted")
-    elif lost:
+    if p < _IMPROBABLE:
+        lines.append(
+            f"the residuals are not those of the scene (p = {p:.1g}): what is not free in it is "
+            "not that of the record, or its noise or exposure"
+        )
+    if at_ends:
+        lines.append(f"{' and '.join(at_ends)} at an end of what was tried: begin nearer")
+    if lost and not lines:
         lines.append(f"the record does not determine {' and '.join(lost)}")
         lines += _degenerate(misfit, best, lost)
-    else:
+    if not lines:
         lines.append(f"the record determines {' and '.join(each.key for each in found)}")
-    low, high = misfit.bounds.T
-    at_ends = [key.key for key, q, a, b in zip(misfit.keys, best.at, low, high, strict=True)
-               if q <= a or q >= b]  # fmt: skip
-    if at_ends:
-        lines.append(f"{' and '.join(at_ends)} at an end of what was tried")
     bound = misfit.bound(tuple(best.at.tolist()))
     assert not isinstance(bound, str)
     axes = max(seen.shape[1] for seen in misfit.seen)
@@ -189,11 +200,6 @@ def _told(misfit: Misfit, best: Least, found: Sequence[FittedKey], p: float) -> 
     momentum_time = bound.problem.bead.mass / float(bound.drag[0])
     if min(each.step for each in misfit.recordings) < _INERTIA * momentum_time:
         lines.append("its steps are as short as the bead's inertia lasts, which is left out")
-    if p < _IMPROBABLE:
-        lines.append(
-            f"the residuals are not those of the scene (p = {p:.1g}): what is not free in it "
-            "is not that of the record, or its noise or exposure"
-        )
     return lines
 
 
@@ -227,16 +233,17 @@ class _Interval:
         self._along = covariance[:, index] / variance
         self._known: dict[float, float] = {float(best.at[index]): 0.0}
 
-    def found(self) -> FittedKey:
+    def found(self, *, sound: bool) -> FittedKey:
+        """What is told of the key; sound: whether the fit may be trusted."""
         key, at = self._misfit.keys[self._index], float(self._best.at[self._index])
         ends = [self._end(at, way) for way in (-1.0, 1.0)]
         low, high = (None if end is None else key.value(end) for end in ends)
-        determined = low is not None and high is not None and self._best.converged
-        quantity: Quantity = key.quantity
+        uncertainty = None
+        if sound and low is not None and high is not None:
+            uncertainty = (high - low) / 3.92
         return FittedKey(
-            key.key, quantity.unit, key.value(at),
-            (high - low) / 3.92 if determined and low is not None and high is not None else None,
-            (low, high), determined,
+            key.key, key.quantity.unit, key.value(at), uncertainty, (low, high),
+            uncertainty is not None,
             tuple((key.value(q), rise) for q, rise in sorted(self._known.items())),
         )  # fmt: skip
 
@@ -251,7 +258,10 @@ class _Interval:
         return math.sqrt(max(self._known[q], 0.0))
 
     def _end(self, at: float, way: float) -> float | None:
-        """Where the misfit has risen by 3.84, None if it does not up to `_DETERMINED`."""
+        """Where the misfit has risen by 3.84.
+
+        None if it does not up to `_DETERMINED`, or at once, where there is no such scene.
+        """
         limit = float(np.clip(at + way * _DETERMINED, self._low, self._high))
         level = math.sqrt(LEVEL)
         inner, outer, step = at, at, level * self._spread
@@ -266,4 +276,6 @@ class _Interval:
         def above(q: float) -> float:
             return min(self._rise(q), 10 * level) - level
 
-        return float(brentq(above, inner, outer, xtol=_END * abs(outer - at), rtol=1e-12))
+        tolerance = _END * abs(outer - at)
+        end = float(brentq(above, inner, outer, xtol=tolerance, rtol=1e-12))
+        return end if self._rise(end - 3 * way * tolerance) > _SMOOTH * level else None

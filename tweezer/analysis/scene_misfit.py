@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.equilibria import nearest_stable
 from tweezer.errors import IntegrationError, PhysicsWarning, ResultError, SceneError, UnitWarning
 from tweezer.scene import Scene, described_at, value_at, with_settings
+from tweezer.units import RefractiveIndex, quantity_of
 
 Array = NDArray[np.float64]
 
@@ -44,6 +46,10 @@ _ASIDE, _CARRIED = 0.2, 3.0
 #: Distance of the best place from where the filter was asked, in standard uncertainties, up to
 #: which it is not asked again, and the largest number of times that it is
 _NEAR, _TIMES = 0.5, 6
+#: Keys that the motion of a bead at rest in the trap depends on
+_FITTED = re.compile(
+    r"(bead|medium|lens|beam(\[\d+\])?|wall|forces)\..+|camera\.(exposure|noise|noise_along)"
+)
 #: Largest relative difference of a camera's rate from that of a record
 _UNEVEN = 1e-3
 
@@ -54,14 +60,25 @@ class FreeKey:
     def __init__(self, scene: Scene, key: str) -> None:
         quantity, _ = described_at(key)
         value = value_at(scene, key)
+        if quantity is None and key.endswith("refractive_index") and not isinstance(value, str):
+            quantity = quantity_of(RefractiveIndex)  # of a bead that does not absorb
         if quantity is None or isinstance(value, bool | str):
             raise SceneError(f"free = {key!r}: is not a quantity that can be fitted")
+        if not _FITTED.fullmatch(key):
+            raise SceneError(
+                f"free = {key!r}: tells nothing of a bead at rest in the trap; allowed: keys of "
+                "bead, medium, lens, beam, wall and forces, and camera.exposure, camera.noise and "
+                "camera.noise_along"
+            )
         if not isinstance(value, int | float):
             raise SceneError(f"free = {key!r}: the scene has no value of it to begin with")
         self.key, self.given, self.quantity = key, float(value), quantity
         self.logarithmic = quantity.low >= 0
         if self.logarithmic and value <= 0:
             raise SceneError(f"free = {key!r}: must have a first guess above 0 in the scene")
+        self._most = math.inf
+        if key == "camera.exposure" and scene.camera is not None:
+            self._most = 1 / scene.camera.rate
         self.unit = 1.0
         if not self.logarithmic:
             self.unit = scene.bead.radius if quantity.unit == "m" else abs(self.given) or 1.0
@@ -70,7 +87,7 @@ class FreeKey:
         """In SI."""
         if self.logarithmic:
             return self.given * math.exp(q)
-        return self.given + self.unit * q
+        return float(self.given + self.unit * q)
 
     def place(self, value: float) -> float:
         """Of a value in SI."""
@@ -79,10 +96,15 @@ class FreeKey:
         return (value - self.given) / self.unit
 
     @property
+    def reach(self) -> float:
+        """Largest distance from the first guess."""
+        return math.log(_REACH) if self.logarithmic else _REACH
+
+    @property
     def bounds(self) -> tuple[float, float]:
-        """Of the place: what a scene allows, and not farther than `_REACH`."""
-        reach = math.log(_REACH) if self.logarithmic else _REACH
-        low, high = self.quantity.low, self.quantity.high
+        """Of the place: what a scene allows, and not farther than `reach`."""
+        reach = self.reach
+        low, high = self.quantity.low, min(self.quantity.high, self._most)
         lowest = -math.inf if self.logarithmic and low <= 0 else self.place(low)
         return max(lowest, -reach), min(self.place(high), reach)
 
@@ -176,7 +198,7 @@ class Misfit:
         for key in free:
             if list(free).count(key) > 1:
                 raise SceneError(f"free = {key!r}: given more than once")
-        self._scene, self.recordings = _with_camera(scene, recordings), recordings
+        self._scene, self.recordings = _with_camera(scene, recordings, free), recordings
         self.keys = [FreeKey(self._scene, key) for key in free]
         self.bounds = np.array([each.bounds for each in self.keys])
         self.seen = [_seen(each) for each in recordings]
@@ -189,7 +211,7 @@ class Misfit:
         self._latest: tuple[tuple[float, ...], Bound | str] | None = None
         begin = self.bound(tuple([0.0] * len(free)))
         if isinstance(begin, str):
-            raise ResultError(f"{scene.name}: {begin}; change its first guesses")
+            raise ResultError(f"{scene.name}: {begin}")
         if not begin.problem.force.steady:
             raise SceneError("beam: a scene is fitted whose forces do not change in time")
 
@@ -215,7 +237,7 @@ class Misfit:
                 return str(error)
         place = nearest_stable(problem.equilibria(problem.net_force_apart))
         if place is None:
-            return "the light holds no bead"
+            return "the light holds no bead; change the first guesses"
         stiffness = np.array(place.stiffness)
         stiffness = (stiffness + stiffness.T) / 2
         kT = Boltzmann * scene.medium.temperature
@@ -350,30 +372,37 @@ def _seen(recording: Recording) -> Array:
     return seen
 
 
-def _with_camera(scene: Scene, recordings: Sequence[Recording]) -> Scene:
+def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[str]) -> Scene:
     """The scene with the camera of the recordings, if it has none of its own.
 
     Raises `ResultError` where its camera is not that of a record.
     """
-    for each in recordings:
-        rate = 1 / each.step
-        if scene.camera is not None and abs(scene.camera.rate / rate - 1) > _UNEVEN:
-            raise ResultError(
-                f"{each.name}: {rate:.6g} frames a second, and camera.rate = "
-                f"{scene.camera.rate:g}: must be the same"
-            )
-    with_z = any("z" in each.axes for each in recordings)
-    camera: dict[str, Any] = {}
     if scene.camera is None:
         first = recordings[0]
         noise = dict(zip(first.axes, first.noise or [0.0] * len(first.axes), strict=True))
         camera = {"rate": 1 / first.step, "exposure": first.exposure or 0.0}
         camera["noise"] = max((value for axis, value in noise.items() if axis != "z"), default=0.0)
-        if with_z:
+        if any("z" in each.axes for each in recordings):
             camera["noise_along"] = noise.get("z", 0.0)
-    elif with_z and scene.camera.noise_along is None:
-        raise ResultError(
-            "camera.noise_along: missing: the record has z, which the scene's camera does not see"
-        )
-    with warnings.catch_warnings(action="ignore", category=UnitWarning):
-        return scene.replace(camera=camera) if camera else scene
+        with warnings.catch_warnings(action="ignore", category=UnitWarning):
+            scene = scene.replace(camera=camera)
+    assert scene.camera is not None
+    for each in recordings:
+        if "z" in each.axes and scene.camera.noise_along is None:
+            raise ResultError(
+                "camera.noise_along: missing: the record has z, which the scene's camera does not "
+                "see"
+            )
+        known = {"rate": 1 / each.step, "exposure": each.exposure}
+        if each.noise is not None:
+            names = ["noise_along" if axis == "z" else "noise" for axis in each.axes]
+            known |= dict(zip(names, each.noise, strict=True))
+        for name, value in known.items():
+            own = getattr(scene.camera, name)
+            agrees = value is None or math.isclose(value, own, rel_tol=_UNEVEN)
+            if not agrees and f"camera.{name}" not in free:
+                raise ResultError(
+                    f"{each.name}: its camera has {name} = {value:.6g}, and the scene, or another "
+                    f"record, {own:.6g}: must be the same"
+                )
+    return scene

@@ -31,6 +31,7 @@ from tweezer.cli.console import (
     write_json,
 )
 from tweezer.cli.tables import add_light, table_of
+from tweezer.errors import SceneError
 from tweezer.rounding import with_uncertainty
 
 if TYPE_CHECKING:
@@ -47,16 +48,19 @@ def fit(
             metavar="RECORDING...",
         ),
     ],
-    scene: Annotated[
-        str,
-        typer.Option(help="Shipped scene or TOML file, with the first guesses.", metavar="SCENE"),
-    ],
     free: Annotated[
         list[str],
         typer.Option(
             help="Key of the scene to fit: bead.diameter. May be repeated.", metavar="KEY"
         ),
     ],
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            help="Shipped scene or TOML file, with the first guesses; that of a run if not given.",
+            metavar="SCENE",
+        ),
+    ] = None,
     set: Changes = None,
     columns: Columns = None,
     rate: Rate = None,
@@ -72,7 +76,9 @@ def fit(
     """
     from tweezer.units import Time
 
-    described = scene_with(scene, settings_of(set or []))
+    if set and scene is None:
+        raise SceneError("--set: changes a --scene, which is not given")
+    described = scene_with(scene, settings_of(set or [])) if scene else None
     skipped = quantity_in("--skip", skip, Time)
     out = out and writable(out, ("json",))
     plot = plot and writable(plot, FIGURE_FORMATS)
@@ -84,7 +90,7 @@ def fit(
         load_recording(each, columns=columns, rate=rate, scale=scale).since(skipped)
         for each in recordings
     ]
-    with showing_progress(described.name, 1.0) as progress:
+    with showing_progress(loaded[0].name, 1.0) as progress:
         found = fitted(loaded, described, free=free, progress=progress)
     _print_fit(found)
     if out:
