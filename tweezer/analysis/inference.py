@@ -114,13 +114,13 @@ def fit(
     bead with the scene's stiffness and drag at its equilibrium (P. Whittle, Ark. Mat. 2, 423
     (1953)), which costs next to nothing. So what is minimised is that of the spectra and the
     difference of both, which is measured at a place and to both sides of it along each principal
-    direction of the misfit, and taken as a parabola along each; and is measured again where the
-    minimum turns out to be, until it stays. The minimum is found by Gauss's and Newton's steps in
-    the logarithms of the keys, or in radii for a key that is not positive, from the best of 17
-    places about the guesses, up to a factor of 5 or 5 radii from them. The interval of a key holds
-    its values whose least misfit over the other keys is less than 3.84 above the least (S. S.
-    Wilks, Ann. Math. Stat. 9, 60 (1938)). Keys that the likelihood does not tell apart are named.
-    The p-value is that of `tweezer.fit_depth`.
+    direction of the misfit that tells more than a quarter, and taken as a parabola along each,
+    level beyond; and is measured again where the minimum turns out to be, until it stays. The
+    minimum is found by Gauss's and Newton's steps in the logarithms of the keys, or in radii for a
+    key that is not positive, from the best of 17 places about the guesses, up to a factor of 5 or 5
+    radii from them. The interval of a key holds its values whose least misfit over the other keys
+    is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)). Keys that the
+    likelihood does not tell apart are named. The p-value is that of `tweezer.fit_depth`.
 
     Raises `ResultError` for what `load_recording` refuses, without a scene, for voltages, for a
     camera of another rate, and where no bead is trapped; `SceneError` for keys that are no

@@ -40,12 +40,13 @@ _HOPELESS = 1e4
 _OFFSET = 1e3
 #: Number of places that the best start is taken from, and how far they reach
 _TRIALS, _ABOUT = 16, 0.5
-#: Longest distance at which the filter is asked about a place, and largest distance at which its
-#: answer is carried on, in that distance
-_ASIDE, _CARRIED = 0.2, 3.0
-#: Distance of the best place from where the filter was asked, in standard uncertainties, up to
-#: which it is not asked again, and the largest number of times that it is
-_NEAR, _TIMES = 0.5, 6
+#: Longest distance at which the filter is asked about a place; farther off its answer stays
+_ASIDE = 0.2
+#: Standard uncertainty along a direction above which it is not asked: nothing is told there
+_VAGUE = 0.25
+#: Distance of the best place from where the filter was asked, in those at which it was, up to which
+#: it is not asked again, and the largest number of times that it is
+_NEAR, _TIMES = 0.25, 6
 #: Keys that the motion of a bead at rest in the trap depends on
 _FITTED = re.compile(
     r"(bead|medium|lens|beam(\[\d+\])?|wall|forces)\..+|camera\.(exposure|noise|noise_along)"
@@ -126,8 +127,9 @@ class Difference:
     def __init__(
         self, of: Callable[[Array], float], centre: Array, directions: Array, bounds: Array
     ) -> None:
-        """directions: (n, n), in rows, as long as the distances at which it is measured."""
-        self._centre, self._inverse = centre, np.linalg.inv(directions)
+        """directions: (d, n), orthogonal, as long as the distances at which it is measured."""
+        self._centre = centre
+        self._along = directions / (directions**2).sum(axis=1, keepdims=True)
         here = of(centre)
         if not math.isfinite(here):
             raise IntegrationError("the motion cannot be followed")
@@ -150,12 +152,12 @@ class Difference:
 
     def __call__(self, q: Array) -> float:
         """At a place, above that at the centre."""
-        t = np.clip((q - self._centre) @ self._inverse, -_CARRIED, _CARRIED)
+        t = np.clip(self._along @ (q - self._centre), -1.0, 1.0)
         return float(self._slopes @ t + self._curvatures @ t**2 / 2)
 
     def distance(self, q: Array) -> float:
         """Of a place from the centre, in the distances of the measurement."""
-        return float(np.abs((q - self._centre) @ self._inverse).max())
+        return float(np.abs(self._along @ (q - self._centre)).max(initial=0.0))
 
 
 def _within(centre: Array, direction: Array, bounds: Array) -> float:
@@ -319,9 +321,10 @@ class Misfit:
         for time in range(_TIMES):
             progress((time + 1) / (_TIMES + 1))
             sizes, directions = np.linalg.eigh(found.information)
-            lengths = np.minimum(1 / np.sqrt(np.maximum(sizes, 1e-12)), _ASIDE)
+            told = sizes > 1 / _VAGUE**2
+            lengths = np.minimum(2 / np.sqrt(sizes[told]), _ASIDE)
             self._difference = Difference(
-                self._above_the_spectra, found.at, (directions * lengths).T, self.bounds
+                self._above_the_spectra, found.at, (directions[:, told] * lengths).T, self.bounds
             )
             found = self.least(found.at)
             if self._difference.distance(found.at) < _NEAR:
