@@ -141,6 +141,24 @@ def test_a_weak_trap_loses_its_bead_when_another_solver_says():
     assert 0 < trap.lifetime.error < 0.05 * trap.lifetime.time
 
 
+def test_a_bead_that_is_lost_inside_a_deep_trap():
+    """It is lost after a tenth of a micrometre, and pulled back for much longer."""
+    scene = silica(
+        beam={"power_through_pupil": "20 mW"}, start={"position": [0, 0, 0]},
+        simulation={"loss_distance": "0.1 um"},
+    )  # fmt: skip
+    trap = tweezer.characterise(scene)
+    assert min(escape.energy_kT for escape in trap.escapes) > 1000
+    weight = np.array(tweezer.bead_properties(scene).weight)
+    thermal = 1.380649e-23 * scene.medium.temperature
+    expected = exit_times.on_a_square_grid(
+        lambda places: tweezer.optical_force(scene, places) + weight,
+        thermal / tweezer.bead_properties(scene).drag, thermal, 0.1e-6, 2e-9,
+        trap.equilibrium.position[2],
+    )  # fmt: skip
+    assert trap.lifetime.time == pytest.approx(expected, rel=0.1)
+
+
 def test_linear_light_says_by_how_much_it_is_not_round():
     round_one = tweezer.characterise(weak()).lifetime
     linear = [
@@ -225,6 +243,7 @@ def test_least_power_of_what_is_never_held():
         (8.9e17, 1e16, "2.8e+10 years, within 1 %"),
         (math.inf, 0.0, f"longer than {LONGEST:.0e} s"),
         (2e-6, 1e-7, "2.0 +- 0.1 us"),
+        (16.609, 0.0042, "16.61 s, within 0.03 %"),
         (51.0, 4.8e4, "about 5e+01 s, within a factor of 9e+02"),
     ],
 )

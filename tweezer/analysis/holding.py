@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
+from scipy.integrate import cumulative_trapezoid
 
 from tweezer.analysis.escape import Escape
 from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 LONGEST = 1e20
 #: Work on every straight way out, k_B T, from which on no time is computed: it is longer than that
 DEEP = 300.0
+#: Number of places on a straight way out
+_WAY = 400
 #: Distance of the nodes at the focus, in radii and in distances of samples
 _FINE_RADII, _FINE_SAMPLES = 0.05, 0.5
 #: Smallest gap of the bead from a wall, in radii
@@ -60,7 +63,12 @@ class Lifetime:
             return f"about {self.time / size:.1g} {unit}, within a factor of {within:.1g}"
         if self.time >= 1e5 * size:
             return f"{self.time / size:.1e} {unit}, within {100 * self.error / self.time:.1g} %"
-        digits = max(0, -math.floor(math.log10(max(self.error, 1e-3 * self.time) / size)))
+        smallest = 1e-3 * self.time
+        digits = max(0, -math.floor(math.log10(max(self.error, smallest) / size)))
+        if self.error < smallest:
+            return (
+                f"{self.time / size:.{digits}f} {unit}, within {100 * self.error / self.time:.1g} %"
+            )
         return f"{self.time / size:.{digits}f} +- {self.error / size:.{digits}f} {unit}"
 
 
@@ -80,13 +88,11 @@ def lifetime(
     energy = Boltzmann * scene.medium.temperature
     if abs(height) >= radius:
         return None
-    if min(escape.energy_kT for escape in escapes) > DEEP:
-        return Lifetime(math.inf, 0.0, radius)
     region = _region(problem, radius)
-    found = [
-        _log_time(region, _field(problem, height, side), height, energy)
-        for side in ((0,) if problem.symmetric else (0, 1))
-    ]
+    fields = [_field(problem, height, side) for side in ((0,) if problem.symmetric else (0, 1))]
+    if min(_least_work(region, field, height) for field in fields) > DEEP * energy:
+        return Lifetime(math.inf, 0.0, radius)
+    found = [_log_time(region, field, height, energy) for field in fields]
     mean = float(np.mean([log for log, _ in found]))
     if not mean < math.log(LONGEST):
         return Lifetime(math.inf, 0.0, radius)
@@ -125,6 +131,19 @@ def _field(problem: Problem, height: float, side: int) -> Field:
         return force[:, side], force[:, 2] + weight, mobile[:, side], mobile[:, 2]
 
     return field
+
+
+def _least_work(region: Region, field: Field, height: float) -> float:
+    """Least work on the straight ways out of a region, or to its walls, from `height`, J."""
+    out = np.linspace(0.0, region.radius - abs(height), _WAY)
+    still = np.zeros(_WAY)
+    up, down = (np.clip(height + way, region.low, region.high) for way in (out, -out))
+    ways = (
+        (out, field(out, still + height)[0]),
+        (up, field(still, up)[1]),
+        (down, field(still, down)[1]),
+    )
+    return min(float(-cumulative_trapezoid(force, x).min()) for x, force in ways)
 
 
 def _log_time(region: Region, field: Field, height: float, energy: float) -> tuple[float, float]:
