@@ -805,7 +805,8 @@ def described_at(key: str) -> tuple[Quantity | None, str]:
         if name not in fields:
             halves = [key for pair in ALTERNATIVES.get(within, ()) for key in pair]
             near = difflib.get_close_matches(part, [*fields, *halves], n=1)
-            raise SceneError(f"{key}: unknown key{f'; did you mean {near[0]}?' if near else ''}")
+            meant = ".".join([first, *parts[: parts.index(part)], *near])
+            raise SceneError(f"{key}: unknown key{f'; did you mean {meant}?' if near else ''}")
         within, field = f"{within}.{name}", fields[name]
     if not parts or field is None or _section_of(field.annotation):
         raise SceneError(f"{key}: must be section.key, such as beam.power")

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 import tweezer
 from tweezer.sweeps.cases import cases_of, read_over
@@ -20,7 +21,8 @@ from tweezer.sweeps.cases import cases_of, read_over
         ("simulation.samples=101,201", [101, 201]),
         ("optics.theory=rays,waves", ["rays", "waves"]),
         ("forces.gravity=true,False", [True, False]),
-        ("start.position=[0,0,1e-6],[0, 0, 0]", ["[0,0,1e-6]", "[0, 0, 0]"]),
+        ('start.position=[0,0,"1 um"],[0, 0, 0]', ["[0.0, 0.0, 1e-06]", "[0.0, 0.0, 0.0]"]),
+        ("medium.density=1 g/cm^3..2000 kg/m^3:2", [1000.0, 2000.0]),
         ("lens.cover.depth=5um,10um", [5e-6, 1e-5]),
     ],
 )
@@ -45,7 +47,12 @@ def test_values_of_a_key(text, values):
         ("bead.diameter=1uX..2um:5", "over bead.diameter = '1uX': has a unit that is not known"),
         ("bead.diameter=1um,2mW", "over bead.diameter = '2mW': has the wrong unit"),
         ("optics.theory=a..b:3", "an end of a range must be a number"),
-        ("bead.diametr=1um", "bead.diametr: unknown key; did you mean diameter?"),
+        ("bead.diametr=1um", "bead.diametr: unknown key; did you mean bead.diameter?"),
+        ("bead.diameter=1..3um:3", "bead.diameter = 1..3um:3: give both ends a unit"),
+        ("bead.diameter=1um,2um..3um:3", "must be a list or a range, not both"),
+        ("bead.diameter=1um,1e-6", "bead.diameter = 1e-06: is given twice"),
+        ("start.position=[0,0,1um]", "text within brackets needs quotes"),
+        ('start.position=[0,0,"1 mW"]', "has the wrong unit"),
         ("bead.diameter.x=1", "bead.diameter.x: unknown key"),
         ("bead=1", "bead: must be section.key"),
         ("lens.cover=1", "lens.cover: must be section.key"),
@@ -72,15 +79,36 @@ def test_a_table_beside_keys(tmp_path):
         "bead.refractive_index": 1.57, "bead.density": 1050.0, "beam.power": 2e-3,
         "bead.diameter": 2e-6,
     })  # fmt: skip
-    frame = pd.DataFrame({"bead.diameter": [1e-6, 2e-6], "beam.power": ["1 mW", "2 mW"]})
-    for table in (frame, frame.to_xarray()):
-        (axis,) = cases_of(table, None).axes
-        assert [each.values for each in axis.varied] == [(1e-6, 2e-6), (1e-3, 2e-3)]
+    frame = pd.DataFrame({"bead.diameter [um]": [1.0, 2.0], "beam.power": ["1 mW", "2 mW"]})
+    described = frame.rename(columns={"bead.diameter [um]": "bead.diameter"}).to_xarray()
+    described["bead.diameter"].attrs["units"] = "um"
+    coordinates = described.set_coords(["bead.diameter", "beam.power"])
+    for table in (frame, frame.to_xarray(), described, coordinates, dict(frame)):
+        (axis,) = cases_of(None, table).axes
+        found = {each.key: each.values for each in axis.varied}
+        assert found == {"bead.diameter": (1e-6, 2e-6), "beam.power": (1e-3, 2e-3)}
+    across = xr.Dataset({"bead.diameter": ("i", [1e-6]), "beam.power": ("j", [1e-3])})
+    with pytest.raises(tweezer.SceneError, match="must have one dimension, which all keys share"):
+        cases_of(across, None)
+
+
+def test_text_has_no_units():
+    """Neither has a vector, which the result has as text."""
+    over = {
+        "start.position": [[0, 0, "1 um"]],
+        "bead.diameter": ["1 um"],
+        "optics.theory": ["rays"],
+    }
+    assert [axis.varied[0].unit for axis in cases_of(over, None).axes] == ["", "m", ""]
 
 
 @pytest.mark.parametrize(
     ("content", "told"),
-    [("bead.diameter,beam.power\n1 um\n", "line 2: beam.power is empty"),
+    [("bead.diameter,beam.power\n1 um,\n", "line 2: beam.power is empty"),
+     ("bead.diameter,beam.power\n1 um\n", "line 2: 1 cells under 2 headings"),
+     ("bead.diameter,beam.power\n1 um,1 W\n\n1 um,1 W,7\n", "line 4: 3 cells under 2 headings"),
+     ("bead.diameter,bead.diameter\n1 um,2 um\n", "bead.diameter: is swept over twice"),
+     ("bead.diameter um\n1\n", "'bead.diameter um': must be a key"),
      ("bead.size\n1 um\n", "bead.size: unknown key"),
      ("bead.diameter\n", "bead.diameter: has no values"),
      ("", "not a table of cases")],

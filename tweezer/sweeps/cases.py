@@ -6,18 +6,20 @@ import itertools
 import math
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tweezer.errors import ResultError, SceneError, UnitWarning, warn
+from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.scene import described_at
+from tweezer.sweeps.tables import columns_of
 from tweezer.units import Quantity, to_si
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import pandas as pd
     import xarray as xr
 
@@ -32,7 +34,6 @@ CASE = "case"
 _POWERS = ("power", "power_through_pupil")
 
 _RANGE = re.compile(r"(?P<low>.+?)\.\.(?P<high>[^:]+):(?P<count>[0-9]+)(?::(?P<spacing>log))?")
-_HEADING = re.compile(r"\s*(?P<key>\S+?)(?:\s+[\[(](?P<unit>[^\])]+)[\])])?\s*")
 
 
 class Varied(NamedTuple):
@@ -125,10 +126,9 @@ def cases_of(
         over, table = None, over
     if over is not None and not isinstance(over, Mapping):
         raise SceneError("over: must be a mapping of keys to lists of values, or a table")
-    axes = [Axis(str(key), (_varied(key, given),)) for key, given in (over or {}).items()]
+    axes = [Axis(str(key), (_apart(_varied(key, given)),)) for key, given in (over or {}).items()]
     if table is not None:
-        columns = _columns(table)
-        varied = tuple(_varied(key, given) for key, given in columns.items())
+        varied = tuple(_varied(key, given) for key, given in columns_of(table))
         if not varied or len({len(each.values) for each in varied}) != 1:
             raise SceneError("cases: must have a column for each key, all of one length")
         axes.insert(0, Axis(CASE, varied))
@@ -164,13 +164,20 @@ def read_over(texts: Iterable[str]) -> dict[str, list[Any]]:
 
 def _range(key: str, text: str) -> list[Any]:
     match = _RANGE.fullmatch(text)
+    if len(_split(text)) > 1:
+        raise SceneError(f"over {key} = {text}: must be a list or a range, not both")
     if not match:
         raise SceneError(
             f"over {key} = {text}: must be FROM..TO:COUNT, such as 0.2um..3um:40, with :log behind "
             "for equal ratios"
         )
     quantity, _ = described_at(key)
-    low, high = (_number(key, match[end].strip(), quantity) for end in ("low", "high"))
+    ends = [match[end].strip() for end in ("low", "high")]
+    low, high = (_number(key, end, quantity) for end in ends)
+    in_units = quantity is not None and quantity.unit != ""
+    bare = [_bare(end) for end in ends]
+    if in_units and bare[0] != bare[1]:
+        raise SceneError(f"over {key} = {text}: give both ends a unit")
     count = int(match["count"])
     if not 2 <= count <= _MOST:
         raise SceneError(f"over {key} = {text}: COUNT must be from 2 to {_MOST}")
@@ -178,14 +185,18 @@ def _range(key: str, text: str) -> list[Any]:
         raise SceneError(f"over {key} = {text}: both ends must be above 0 for :log")
     spaced = np.geomspace if match["spacing"] else np.linspace
     values = spaced(low, high, count).tolist()
-    if quantity is None or not quantity.unit or _bare(match["low"]) or _bare(match["high"]):
+    if quantity is None or not in_units or bare[0]:
         return list(values)
     return [f"{value!r} {quantity.unit}" for value in values]
 
 
 def _bare(text: str) -> bool:
     """Whether it is a number without a unit."""
-    return text.strip()[-1:].isdigit()
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _number(key: str, text: str, quantity: Quantity | None) -> float:
@@ -233,52 +244,43 @@ def _varied(key: Any, given: Any) -> Varied:
         doubts = (quantity.doubt(value) for value in given)
         for doubt in itertools.islice(filter(None, doubts), 1):
             warn(f"over {key}: {doubt}", UnitWarning)
-    return Varied(str(key), tuple(values), quantity.unit if quantity else "", about)
+    unit = quantity.unit if quantity and not isinstance(values[0], str) else ""
+    return Varied(str(key), tuple(values), unit, about)
+
+
+def _apart(varied: Varied) -> Varied:
+    """The same; raises `SceneError` if one of the values is there twice."""
+    for i, value in enumerate(varied.values):
+        if value in varied.values[:i]:
+            raise SceneError(f"over {varied.key} = {value}: is given twice")
+    return varied
 
 
 def _in_si(given: Any, quantity: Quantity | None) -> Value:
     """A value as the result has it. Raises `ValueError` for a quantity that is none."""
-    if isinstance(given, list | tuple):
-        return str(list(given))
-    if isinstance(given, str) and given.startswith(("[", "{")):
-        return given  # a vector is read where the scene is
+    if isinstance(given, str) and given.startswith(("{", "[") if quantity is None else "{"):
+        return given  # it is read where the scene is
     if isinstance(given, str):
         try:
             given = tomllib.loads(f"value = {given}")["value"]
         except ValueError:
+            if given.startswith("["):
+                raise ValueError('text within brackets needs quotes: [0, 0, "2 um"]') from None
             given = {"True": True, "False": False}.get(given, given)
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if isinstance(given, list | tuple):
+        return str(_vector_in_si(given, quantity) if quantity else list(given))
     if quantity is not None:
         return to_si(given, quantity.unit)
     return given if isinstance(given, bool | int | float | str) else str(given)
 
 
-def _columns(table: Any) -> dict[str, list[Any]]:
-    """The columns of a table of cases: values by key."""
-    if isinstance(table, str | Path):
-        return dict(_of_file(Path(table)))
-    if isinstance(table, Mapping):  # an xarray.Dataset is one
-        return {str(key): list(np.asarray(table[key]).tolist()) for key in table}
-    if hasattr(table, "columns"):
-        return {str(key): list(table[key]) for key in table.columns}
-    raise SceneError("cases: must be the name of a CSV file, or a table with a column for each key")
-
-
-def _of_file(path: Path) -> Iterator[tuple[str, list[Any]]]:
-    import pandas as pd
-
-    try:
-        table = pd.read_csv(path, dtype=str, keep_default_na=False, skipinitialspace=True)
-    except FileNotFoundError:
-        raise ResultError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        raise ResultError(f"{path}: not a table of cases: {' '.join(str(error).split())}") from None
-    for heading in table.columns:
-        match = _HEADING.fullmatch(heading)
-        if not match:
-            raise ResultError(f"{path}: {heading!r}: must be a key, such as beam.power [mW]")
-        unit = f" {match['unit']}" if match["unit"] else ""
-        cells = [cell.strip() for cell in table[heading]]
-        if "" in cells:
-            row = cells.index("") + 2
-            raise ResultError(f"{path}: line {row}: {match['key']} is empty")
-        yield match["key"], [f"{cell}{unit}" for cell in cells]
+def _vector_in_si(given: Sequence[Any], quantity: Quantity) -> list[Any]:
+    """A vector, or a list of them, in SI. Raises `ValueError` for an entry that is no quantity."""
+    return [
+        _vector_in_si(each, quantity)
+        if isinstance(each, list | tuple)
+        else to_si(each, quantity.unit)
+        for each in given
+    ]
