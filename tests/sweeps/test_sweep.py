@@ -15,6 +15,7 @@ from scipy.constants import Boltzmann
 import tweezer
 from tweezer.sweeps import pool
 from tweezer.sweeps.figures import sweep_figure
+from tweezer.sweeps.journal import check_same
 from tweezer.sweeps.quantities import asked_of
 
 SCENE = tweezer.load_scene("silica-1um")
@@ -172,11 +173,15 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
     before = content(store)
     with pytest.raises(tweezer.ResultError, match="exists; resume it"):
         tweezer.sweep(SCENE, OVER, out=store, workers=1)
-    with pytest.raises(tweezer.ResultError, match="made with another over; it cannot be resumed"):
+    with pytest.raises(tweezer.ResultError, match="sweeps over other keys or values; name"):
         tweezer.sweep(SCENE, {**OVER, "bead.diameter": [1e-6]}, out=store, workers=1, resume=True)
     other = SCENE.replace(medium={"viscosity": "1 mPa s"})
-    with pytest.raises(tweezer.ResultError, match="made with another scene"):
+    with pytest.raises(tweezer.ResultError, match="is a sweep of another scene; name"):
         tweezer.sweep(other, OVER, out=store, workers=1, resume=True)
+    with pytest.raises(tweezer.ResultError, match="is a sweep of trap, not of run; name another"):
+        tweezer.sweep(SCENE, OVER, "run", out=store, workers=1, resume=True)
+    with pytest.raises(tweezer.ResultError, match="is made with seed 3, not 4; name another"):
+        check_same(store, {"seed": "3"}, {"seed": "4"})
     assert content(store) == before
     out = tmp_path / "sweep.zarr"
     foreign = tmp_path / "sweep.zarr.part"
@@ -200,6 +205,7 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
         ({"over": {"beam.power": [1.0]}, "workers": 0}, "workers = 0: must be a whole number"),
         ({"over": {"beam.power": [1.0]}, "of": "ensemble"}, "there is no thermal motion"),
         ({"over": {"beam.power": [1.0]}, "out": "sweep.nc"}, "must end in .zarr"),
+        ({"over": {"beam.power": [1.0]}, "out": 3}, "out = 3: must be the name of a Zarr store"),
         ({"over": {"bead.diameter": [1e-6], "bead.radius": [1e-6]}}, "bead"),
     ],
 )
@@ -293,7 +299,7 @@ def test_a_process_serves(whole):
     assert json.loads(json.dumps(values)) == values
 
 
-def test_a_cluster_gives_the_same(whole):
+def test_a_cluster_gives_the_same(whole, monkeypatch):
     distributed = pytest.importorskip("distributed")
     result, _ = whole
     over = {**OVER, "lens.numerical_aperture": [1.25]}
@@ -301,6 +307,14 @@ def test_a_cluster_gives_the_same(whole):
         processes=False, n_workers=1, threads_per_worker=1, dashboard_address=None
     ) as client:
         other = tweezer.sweep(SCENE, over, scheduler=client)
+        client.retire_workers()
+        monkeypatch.setattr(pool, "_PATIENCE", 0.05)
+        with pytest.raises(tweezer.SceneError, match="scheduler: has no workers"):
+            tweezer.sweep(SCENE, over, scheduler=client)
+    with pytest.raises(tweezer.SceneError, match="scheduler: the client is closed"):
+        tweezer.sweep(SCENE, over, scheduler=client)
+    with pytest.raises(tweezer.SceneError, match="scheduler = 'foo': must be an address with a"):
+        tweezer.sweep(SCENE, over, scheduler="foo")
     for name in ("stiffness", "escape_energy", "outcome"):
         same = result[name].sel({"lens.numerical_aperture": [1.25]})
         np.testing.assert_array_equal(other[name].values, same.values)

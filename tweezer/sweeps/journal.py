@@ -123,12 +123,13 @@ def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> 
         if key == "title":  # the scene has the same in numbers
             continue
         if made.get(key) != value and not (key == "scene" and _same_scene(made.get(key), value)):
-            what = key.replace("_", " ")
-            if isinstance(value, str) and len(value) <= 40:
-                raise ResultError(
-                    f"{out}: made with {what} {made.get(key)}, which cannot be resumed with {value}"
-                )
-            raise ResultError(f"{out}: made with another {what}; it cannot be resumed with this")
+            differs = {
+                "of": f"is a sweep of {made.get(key)}, not of {value}",
+                "over": "sweeps over other keys or values",
+                "scene": "is a sweep of another scene",
+            }
+            what = f"is made with {key.replace('_', ' ')} {made.get(key)}, not {value}"
+            raise ResultError(f"{out}: {differs.get(key, what)}; name another file")
 
 
 def _same_scene(made: object, asked: str) -> bool:

@@ -70,7 +70,10 @@ def sweep(
     quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
     of a trap the equilibrium, stiffness and corner frequency (axis), escape force and escape energy
     in k_B T (direction), the lifetime, infinite above 1e20 s, and whether the bead is `trapped`; of
-    others, see `tweezer.sweeps`. Errors of a trap are those of the force of the light, by its
+    a run the time of its outcome, its end, overshoot and closest approach, the largest force and
+    Reynolds number; of an ensemble the part that is `lost`, and the mean and variance of the
+    position (axis); of a calibration stiffness, corner frequency and diffusion (axis). Errors of a
+    trap are those of the force of the light, by its
     theory: `caveat` says in words what ray optics is worth. `outcome` says what becomes of each
     case; one that "failed" has its `reason`, and NaN for numbers. The attribute `status` is
     "complete", or "interrupted" of a dataset with the cases reached before Ctrl-C, which can be
@@ -87,6 +90,8 @@ def sweep(
     asked = asked_of(scene, of, trajectories, seed, _seconds(skip))
     count = _workers(workers, scheduler)
     _check_some_case(asked, grid)
+    if out is not None and not isinstance(out, str | Path):
+        raise SceneError(f"out = {out!r}: must be the name of a Zarr store")
     path = None if out is None else Path(out).absolute()
     if path is not None and path.suffix != ".zarr":
         raise ResultError(f"{out}: must end in .zarr")
