@@ -161,6 +161,9 @@ def test_a_lost_run_counts_up_to_there(run):
     assert len(recording.times) == 3000
     assert recording.note == "the run is lost: up to 0.2999 s only"
     assert tweezer.calibrate(run).note == recording.note
+    run["position"][30:] = np.nan
+    with pytest.raises(tweezer.ResultError, match=r"or more; the run is lost: up to 0\.0029 s"):
+        tweezer.load_recording(run)
 
 
 def test_the_beginning_can_be_left_out(run):

@@ -115,6 +115,9 @@ STAMPS = T + 1.5e-4 * np.random.default_rng(6).uniform(-1, 1, N)
       "xy", "m"),
      ("a.csv", text("t,x [um],x [nm]", T, 1e6 * X, 1e9 * X), {"columns": "t=t,x=x [nm]"}, "x", "m"),
      ("a.csv", text(None, T, 1e6 * Y, 1e9 * X), {"columns": "t [s],-,x [nm]"}, "x", "m"),
+     ("a.csv", text("t,x [um],x [um]", T, 1e6 * X, Y), {"columns": "x=2"}, "x", "m"),
+     ("a.csv", text("frame,t [s],x", FRAMES, T // 0.1 / 10, X), {"rate": 1000}, "x", "m"),
+     ("a.csv", text("frame,t [furlong],x", FRAMES, T, X), {"rate": 1000}, "x", "m"),
      ("a.csv", text(None, T, 1e9 * X), {"columns": ["t", "x [nm]"]}, "x", "m"),
      ("a.csv", text("t [s];x [nm]", T, 1e9 * X, mark=";", decimal=","), {}, "x", "m"),
      ("a.txt", text(None, T, 1e9 * X, mark=" ", decimal=","), {"columns": "t,x [nm]"}, "x", "m"),
@@ -262,6 +265,29 @@ def test_packed_numbers_of_netcdf():
     np.testing.assert_allclose(recording.positions[there, 0], X[there], rtol=0, atol=3e-12)
 
 
+@pytest.mark.parametrize("heading", ["t [s],x [um],y [um]", "t [s],x [um],y [um],frame"])
+def test_a_rate_that_is_not_that_of_the_times_is_said(heading):
+    columns = [T, 1e6 * X, 1e6 * Y, FRAMES][: len(heading.split(","))]
+    text(heading, *columns)("a.csv")
+    said = "its times have 1000 Hz; taken as 970 Hz"
+    recording = tweezer.load_recording("a.csv", columns=heading, rate=970)
+    assert recording.note == said
+    np.testing.assert_allclose(recording.times, FRAMES / 970, rtol=1e-9)
+    with pytest.warns(UserWarning, match=f"^a.csv: {said}$"):
+        tweezer.load_track("a.csv", columns=heading, rate=970)
+
+
+def test_a_coordinate_that_does_not_change_is_left_out():
+    """TrackMate has z of images too."""
+    heading = "POSITION_X,POSITION_Y,POSITION_Z,POSITION_T,FRAME"
+    text(heading, X, Y, 0 * X, T, FRAMES)("a.csv")
+    recording = tweezer.load_recording("a.csv")
+    assert recording.axes == ("x", "y")
+    assert recording.note == "z does not change, and is left out"
+    with pytest.raises(tweezer.ResultError, match="z does not change: nothing to calibrate"):
+        tweezer.load_recording("a.csv", columns="x=POSITION_X,z=POSITION_Z")
+
+
 def test_frames_that_were_dropped_are_a_gap():
     kept = FRAMES[FRAMES != 70]
     text("frame,x [um]", kept, 1e6 * X[kept])("a.csv")
@@ -294,6 +320,16 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text(None, T, X, Y), {}, '--columns "t [s],x [um],y [um]"'),
      ("a.csv", text("Zeit,Pos A", T, X), {}, 'such as --columns "t=Zeit,x=Pos A"'),
      ("a.csv", text("t,x [um],x [nm]", T, X, X), {}, 'such as --columns "x=x [um]"'),
+     ("a.csv", text("t,x [um],x [um]", T, X, X), {}, 'such as --columns "x=2"'),
+     ("a.csv", text("t,x [um],x [um]", T, X, X), {"columns": "x=x [um]"}, 'such as "x=2"'),
+     ("a.csv", text("t [s],y [um],z [um]", T, X, X), {},
+      'read it without: --columns "y=y [um],z=z [um]"'),
+     ("a.csv", text(None, 1e6 * X, decimal=","), {"columns": "x [um]", "rate": 1000},
+      "has 2 columns and no headings, and --columns names 1; name the others -, or, if its "
+      "decimals have commas, write them with points"),
+     ("a.csv", text("frame,t,x", FRAMES, T, X), {"rate": 100},
+      'its times have 1000 Hz, and --rate is 100 Hz; name the columns without the time if that is '
+      'wrong: --columns "frame=...,x=..."'),
      ("a.csv", text("t,x", T, X), {"columns": "t=t,x=place"},
       "no column is called 'place' among 't', 'x'"),
      ("a.csv", text("t,x", T, X), {"columns": "t=1,x=9"},
@@ -337,6 +373,7 @@ def test_refused_with_the_way_out(name, write, options, way):
      ({"columns": "t,t,x"}, "has two columns for t"),
      ({"columns": "t,-"}, "must have x, y or z among them"),
      ({"columns": "x=0"}, "columns are counted from 1"),
+     ({"columns": 3}, "columns = 3: must be a text such as"),
      ({"rate": "15 nm"}, "rate = '15 nm': has a unit that is not known; must be convertible"),
      ({"rate": 0}, "rate = 0: must be from 1e-06 to 1e.12 1/s"),
      ({"scale": "85.8 kg"}, "scale = '85.8 kg': must be a length such as"),

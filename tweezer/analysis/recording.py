@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, warn
 from tweezer.io import check_seal, scene_of
 from tweezer.reading import (
     HDF5,
@@ -74,7 +74,8 @@ class Recording:
     def __post_init__(self) -> None:
         _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
-            self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more")
+            why = f"; {self.note}" if self.note else ""
+            self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more{why}")
         finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
         if self.drive is not None:
             drive = np.asarray(self.drive, np.float64)
@@ -207,7 +208,8 @@ def load_recording(
     """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
     A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost;
-    of a scene with a camera what that saw, with its exposure and noise.
+    of a scene with a camera what that saw, with its exposure and noise, up to the last whole step
+    of the run before the bead was lost.
     Tables: text (.csv, .tsv, .txt, .dat, .asc, .lvm, .prn), HDF5 and NetCDF 4 (.h5, .hdf5, .nc),
     also of Lumicks, NumPy (.npy, .npz), MATLAB (.mat) and TDMS (.tdms). A heading is t, time, x, y
     or z, or words with one of them, and the unit, such as "X position (nm)"; numbers without a unit
@@ -235,7 +237,12 @@ def load_recording(
         if drive is not None:
             raise ResultError(f"{found[0]}: a run of tweezer has no column {drive!r}")
         return Recording(**found._asdict())
-    axes = tuple(axis for axis in _AXES if axis in found.columns)
+    there = [axis for axis in _AXES if axis in found.columns]
+    still = [axis for axis in there if axis != "x" and _is_still(found.columns[axis])]
+    if reading.columns:
+        still = []
+    axes = tuple(axis for axis in there if axis not in still)
+    notes = [found.note, *(f"{axis} does not change, and is left out" for axis in still)]
     names = [*axes, *(["drive"] if drive is not None else [])]
     table = np.stack([found.columns[name] for name in names], axis=1)
     times, table, note = without_gaps(
@@ -244,8 +251,13 @@ def load_recording(
     return Recording(
         str(source), times, table[:, : len(axes)], axes, unit=found.unit,
         drive=table[:, -1] if drive is not None else None,
-        note="; ".join(each for each in (found.note, note) if each),
+        note="; ".join(filter(None, [*notes, note])),
     )  # fmt: skip
+
+
+def _is_still(positions: Array) -> bool:
+    seen = positions[np.isfinite(positions)]
+    return len(seen) > 0 and np.ptp(seen) == 0
 
 
 def load_track(
@@ -267,6 +279,8 @@ def load_track(
     if not isinstance(found, Columns):
         places = found.positions[:, :2]
         return Track(found.name, found.times, places, found.scene, found.exposure)
+    if found.note:
+        warn(f"{source}: {found.note}", UserWarning)
     positions = np.stack([found.columns["x"], found.columns["y"]], axis=1)
     there = ~np.isnan(found.times)
     both = np.isfinite(positions).all(axis=1) & there
@@ -322,7 +336,14 @@ def _of_run(run: xr.Dataset, name: str, reading: Reading) -> _Run:
         raise ResultError(f"{name}: not a run: it has no scene or no position over time")
     if run["position"].dims != ("time", "axis") or not {"time", "axis"} <= set(run.coords):
         raise ResultError(f"{name}: not a run: its position is not over time and axis")
-    for quantity, unit in (("position", "m"), ("time", "s")):
+    units = {"position": "m", "time": "s"}
+    if "seen" in run:
+        if run["seen"].dims != ("frame", "seen_axis") or not {"frame_time", "seen_axis"} <= set(
+            run.coords
+        ):
+            raise ResultError(f"{name}: not a run: what its camera saw is not over time and axis")
+        units |= {"seen": "m", "frame_time": "s"}
+    for quantity, unit in units.items():
         if run[quantity].attrs.get("units", unit) != unit:
             raise ResultError(f"{name}: not a run: its {quantity} is not in {unit}")
     try:

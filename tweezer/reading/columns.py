@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, NoReturn
 
 import numpy as np
@@ -19,11 +20,10 @@ from tweezer.reading.headings import (
 )
 from tweezer.reading.options import Chosen, Reading
 from tweezer.reading.table import Array, Table
+from tweezer.reading.times import at_even_times, of_frames
 
 #: Largest number of headings in an error message
 _NAMES_TOLD = 10
-#: Largest deviation of the rate from that of a column of times, over it
-_RATE_OFF = 0.05
 
 
 class Wanted(NamedTuple):
@@ -64,6 +64,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
     """
     places = _places(table, reading, wanted)
     _refuse_many_beads(table)
+    beside = places.pop("t", None) if "frame" in places else None
     axes = [axis for axis in AXES if axis in places]
     factors = {
         name: _factor(table, name, place, reading, wanted) for name, place in places.items()
@@ -84,13 +85,16 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
         name: each if name == "frame" else factors[name][0] * each for name, each in values.items()
     }
     chosen = [table.columns[place.column] for place in places.values()]
-    notes = dict.fromkeys(column.note for column in chosen if column.note)
+    notes = dict.fromkeys(column.note for column in chosen)
     steps = {column.step for column in chosen if column.step is not None}
     if len(steps) > 1:
         raise ResultError(f"{table.name}: {', '.join(values)}: must have one rate")
-    times = _times(table, reading, values, min(steps, default=None))
+    times, said = _times(table, reading, values, min(steps, default=None))
+    if beside is not None:
+        said = _said_by_times(table, reading, wanted, values["frame"], beside)
+    notes |= {said: None}
     columns = {name: each for name, each in values.items() if name not in ("t", "frame")}
-    return Columns(times, columns, units[axes[0]], "; ".join(notes))
+    return Columns(times, columns, units[axes[0]], "; ".join(filter(None, notes)))
 
 
 def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]:
@@ -98,8 +102,7 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
     if reading.columns:
         places = {each.quantity: _place(table, each) for each in reading.columns}
         if not {"t", "frame"} & set(places) and reading.rate is None:
-            by_heading = _by_headings(table)
-            places |= {each: by_heading[each] for each in ("t", "frame") if each in by_heading}
+            places |= _by_headings(table, ("t", "frame"))
     elif not table.headed:
         count = len(table.columns)
         names = ["t [s]", "x [um]", "y [um]", *["-"] * count][:count]
@@ -110,7 +113,7 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
             f'in their order: --columns "{",".join(names)}"'
         )
     else:
-        places = _by_headings(table)
+        places = _by_headings(table, ("t", "frame", *AXES))
     if reading.drive is not None:
         driving = [
             (index, found.unit)
@@ -130,9 +133,10 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
     timed = bool({"t", "frame"} & set(places)) or reading.rate is not None
     timed |= waveforms if missing else _has_rate(table, places)
     if missing or not timed:
-        _refuse_missing(table, places, [*([] if timed else ["t"]), *missing], reading.drive)
-    if "t" in places and "frame" in places:
-        del places["t" if reading.rate is not None else "frame"]
+        lacking = [*([] if timed else ["t"]), *missing]
+        _refuse_missing(table, places, lacking, reading.drive, wanted)
+    if "t" in places and reading.rate is None:
+        places.pop("frame", None)
     if "frame" in places and reading.rate is None and not _has_rate(table, places):
         raise ResultError(
             f'{table.name}: has frames and no times; give their rate, such as --rate "15 Hz"'
@@ -191,7 +195,7 @@ def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
         which = "two columns are" if alike else "no column is"
         raise ResultError(
             f"{table.name}: {which} called {called.strip()!r}{_there(table)}; columns have numbers "
-            f'too, such as "{chosen.quantity}=1"'
+            f'too, such as "{chosen.quantity}={alike[0] + 1 if alike else 1}"'
         )
     return alike[0], unit
 
@@ -200,12 +204,14 @@ def _folded(name: str) -> str:
     return " ".join(name.strip(AROUND).lower().split())
 
 
-def _by_headings(table: Table) -> dict[str, _Place]:
-    """The columns whose headings name a quantity; of several those without words beside it."""
+def _by_headings(table: Table, quantities: Sequence[str]) -> dict[str, _Place]:
+    """The columns whose headings name one of `quantities`; of several those without words beside
+    it.
+    """
     found: dict[str, list[tuple[bool, _Place]]] = {}
     for index, column in enumerate(table.columns):
         heading = understood(column.heading)
-        if heading.quantity is None or heading.quantity == "beads":
+        if heading.quantity is None or heading.quantity not in quantities:
             continue
         units = tuple(each for each in (heading.unit, column.unit) if each)
         units = units or tuple(each for each in (heading.assumed,) if each)
@@ -215,26 +221,34 @@ def _by_headings(table: Table) -> dict[str, _Place]:
         first = [place for plain, place in alike if plain] or [place for _, place in alike]
         if len(first) > 1:
             names = [table.columns[place.column].name.strip(AROUND) for place in first]
+            unique = len({_folded(name) for name in names}) == len(names)
+            called = names[0] if unique else first[0].column + 1
             raise ResultError(
                 f"{table.name}: two columns for {quantity}: {names[0]!r} and {names[1]!r}; name "
-                f'those to be read, such as --columns "{quantity}={names[0]}"'
+                f'those to be read, such as --columns "{quantity}={called}"'
             )
         places[quantity] = first[0]
     return places
 
 
 def _refuse_missing(
-    table: Table, places: dict[str, _Place], missing: list[str], drive: str | None
+    table: Table,
+    places: dict[str, _Place],
+    missing: list[str],
+    drive: str | None,
+    wanted: Wanted,
 ) -> NoReturn:
     """Refuse a table that lacks columns, with what to do about it."""
     used = {place.column for place in places.values()}
     others = [each.name for i, each in enumerate(table.columns) if i not in used]
-    named = [f"{each}={table.columns[places[each].column].name}" for each in places if each in AXES]
+    there = [f"{each}={table.columns[places[each].column].name}" for each in places if each in AXES]
     lacking = [each for each in missing if each != drive]
-    named = [f"{each}={name}" for each, name in zip(lacking, others, strict=False)] + named
+    named = [f"{each}={name}" for each, name in zip(lacking, others, strict=False)] + there
     ways = ['headings are such as "t [s]" and "x [um]"']
     if lacking and len(others) >= len(lacking):
         ways += [f'name others, such as --columns "{",".join(named)}"']
+    if missing == ["x"] == [*wanted.axes] and there:
+        ways += [f'read it without: --columns "{",".join(there)}"']
     if missing == ["t"] and table.rate_beside:
         rate = table.rate_beside.rpartition(" ")[2]
         ways += [f'{table.rate_beside} is perhaps the rate of its rows: --rate "{rate} Hz"']
@@ -290,45 +304,42 @@ def _factor(
     return factor, unit
 
 
-def _times(table: Table, reading: Reading, values: dict[str, Array], step: float | None) -> Array:
-    """The times of the rows, s."""
+def _times(
+    table: Table, reading: Reading, values: dict[str, Array], step: float | None
+) -> tuple[Array, str]:
+    """The times of the rows, s, and what is to be said about them."""
     rate = reading.rate if reading.rate is not None else step and 1 / step
     if "frame" in values:
         frames = values["frame"]
         assert rate is not None
         if (frames[np.isfinite(frames)] % 1 != 0).any():
             raise ResultError(f"{table.name}: frame: must be whole numbers")
-        return frames / rate
+        return frames / rate, ""
     if "t" not in values:
         assert rate is not None
-        return np.arange(len(next(iter(values.values())))) / rate
+        return np.arange(len(next(iter(values.values())))) / rate, ""
     times = values["t"]
     if reading.rate is None:
-        return times
-    return _at_even_times(table.name, times, reading.rate)
+        return times, ""
+    return at_even_times(table.name, times, reading.rate)
 
 
-def _at_even_times(name: str, times: Array, rate: float) -> Array:
-    """The times of samples at that rate, whose stamps are `times`: whole steps after the first."""
-    dated = np.isfinite(times)
-    steps = np.diff(times[dated]) * rate
-    if not len(steps):
-        return times
-    single = steps[steps < 1.5]  # those over no missing samples
-    means = float(np.mean(steps)), float(np.mean(single) if len(single) else np.median(steps))
-    usual = min(means, key=lambda mean: abs(mean - 1))
-    if abs(usual - 1) > _RATE_OFF:
-        raise ResultError(
-            f"{name}: its times have {rate / usual:.6g} Hz, and --rate is {rate:g} Hz"
-        )
-    if (steps < 0.5).any():
-        raise ResultError(
-            f"{name}: its times are off those of --rate by half a step and more; name the columns "
-            'without the time if the rows are at that rate: --columns "x=..."'
-        )
-    even = times.copy()
-    even[dated] = times[dated][0] + np.concatenate([[0.0], np.cumsum(np.rint(steps))]) / rate
-    return even
+def _said_by_times(
+    table: Table, reading: Reading, wanted: Wanted, frames: Array, place: _Place
+) -> str:
+    """What is to be said about frames at a rate, beside a column of times.
+
+    Nothing where that has no numbers of a known unit in each row, but dates, say.
+    """
+    assert reading.rate is not None
+    try:
+        factor, _ = _factor(table, "t", place, reading, wanted)
+        (times,) = table.numbers([place.column])
+    except ResultError:
+        return ""
+    if len(times) != len(frames):
+        return ""
+    return of_frames(table.name, frames, factor * times, reading.rate)
 
 
 def _refuse_many_beads(table: Table) -> None:

@@ -43,6 +43,7 @@ def read_table(path: Path, reading: Reading, wanted: Wanted) -> Columns:
         )
     if kind in TEXTS:
         text = open_text(path, lambda cells: are_headings(cells, reading, wanted))
+        _refuse_unnamed(text, reading)
         return read(text, reading, wanted)
     try:
         return read(_opened(path, kind), reading, wanted)
@@ -50,6 +51,16 @@ def read_table(path: Path, reading: Reading, wanted: Wanted) -> Columns:
         raise
     except Exception as error:  # libraries raise errors of any kind for a damaged file
         raise damaged(path, error) from None
+
+
+def _refuse_unnamed(text: Table, reading: Reading) -> None:
+    """Refuse a text without headings that has more columns than are named in their order."""
+    count, named = len(text.columns), reading.in_order
+    if named and not text.headed and count > named:
+        raise ResultError(
+            f"{text.name}: has {count} columns and no headings, and --columns names {named}; name "
+            "the others -, or, if its decimals have commas, write them with points"
+        )
 
 
 def _opened(path: Path, kind: str) -> Table:

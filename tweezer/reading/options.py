@@ -50,6 +50,8 @@ class Reading:
 
     columns: tuple[Chosen, ...] = ()
     """those to be read; empty: by their headings"""
+    in_order: int = 0
+    """number of the columns that are named in their order; 0: none is"""
     rate: float | None = None
     """Hz, of the rows, or of the frames that a column counts"""
     scale: Scale | None = None
@@ -69,12 +71,13 @@ class Reading:
 
         Raises `ResultError`, naming the option, for what cannot be understood.
         """
+        chosen, in_order = ((), 0) if columns is None else _columns(columns)
         return cls(
-            () if columns is None else _columns(columns),
+            chosen, in_order,
             None if rate is None else _rate(rate),
             None if scale is None else _scale(scale),
             drive,
-        )
+        )  # fmt: skip
 
     @property
     def given(self) -> list[str]:
@@ -83,11 +86,20 @@ class Reading:
         return [name for name, value in by_name.items() if value]
 
 
-def _columns(given: str | Sequence[str] | Mapping[str, str | int]) -> tuple[Chosen, ...]:
+def _columns(
+    given: str | Sequence[str] | Mapping[str, str | int],
+) -> tuple[tuple[Chosen, ...], int]:
+    """Those to be read, and how many are named in their order."""
     if isinstance(given, Mapping):
         entries = [f"{name}={place}" for name, place in given.items()]
     else:
-        entries = given.split(",") if isinstance(given, str) else list(given)
+        try:
+            entries = given.split(",") if isinstance(given, str) else list(given)
+        except TypeError:
+            raise ResultError(
+                f'columns = {given!r}: must be a text such as "t [s],x [um]", a list of such names '
+                'or a mapping such as {"t": 1, "x": 4}'
+            ) from None
     entries = [str(entry).strip() for entry in entries]
     named = ["=" in entry for entry in entries]
     if any(named) and not all(named):
@@ -105,7 +117,7 @@ def _columns(given: str | Sequence[str] | Mapping[str, str | int]) -> tuple[Chos
         raise ResultError(f"columns = {','.join(entries)!r}: has two columns for {twice[0]}")
     if not set(quantities) & set(AXES):
         raise ResultError(f"columns = {','.join(entries)!r}: must have x, y or z among them")
-    return chosen
+    return chosen, 0 if all(named) else len(entries)
 
 
 def _in_order(index: int, entry: str) -> Chosen:
