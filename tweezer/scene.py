@@ -57,6 +57,8 @@ FREE = 20.0
 #: Part of a depth within which two places are one
 _SAME_PLACE = 1e-9
 
+#: Largest number of frames of a run
+_MOST_FRAMES = 10_000_000
 #: One of several beams, counted from 1
 _NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
 
@@ -347,6 +349,13 @@ class Scene(Section):
             raise refusal(
                 f"camera.exposure = {self.camera.exposure:g}: must be at most simulation.duration "
                 f"= {self.simulation.duration:g}"
+            )
+        frames = self.camera.rate * self.simulation.duration
+        if frames > _MOST_FRAMES:
+            raise refusal(
+                f"camera.rate = {self.camera.rate:g}: sees {frames:.3g} frames in "
+                f"simulation.duration = {self.simulation.duration:g}; must be at most "
+                f"{_MOST_FRAMES:,}"
             )
         method = self.simulation.method
         if method != "auto" and not METHODS[method].displacements:

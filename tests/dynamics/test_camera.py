@@ -215,6 +215,7 @@ def test_frames_end_where_a_bead_is_lost():
     [
         ({"camera": {"rate": "1 kHz", "exposure": "2 ms"}}, "camera.*exposure = 0.002: must be"),
         ({"camera": {"rate": "1 Hz", "exposure": "1 s"}}, "must be at most simulation.duration"),
+        ({"camera": {"rate": "1e12 Hz"}}, "2e.10 frames in .*= 0.02; must be at most 10,000,000"),
         ({"camera": {"exposure": "1 ms"}}, "camera.rate"),
         ({"camera": {"rate": "1 kHz", "nose": "1 nm"}}, "did you mean noise"),
         (
@@ -252,6 +253,11 @@ def test_a_saved_run_is_read_as_what_its_camera_saw(command_line, tmp_path):
     assert np.array_equal(track.positions, run["seen"][:, :2])
     assert np.array_equal(track.times, run["frame_time"])
     assert track.exposure == 4e-4
+    run["seen"].attrs["units"] = "um"
+    with pytest.raises(ResultError, match="not a run: its seen is not in m"):
+        tweezer.load_recording(run)
+    with pytest.raises(ResultError, match="what its camera saw is not over time and axis"):
+        tweezer.load_recording(run.drop_vars("frame_time"))
     found = tweezer.calibrate(recording)
     assert [axis.fit.bead.noise for axis in found.axes] == [5e-9, 5e-9, 20e-9]
     assert found.axes[0].fit.bead.exposure == pytest.approx(4e-4)
