@@ -5,8 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from numpy.typing import NDArray
 from tweezer.analysis.derived import derived_quantities
 from tweezer.analysis.summary import summary_of_path
 from tweezer.arguments import check_run
-from tweezer.compiled import compilation
 from tweezer.dynamics import (
     Event,
     Motion,
@@ -30,6 +28,7 @@ from tweezer.dynamics import (
     loss,
 )
 from tweezer.dynamics.camera import Frames
+from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
@@ -117,7 +116,7 @@ def followed(
     looked_for = [*events, loss(simulation.loss_distance), approach]
     if (lens := lens_touched(scene)) is not None:
         looked_for.append(lens)
-    with _timed() as seconds:
+    with timed() as seconds:
         equations = bind(problem)
         result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
@@ -167,7 +166,7 @@ def _thermal_run(
     from tweezer.dynamics.beside_wall import rate_of_sticking
     from tweezer.dynamics.walk import walk
 
-    with _timed() as seconds:
+    with timed() as seconds:
         bound = walk(problem, seed)
         scene, samples = bound.scene, len(bound.times)
         trajectory = np.zeros(1, np.int64)
@@ -184,10 +183,10 @@ def _thermal_run(
                 if reached > affordable:
                     raise IntegrationError("simulation.most_force_calls is spent")
                 last = min(reached + at_once, samples, affordable + 1)
-                began = time.perf_counter()
                 piece = columns[:, reached:last]
-                seen.append(bound.filmed(state, trajectory, reached - 1, piece)[0])
-                step_time += time.perf_counter() - began
+                with timed() as stepping:
+                    seen.append(bound.filmed(state, trajectory, reached - 1, piece)[0])
+                step_time += stepping["wall_time"]
                 reached = last
                 if progress:
                     progress(float(bound.times[reached - 1]))
@@ -283,17 +282,6 @@ def _filmed(
     }
     seen = variable(("frame", "seen_axis"), places, "m", "position that the camera saw")
     return Run(run.coordinates | coordinates, run.variables | {"seen": seen}, run.attributes)
-
-
-@contextlib.contextmanager
-def _timed() -> Iterator[dict[str, float]]:
-    """The attributes of the time that the context took, s, there at its end."""
-    seconds: dict[str, float] = {}
-    began = time.perf_counter()
-    with compilation(lambda _: None) as compiling:
-        yield seconds
-    seconds["compile_time"] = compiling.seconds
-    seconds["wall_time"] = time.perf_counter() - began - compiling.seconds
 
 
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:

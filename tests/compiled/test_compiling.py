@@ -27,6 +27,8 @@ import tweezer
 from tweezer import cli, warmup
 from tweezer.compiled import cache, compilation, fingerprint, named_njit
 from tweezer.dynamics import bind
+from tweezer.dynamics.solution import Solver
+from tweezer.dynamics.walk import Walk
 from tweezer.warmup import usual_scenes
 
 ROOT = Path(__file__).parents[2]
@@ -286,6 +288,32 @@ def test_time_is_counted_once(monkeypatch):
         with begun(tweezer.load_scene):
             now += 16
     assert compiling.seconds == 1 + 2 + 4 + 16
+
+
+@pytest.mark.parametrize(
+    ("stepping", "brownian"), [(Walk.filmed, True), (Solver.advance, False)], ids=["walk", "solver"]
+)
+def test_stepping_is_without_compiling(monkeypatch, stepping, brownian):
+    now = 0.0
+
+    def compiles_first(*arguments):
+        nonlocal now
+        with begun(tweezer.load_scene):
+            now += 1e-3
+        now += 2e-3
+        return stepping(*arguments)
+
+    monkeypatch.setattr("time.perf_counter", lambda: now)
+    of = Walk if brownian else Solver
+    monkeypatch.setattr(of, stepping.__name__, compiles_first)
+    run = tweezer.simulate(
+        tweezer.load_scene("silica-1um").replace(
+            forces={"brownian": brownian}, simulation={"duration": "1 ms", "samples": 3}
+        )
+    )
+    assert run.attrs["compile_time"] == pytest.approx(1e-3)
+    assert run.attrs["step_time"] == pytest.approx(2e-3)
+    assert run.attrs["wall_time"] == pytest.approx(2e-3)
 
 
 def test_a_bar_tells_what_is_compiled(monkeypatch, capsys):

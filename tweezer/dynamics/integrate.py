@@ -7,7 +7,6 @@ when the bead is lost, and keep what it has when it is interrupted or fails.
 from __future__ import annotations
 
 import dataclasses
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -22,6 +21,7 @@ from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import Path
 from tweezer.dynamics.solution import BEFORE, Solver
+from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, SceneError
 
 Array = NDArray[np.float64]
@@ -131,9 +131,9 @@ def integrate(
             )  # fmt: skip
         why = integrators.FULL
         while why == integrators.FULL and status == "complete":
-            began = time.perf_counter()
-            piece, why = solver.advance()
-            step_time += time.perf_counter() - began
+            with timed() as stepping:
+                piece, why = solver.advance()
+            step_time += stepping["wall_time"]
             if piece is not None:
                 end = piece.end
                 seen = equations.released(piece)
