@@ -564,7 +564,11 @@ def test_trap_writes_what_it_is_asked_to(command_line):
     assert [escape["range"] for escape in written["trap"]["escapes"]] == [
         escape.range for escape in trap.escapes
     ]
-    assert written["trap"]["lifetime"] == {"time": None, "error": 0.0, "lost_at": trap.reach}
+    assert written["trap"]["lifetime"] == {
+        "time": None, "error": 0.0, "lost_at": trap.reach, "words": "longer than 1e+20 s"
+    }  # fmt: skip
+    assert written["trap"]["lifetime_caveat"] is None
+    assert "scene" not in written["trap"]
     worth = written["trap"]["ray_optics"]
     assert tuple(worth["escape_across"]) == trap.ray_optics.escape_across
     assert Path("mine.svg").stat().st_size < 1e6

@@ -251,7 +251,28 @@ def test_words(time, error, words):
     assert Lifetime(time, error, 1e-6).words == words
 
 
-def test_a_trap_is_written_as_before():
-    """The scene that a lifetime needs is no part of the result."""
-    written = dataclasses.asdict(tweezer.characterise(silica()))
-    assert not {"scene", "lifetime"} & written.keys()
+def test_a_trap_may_be_replaced_by_one_of_another_reach():
+    trap = tweezer.characterise(silica())
+    nearer = dataclasses.replace(trap, reach=1e-6)
+    assert nearer != trap
+    assert nearer.lifetime.lost_at == 1e-6
+
+
+def test_what_is_left_out_of_a_lifetime_is_said():
+    assert tweezer.characterise(silica()).lifetime_caveat is None
+    assert tweezer.characterise(silica(bead={"refractive_index": 1.2})).lifetime_caveat is None
+    two = tweezer.characterise(tweezer.load_scene("two-traps"))
+    assert two.lifetime_caveat == "not computed for several beams"
+    gold = tweezer.load_scene("gold-100nm")
+    trap = tweezer.characterise(gold)
+    warmer = trap.absorbed_power / (4 * math.pi * 0.6 * 50e-9)
+    assert warmer == pytest.approx(19, abs=1)
+    assert trap.lifetime_caveat == (
+        f"at the temperature of the medium, but in water the light heats the bead by {warmer:.2g} K"
+    )
+    # its equilibrium is 0.3 um from the focus
+    near = tweezer.characterise(
+        gold.replace(simulation={"loss_distance": "0.2 um"}, start={"position": [0, 0, 0]})
+    )
+    assert near.lifetime is None
+    assert near.lifetime_caveat == "not computed for an equilibrium beyond simulation.loss_distance"

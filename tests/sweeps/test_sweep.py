@@ -214,6 +214,17 @@ def test_what_is_no_sweep(arguments, told):
         tweezer.sweep(SCENE, **arguments)
 
 
+def test_why_a_lifetime_is_doubtful_or_missing():
+    over = {"simulation.loss_distance": ["20 um", "0.2 um"]}
+    gold = tweezer.load_scene("gold-100nm").replace(start={"position": [0, 0, 0]})
+    found = tweezer.sweep(gold, over, workers=1)
+    assert found["outcome"].values.tolist() == ["held", "held"]
+    assert np.isnan(found["lifetime"].values).tolist() == [False, True]
+    heated, beyond = found["caveat"].values.tolist()
+    assert re.fullmatch(r"lifetime: at the temperature .* the light heats the bead by 19 K", heated)
+    assert beyond.startswith("lifetime: not computed for an equilibrium beyond")
+
+
 def test_thermal_quantities():
     """Of ensembles and calibrations, as they are alone."""
     over = {"simulation.loss_distance": ["0.6 um", "20 um"]}

@@ -33,6 +33,10 @@ _BESIDE_WALL = 1e-3
 _OF_CORRECTION = 0.5
 #: Error of the logarithm from which on nodes are closer
 _ENOUGH = 0.05
+#: Thermal conductivity of water, W/m/K
+_WATER = 0.6
+#: Warming of the bead's surface from which on it is said, K
+_WARM = 0.1
 #: Units of time and their length, s
 _UNITS = (
     (365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"),
@@ -80,14 +84,12 @@ def lifetime(
     force_error: float,
 ) -> Lifetime | None:
     """The lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`."""
-    if equilibrium is None or not scene.plain or scene.forces.dlvo is not None:
+    if equilibrium is None or _not_computed(scene, equilibrium, reach):
         return None
     problem = bound_once(scene)
     height = equilibrium.position[2]
     radius = min(reach, scene.simulation.loss_distance)
     energy = Boltzmann * scene.medium.temperature
-    if abs(height) >= radius:
-        return None
     region = _region(problem, radius)
     fields = [_field(problem, height, side) for side in ((0,) if problem.symmetric else (0, 1))]
     if min(_least_work(region, field, height) for field in fields) > DEEP * energy:
@@ -101,6 +103,35 @@ def lifetime(
     by_force = force_error * min(ways) / energy
     error = max(error for _, error in found) + apart + by_force
     return Lifetime(math.exp(mean), math.exp(mean) * math.expm1(error), radius)
+
+
+def doubt(
+    scene: Scene, equilibrium: Equilibrium | None, reach: float, absorbed_power: float | None
+) -> str | None:
+    """What speaks against the lifetime, or why there is none: see `Trap.lifetime_caveat`."""
+    if equilibrium is None:
+        return None
+    if why := _not_computed(scene, equilibrium, reach):
+        return f"not computed {why}"
+    warmer = (absorbed_power or 0.0) / (4 * math.pi * _WATER * scene.bead.radius)
+    if warmer < _WARM:
+        return None
+    return (
+        f"at the temperature of the medium, but in water the light heats the bead by {warmer:.2g} K"
+    )
+
+
+def _not_computed(scene: Scene, equilibrium: Equilibrium, reach: float) -> str:
+    """Why the lifetime of a trap is not computed; empty if it is."""
+    if len(scene.beams) > 1:
+        return "for several beams"
+    if not scene.plain:
+        return "for a beam that is not upwards through the origin, moves or changes"
+    if scene.forces.dlvo is not None:
+        return "with forces.dlvo"
+    if abs(equilibrium.position[2]) >= min(reach, scene.simulation.loss_distance):
+        return "for an equilibrium beyond simulation.loss_distance"
+    return ""
 
 
 def _region(problem: Problem, radius: float) -> Region:

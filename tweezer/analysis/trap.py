@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import InitVar, dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.analysis.escape import Escape, escapes, largest
-from tweezer.analysis.holding import Lifetime, lifetime
+from tweezer.analysis.holding import Lifetime, doubt, lifetime
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
     FOCUS,
@@ -57,8 +57,8 @@ class Efficiency:
 class Trap:
     """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
 
-    scene: InitVar[Scene]
-    """the scene, which `lifetime` needs; no attribute"""
+    scene: Scene = field(repr=False, compare=False)
+    """the scene that it is the trap of"""
     power_through_pupil: float
     """P, W, of all beams, without their modulation"""
     fraction_through_pupil: float | None
@@ -103,9 +103,6 @@ class Trap:
     ray_optics: RayOpticsWorth | None
     """the same in numbers: how far equilibrium, stiffness and escape forces may be off"""
 
-    def __post_init__(self, scene: Scene) -> None:
-        object.__setattr__(self, "_scene", scene)
-
     @functools.cached_property
     def lifetime(self) -> Lifetime | None:
         """How long thermal motion leaves the bead in the trap, computed when it is asked for.
@@ -117,11 +114,15 @@ class Trap:
         The light is taken as the same all around the axis: of linear light it is that of the half
         planes along x and along y, whose mean is given and whose distance is in the error.
 
-        None without an equilibrium, of more than one beam, one that is moved or changes, and with
-        `forces.dlvo`.
+        None without an equilibrium, or one that is as far from the focus as a bead is lost; of more
+        than one beam, one that is moved or changes; and with `forces.dlvo`.
         """
-        scene: Scene = self._scene  # type: ignore[attr-defined]
-        return lifetime(scene, self.equilibrium, self.escapes, self.reach, self.force_error)
+        return lifetime(self.scene, self.equilibrium, self.escapes, self.reach, self.force_error)
+
+    @property
+    def lifetime_caveat(self) -> str | None:
+        """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
+        return doubt(self.scene, self.equilibrium, self.reach, self.absorbed_power)
 
     def __repr__(self) -> str:
         """In short: equilibrium and stiffness."""

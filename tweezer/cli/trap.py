@@ -234,8 +234,9 @@ def _print_trap(scene: Scene, characterised: Trap) -> None:
             drag = three(*(1e9 * each for each in characterised.drag))
             table.add_row("drag there (x, y, z)", f"{drag} nN s/m")
         table.add_row("corner frequencies", f"{three(*frequencies)} Hz{doubt}")
-        if held := characterised.lifetime:
-            table.add_row("held for", f"{held.words}{doubt}")
+        held, caveat = characterised.lifetime, characterised.lifetime_caveat
+        told = [f"{held.words}{doubt}"] if held else []
+        table.add_row("held for", ", ".join([*told, *([caveat] if caveat else [])]))
     if characterised.absorbed_power is not None and characterised.torque is not None:
         table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
         torque = three(*(1e18 * each for each in characterised.torque))
@@ -328,10 +329,14 @@ def _efficiency(found: Efficiency | None) -> str:
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
     from tweezer.version import __version__
 
+    trap = dataclasses.asdict(characterised)
+    del trap["scene"]
     held = characterised.lifetime
+    trap["lifetime"] = held and dataclasses.asdict(held) | {"words": held.words}
+    trap["lifetime_caveat"] = characterised.lifetime_caveat
     result = {
         "tweezer_version": __version__,
         "scene": scene.model_dump(mode="json", exclude_none=True),
-        "trap": dataclasses.asdict(characterised) | {"lifetime": held and dataclasses.asdict(held)},
+        "trap": trap,
     }
     write_json(result, path)

@@ -134,7 +134,9 @@ def _of_trap(scene: Scene, _: Asked) -> Values:
 
     trap = characterise(scene)
     place, error = trap.equilibrium, trap.force_error
-    values: Values = {"force_error": error, "caveat": trap.caveat or ""}
+    of_lifetime = trap.lifetime_caveat
+    caveats = [trap.caveat, of_lifetime and f"lifetime: {of_lifetime}"]
+    values: Values = {"force_error": error, "caveat": "; ".join(filter(None, caveats))}
     if place is None or trap.corner_frequencies is None:
         return values | {"outcome": RESTS if trap.rests else LOST}
     stiffness = np.diag(place.stiffness)
