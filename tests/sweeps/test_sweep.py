@@ -11,8 +11,10 @@ import pytest
 import xarray as xr
 from matplotlib.collections import QuadMesh
 from scipy.constants import Boltzmann
+from typer.testing import CliRunner
 
 import tweezer
+from tweezer.cli.app import app
 from tweezer.sweeps import pool
 from tweezer.sweeps.figures import sweep_figure
 from tweezer.sweeps.journal import check_same
@@ -363,3 +365,32 @@ def test_figures(whole):
     (mesh,) = (each for each in panel.collections if isinstance(each, QuadMesh))
     k = wide["stiffness"].sel(axis="x").transpose("beam.power_through_pupil", "bead.diameter")
     assert mesh.get_array().data.ravel() == pytest.approx(1e6 * k.values.ravel())
+    mixed = wide.isel({"bead.diameter": [3, 9, 0, 5, 1, 8, 2, 4, 7, 6]})
+    for axes, other in zip(drawn, sweep_figure(mixed).axes, strict=True):
+        for one, two in zip(axes.collections, other.collections, strict=True):
+            if isinstance(one, QuadMesh):
+                np.testing.assert_array_equal(one.get_array(), two.get_array())
+                np.testing.assert_array_equal(one.get_coordinates(), two.get_coordinates())
+
+
+def test_a_lifetime_without_end_is_no_point(whole):
+    """It has an arrow in its place, on an axis that is logarithmic even where all are such."""
+    result, _ = whole
+    curve = result.isel({"beam.power_through_pupil": 1, "lens.numerical_aperture": 1})
+    curve = curve.assign(lifetime=curve["lifetime"] * np.inf)
+    assert np.isposinf(curve["lifetime"]).all()
+    panel = sweep_figure(curve).axes[1]
+    assert panel.get_title().startswith("lifetime")
+    assert panel.get_yscale() == "log"
+    (bars,) = panel.containers
+    assert np.isnan(bars.lines[0].get_ydata()).all()
+    (arrows,) = (line for line in panel.lines if line.get_marker() == "^")
+    assert arrows.get_xdata() == pytest.approx([0.4, 0.6])
+
+
+def test_what_cannot_be_drawn_is_not_computed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = ["sweep", "silica-1um", "--over", "bead.diameter=1um", "--plot", "a.png"]
+    found = CliRunner().invoke(app, arguments).exception
+    assert str(found) == "a figure is of one or two keys with several values, not 0"
+    assert not any(tmp_path.iterdir())

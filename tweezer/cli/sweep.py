@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -89,6 +90,8 @@ def sweep(
     out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
     plot = plot and writable(plot, FIGURE_FORMATS)
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0
+    if plot:
+        _check_drawn(over or [], cases)
     with showing_progress(described.name, 1.0) as progress:
         from tweezer.sweeps import sweep as computed
         from tweezer.sweeps.cases import read_over
@@ -110,6 +113,16 @@ def sweep(
 
         write_figure(sweep_figure(result), plot)
     tell_written(out, plot)
+
+
+def _check_drawn(over: list[str], cases: Path | None) -> None:
+    """Raises `ResultError` for a sweep that has no figure, before it is computed."""
+    from tweezer.sweeps.cases import cases_of, read_over
+    from tweezer.sweeps.figures import drawn_over
+
+    with warnings.catch_warnings(action="ignore"):  # the sweep gives them again
+        grid = cases_of(read_over(over), cases)
+    drawn_over({axis.name: axis.size for axis in grid.axes})
 
 
 def _print_sweep(name: str, result: xr.Dataset) -> None:

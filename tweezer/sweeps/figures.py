@@ -18,6 +18,8 @@ from tweezer.io import scene_of
 from tweezer.sweeps.quantities import FAILED, MISSING
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
@@ -53,6 +55,8 @@ class _Panel(NamedTuple):
     """whether its sizes differ by orders of magnitude"""
     line: float | None = None
     """a value that is shown by a line"""
+    top: float | None = None
+    """a value to which larger ones are cut"""
 
 
 def sweep_figure(result: xr.Dataset) -> Figure:
@@ -64,13 +68,9 @@ def sweep_figure(result: xr.Dataset) -> Figure:
     the bead, are marked. Raises `ResultError` for sweeps over more: select first, with `.sel`.
     """
     over = [str(dim) for dim in result["outcome"].dims]
-    swept = [dim for dim in over if result.sizes[dim] > 1]
+    swept = drawn_over({dim: result.sizes[dim] for dim in over})
     result = result.squeeze([dim for dim in over if dim not in swept])
-    if not 1 <= len(swept) <= 2:
-        raise ResultError(
-            f"a figure is of one or two keys with several values, not {len(swept)}; select among "
-            f"{', '.join(swept)} with .sel first"
-        )
+    result = result.sortby([dim for dim in swept if dim in result.coords and _numeric(result[dim])])
     panels = _panels(result)
     columns = min(2, len(panels)) if len(panels) <= 4 else 3
     rows = math.ceil(len(panels) / columns)
@@ -87,12 +87,27 @@ def sweep_figure(result: xr.Dataset) -> Figure:
         else:
             _draw_curves(axes, panel, result, swept, family)
     without = any(np.isnan(panel.values.values).any() for panel in panels)
-    if not drawn_as_map and (without or (result["caveat"].values != "").any()):
-        told = "cross: no number, where nothing holds the bead; triangle: failed; hollow: a caveat"
+    cut = any(panel.top and (panel.values == panel.top).any() for panel in panels)
+    if not drawn_as_map and (without or cut or (result["caveat"].values != "").any()):
+        told = (
+            "cross: no number, where nothing holds the bead; triangle down: failed; "
+            "triangle up: larger than is drawn; hollow: a caveat"
+        )
         figure.supxlabel(told, fontsize=8, color="#777777")
     title = f"{scene_of(result).name}: {result.attrs['of']} over {' and '.join(swept)}"
     figure.suptitle(title, parse_math=False, fontsize=11)
     return figure
+
+
+def drawn_over(sizes: Mapping[str, int]) -> list[str]:
+    """The dimensions over which a sweep of these sizes is drawn. Raises `ResultError` if none."""
+    swept = [dim for dim, size in sizes.items() if size > 1]
+    if not 1 <= len(swept) <= 2:
+        way_out = f"; select among {', '.join(swept)} with .sel first" if swept else ""
+        raise ResultError(
+            f"a figure is of one or two keys with several values, not {len(swept)}{way_out}"
+        )
+    return swept
 
 
 def _numeric(values: xr.DataArray) -> bool:
@@ -116,7 +131,7 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
                 times = result["lifetime"].clip(max=_LONGEST)
                 errors = result["lifetime_error"].where(times < _LONGEST)
                 label = f"lifetime (s), up to {_LONGEST:.0e}; line: an hour"
-                panels.insert(1, _Panel(times, errors, label, True, _HOUR))
+                panels.insert(1, _Panel(times, errors, label, True, _HOUR, _LONGEST))
             return panels
         case "run":
             names = ("outcome_time", "closest_approach", "overshoot", "largest_force")
@@ -253,14 +268,17 @@ def _draw_curves(
     for row, colour, name in zip(range(len(values)), colours, told, strict=True):
         order = np.argsort(x)
         bars = np.nan_to_num(errors[row][order])
+        cut = values[row] == panel.top
+        shown = np.where(cut, np.nan, values[row])
         axes.errorbar(
-            x[order], values[row][order], bars, fmt=".-", ms=4, lw=1.3, elinewidth=0.8,
-            color=colour, label=name,
+            x[order], shown[order], bars, fmt=".-", ms=4, lw=1.3, elinewidth=0.8, color=colour,
+            label=name,
         )  # fmt: skip
         axes.plot(
             x[doubted[row]], values[row][doubted[row]], ".", ms=4, color=colour, mfc="white",
             zorder=4,
         )  # fmt: skip
+        axes.plot(x[cut], values[row][cut], "^", ms=6, color=colour)
         for word, marker in (("", "x"), (FAILED, "v")):
             without = np.isnan(values[row]) & ((outcome[row] == FAILED) == (word == FAILED))
             (marks,) = axes.plot(
@@ -270,7 +288,7 @@ def _draw_curves(
             marks.set_in_layout(False)
     positive = values[np.isfinite(values)]
     log = panel.log and positive.size and positive.min() > 0
-    log = bool(log and positive.max() / positive.min() > _WIDE)
+    log = bool(log and (panel.top is not None or positive.max() / positive.min() > _WIDE))
     axes.set(yscale="log" if log else "linear", xlabel=label)
     if wide:
         axes.set(xscale="log")
