@@ -56,7 +56,7 @@ def recording(scene):
     places = np.stack(seen, axis=1) + np.array(
         [3e-6, -2e-6]
     )  # the trap is not at the camera's origin
-    return Recording("drawn", np.arange(FRAMES) / RATE, places, ("x", "y"))
+    return Recording("drawn", 3.0 + np.arange(FRAMES) / RATE, places, ("x", "y"))
 
 
 @pytest.fixture(scope="module")
