@@ -334,6 +334,14 @@ def test_an_exposure_is_corrected_for_if_given_and_seen_if_not(known):
     assert blind.axes[0]["equipartition"].stiffness > 1.5 * K
 
 
+def test_a_known_exposure_is_not_asked_for():
+    step = 0.5 * TAU
+    positions = trapped(step, 8000, K, DRAG, None, T, 51, exposure=step)[0]
+    told = tweezer.calibrate(record(positions, step), temperature=T, exposure=0.0)
+    (text,) = [each.text for each in told.axes[0].findings if each.name == "blur"]
+    assert text == "the bead moves less from sample to sample than in a trap"
+
+
 def test_an_exposure_that_the_record_cannot_tell_is_asked_for():
     """Samples every 3 tau, drag fitted: exposed for long, a softer trap looks the same."""
     step = 3 * TAU

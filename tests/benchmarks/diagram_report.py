@@ -137,12 +137,19 @@ def block(results: Results) -> str:
         for each in results["least"]
         if None not in each["powers_W"].values()
     ]
+    largest = max(
+        each["errors_W"][name] / power
+        for each in results["least"]
+        for name, power in each["powers_W"].items()
+        if power is not None
+    )
     furthest = max(abs(off(each)) for each in results["ensembles"])
     explained = (
         f"Between {1e3 * min(results['powers_W']):g} mW and {max(results['powers_W']):g} W, and "
         f"{1e6 * min(results['diameters_m']):g} to {1e6 * max(results['diameters_m']):g} µm: "
         f"{'; '.join(told)}. Least powers below are in mW, through the pupil; a "
-        f"year takes {min(ratios):.2g} to {max(ratios):.2g} times the power of an hour."
+        f"year takes {min(ratios):.2g} to {max(ratios):.2g} times the power of an hour. "
+        f"The powers have errors of {100 * largest:.2g} % at most."
     )
     checked = (
         "Lifetimes that are short enough are held to ensembles of "

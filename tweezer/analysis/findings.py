@@ -114,7 +114,7 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
         *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
         _line(positions, step, fits, slowest),
-        _white(positions, step, fits),
+        _white(positions, step, fits, exposure_known),
         _spectrum(positions, step, fits.free),
         _drag(fits),
     ]
@@ -245,7 +245,7 @@ def _short_times_differ(first: Array, second: Array) -> bool:
     return bool(2 * ndtr(-apart / error) < IMPROBABLE / 10)
 
 
-def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
+def _white(positions: Array, step: float, fits: Fits, exposure_known: bool) -> Finding | None:
     """White noise, or the opposite: less motion from sample to sample than in the fit.
 
     The score of a constant added to the spectrum, at the fit (C. R. Rao, Proc. Camb. Philos. Soc.
@@ -298,13 +298,14 @@ def _white(positions: Array, step: float, fits: Fits) -> Finding | None:
     deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
     if variance > 0:
         return Finding("noise", f"it contains white noise of about {deviation}")
-    text = (
-        "the bead moves less from sample to sample than in a trap: motion blur? Give the exposure"
-    )
+    text = "the bead moves less from sample to sample than in a trap"
+    if not exposure_known:
+        text += ": motion blur? Give the exposure"
     if not free.bead.displaced_mass and float(part.frequencies[-1]) > _FAST:
+        or_blur = "" if exposure_known else ", or motion blur"
         text = (
             "the bead moves less from sample to sample than in a trap: by the inertia of the "
-            "fluid, or motion blur?"
+            f"fluid{or_blur}?"
         )
     elif not free.bead.seen_as_it_is:
         text = "the bead moves less from sample to sample than this detector would show"
