@@ -57,7 +57,7 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
                 1e6 * each.stiffness, 1e6 * each.uncertainty, "±"
             )
             assert digits in text
-    for said in ("3,000 samples", "0.5 ms", "9.4 nN s/m, given", "293.15 K"):
+    for said in ("3,000 samples", "0.5 ms", "drag 9.4 nN s/m", "293.15 K"):
         assert said in text
     source = path.read_text(encoding="utf-8")
     assert "http" not in source
@@ -83,6 +83,34 @@ def test_a_page_says_what_was_left_out(drifting):
     assert ("drift taken off", "slower than 0.5 Hz") in facts
     assert ("frequencies of the fit", "from 10 Hz on") in facts
     assert len(usual) == len(facts) - 3
+
+
+def test_a_page_has_what_was_fitted_of_the_detector_and_what_was_given(tmp_path):
+    """A record of 1 um/V with noise of 20 nm, of which both are fitted."""
+    x = trapped(5e-4, 6000, 2e-6, DRAG, None, 293.15, 3, 1, exposure=0.0)[0]
+    x += 2e-8 * np.random.default_rng(4).standard_normal(len(x))
+    recording = Recording("volts", 5e-4 * np.arange(len(x)), 1e6 * x[:, None], ("x",), unit="V")
+    radius, viscosity = 0.5e-6, DRAG / (6 * np.pi * 0.5e-6)
+    found = tweezer.calibrate(
+        recording, temperature=293.15, radius=radius, viscosity=viscosity, exposure=0.0,
+        noise="fit",
+    )  # fmt: skip
+    (axis,) = found.axes
+    (noise,) = axis.detector
+    text = words(tweezer.write_report(recording, found, tmp_path / "page.html"))
+
+    def number(of, end):
+        """What the page says of it, with its uncertainty."""
+        value, error = re.search(rf"{of} ?([0-9.]+) ± ([0-9.]+) {end}", text).groups()
+        return pytest.approx(float(value), rel=1e-2), pytest.approx(float(error), rel=0.1)
+
+    assert number("noise", "mV") == (1e3 * noise.value, 1e3 * noise.uncertainty)
+    assert number("", "µm/V") == (1e6 * axis.sensitivity, 1e6 * axis.sensitivity_uncertainty)
+    force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
+    assert number("", "pN/V") == (1e12 * force[0], 1e12 * force[1])
+    assert noise.value == pytest.approx(20e-3, rel=0.2)
+    for said in ("radius of the bead 0.5 µm", "viscosity 0.9974 mPa s", "drag 9.4 nN s/m"):
+        assert said in text
 
 
 def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tmp_path):

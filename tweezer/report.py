@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import math
+import re
 import textwrap
 from dataclasses import dataclass
 from io import BytesIO
@@ -36,6 +37,9 @@ _MARGIN = 0.03
 #: Columns of a table in a PDF, as parts of its width
 _COLUMNS = (0.0, 0.5, 0.72)
 
+#: What the figure shows.
+_DRAWN = "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
+#: How the numbers are to be read.
 _READING = (
     "Uncertainties are standard ones (68 %), of statistics alone: temperature, drag and scale "
     "count as exact unless they were fitted. p is the probability that the spectrum of a trapped "
@@ -70,10 +74,6 @@ class Page:
     """what speaks against numbers; tables refer to them by number, from 1"""
     tables: list[AxisTable]
     facts: list[tuple[str, str]]
-    about_figure: str = (
-        "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
-    )
-    reading: str = _READING
 
 
 def page_of(recording: Recording, calibration: Calibration) -> Page:
@@ -91,7 +91,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
     if free is not None:
         from tweezer.analysis.wording import diffusion_in_words
 
-        said = diffusion_in_words(free, calibration.unit).replace("+-", "±").replace("um^2", "µm²")
+        said = _typeset(diffusion_in_words(free, calibration.unit))
         verdicts.insert(0, Verdict(said, trusted=not free.findings))
         for text in (*(each.text for each in free.findings), *free.remarks):
             against.setdefault(text, alone)
@@ -104,7 +104,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
             text if len(axes) == every else f"{', '.join(axes)}: {text}"
             for text, axes in against.items()
         ],
-        [_table(axis, numbers) for axis in trapped],
+        [_table(axis, calibration.unit, numbers) for axis in trapped],
         _facts(recording, calibration),
     )
 
@@ -119,7 +119,9 @@ def _verdict(axis: AxisCalibration) -> Verdict:
     return Verdict(f"{text}: {reasons}" if reasons else text, trusted=False)
 
 
-def _table(axis: AxisCalibration, numbers: dict[str, int]) -> AxisTable:
+def _table(axis: AxisCalibration, unit: str, numbers: dict[str, int]) -> AxisTable:
+    from tweezer.analysis.wording import axis_in_words
+
     rows = []
     for each in axis.estimates:
         names = {finding.name for finding in each.findings}
@@ -129,28 +131,13 @@ def _table(axis: AxisCalibration, numbers: dict[str, int]) -> AxisTable:
         if "undetermined" in names:
             k, judgement = "-", "not determined"
         rows.append((each.method, k, judgement))
-    fit, free = axis.fit, axis.free_fit
-    lines = [
-        _quantity(
-            "corner frequency", fit.bead.corner_frequency, fit.corner_frequency_uncertainty,
-            1.0, "Hz",
-        )
-    ]  # fmt: skip
-    if free.drag_uncertainty is not None:
-        diffusion = free.bead.diffusion, axis.diffusion_uncertainty
-        lines.append(_quantity("diffusion", *diffusion, 1e12, "µm²/s"))
-    lines[-1] += f"; p = {free.p_value:.2g}"
-    if axis.sensitivity is not None:
-        error = axis.sensitivity_uncertainty or math.nan
-        lines.append(_quantity("metres by recorded ones", axis.sensitivity, error, 1.0, ""))
-    lines += [finding.text for finding in axis.remarks]
+    lines = [_typeset(line) for line in axis_in_words(axis, unit)]
     return AxisTable(axis.axis, rows, lines)
 
 
-def _quantity(name: str, value: float, uncertainty: float, factor: float, unit: str) -> str:
-    if not 0 < uncertainty < value:
-        return f"{name} not determined"
-    return f"{name} {with_uncertainty(factor * value, factor * uncertainty, '±')} {unit}".rstrip()
+def _typeset(line: str) -> str:
+    """A line of a terminal with the signs of print."""
+    return re.sub(r"\bu(?=[ms]\b)", "µ", line.replace("+-", "±").replace("^2", "²"))
 
 
 def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, str]]:
@@ -162,8 +149,12 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
     ]
     if recording.scene is not None:
         facts.insert(0, ("run of", recording.scene.title))
+    if calibration.radius is not None:
+        facts.append(("radius of the bead", f"{1e6 * calibration.radius:.4g} µm"))
+    if calibration.viscosity is not None:
+        facts.append(("viscosity", f"{1e3 * calibration.viscosity:.4g} mPa s"))
     drag = calibration.drag
-    facts.append(("drag", "fitted" if drag is None else f"{1e9 * drag:.4g} nN s/m, given"))
+    facts.append(("drag", "fitted" if drag is None else f"{1e9 * drag:.4g} nN s/m"))
     if calibration.mass is not None:
         facts.append(("mass of the bead", f"{1e15 * calibration.mass:.4g} pg"))
     if calibration.displaced_mass is not None:
@@ -176,6 +167,12 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
         told += ", taken as none"
     fitted = {each.name for axis in calibration.axes for each in axis.detector}
     facts.append(("exposure of each sample", "fitted" if "exposure" in fitted else told))
+    if "diode_frequency" in fitted:
+        facts.append(("diode", "fitted"))
+    elif calibration.diode is not None:
+        frequency, part = calibration.diode
+        told = f"{1e-3 * frequency:.4g} kHz"
+        facts.append(("diode", f"{told}, {part:.3g} detected at once" if part else told))
     if "noise" in fitted:
         facts.append(("noise of the detector", "fitted"))
     elif calibration.noise is not None:
@@ -233,7 +230,8 @@ def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
     calibration_figure(recording, calibration).savefig(drawn, format="png", dpi=_DOTS)
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     template = environment.from_string(_TEMPLATE.read_text(encoding="utf-8"))
-    return template.render(page=page, figure=base64.b64encode(drawn.getvalue()).decode())
+    figure = base64.b64encode(drawn.getvalue()).decode()
+    return template.render(page=page, figure=figure, drawn=_DRAWN, reading=_READING)
 
 
 def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
@@ -260,7 +258,7 @@ def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figur
     lengths = (len(table.rows) + len(told) for table, told in zip(page.tables, lines, strict=True))
     rows = max(lengths, default=0)
     facts = textwrap.wrap("; ".join(f"{name}: {value}" for name, value in page.facts), _CHARACTERS)
-    facts += textwrap.wrap(page.reading, _CHARACTERS)
+    facts += textwrap.wrap(_READING, _CHARACTERS)
     count = 8 + len(verdicts) + len(notes) + rows + len(facts)
     figure = Figure(figsize=(_WIDTH, _HEIGHT + count * _LINE), layout="constrained")
     parts = figure.subfigures(2, 1, squeeze=False, height_ratios=[count * _LINE, _HEIGHT])

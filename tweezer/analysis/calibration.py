@@ -219,6 +219,10 @@ class Calibration:
     """of the axes along which no trap is seen; None if a trap is seen along all"""
     left_out: LeftOut = NOTHING
     """what was left out of the record, and of the fits"""
+    radius: float | None = None
+    """of the bead, m; None if not known"""
+    viscosity: float | None = None
+    """of the medium, Pa s; None if not known"""
 
     def __repr__(self) -> str:
         """In short: for each axis the first trusted stiffness."""
@@ -456,7 +460,7 @@ def calibrate(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
         len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
-        height, free, left,
+        height, free, left, radius, viscosity,
     )  # fmt: skip
 
 

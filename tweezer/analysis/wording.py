@@ -1,9 +1,11 @@
-"""What a calibration found of a free bead, in words."""
+"""What a calibration found, in words."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
+from tweezer.analysis.calibration import AxisCalibration
 from tweezer.analysis.free import Diffusion
 from tweezer.rounding import rounded, with_uncertainty
 
@@ -14,6 +16,66 @@ _INFERRED = {
     "drag": ("drag", 1e9, "nN s/m"),
     "Boltzmann": ("Boltzmann's constant", 1e23, "10^-23 J/K"),
 }
+
+#: Parameters of a detector in words, with the factor to their unit and the unit.
+_DETECTOR = {
+    "exposure": ("blur", 1e6, "us"),
+    "diode_frequency": ("diode", 1e-3, "kHz"),
+    "diode_fraction": ("detected at once", 1.0, ""),
+}
+
+
+def axis_in_words(axis: AxisCalibration, unit: str) -> list[str]:
+    """What is told of an axis beside its stiffness, the spectrum first; unit: of the record."""
+    remarks = (finding.text for finding in axis.remarks)
+    return [_spectrum(axis), *_detector_and_drive(axis, unit), *remarks]
+
+
+def _spectrum(axis: AxisCalibration) -> str:
+    """Corner frequency, diffusion if it was fitted, and how well the fit describes the spectrum."""
+    fit, free = axis.fit, axis.free_fit
+    corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, 1.0, "Hz")
+    parts = [f"corner frequency {corner}"]
+    if free.drag_uncertainty is not None:
+        diffusion = _determined(free.bead.diffusion, axis.diffusion_uncertainty, 1e12, "um^2/s")
+        parts.append(f"diffusion {diffusion}")
+    return "; ".join((*parts, f"p = {free.p_value:.2g}"))
+
+
+def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
+    """Lines on what the record tells of the detector, and of the drive."""
+    volt, nano = (1e3, "mV") if unit == "V" else (1e9, "nm")
+    words = {**_DETECTOR, "noise": ("noise", volt, nano)}
+    told = [
+        f"{words[each.name][0]} {_scaled(each.value, each.uncertainty, *words[each.name][1:])}"
+        for each in axis.detector
+        if each.value is not None
+    ]
+    if told:
+        yield "; ".join(told)
+    if axis.sensitivity is not None:
+        drag = axis.free_fit
+        metres = axis.sensitivity, axis.sensitivity_uncertainty
+        force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
+        parts = [f"recorded metres are {_scaled(*metres, 1.0, 'm')}"]
+        if unit == "V":
+            parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
+        parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
+        yield "; ".join(parts)
+    for each in axis.answers:
+        answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
+        yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"
+
+
+def _determined(value: float, uncertainty: float, factor: float, unit: str) -> str:
+    if not 0 < uncertainty < value:
+        return "not determined"
+    return _scaled(value, uncertainty, factor, unit)
+
+
+def _scaled(value: float | None, uncertainty: float | None, factor: float, unit: str) -> str:
+    error = math.nan if uncertainty is None else factor * uncertainty
+    return f"{with_uncertainty(factor * (value or math.nan), error)} {unit}".rstrip()
 
 
 def diffusion_in_words(free: Diffusion, unit: str) -> str:

@@ -292,12 +292,6 @@ def _bare(text: str | None) -> float | str | None:
         return text
 
 
-def _determined(value: float, uncertainty: float, unit: str) -> str:
-    if not 0 < uncertainty < value:
-        return "not determined"
-    return f"{with_uncertainty(value, uncertainty)} {unit}"
-
-
 def _print_calibration(calibration: Calibration) -> None:
     free = calibration.free
     if free is not None:
@@ -330,6 +324,8 @@ def _print_wall(wall: Height, axis: AxisCalibration) -> None:
 
 def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     """A table of estimates, and below it numbered notes on what speaks against them."""
+    from tweezer.analysis.wording import axis_in_words
+
     every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
     listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
 
@@ -348,51 +344,10 @@ def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     OUT.print(table)
     for number, finding in enumerate(listed, 1):
         OUT.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
-    fit, free = axis.fit, axis.free_fit
-    corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, "Hz")
-    diffusion = _determined(1e12 * free.bead.diffusion, 1e12 * axis.diffusion_uncertainty, "um^2/s")
-    line = f"corner frequency {corner}; diffusion {diffusion}; p = {free.p_value:.2g}"
-    if free.drag_uncertainty is None:
-        line = f"corner frequency {corner}; p = {free.p_value:.2g}"
+    spectrum, *told = axis_in_words(axis, unit)
     against = mark(axis.findings)
-    OUT.print(f"{line}; {against}" if against else line, highlight=False, soft_wrap=True)
-    for line in (*_detected(axis, unit), *(finding.text for finding in axis.remarks)):
+    for line in (f"{spectrum}; {against}" if against else spectrum, *told):
         OUT.print(line, highlight=False, soft_wrap=True)
-
-
-def _detected(axis: AxisCalibration, unit: str) -> Iterable[str]:
-    """Lines on what the record tells of the detector, and of the drive."""
-    volt, nano = (1e3, "mV") if unit == "V" else (1e9, "nm")
-    words = {
-        "exposure": ("blur", 1e6, "us"),
-        "diode_frequency": ("diode", 1e-3, "kHz"),
-        "diode_fraction": ("detected at once", 1.0, ""),
-        "noise": ("noise", volt, nano),
-    }
-    told = [
-        f"{words[each.name][0]} {_scaled(each.value, each.uncertainty, *words[each.name][1:])}"
-        for each in axis.detector
-        if each.value is not None
-    ]
-    if told:
-        yield "; ".join(told)
-    if axis.sensitivity is not None:
-        drag = axis.free_fit
-        metres = axis.sensitivity, axis.sensitivity_uncertainty
-        force = axis.force_sensitivity, axis.force_sensitivity_uncertainty
-        parts = [f"recorded metres are {_scaled(*metres, 1.0, 'm')}"]
-        if unit == "V":
-            parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
-        parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
-        yield "; ".join(parts)
-    for each in axis.answers:
-        answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
-        yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"
-
-
-def _scaled(value: float | None, uncertainty: float | None, factor: float, unit: str) -> str:
-    error = math.nan if uncertainty is None else factor * uncertainty
-    return f"{with_uncertainty(factor * (value or math.nan), error)} {unit}".rstrip()
 
 
 def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]) -> None:
