@@ -140,7 +140,7 @@ def test_after_a_warm_up_a_run_compiles_nothing(tmp_path):
     assert compiled(cache) == kept
     found = int(re.search(r"compiled 0 functions in 0 s; (\d+) were there already$",
                           again.stdout)[1])  # fmt: skip
-    assert 0 < found <= functions
+    assert 0 < found <= len(kept)  # one that another calls is compiled within it
 
 
 @pytest.fixture
