@@ -36,7 +36,7 @@ SCENE = "silica-1um"
 #: m, and W
 SIZES, POWERS = (0.2e-6, 3e-6), (1e-3, 1.0)
 #: of the grid, and of that for Dask
-GRID, DASK = (40, 60), (24, 30)
+GRID, DASK = (40, 60), (48, 30)
 PROCESSES = 2
 KILLS, ROUNDS = 10, 3
 #: time between looks at a journal, s
