@@ -684,7 +684,7 @@ def test_bad_arguments_are_refused(changes, complaint, tmp_path, monkeypatch):
      ("ucx://127.0.0.1:1", "")],
 )  # fmt: skip
 def test_a_scheduler_that_is_not_there(address, reason, tmp_path, monkeypatch):
-    monkeypatch.setattr("tweezer.ensembles.workers._PATIENCE", 0.5)
+    monkeypatch.setattr("tweezer.ensembles.scheduler.PATIENCE", 0.5)
     with pytest.raises(tweezer.SceneError) as told:
         tweezer.ensemble(FREE, 3, scheduler=address, out=tmp_path / "a.zarr")
     assert re.fullmatch(f"scheduler = '{address}': not reached: {reason}.*", str(told.value))

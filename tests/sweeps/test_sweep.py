@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import tweezer
 from tweezer.cli.app import app
+from tweezer.ensembles import scheduler
 from tweezer.sweeps import pool
 from tweezer.sweeps.figures import sweep_figure
 from tweezer.sweeps.journal import check_same
@@ -321,7 +322,7 @@ def test_a_cluster_gives_the_same(whole, monkeypatch):
     ) as client:
         other = tweezer.sweep(SCENE, over, scheduler=client)
         client.retire_workers()
-        monkeypatch.setattr(pool, "_PATIENCE", 0.05)
+        monkeypatch.setattr(scheduler, "PATIENCE", 0.05)
         with pytest.raises(tweezer.SceneError, match="scheduler: has no workers"):
             tweezer.sweep(SCENE, over, scheduler=client)
     with pytest.raises(tweezer.SceneError, match="scheduler: the client is closed"):

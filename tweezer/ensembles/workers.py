@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import SEEN, Job, columns_of, found_of, identity_of, plan_of
+from tweezer.ensembles.scheduler import PATIENCE, client_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
     Gathered,
@@ -27,7 +28,7 @@ from tweezer.ensembles.store import (
     stored,
     telling,
 )
-from tweezer.errors import SceneError, TweezerError
+from tweezer.errors import TweezerError
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -41,8 +42,6 @@ _PIECE_SAMPLES = 2**17
 _PIECE_STEPS = 2**22
 #: Steps of a block between checkpoints within a window (minutes of work)
 _KEPT_STEPS = 2**31
-#: Wait for a scheduler, and for its workers to stop, s
-_PATIENCE = 10
 
 
 @dataclass(frozen=True)
@@ -76,23 +75,10 @@ def threads(job: Job, bound: Walk, workers: int) -> Iterator[Pool]:
 @contextlib.contextmanager
 def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
     """The workers of a Dask scheduler."""
-    try:
-        from distributed import Client, KilledWorker
-    except ImportError:
-        raise TweezerError("scheduler: needs `pip install tweezer[cluster]`") from None
     with contextlib.ExitStack() as stack:
-        if isinstance(scheduler, Client):
-            client = scheduler
-        else:
-            try:
-                client = stack.enter_context(
-                    Client(scheduler, timeout=_PATIENCE, set_as_default=False)
-                )
-            except (OSError, ValueError, TypeError) as error:
-                reason = " ".join(str(error).split())
-                if scheduler.startswith("tls:"):
-                    reason += "; certificates are named in Dask's configuration, distributed.comm"
-                raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
+        client = stack.enter_context(client_of(scheduler))
+        from distributed import KilledWorker
+
         executor = client.get_executor(pure=False)
         run = job.part / f"{uuid.uuid4().hex}.run"
         with telling(job):
@@ -108,7 +94,7 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
                 lambda index, *_: executor.submit(_block_there, job, run, index),
                 lambda: max(1, sum(client.nthreads().values())),
                 stop,
-                _PATIENCE,
+                PATIENCE,
             )
         except KilledWorker:
             raise TweezerError(f"{job.out}: workers died too often; it can be resumed") from None

@@ -9,7 +9,6 @@ import logging
 import math
 import os
 import platform
-import re
 import signal
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from concurrent.futures import CancelledError, Future
 from queue import SimpleQueue
 from typing import IO, TYPE_CHECKING
 
-from tweezer.errors import SceneError, TweezerError
+from tweezer.errors import TweezerError
 from tweezer.sweeps.cases import Cases
 from tweezer.sweeps.quantities import FAILED, Asked, Values, to_text
 from tweezer.version import versions
@@ -43,10 +42,6 @@ _LONGEST = 64
 _TRIES = 3
 #: Number of tasks in flight for each worker of a cluster
 _AHEAD = 2
-#: Wait for a scheduler, and for the first of its workers, s
-_PATIENCE = 10
-#: An address of a scheduler
-_ADDRESS = re.compile(r"inproc://.+|.+:[0-9]+")
 
 
 def tasks_of(cases: Cases, of: str, left: set[int], workers: int) -> list[Task]:
@@ -260,39 +255,3 @@ def _there(asked: Asked, ours: dict[str, str], task: Task) -> list[Done]:
                 f"{key.replace('_', ' ')}: {value}, not {ours[key]}"
             )
     return [(case, asked.compute(settings)) for case, settings in task]
-
-
-@contextlib.contextmanager
-def client_of(scheduler: str | Client) -> Iterator[Client]:
-    """The client of a scheduler, by its address. Raises `SceneError` if it has no workers."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise TweezerError("scheduler: needs `pip install tweezer[cluster]`") from None
-    if isinstance(scheduler, Client):
-        if scheduler.status != "running":
-            raise SceneError(f"scheduler: the client is {scheduler.status}")
-        _await_workers(scheduler)
-        yield scheduler
-        return
-    if not isinstance(scheduler, str) or not _ADDRESS.fullmatch(scheduler):
-        raise SceneError(
-            f"scheduler = {scheduler!r}: must be an address with a port, such as 127.0.0.1:8786, "
-            "or a distributed.Client"
-        )
-    try:
-        client = Client(scheduler, timeout=_PATIENCE, set_as_default=False)
-    except (OSError, ValueError, TypeError) as error:
-        reason = " ".join(str(error).split())
-        raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
-    with client:
-        _await_workers(client)
-        yield client
-
-
-def _await_workers(client: Client) -> None:
-    """Raises `SceneError` if no worker comes."""
-    try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
-    except TimeoutError:
-        raise SceneError("scheduler: has no workers") from None

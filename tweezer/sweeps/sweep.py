@@ -9,11 +9,12 @@ from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tweezer.ensembles.scheduler import client_of
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import Scene, checked_scene
 from tweezer.sweeps.cases import Cases, cases_of
 from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, telling
-from tweezer.sweeps.pool import Done, client_of, cluster, cores, here, processes, tasks_of
+from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
 from tweezer.units import to_si

@@ -1,0 +1,56 @@
+"""Reaching a Dask scheduler, for ensembles and for sweeps."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from tweezer.errors import SceneError, TweezerError
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+#: Wait for a scheduler, for the first of its workers, and for all to stop, s
+PATIENCE = 10
+#: An address of a scheduler
+_ADDRESS = re.compile(r"inproc://.+|.+:[0-9]+")
+
+
+@contextlib.contextmanager
+def client_of(scheduler: str | Client) -> Iterator[Client]:
+    """The client of a scheduler, by its address. Raises `SceneError` if it has no workers."""
+    try:
+        from distributed import Client
+    except ImportError:
+        raise TweezerError("scheduler: needs `pip install tweezer[cluster]`") from None
+    if isinstance(scheduler, Client):
+        if scheduler.status != "running":
+            raise SceneError(f"scheduler: the client is {scheduler.status}")
+        _await_workers(scheduler)
+        yield scheduler
+        return
+    if not isinstance(scheduler, str) or not _ADDRESS.fullmatch(scheduler):
+        raise SceneError(
+            f"scheduler = {scheduler!r}: must be an address with a port, such as 127.0.0.1:8786, "
+            "or a distributed.Client"
+        )
+    try:
+        client = Client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        reason = " ".join(str(error).split())
+        if scheduler.startswith("tls:"):
+            reason += "; certificates are named in Dask's configuration, distributed.comm"
+        raise SceneError(f"scheduler = {scheduler!r}: not reached: {reason}") from None
+    with client:
+        _await_workers(client)
+        yield client
+
+
+def _await_workers(client: Client) -> None:
+    """Raises `SceneError` if no worker comes."""
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError:
+        raise SceneError("scheduler: has no workers") from None
