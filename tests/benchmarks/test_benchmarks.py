@@ -27,6 +27,7 @@ from tests.benchmarks import (
     diagram,
     diagram_report,
     estimate,
+    fit_report,
     fluid_report,
     force,
     free,
@@ -256,7 +257,7 @@ def test_peers_integrate_our_equations(changes):
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
      ("heights", heights_report), ("camera", camera_report),
      ("free", free_report),
-     ("diagram", diagram_report), ("sweep", sweep_report)],
+     ("diagram", diagram_report), ("sweep", sweep_report), ("fit", fit_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -596,6 +597,17 @@ def test_page_quotes_the_committed_calibration_of_fast_records():
 
 def test_page_quotes_the_committed_calibration_beside_a_wall():
     assert pages.quoted("heights") == heights_report.block(pages.committed("heights"))
+
+
+def test_page_quotes_the_committed_fits():
+    """Of 100 intervals of 95 %, fewer than 87 hold the truth once in 2,100 (binomial)."""
+    results = pages.committed("fit")
+    assert pages.quoted("fit") == fit_report.block(results)
+    plane, space, degenerate = results["studies"]
+    for of in (*plane["keys"].values(), *space["keys"].values()):
+        assert of["determined"] == 100
+        assert of["inside"] >= 87
+    assert "fits as well" in degenerate["statement"]
 
 
 def test_page_quotes_the_committed_trapping_diagram():
