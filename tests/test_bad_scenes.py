@@ -472,7 +472,7 @@ BAD_SCENES = {
                                "bead.layers.0.radius or diameter: one is needed"),
     "unknown key of a layer": (
         {**LAYERS, "bead.layers": "[{ radius = 5e-7, refractive_index = 2, indx = 1 }]"},
-        "bead.layers.0.indx = 1: unknown key; allowed: radius, refractive_index, diameter",
+        "bead.layers.0.indx = 1: unknown key; allowed: radius, material, refractive_index, ",
     ),
     "number for layers": ({**LAYERS, "bead.layers": "1"}, "bead.layers = 1: must be a list"),
     # a face before the focus

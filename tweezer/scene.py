@@ -21,11 +21,12 @@ from pydantic_core import ErrorDetails
 from tweezer.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
+from tweezer.materials import Material, materials
 from tweezer.sections import (
     ALTERNATIVES,
     BELONGING,
     FILLED,
-    OF_A_NAME,
+    NAMED,
     WITHIN_LAYERS,
     Bead,
     Beam,
@@ -104,6 +105,7 @@ class Scene(Section):
             here = by_key(self.model_dump())
             there = by_key(load_scene(shipped[self.name]).model_dump())
             filled = {f"medium.{key}" for key in self.medium.filled}
+            filled |= {f"bead.{key}" for key in self.bead.filled}
             keys = sorted((here.keys() | there.keys()) - filled)
             changed = [key for key in keys if here.get(key) != there.get(key)]
             if ("beam.power" in here) != ("beam.power" in there):
@@ -124,12 +126,19 @@ class Scene(Section):
         medium = data.get("medium") if isinstance(data, dict) else None
         if not isinstance(medium, dict) or medium.get("name") != "water":
             return data
-        missing = [key for key in OF_A_NAME if medium.get(key) is None]
+        missing = [key for key in NAMED["medium"][1] if medium.get(key) is None]
         if not missing:
             return data
         found = _of_water(data, medium, indexed="refractive_index" in missing)
         filled = {key: getattr(found, key) for key in missing}
         return {**data, "medium": {**medium, **filled, FILLED: missing}}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _bead_of_materials(cls, data: Any) -> Any:
+        """Fill in what the materials of bead and layers give and the scene does not."""
+        bead = data.get("bead") if isinstance(data, dict) else None
+        return {**data, "bead": _of_materials(data, bead)} if isinstance(bead, dict) else data
 
     @model_validator(mode="before")
     @classmethod
@@ -629,13 +638,9 @@ class Scene(Section):
 
 def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
     """Water in a scene as it is given; indexed: at the wavelength of its beams."""
-    beams = [data.get("beam"), *(data.get("more_beams") or ())]
     try:
         temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
-        wavelengths = [
-            to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
-            for beam in beams
-        ]
+        wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
         return Water(1000.0, 1e-3, 1.33)  # what is wrong is found where the keys are read
     if indexed and max(wavelengths) > min(wavelengths):
@@ -651,6 +656,82 @@ def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bo
         given = medium["temperature"] if cold_or_hot else wavelengths[0]
         way_out = "" if cold_or_hot else "; give medium.refractive_index"
         raise refusal(f"{key} = {given!r}: {error}{way_out}") from None
+
+
+def _wavelengths(data: Mapping[str, Any]) -> list[float]:
+    """Vacuum wavelengths of the beams of a scene as it is given, m.
+
+    Raises `ValueError` or `AttributeError` where it is not valid.
+    """
+    return [
+        to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
+        for beam in (data.get("beam"), *(data.get("more_beams") or ()))
+    ]
+
+
+def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
+    """A bead of a scene as it is given, with what its materials give."""
+    layers = bead.get("layers")
+    if layers is None:
+        density = getattr(materials().get(str(bead.get("material"))), "density", None)
+        return _with_material(data, bead, "bead", density)
+    if not isinstance(layers, list | tuple) or not all(isinstance(each, dict) for each in layers):
+        return dict(bead)
+    density = _mean_density(layers) if bead.get("density") is None else None
+    filled = {"density": density, FILLED: ["density"]} if density else {}
+    within = [_with_material(data, each, f"bead.layers.{i}", None) for i, each in enumerate(layers)]
+    return {**bead, **filled, "layers": within}
+
+
+def _with_material(
+    data: Mapping[str, Any], part: Mapping[str, Any], name: str, density: float | None
+) -> dict[str, Any]:
+    """A bead or a layer, with the index of its material and a density where it has none."""
+    filled: dict[str, Any] = {}
+    if part.get("density") is None and density is not None:
+        filled["density"] = density
+    material = materials().get(str(part.get("material")))
+    if material is not None and part.get("refractive_index") is None:
+        index = _index_of(material, data, name)
+        filled["refractive_index"] = (index.real, index.imag) if index.imag else index.real
+    return {**part, **filled, FILLED: list(filled)} if filled else dict(part)
+
+
+def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex:
+    """Index of a material at the wavelength of the beams of a scene as it is given."""
+    try:
+        wavelengths = _wavelengths(data)
+    except (ValueError, AttributeError):
+        return 1.5 + 0j  # what is wrong is found where the beams are read
+    if max(wavelengths) > min(wavelengths):
+        raise refusal(
+            f"{name}.material = {material.name!r}: has another index for each of the beams' "
+            f"wavelengths; give {name}.refractive_index"
+        )
+    try:
+        return material.refractive_index(wavelengths[0])
+    except ValueError as error:
+        raise refusal(
+            f"beam.wavelength = {wavelengths[0]:g}: {error}; give {name}.refractive_index"
+        ) from None
+
+
+def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
+    """Density of a bead of layers that all have a material, kg/m^3; None for others."""
+    made_of = [materials().get(str(each.get("material"))) for each in layers]
+    if not all(made_of):
+        return None
+    try:
+        radii = [
+            to_si(each["radius"], "m") if "radius" in each else to_si(each["diameter"], "m") / 2
+            for each in layers
+        ]
+    except (KeyError, ValueError):
+        return 1000.0  # what is wrong is found where the layers are read
+    cubes = [0.0, *(radius**3 for radius in radii)]
+    shells = [b - a for a, b in itertools.pairwise(cubes)]
+    mass = sum(of.density * shell for of, shell in zip(made_of, shells, strict=True) if of)
+    return mass / cubes[-1] if min(shells) > 0 else 1000.0
 
 
 def _kind(section: str) -> str:
@@ -712,12 +793,13 @@ def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
     for pair in ALTERNATIVES.get(section, ()):
         if key in pair and set(pair) & set(changes):
             return True
-    if section == "medium" and key in OF_A_NAME and changes.get("name"):
+    naming, given = NAMED.get(section, ("", ()))
+    if key in given and changes.get(naming):
         return True
     if section == "bead" and "layers" in changes:
         return key in WITHIN_LAYERS
     if section == "bead" and key == "layers":
-        return "refractive_index" in changes
+        return "refractive_index" in changes or "material" in changes
     chooser, choices = BELONGING.get(section, {}).get(key, ("", ()))
     return chooser in changes and changes[chooser] not in choices
 

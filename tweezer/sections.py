@@ -24,6 +24,7 @@ from pydantic_core import PydanticCustomError
 
 from tweezer.choices import EVALUATORS, INERTIAS, METHODS, MODELS, THEORIES, methods, told
 from tweezer.courses import Modulation, Motion, Section, Vector, Velocity, refusal
+from tweezer.materials import materials
 from tweezer.units import (
     BEAD_RADIUS,
     BEAM_SIGMA,
@@ -70,7 +71,15 @@ BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
 }
 
 #: Keys of a bead that it does not have beside `layers`
-WITHIN_LAYERS = ("radius", "diameter", "refractive_index")
+WITHIN_LAYERS = ("radius", "diameter", "refractive_index", "material")
+
+#: key of a section that names what it is made of, and the keys that the name gives
+NAMED: dict[str, tuple[str, tuple[str, ...]]] = {
+    "bead": ("material", ("refractive_index", "density")),
+    "medium": ("name", ("refractive_index", "density", "viscosity")),
+}
+#: key under which a scene says which keys of a section it has filled in
+FILLED = "filled in"
 
 if TYPE_CHECKING:
     ModelName: TypeAlias = str
@@ -78,12 +87,14 @@ if TYPE_CHECKING:
     InertiaName: TypeAlias = str
     TheoryName: TypeAlias = str
     EvaluatorName: TypeAlias = str
+    MaterialName: TypeAlias = str
 else:
     ModelName = Literal[tuple(MODELS)]
     MethodName = Literal[("auto", *METHODS)]
     InertiaName = Literal[tuple(INERTIAS)]
     TheoryName = Literal[("auto", *THEORIES)]
     EvaluatorName = Literal[("auto", *EVALUATORS)]
+    MaterialName = Literal[tuple(materials())]
 
 EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
 AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
@@ -133,11 +144,46 @@ def _exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
         raise refusal(f"{key} or {other}: {both}")
 
 
-class Layer(Section):
+class Filled(Section):
+    """A section of which the scene may fill in some keys: they are not said again when it is."""
+
+    _filled: frozenset[str] = PrivateAttr(frozenset())
+
+    @property
+    def filled(self) -> frozenset[str]:
+        """Keys whose values the scene has filled in."""
+        return self._filled
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Remember which they are."""
+        if not isinstance(data, dict) or FILLED not in data:
+            return validated(data)
+        section = validated({key: value for key, value in data.items() if key != FILLED})
+        section._filled = frozenset(data[FILLED])
+        return section
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without what others give."""
+        said: dict[str, Any] = as_dict(self)
+        return {key: value for key, value in said.items() if key not in self._unsaid()}
+
+    def _unsaid(self) -> frozenset[str]:
+        return self._filled
+
+
+class Layer(Filled):
     """A sphere, or the shell of one about the layer before. `diameter` may stand for `radius`."""
 
     radius: BeadRadius = Field(description="outer radius")
-    refractive_index: ComplexIndex = Field(description="refractive index, as of the bead")
+    material: MaterialName | None = Field(
+        None, description="gives the refractive index at the beam's wavelength, as of the bead"
+    )
+    refractive_index: ComplexIndex = Field(
+        description="refractive index, as of the bead; not needed with a `material`"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -148,9 +194,9 @@ class Layer(Section):
 Layers = Annotated[tuple[Layer, ...], entries(1, 20)]
 
 
-class Bead(Section):
-    """The sphere. `diameter` may be given in place of `radius`, and `layers` in place of both and
-    of `refractive_index`.
+class Bead(Filled):
+    """The sphere. `diameter` may be given in place of `radius`, `material` in place of density and
+    index, and `layers` in place of radius and index.
     """
 
     layers: Layers | None = Field(
@@ -160,11 +206,19 @@ class Bead(Section):
     radius: BeadRadius = Field(
         None, validate_default=True, description="radius r; of layers the outermost"
     )
-    density: Density = Field(description="density of the whole bead, rho_b (Table B.1)")
+    material: MaterialName | None = Field(
+        None,
+        description="what it is made of: gives density and refractive index (at the beam's "
+        "wavelength) where the scene has no numbers of its own",
+    )
+    density: Density = Field(
+        description="density of the whole bead, rho_b (Table B.1); not needed with a `material`, "
+        "nor with layers that all have one"
+    )
     refractive_index: ComplexIndex | None = Field(
         None,
         description="refractive index n_P; of a bead that absorbs, or a metal, complex: "
-        '"1.59+0.01j" or [1.59, 0.01]',
+        '"1.59+0.01j" or [1.59, 0.01]; not needed with a `material`',
     )
     moments_of_inertia: Moments | None = Field(
         None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
@@ -204,13 +258,8 @@ class Bead(Section):
                 )
         return self
 
-    @model_serializer(mode="wrap")
-    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without the radius that layers have."""
-        said: dict[str, Any] = as_dict(self)
-        if self.layers is not None:
-            said.pop("radius", None)
-        return said
+    def _unsaid(self) -> frozenset[str]:
+        return self.filled if self.layers is None else self.filled | {"radius"}
 
     @property
     def shells(self) -> tuple[tuple[float, complex], ...]:
@@ -244,39 +293,6 @@ class Bead(Section):
 
 def _complex(index: float | tuple[float, float]) -> complex:
     return complex(*index) if isinstance(index, tuple) else complex(index)
-
-
-#: keys of the medium that a name gives
-OF_A_NAME = ("refractive_index", "density", "viscosity")
-#: key under which a scene says which keys of a section it has filled in
-FILLED = "filled in"
-
-
-class Filled(Section):
-    """A section of which the scene may fill in some keys: they are not said again when it is."""
-
-    _filled: frozenset[str] = PrivateAttr(frozenset())
-
-    @property
-    def filled(self) -> frozenset[str]:
-        """Keys whose values the scene has filled in."""
-        return self._filled
-
-    @model_validator(mode="wrap")
-    @classmethod
-    def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
-        """Remember which they are."""
-        if not isinstance(data, dict) or FILLED not in data:
-            return validated(data)
-        section = validated({key: value for key, value in data.items() if key != FILLED})
-        section._filled = frozenset(data[FILLED])
-        return section
-
-    @model_serializer(mode="wrap")
-    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Without what the scene has filled in."""
-        said: dict[str, Any] = as_dict(self)
-        return {key: value for key, value in said.items() if key not in self._filled}
 
 
 class Medium(Filled):

@@ -1,0 +1,71 @@
+"""Materials of beads: refractive index by wavelength, and density, from published measurements.
+
+The numbers, with their sources, are in materials.toml.
+"""
+
+from __future__ import annotations
+
+import bisect
+import functools
+import math
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Material(NamedTuple):
+    """What a bead is made of."""
+
+    name: str
+    formula: str
+    """"sellmeier", "powers", "value" or "table"; see `refractive_index`"""
+    numbers: list[list[float]]
+    measured: tuple[float, float]
+    """vacuum wavelengths, um, from and to, that the source has"""
+    used: tuple[float, float]
+    """vacuum wavelengths, um, from and to, for which an index is given"""
+    error: float
+    """difference of other published values of the index, roughly"""
+    source: str
+    cited: str
+    """source, in short"""
+    note: str
+    density: float
+    """kg/m^3"""
+    density_source: str
+
+    def refractive_index(self, wavelength: float) -> complex:
+        """Refractive index n + jk at a vacuum wavelength, m.
+
+        Raises `ValueError`, saying the range, where it is not known.
+        """
+        low, high = self.used
+        um = 1e6 * wavelength
+        if not low * (1 - 1e-9) <= um <= high * (1 + 1e-9):
+            raise ValueError(
+                f"the index of {self.name} is known from {low:g} to {high:g} um, not at {um:g} um"
+            )
+        match self.formula:
+            case "sellmeier":  # n^2 = 1 + sum of B l^2/(l^2 - C)
+                return complex(math.sqrt(1 + sum(b * um**2 / (um**2 - c) for b, c in self.numbers)))
+            case "powers":  # n^2 = sum of c l^p
+                return complex(math.sqrt(sum(c * um**power for c, power in self.numbers)))
+            case "value":
+                return complex(self.numbers[0][0])
+            case _:
+                return self._between_rows(um)
+
+    def _between_rows(self, um: float) -> complex:
+        """Linearly between the rows of the table: wavelength, n, k."""
+        after = bisect.bisect([row[0] for row in self.numbers], um)
+        after = min(max(after, 1), len(self.numbers) - 1)
+        (a, n, k), (b, next_n, next_k) = self.numbers[after - 1 : after + 1]
+        part = (um - a) / (b - a)
+        return complex(n + part * (next_n - n), k + part * (next_k - k))
+
+
+@functools.cache
+def materials() -> dict[str, Material]:
+    """Every material, by name."""
+    whole = Path(__file__).with_suffix(".toml").read_text(encoding="utf-8")
+    return {name: Material(name=name, **of) for name, of in tomllib.loads(whole).items()}
