@@ -2,18 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from tweezer.errors import ResultError, SceneError
+from tweezer.errors import ResultError, SceneError, TweezerError
 from tweezer.scene import Scene
-from tweezer.units import to_si
+from tweezer.units import array_in_si, to_si
 
 if TYPE_CHECKING:
+    import numpy as np
     from distributed import Client
+    from numpy.typing import NDArray
 
 #: trajectories of an ensemble
 _MOST = 10**9
+
+
+def in_si(
+    name: str,
+    value: Any,
+    unit: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    error: type[TweezerError] = SceneError,
+) -> float:
+    """The argument of that name in its SI unit, from `low` to `high`: see `tweezer.units.to_si`.
+
+    Raises `error`, which names the argument.
+    """
+    try:
+        return to_si(value, unit, low, high)
+    except ValueError as refused:
+        raise error(f"{name} = {value!r}: {refused}") from None
+
+
+def numbers_in_si(
+    name: str, values: Any, unit: str, error: type[TweezerError] = ResultError
+) -> NDArray[np.float64]:
+    """The same of an array: see `tweezer.units.array_in_si`."""
+    try:
+        return array_in_si(values, unit)
+    except ValueError as refused:
+        raise error(f"{name}: {refused}") from None
 
 
 def check_seed(seed: int) -> None:
@@ -72,10 +103,7 @@ def samples_skipped(scene: Scene, skip: float | str) -> int:
     """The first sample not before `skip`, s or text. Raises `SceneError` if hardly one is left."""
     import numpy as np
 
-    try:
-        seconds = to_si(skip, "s", 0.0)
-    except ValueError as error:
-        raise SceneError(f"skip = {skip!r}: {error}") from None
+    seconds = in_si("skip", skip, "s", 0.0)
     samples = scene.simulation.samples
     times = np.linspace(0.0, scene.simulation.duration, samples)
     skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))

@@ -40,7 +40,7 @@ from tweezer.sections import (
     Wall,
 )
 from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
-from tweezer.units import TABLE_RADII, TEMPERATURE, Quantity, quantity_of, to_si
+from tweezer.units import TABLE_RADII, TEMPERATURE, Quantity, as_given, quantity_of, to_si
 from tweezer.water import LIQUID, Water, water
 
 SHIPPED = Path(__file__).parent / "scenes"
@@ -1012,7 +1012,7 @@ def _as_text(value: Any) -> str:
         return _clipped(f"{{{', '.join(f'{key} = {_as_text(of)}' for key, of in value.items())}}}")
     if isinstance(value, list | tuple):
         return _clipped(f"[{', '.join(map(_as_text, value))}]")
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else _clipped(as_given(value))
 
 
 def _short(value: Any) -> str:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from tweezer.analysis.derived import derived_quantities
 from tweezer.analysis.summary import summary_of_path
-from tweezer.arguments import check_run
+from tweezer.arguments import check_run, in_si
 from tweezer.dynamics import (
     Event,
     Motion,
@@ -34,7 +34,6 @@ from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
 from tweezer.scene import Scene, checked_scene
-from tweezer.units import to_si
 from tweezer.version import versions
 
 if TYPE_CHECKING:
@@ -328,10 +327,7 @@ def _adjusted(
     }
     if tolerance is not None:
         simulation = scene.simulation
-        try:
-            ratio = to_si(tolerance, "", 1e-13, 0.1) / simulation.relative_tolerance
-        except ValueError as error:
-            raise SceneError(f"tolerance = {tolerance!r}: {error}") from None
+        ratio = in_si("tolerance", tolerance, "", 1e-13, 0.1) / simulation.relative_tolerance
         changes |= {
             "relative_tolerance": tolerance,
             "position_tolerance": simulation.position_tolerance * ratio,

@@ -1,8 +1,9 @@
-"""Quantities with units at the boundary: text such as "500 nm" to SI floats.
+"""Quantities with units at the boundary: text such as "500 nm", and those of pint, to SI floats.
 
 Pint does the conversion; it is imported at the first unit that is not of `FREQUENT`. Of its units
-only those of `_UNIT` are known here: others mean something else than a user of a microscope expects
-(px is 1/96 inch, point 1/72 inch, Hz as an angular speed 1 rad/s).
+only those of `_UNIT` are known here in text: others mean something else than a user of a microscope
+expects (px is 1/96 inch, point 1/72 inch, Hz as an angular speed 1 rad/s). A quantity of pint, of
+whatever registry, is converted by its own.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 if TYPE_CHECKING:
+    import numpy as np
     import pint
+    from numpy.typing import NDArray
 
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
@@ -38,7 +41,9 @@ _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
 _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
-#: of a frequency alone: as an angular speed pint takes 1 Hz as 1 rad/s
+#: Units that pint takes as one: an angular speed of 1 Hz as 1 rad/s
+_PER_TIME = ("1/s", "rad/s")
+#: of a frequency alone
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
 #: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
 FREQUENT = {
@@ -83,11 +88,15 @@ def registry() -> pint.UnitRegistry:
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
-    """`value` in the SI unit `unit`: a bare number as it is, text by its unit.
+    """`value` in the SI unit `unit`: a bare number as it is, text and quantities by their unit.
 
+    A quantity is pint's, of any registry, or a number of xarray that has the attribute `units`.
     Raises `ValueError`, saying what is allowed, for anything else, and for what is not finite
     or not from `low` to `high`.
     """
+    value = without_unit(value, unit)
+    if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):  # NumPy's
+        value = value.item()
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"must be a number{_or_text(unit)}")
     try:
@@ -99,6 +108,77 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
     if not low <= number <= high:
         raise ValueError(f"must be from {low:g} to {high:g} {unit}".rstrip())
     return number
+
+
+def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
+    """Numbers of any shape in the SI unit `unit`, as `to_si` reads one.
+
+    An array of numbers, also pint's or xarray's with its unit; or a list of what `to_si` reads.
+    Raises `ValueError` for anything else.
+    """
+    values = without_unit(values, unit)
+    if isinstance(values, list | tuple):
+        if any(isinstance(each, str) or _has_unit(each) for each in values):
+            values = [array_in_si(each, unit) for each in values]
+    elif isinstance(values, str):
+        values = to_si(values, unit)
+    import numpy as np
+
+    try:
+        return np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"must be numbers{_or_text(unit)}") from None
+
+
+def without_unit(value: Any, unit: str) -> Any:
+    """The number or array of a quantity with a unit, in the SI unit `unit`; all else as it is.
+
+    Raises `ValueError` for a quantity of another dimension.
+    """
+    if not _has_unit(value):
+        return value
+    if hasattr(value, "attrs"):
+        if value.attrs["units"] in (unit, unit or "1"):
+            return value.values
+        value = registry().Quantity(value.values, value.attrs["units"])
+    try:
+        number = value.to(unit)
+        turns = "radian" in str(value.to_base_units().units)
+    except Exception as error:  # pint of whatever version, or what behaves as pint
+        raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}") from error
+    if unit in _PER_TIME and turns != (unit == "rad/s"):  # pint takes 1 Hz as 1 rad/s
+        raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}")
+    return number.magnitude
+
+
+def _has_unit(value: Any) -> bool:
+    """Whether it is a quantity of pint, or of xarray with the attribute `units`."""
+    attributes = getattr(value, "attrs", None)
+    if isinstance(attributes, dict):
+        return "units" in attributes and hasattr(value, "values")
+    return hasattr(value, "magnitude") and hasattr(value, "to_base_units")
+
+
+def bare(value: Any) -> Any:
+    """The number of a text without a unit; all else as it is."""
+    try:
+        return float(value) if isinstance(value, str) else value
+    except ValueError:
+        return value
+
+
+def as_given(value: Any) -> str:
+    """A value as text, a quantity with its unit in short."""
+    if not _has_unit(value):
+        return str(value)
+    if hasattr(value, "attrs"):
+        return f"{value.values} {value.attrs['units']}"
+    return f"{value:~}"
+
+
+def listed(value: Any) -> Any:
+    """An array of numbers, or of quantities with a unit, as a list of them; all else as it is."""
+    return list(value) if getattr(value, "ndim", 0) else value
 
 
 def _or_text(unit: str) -> str:
@@ -149,6 +229,8 @@ def _convertible(text: str, unit: str) -> str:
 
     It differs in capitals, spaces, signs of a product, or the degree of a temperature.
     """
+    if not unit:
+        return "must be a number without one"
     usual = _USUAL.get(unit, ())
     meant = [f"; did you mean {each}?" for each in usual if _folded(each) == _folded(text)]
     such = [f", such as {', '.join(each for each in usual if each != unit)}"] if usual else [""]
@@ -213,6 +295,7 @@ def entries(least: int, most: int | None = None) -> BeforeValidator:
     count = f"{least}" if most is None else f"{least} to {most}"
 
     def check(value: Any) -> Any:
+        value = listed(value)
         if isinstance(value, list | tuple) and not least <= len(value) <= (most or least):
             raise PydanticCustomError("entries", "must have {count} entries", {"count": count})
         return value
@@ -223,7 +306,8 @@ def entries(least: int, most: int | None = None) -> BeforeValidator:
 def complex_number(largest: float) -> BeforeValidator:
     """Pydantic validator that reads a complex number as the pair of its real and imaginary part.
 
-    A number, text such as "0.5-0.5j", or a list [real, imaginary]; neither part beyond +-largest.
+    A number, also a complex one, text such as "0.5-0.5j", or a list [real, imaginary]; neither part
+    beyond +-largest.
     """
 
     def parse(value: Any) -> tuple[float, float]:
@@ -247,8 +331,9 @@ def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
 
 def _parts(value: Any) -> tuple[Any, Any]:
     """Real and imaginary part of a complex number as a user gives it."""
-    if isinstance(value, str):
-        number = _complex_from_text(value)
+    value = without_unit(value, "")
+    number = _complex_from_text(value) if isinstance(value, str) else value
+    if isinstance(number, complex):
         return number.real, number.imag
     if not isinstance(value, list | tuple):
         return value, 0.0
@@ -281,6 +366,11 @@ def _index(value: Any) -> float | tuple[float, float]:
 
 def _radii_or_length(value: Any) -> float | str:
     """A number of radii as it is; a length as text in m."""
+    if _has_unit(value):
+        try:
+            value = without_unit(value, "")
+        except ValueError:
+            value = f"{to_si(value, 'm'):.15g} m"
     if not isinstance(value, str):
         return to_si(value, "", *TABLE_RADII)
     if _NUMBER.fullmatch(value):

@@ -307,10 +307,10 @@ def test_a_long_recording_that_holds_nothing_is_refused(tmp_path, scale):
 
 @pytest.mark.parametrize(
     ("times", "positions", "complaint"),
-    [(np.arange(150.0), np.arange(150.0), r"positions of shape \(150,\); must be .n,. and .n, 1."),
+    [(np.arange(150.0), np.arange(149.0), r"positions of shape \(149, 1\); must be .n,. and .n, 1"),
      (np.arange(150.0), np.ones((150, 3)), "must be .n,. and .n, 1."),
      (np.arange(140.0), np.ones((150, 1)), "must be .n,. and .n, 1."),
-     (["a"], [[0]], "times must be an array of numbers")],
+     (["a"], [[0]], "times: must be a number in s")],
 )  # fmt: skip
 def test_a_recording_of_other_shapes_is_refused(times, positions, complaint):
     with pytest.raises(tweezer.ResultError, match=complaint):

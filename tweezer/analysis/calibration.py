@@ -47,13 +47,14 @@ from tweezer.analysis.whittle import (
     fitted,
     usable,
 )
+from tweezer.arguments import in_si
 from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
-from tweezer.units import TEMPERATURE, to_si
+from tweezer.units import TEMPERATURE, bare
 
 Array = NDArray[np.float64]
 
@@ -545,8 +546,8 @@ def _diode(
             f"{recording.name}: diode = {value!r}: must be a frequency, and the part from 0 to 1 "
             'that is detected at once: "14 kHz, 0.3"'
         )
-    f3 = _in_si(recording, "diode", _number(parts[0]), "1/s")
-    fraction = _in_si(recording, "diode", _number(parts[1]), "") if len(parts) == 2 else 0.0
+    f3 = _in_si(recording, "diode", bare(parts[0]), "1/s")
+    fraction = _in_si(recording, "diode", bare(parts[1]), "") if len(parts) == 2 else 0.0
     assert f3 is not None
     assert fraction is not None
     if f3 <= 0 or not 0 <= fraction < 1:
@@ -557,22 +558,11 @@ def _diode(
     return f3, fraction
 
 
-def _number(text: float | str) -> float | str:
-    """A number where text is one."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
 def _in_si(recording: Recording, name: str, value: float | str | None, unit: str) -> float | None:
     """An argument in its SI unit; None if not given."""
     if value is None:
         return None
-    try:
-        return to_si(value, unit)
-    except ValueError as error:
-        raise ResultError(f"{recording.name}: {name} = {value!r}: {error}") from None
+    return in_si(f"{recording.name}: {name}", value, unit, error=ResultError)
 
 
 def _inertia(scene: Scene) -> tuple[float | None, float | None]:

@@ -23,6 +23,7 @@ from scipy.stats.qmc import Sobol
 from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.analysis.residuals import p_value as p_value_of
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.bead import bead_properties
 from tweezer.choices import evaluator
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
@@ -31,7 +32,7 @@ from tweezer.dynamics.problem import bound_once
 from tweezer.errors import IntegrationError, ResultError, SceneError
 from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
-from tweezer.scene import Scene
+from tweezer.scene import Scene, checked_scene
 from tweezer.units import TABLE_RADII
 
 Array = NDArray[np.float64]
@@ -201,12 +202,19 @@ def fit_depth(
     followed from any start.
     """
     track = source if isinstance(source, Track) else load_track(source)
-    scene = track.scene if scene is None else scene
+    scene = track.scene if scene is None else checked_scene(scene)
     if scene is None:
         raise ResultError(f"{track.name}: needs a scene")
+    noise, exposure = (
+        None if value is None else in_si(name, value, unit, error=ResultError)
+        for name, value, unit in (("noise", noise, "m"), ("exposure", exposure, "s"))
+    )
     if search is None:
         half = _SEARCH * light_of_one_beam(scene).search.reach
         search = _between_walls(scene, -half, half)
+    else:
+        low, high = numbers_in_si("search", search, "m").tolist()
+        search = low, high
     _refuse(track, scene, noise, search, fit)
     exposure = (track.exposure or 0.0) if exposure is None else exposure
     shortest = float(np.diff(track.times).min())

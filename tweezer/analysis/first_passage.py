@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import chdtri, ndtr
 
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 
 Array = NDArray[np.float64]
@@ -53,15 +54,16 @@ def escape_times(
     """
     from scipy.stats import CensoredData, ecdf
 
-    t = np.asarray(times, np.float64)
-    places = np.asarray(positions, np.float64)
+    t = numbers_in_si("times", times, "s")
+    places = numbers_in_si("positions", positions, "m")
+    radius = in_si("radius", radius, "m", error=ResultError)
     if places.ndim != 3 or 0 in places.shape or t.shape != places.shape[1:2]:
         raise ResultError(
             f"positions {places.shape}: must be (trajectories, n, axes), with times {t.shape} (n,)"
         )
     if np.isnan(places[:, 0]).any() or not radius > 0:
         raise ResultError("every trajectory needs a place at the first time, and the radius a size")
-    away = np.linalg.norm(places - np.asarray(centre), axis=-1)
+    away = np.linalg.norm(places - numbers_in_si("centre", centre, "m"), axis=-1)
     outside = ~(away <= radius)
     if outside[:, 0].any():
         start = int(np.argmax(outside[:, 0]))

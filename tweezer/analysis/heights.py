@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.analysis.trap import pressed
+from tweezer.arguments import numbers_in_si
 from tweezer.bead import bead_properties
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import nearest_stable
@@ -76,10 +77,7 @@ def trap_over_heights(
 
 def checked_heights(heights: Sequence[float] | Array) -> Array:
     """`heights` as an array, or `SceneError` if they are none."""
-    try:
-        given = np.array(heights, np.float64)
-    except (TypeError, ValueError):
-        raise SceneError("heights: must be a list of numbers, m") from None
+    given = numbers_in_si("heights", heights, "m", SceneError)
     if given.ndim != 1 or not given.size:
         raise SceneError(f"heights: must be a list, not of shape {given.shape}")
     for height in given[~((given > 0) & (given <= _HIGHEST))]:

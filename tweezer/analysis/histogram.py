@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.constants import Boltzmann
 
 from tweezer.analysis.spectra import standard_error, statistical_inefficiency
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
+from tweezer.units import TEMPERATURE
 
 Array = NDArray[np.float64]
 
@@ -60,7 +62,8 @@ def potential(positions: ArrayLike, temperature: float) -> Potential:
     the record of its influence function, and so includes the correlation between bins. Raises
     `ResultError` for positions of another shape, or positions that do not change.
     """
-    x = np.asarray(positions, np.float64)
+    x = numbers_in_si("positions", positions, "m")
+    temperature = in_si("temperature", temperature, "K", *TEMPERATURE, error=ResultError)
     if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
         raise ResultError("positions: must be a row of finite numbers, not all the same")
     kT, centre, deviation = Boltzmann * temperature, x.mean(), x.std()

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from tweezer.analysis.holding import DEEP, LONGEST, Lifetime
 from tweezer.analysis.trap import Trap, characterise
+from tweezer.arguments import in_si
 from tweezer.errors import SceneError
 from tweezer.scene import Scene
-from tweezer.units import to_si
 
 #: Powers between which the least one is sought, W
 _LEAST, _MOST = 1e-9, 100.0
@@ -43,10 +43,7 @@ def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
     """
     from scipy.optimize import brentq
 
-    try:
-        wanted = to_si(time, "s", _SHORTEST, 0.1 * LONGEST)
-    except ValueError as error:
-        raise SceneError(f"time = {time!r}: {error}") from None
+    wanted = in_si("time", time, "s", _SHORTEST, 0.1 * LONGEST)
     if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
         raise SceneError(
             "least power: needs one beam at rest along z through the origin, forces.optical = true "

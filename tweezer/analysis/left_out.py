@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tweezer.analysis.driving import motion, strongest_line
 from tweezer.analysis.spectra import TrappedBead
 from tweezer.errors import ResultError
-from tweezer.units import to_si
+from tweezer.units import bare, to_si
 
 Array = NDArray[np.float64]
 Band = tuple[float, float]
@@ -163,12 +163,9 @@ def _band(name: str, key: str, value: str | Band) -> Band:
 
 def _hertz(name: str, key: str, value: float | str, given: object) -> float:
     try:
-        number = float(value)
-    except ValueError:
-        try:
-            number = to_si(value, "1/s")
-        except ValueError as error:
-            raise ResultError(f"{name}: {key} = {given!r}: {error}") from None
+        number = to_si(bare(value), "1/s")
+    except ValueError as error:
+        raise ResultError(f"{name}: {key} = {given!r}: {error}") from None
     if not 0 <= number < math.inf:
         raise ResultError(f"{name}: {key} = {given!r}: must be a frequency, 0 Hz or more")
     return number

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import ClassVar, NamedTuple, NoReturn
 
 import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError, warn
 from tweezer.io import check_seal, scene_of
 from tweezer.reading import (
@@ -55,7 +56,7 @@ class Recording:
     times: Array
     """(n,) s"""
     positions: Array
-    """(n, axes) m, or V"""
+    """(n, axes) m, or V; of a single axis also (n,)"""
     axes: tuple[str, ...]
     """"x", "y" and "z", as many as there are"""
     scene: Scene | None = None
@@ -78,7 +79,7 @@ class Recording:
             self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more{why}")
         finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
         if self.drive is not None:
-            drive = np.asarray(self.drive, np.float64)
+            drive = numbers_in_si(f"{self.name}: drive", self.drive, "m")
             object.__setattr__(self, "drive", drive)
             if drive.shape != self.times.shape:
                 self._refuse(f"drive of shape {drive.shape}; must be {self.times.shape}")
@@ -129,6 +130,7 @@ class Recording:
 
         Raises `ResultError` if it has fewer than 100 samples.
         """
+        time = in_si(f"{self.name}: since", time, "s", error=ResultError)
         kept = self.times >= self.times[0] + time
         drive = None if self.drive is None else self.drive[kept]
         return replace(self, times=self.times[kept], positions=self.positions[kept], drive=drive)
@@ -153,6 +155,7 @@ class Track:
     """scene of a run of tweezer"""
     exposure: float | None = None
     """s, over which each frame averages; None if not known"""
+    unit: ClassVar[str] = "m"
 
     def __post_init__(self) -> None:
         _of_shapes(self, 2)
@@ -182,13 +185,18 @@ class Track:
 
 
 def _of_shapes(record: Recording | Track, axes: int) -> None:
-    """Convert times and positions to arrays; refuse other shapes than (n,) and (n, axes)."""
-    for name in ("times", "positions"):
-        try:
-            array = np.asarray(getattr(record, name), dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ResultError(f"{record.name}: {name} must be an array of numbers") from None
+    """Convert times and positions to arrays; refuse other shapes than (n,) and (n, axes).
+
+    The positions along a single axis may be of the shape (n,).
+    """
+    for name, unit in (("times", "s"), ("positions", record.unit)):
+        array = numbers_in_si(f"{record.name}: {name}", getattr(record, name), unit)
+        if name == "positions" and axes == array.ndim == 1:
+            array = array[:, None]
         object.__setattr__(record, name, array)
+    if record.exposure is not None:
+        exposure = in_si(f"{record.name}: exposure", record.exposure, "s", error=ResultError)
+        object.__setattr__(record, "exposure", exposure)
     shapes = record.times.shape, record.positions.shape
     if record.times.ndim != 1 or record.positions.shape != (len(record.times), axes):
         raise ResultError(

@@ -16,6 +16,7 @@ from tweezer.analysis.calibration import Calibration
 from tweezer.analysis.findings import IMPROBABLE, Finding
 from tweezer.analysis.wall import Height
 from tweezer.analysis.whittle import inverse
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 
 Array = NDArray[np.float64]
@@ -81,7 +82,9 @@ def find_wall(
     their uncertainties; drags are those of the exact mobilities. Raises `ResultError` where numbers
     are missing or wrong, and for fewer drags than unknowns.
     """
-    places = np.asarray(positions, np.float64)
+    places = numbers_in_si("positions", positions, "m")
+    radius = in_si("radius", radius, "m", error=ResultError)
+    drag = None if drag is None else in_si("drag", drag, "kg/s", error=ResultError)
     if places.shape != (len(calibrations),) or not np.isfinite(places).all():
         raise ResultError(
             f"positions: must be {len(calibrations)} finite numbers, one for each recording"

@@ -97,14 +97,11 @@ def map_of(scene: Scene) -> Map:
 
 def quantity_in(option: str, text: str, annotation: object) -> float:
     """`text` of `option` as a quantity of type `annotation`: with a unit, or a number in SI."""
-    from tweezer.units import quantity_of, to_si
+    from tweezer.units import bare, quantity_of, to_si
 
     quantity = quantity_of(annotation)
     assert quantity is not None  # all annotations of tweezer.units have one
-    try:
-        value: str | float = float(text)
-    except ValueError:
-        value = text
+    value = bare(text)
     try:
         number = to_si(value, quantity.unit, quantity.low, quantity.high)
     except ValueError as error:

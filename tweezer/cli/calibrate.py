@@ -151,7 +151,7 @@ def calibrate(
     """
     from tweezer.analysis import calibrate as calibrated
     from tweezer.analysis import find_wall, load_recording, together
-    from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity
+    from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity, bare
 
     given = {
         name: quantity_in(f"--{name}", text, kind)
@@ -198,9 +198,9 @@ def calibrate(
         calibrations.append(
             calibrated(
                 each, temperature=given.get("temperature"), mass=mass, displaced_mass=displaced,
-                wall=_bare(wall), radius=given.get("radius"),
+                wall=bare(wall), radius=given.get("radius"),
                 viscosity=None if places else given.get("viscosity"), exposure=exposed,
-                diode=diode, noise=_bare(noise), leave_out=leave_out or (), drift=drift,
+                diode=diode, noise=bare(noise), leave_out=leave_out or (), drift=drift,
                 fit_range=fit_range,
             )
         )  # fmt: skip
@@ -242,7 +242,7 @@ def _places(
 
     recordings: their number.
     """
-    from tweezer.units import Length
+    from tweezer.units import Length, bare
 
     if focus is None:
         if shift is not None:
@@ -254,7 +254,7 @@ def _places(
             f"--focus {focus!r}: has {len(places)} positions; must be {recordings}, one for each "
             "recording"
         )
-    factor = None if shift == "fit" else _bare(shift or "1")
+    factor = None if shift == "fit" else bare(shift or "1")
     if factor is not None and not (isinstance(factor, float) and 0 < factor < math.inf):
         raise ResultError(f"--focal-shift {shift!r}: must be a positive number, or fit")
     return places, factor
@@ -282,14 +282,6 @@ def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) 
         raise ResultError(f"{loaded.name}: --density needs --radius and --viscosity")
     if ("fluid-density" in given) > ("density" in given):
         raise ResultError(f"{loaded.name}: --fluid-density needs --density")
-
-
-def _bare(text: str | None) -> float | str | None:
-    """A number where text is one."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return text
 
 
 def _print_calibration(calibration: Calibration) -> None:

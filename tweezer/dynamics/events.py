@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.scene import Scene
 
@@ -234,10 +235,15 @@ def capture(
     *,
     terminal: bool = False,
 ) -> Event:
-    """The bead comes within `radius`, m, of `centre` and stays for `time`, s."""
+    """The bead comes within `radius`, m, of `centre` and stays for `time`, s.
+
+    Each a number, or with its unit.
+    """
+    radius, time = in_si("radius", radius, "m"), in_si("time", time, "s")
+    place = numbers_in_si("centre", centre, "m", SceneError)
     return Event(
         "capture",
-        lambda _, y: np.linalg.norm(y[:, :3] - np.array(centre), axis=1) - radius,
+        lambda _, y: np.linalg.norm(y[:, :3] - place, axis=1) - radius,
         direction=-1, terminal=terminal, once=True, hold=time,
     )  # fmt: skip
 

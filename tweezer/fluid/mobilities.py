@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from tweezer.compiled import cache_functions, cached_njit
 from tweezer.errors import SceneError
 from tweezer.generated import wall
+from tweezer.units import array_in_si
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,8 +51,8 @@ def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
     `SceneError` for a gap that is no positive finite number.
     """
     try:
-        gaps = np.asarray(gap_over_radius, np.float64)
-    except (TypeError, ValueError):
+        gaps = array_in_si(gap_over_radius, "")
+    except ValueError:
         raise SceneError(
             f"gap_over_radius = {gap_over_radius!r}: allowed: positive finite numbers"
         ) from None

@@ -21,6 +21,7 @@ from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene, checked_scene
 from tweezer.sections import Beam
+from tweezer.units import array_in_si, to_si
 
 Array = NDArray[np.float64]
 
@@ -240,7 +241,7 @@ def absorbed_power(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> 
     Raises `ValueError` as `optical_force`.
     """
     places, shape = _places(positions)
-    force = light(checked_scene(scene))
+    force, time = light(checked_scene(scene)), to_si(time, "s")
     if isinstance(force, LightForce):
         return force.absorbed_power(places).reshape(shape[:-1])
     lost = sum(
@@ -252,7 +253,10 @@ def absorbed_power(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> 
 
 def _places(positions: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     """`positions` (..., 3) as a list of n, and their shape."""
-    array = np.ascontiguousarray(positions, dtype=np.float64)
+    try:
+        array = np.ascontiguousarray(array_in_si(positions, "m"))
+    except ValueError as error:
+        raise ValueError(f"positions: {error}") from None
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
     if not np.isfinite(array).all():
@@ -265,7 +269,7 @@ def _field(
 ) -> tuple[Wrench, tuple[int, ...]]:
     """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
     places, shape = _places(positions)
-    force = light(checked_scene(scene))
+    force, time = light(checked_scene(scene)), to_si(time, "s")
     field = force.field(places, gradient=gradient, time=time)
     tolerance = scene.optics.tolerance
     doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)

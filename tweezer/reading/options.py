@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from typing import NamedTuple, Self
 
 from tweezer.errors import ResultError
 from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
-from tweezer.units import to_si
+from tweezer.units import as_given, bare, to_si
 
 #: Quantities that a column may be named as
 _QUANTITIES = ("t", "frame", *AXES)
@@ -146,19 +145,16 @@ def _known(quantity: str | None, text: str) -> str:
 
 def _rate(given: float | str) -> float:
     try:
-        if isinstance(given, str):
-            if match := _PER_SECOND.fullmatch(given.strip()):
-                given = f"{match['number']} Hz"
-            with contextlib.suppress(ValueError):
-                given = float(given)
-        return to_si(given, "1/s", *_RATES)
+        if isinstance(given, str) and (match := _PER_SECOND.fullmatch(given.strip())):
+            given = f"{match['number']} Hz"
+        return to_si(bare(given), "1/s", *_RATES)
     except ValueError as error:
         raise ResultError(f"rate = {given!r}: {error}") from None
 
 
 def _scale(given: float | str) -> Scale:
     """Such as 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" or "2 V/um"."""
-    above, _, below = re.sub(r"\s+per\s+|\s*/\s*", "/", str(given).strip()).partition("/")
+    above, _, below = re.sub(r"\s+per\s+|\s*/\s*", "/", as_given(given).strip()).partition("/")
     try:
         match = _NUMBER.fullmatch(above)
         if match is None:

@@ -15,7 +15,7 @@ import numpy as np
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.scene import described_at
 from tweezer.sweeps.tables import columns_of
-from tweezer.units import Quantity, to_si
+from tweezer.units import Quantity, listed, to_si
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -224,7 +224,9 @@ def _split(text: str) -> list[str]:
 def _varied(key: Any, given: Any) -> Varied:
     """A key with its values in SI. Raises `SceneError` for values that are none."""
     quantity, about = described_at(str(key))
-    if isinstance(given, str) or not isinstance(given, Sequence | np.ndarray | Iterable):
+    given = listed(given)
+    single = isinstance(given, str) or getattr(given, "ndim", 1) == 0
+    if single or not isinstance(given, Iterable):
         raise SceneError(f"over {key} = {given!r}: must be a list of values")
     values = []
     for each in given:
@@ -267,8 +269,7 @@ def _in_si(given: Any, quantity: Quantity | None) -> Value:
             if given.startswith("["):
                 raise ValueError('text within brackets needs quotes: [0, 0, "2 um"]') from None
             given = {"True": True, "False": False}.get(given, given)
-    if isinstance(given, np.ndarray):
-        given = given.tolist()
+    given = listed(given)
     if isinstance(given, list | tuple):
         return str(_vector_in_si(given, quantity) if quantity else list(given))
     if quantity is not None:
@@ -282,5 +283,5 @@ def _vector_in_si(given: Sequence[Any], quantity: Quantity) -> list[Any]:
         _vector_in_si(each, quantity)
         if isinstance(each, list | tuple)
         else to_si(each, quantity.unit)
-        for each in given
+        for each in map(listed, given)
     ]

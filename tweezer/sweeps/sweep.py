@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from tweezer.arguments import in_si
 from tweezer.ensembles.scheduler import client_of
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import Scene, checked_scene
@@ -17,7 +18,6 @@ from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, te
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
-from tweezer.units import to_si
 from tweezer.version import versions
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def sweep(
     """
     checked_scene(scene)
     grid = cases_of(over, cases)
-    asked = asked_of(scene, of, trajectories, seed, _seconds(skip))
+    asked = asked_of(scene, of, trajectories, seed, in_si("skip", skip, "s", 0.0))
     count = _workers(workers, scheduler)
     _check_some_case(asked, grid)
     if out is not None and not isinstance(out, str | Path):
@@ -187,10 +187,3 @@ def _workers(workers: int | None, scheduler: object) -> int:
     if isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= _MOST:
         raise SceneError(f"workers = {workers!r}: must be a whole number from 1 to {_MOST}")
     return workers
-
-
-def _seconds(skip: float | str) -> float:
-    try:
-        return to_si(skip, "s", 0.0)
-    except ValueError as error:
-        raise SceneError(f"skip = {skip!r}: {error}") from None

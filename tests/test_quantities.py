@@ -1,0 +1,145 @@
+"""Quantities of pint, arrays and numbers with units, wherever a quantity is taken."""
+
+import re
+
+import numpy as np
+import pint
+import pytest
+import xarray as xr
+
+import tweezer
+from tweezer.units import array_in_si, to_si
+
+#: a registry of a user, which is not that of tweezer
+unit = pint.UnitRegistry()
+SCENE = tweezer.load_scene("thesis-990nm").replace(
+    start={"frame": "focus", "position": [0, 0, 0]}, optics={"theory": "rays"}
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "in_unit", "expected"),
+    [
+        (unit("80 mW"), "W", 0.08),
+        (unit.Quantity(20.0, "degC"), "K", 293.15),
+        (unit("0.9 cP"), "Pa s", 9e-4),
+        (unit("3 kHz"), "1/s", 3000.0),
+        (unit("30 rpm"), "rad/s", np.pi),
+        (unit("180 deg"), "rad", np.pi),
+        (unit("1.05 g/cm^3"), "kg/m^3", 1050.0),
+        (unit.Quantity(1.33), "", 1.33),
+        (unit.Quantity(np.float32(2.0), "um"), "m", 2e-6),
+        (np.float32(0.5), "m", 0.5),
+        (np.int64(3), "s", 3.0),
+        (np.array(3.0), "s", 3.0),
+        (xr.DataArray(5.0, attrs={"units": "ms"}), "s", 5e-3),
+        (xr.DataArray(5.0), "s", 5.0),
+    ],
+)
+def test_a_number_with_its_unit(value, in_unit, expected):
+    assert to_si(value, in_unit) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("value", "in_unit", "told"),
+    [
+        (unit("3 s"), "m", "must be convertible to m, such as um"),
+        (unit("3 m"), "", "must be a number without one"),
+        (unit("3 rad/s"), "1/s", "must be convertible to 1/s"),  # pint would take it as 3 Hz
+        (unit("3 Hz"), "rad/s", "must be convertible to rad/s"),
+        (unit.Quantity([1.0, 2.0], "m"), "m", "must be a number in m"),
+        (np.True_, "m", "must be a number in m"),
+        (unit.Quantity(np.nan, "m"), "m", "must be finite"),
+        (xr.DataArray(5.0, attrs={"units": "ms"}), "m", "must be convertible to m"),
+    ],
+)
+def test_what_is_no_such_quantity(value, in_unit, told):
+    with pytest.raises(ValueError, match=re.escape(told)):
+        to_si(value, in_unit)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        unit.Quantity([1.0, 2.0], "um"),
+        [unit("1 um"), "2 um"],
+        [unit("1 um"), 2e-6],
+        xr.DataArray([1.0, 2.0], attrs={"units": "um"}),
+        np.array([1e-6, 2e-6]),
+    ],
+)
+def test_many_of_them(values):
+    np.testing.assert_allclose(array_in_si(values, "m"), [1e-6, 2e-6], rtol=1e-14)
+
+
+def test_a_scene_of_quantities():
+    changed = SCENE.replace(
+        beam={"power": unit("80 mW")},
+        start={"position": unit.Quantity([0.1, 0.2, 0.3], "um")},
+        medium={"temperature": unit.Quantity(25.0, "degC"), "viscosity": unit("0.9 cP")},
+        optics={"table_range": unit("5 um")},
+    )
+    in_text = SCENE.replace(
+        beam={"power": "80 mW"}, start={"position": ["0.1 um", "0.2 um", "0.3 um"]},
+        medium={"temperature": "25 degC", "viscosity": "0.9 cP"}, optics={"table_range": "5 um"},
+    )  # fmt: skip
+    assert changed.start_position == pytest.approx(in_text.start_position, rel=1e-15)
+    assert changed.replace(start={"position": in_text.start.position}) == in_text
+    assert "beam.power = 80 mW, " in changed.title
+    with pytest.raises(tweezer.SceneError, match=r"^beam.power = .*wrong unit.* such as mW, uW$"):
+        SCENE.replace(beam={"power": unit("80 mm")})
+    absorbing = tweezer.load_scene("silica-1um").replace(bead={"refractive_index": 1.5 + 0.01j})
+    assert absorbing.bead.refractive_index == (1.5, 0.01)
+
+
+def test_positions_keep_their_unit():
+    places = np.array([[0.2, 0.0, 0.1], [0.0, 0.3, 1.0]])
+    plain = tweezer.optical_force(SCENE, places * 1e-6)
+    np.testing.assert_array_equal(tweezer.optical_force(SCENE, unit.Quantity(places, "um")), plain)
+    with pytest.raises(ValueError, match="positions: has the wrong unit; must be convertible to m"):
+        tweezer.optical_force(SCENE, unit.Quantity(places, "s"))
+
+
+def test_recordings_of_quantities():
+    times, x = np.arange(200.0), np.sin(np.arange(200.0))
+    record = tweezer.Recording("mine", unit.Quantity(times, "ms"), unit.Quantity(x, "um"), ("x",))
+    np.testing.assert_allclose(record.times, times * 1e-3, rtol=1e-14)
+    np.testing.assert_allclose(record.positions, x[:, None] * 1e-6, rtol=1e-14)
+    assert len(record.since(unit("50 ms")).times) == 150
+    volts = tweezer.Recording("v", times, unit.Quantity(x, "mV"), ("x",), unit="V")
+    np.testing.assert_allclose(volts.positions[:, 0], x * 1e-3, rtol=1e-14)
+    with pytest.raises(tweezer.ResultError, match="mine: positions: has the wrong unit"):
+        tweezer.Recording("mine", times, unit.Quantity(x, "mV"), ("x",))
+
+
+def test_calibration_by_quantities():
+    draw = np.random.default_rng(5)
+    x = 1e-8 * draw.standard_normal(1000)
+    record = tweezer.Recording("mine", 1e-3 * np.arange(1000), x, ("x",))
+    by = {"temperature": "20 degC", "drag": 9e-9, "noise": "1 nm", "diode": "14 kHz"}
+    of = {
+        "temperature": unit.Quantity(20.0, "degC"), "drag": unit("9e-9 kg/s"),
+        "noise": unit("1 nm"), "diode": unit("14 kHz"),
+    }  # fmt: skip
+    bands = {"leave_out": ["49 Hz..51 Hz"]}, {"leave_out": [unit.Quantity([49, 51], "Hz")]}
+    plain = tweezer.calibrate(record, **by, **bands[0])
+    quantities = tweezer.calibrate(record, **of, **bands[1])
+    assert plain.axes[0]["equipartition"].stiffness == pytest.approx(
+        quantities.axes[0]["equipartition"].stiffness, rel=1e-12
+    )
+    with pytest.raises(tweezer.ResultError, match=r"mine: temperature = .*wrong unit"):
+        tweezer.calibrate(record, **of | {"temperature": unit("3 m")})
+
+
+def test_sweeps_over_quantities():
+    powers, text = unit.Quantity([20.0, 50.0], "mW"), ["20 mW", "50 mW"]
+    from tweezer.sweeps.cases import cases_of
+
+    key = "beam.power_through_pupil"
+    assert cases_of({key: powers}, None) == cases_of({key: text}, None)
+    starts = {"start.position": [unit.Quantity([0, 0, 2], "um")]}
+    assert cases_of(starts, None).axes[0].varied[0].values == ("[0.0, 0.0, 2e-06]",)
+    with pytest.raises(tweezer.SceneError, match="must be a list of values"):
+        cases_of({key: powers[0]}, None)
+    with pytest.raises(tweezer.SceneError, match="wrong unit"):
+        cases_of({key: unit.Quantity([1.0], "m")}, None)
