@@ -8,7 +8,7 @@ BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera
 REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done
 
-.PHONY: demo test lint bench figures docs stress environments derivation notebooks clean
+.PHONY: demo test lint bench figures docs stress environments derivation notebooks vendor clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm --plot thesis-990nm.png
@@ -67,6 +67,9 @@ derivation: .venv/.dev  ## derive again and write generated/
 
 notebooks: .venv/.dev  ## run the notebooks and keep their output
 	$(BIN)/python tests/test_notebooks.py
+
+vendor: .venv/.dev  ## fetch three.js again and bundle what pages use of it; needs npm
+	$(BIN)/python -m tests.vendored
 
 clean:
 	rm -rf .venv site

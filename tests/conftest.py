@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import re
+import shutil
 import sys
 import warnings
 from collections.abc import Callable
@@ -120,3 +121,27 @@ def turning_scene() -> tweezer.Scene:
 def turning_run(turning_scene) -> xr.Dataset:
     """Follow `turning_scene` for 0.2 ms."""
     return tweezer.simulate(turning_scene)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium without a window, of Debian's packages chromium and chromium-driver.
+
+    It draws in 3-D by its own program, without a graphics card.
+    """
+    from selenium import webdriver
+
+    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
+    if not all(programs):
+        pytest.skip("no chromium and chromedriver on this machine")
+    options = webdriver.ChromeOptions()
+    options.binary_location = programs[0]
+    for argument in (
+        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
+        "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+    ):  # fmt: skip
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
+    yield driver
+    driver.quit()

@@ -14,7 +14,6 @@ from urllib.parse import unquote, urlsplit
 import nbformat
 import pytest
 import typer
-from selenium import webdriver
 from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
@@ -133,22 +132,6 @@ def test_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site):
             assert target.is_file(), (page.name, address)
             if target in links:
                 assert unquote(place.fragment) in links[target].anchors, (page.name, address)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """A Chromium without a window, of Debian's packages chromium and chromium-driver."""
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(programs):
-        pytest.skip("no chromium and chromedriver on this machine")
-    options = webdriver.ChromeOptions()
-    options.binary_location = programs[0]
-    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
-    yield driver
-    driver.quit()
 
 
 #: of the page and of the window, in pixels

@@ -45,6 +45,7 @@ from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
 from .sweeps import sweep
 from .version import __version__
+from .viewing import view
 
 __all__ = [
     "BeadProperties",
@@ -99,6 +100,7 @@ __all__ = [
     "sweep",
     "trap_over_heights",
     "tune",
+    "view",
     "wall_mobilities",
     "write_report",
 ]

@@ -14,11 +14,12 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from scipy.constants import Boltzmann
 
 from tweezer import analysis
+from tweezer.analysis.resolved import resolved
 from tweezer.dynamics import bound_once
-from tweezer.fluid import drag
 from tweezer.io import scene_of
-from tweezer.optics import cone, optical_jacobian, ray_optics_caveat
+from tweezer.optics import cone, ray_optics_caveat
 from tweezer.rounding import with_uncertainty
+from tweezer.run import Run
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -99,22 +100,9 @@ def _thermal(run: xr.Dataset) -> bool:
     return scene_of(run).forces.brownian
 
 
-def _resolved(run: xr.Dataset) -> bool:
-    """Whether samples are closer than the relaxation time of the trap, at both ends."""
-    scene, time = scene_of(run), run["time"].values
-    if len(time) < 2:
-        return False
-    gradient = np.array([
-        optical_jacobian(scene, run["position"].values[i], time=time[i]) for i in (0, -1)
-    ])  # fmt: skip
-    mobility = drag(scene).mobilities(run["position"].values[[0, -1]]).value[:, :2].max(axis=1)
-    rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
-    return bool((time[1] - time[0]) * rates.max() < 1)
-
-
 def _style(run: xr.Dataset, width: float) -> dict[str, Any]:
     """Style of a curve of that width through samples, or of points if they do not form a curve."""
-    if not _resolved(run):
+    if not resolved(Run.of(run)):
         return {"ls": "", "marker": ".", "ms": 3}
     return {"lw": 0.6 * width if _thermal(run) else width}
 
@@ -152,7 +140,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
         xlabel="lateral position, towards the start (µm)", ylabel="z along the light (µm)",
     )  # fmt: skip
-    shown = "path" if _resolved(run) else "samples"
+    shown = "path" if resolved(Run.of(run)) else "samples"
     axes.set_title(f"{shown}, bead and cone of light to scale; + focus", fontsize=9)
 
 
@@ -228,7 +216,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
     axes.plot(time, run["speed"], color=_PATH, label="actual", **_style(run, 1.6))
     fast = float(run["speed"].max())
     terminal = {"lw": 1.1, **_style(run, 1.1)}
-    if _resolved(run):
+    if resolved(Run.of(run)):
         terminal["ls"] = "--"
     axes.plot(time, run["terminal_speed"], color=_LIGHT, label="terminal (5.2)", **terminal)
     _mark_closest_approach(axes, run, "first closest\napproach")

@@ -1,0 +1,21 @@
+"""Whether the samples of a run show its motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tweezer.fluid import drag
+from tweezer.io import scene_in
+from tweezer.optics import optical_jacobian
+from tweezer.run import Run
+
+
+def resolved(run: Run) -> bool:
+    """Whether samples are closer than the relaxation time of the trap, at both ends."""
+    scene, time, position = scene_in(run.attributes), run["time"], run["position"]
+    if len(time) < 2:
+        return False
+    gradient = np.array([optical_jacobian(scene, position[i], time=time[i]) for i in (0, -1)])
+    mobility = drag(scene).mobilities(position[[0, -1]]).value[:, :2].max(axis=1)
+    rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
+    return bool((time[1] - time[0]) * rates.max() < 1)

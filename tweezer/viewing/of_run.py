@@ -1,0 +1,342 @@
+"""The page of a run: its bead in the light, in motion."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+
+from tweezer.analysis.resolved import resolved
+from tweezer.analysis.summary import Summary, summary_of
+from tweezer.bead import bead_properties
+from tweezer.dynamics import Problem, bound_once
+from tweezer.io import scene_of
+from tweezer.optics import Beams, cone, ray_optics_caveat
+from tweezer.rounding import rounded
+from tweezer.run import Run
+from tweezer.scene import Scene
+from tweezer.viewing.arrays import Packed, float32
+from tweezer.viewing.content import Content, Row
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: Part of the largest force below which a force beside light and weight is rounding
+_NOTHING = 1e-9
+#: Variables of a run that its page shows as they are, and their units
+_AS_THEY_ARE = {
+    "time": "s", "position": "m", "orientation": "1", "speed": "m/s", "terminal_speed": "m/s",
+    "distance": "m", "gap": "m",
+}  # fmt: skip
+
+
+def content(dataset: xr.Dataset) -> Content:
+    """What the page of a run shows. Raises `ResultError` if its scene is none."""
+    run, scene = Run.of(dataset), scene_of(dataset)
+    problem = bound_once(scene)
+    thermal, close = scene.forces.brownian, resolved(run)
+    forces, about_forces = _forces(run, problem)
+    energies, about_energies = _energies(run, forces, scene, close=close)
+    arrays = {name: float32(run[name], unit) for name, unit in _AS_THEY_ARE.items() if name in run}
+    arrays |= {f"force_{name}": float32(values, "N") for name, values in forces.items()}
+    arrays |= {f"energy_{name}": float32(values, "kT") for name, values in energies.items()}
+    arrays |= _moving_light(problem, run["time"])
+    status, message = run.attributes["status"], run.attributes["message"]
+    return Content(
+        kind="run",
+        title=run.attributes["title"],
+        facts={
+            **scene_facts(scene),
+            "thermal": thermal,
+            "resolved": close,
+            "terminal_speed": not thermal,
+            "status": status,
+        },
+        arrays=arrays,
+        summary=_summary(run, scene),
+        notes=[
+            *_of_the_path(run, scene, close=close), *about_forces, *about_energies,
+            *of_the_picture(scene), *_origin(run, scene),
+        ],
+        warning=f"This run {_ENDED[status]}: {message}." if status in _ENDED else "",
+    )  # fmt: skip
+
+
+#: How a run ended that does not show what was asked for
+_ENDED = {"interrupted": "was stopped early", "failed": "failed"}
+
+
+def scene_facts(scene: Scene) -> dict[str, Any]:
+    """What a picture needs of a scene: bead, cones of light, walls. SI."""
+    cover = scene.lens.cover
+    return {
+        "shells": [radius for radius, _ in scene.bead.shells],
+        "beams": [
+            {
+                "focus": list(beam.position),
+                "half_angle": cone(alone).half_angle,
+                "down": beam.direction == "down",
+                "wavelength": beam.wavelength / scene.medium.refractive_index,
+                "vacuum_wavelength": beam.wavelength,
+            }
+            for beam in scene.beams
+            if (alone := scene.with_one_beam(beam)).lit
+        ],
+        "walls": [
+            {"z": z, "normal": normal} for z, normal in (scene.wall.planes if scene.wall else ())
+        ],
+        "cover": None if cover is None else {"z": -cover.depth, "index": cover.refractive_index},
+        "temperature": scene.medium.temperature,
+    }
+
+
+def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
+    """Foci (times, beams, 3) m, and factors of the powers (times, beams), where they change."""
+    light = problem.light
+    if not isinstance(light, Beams) or all(
+        each.place.steady and each.strength.steady for each in light.forces
+    ):
+        return {}
+    foci = [[each.place.at(time) for each in light.forces] for time in times]
+    factors = [[each.strength.at(time)[0] for each in light.forces] for time in times]
+    return {"foci": float32(foci, "m"), "factors": float32(factors, "1")}
+
+
+def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
+    """Forces (n, 3) N on the bead by name, and what they are.
+
+    Of the fluid's resistance the part that is steady, -v/mobility, is computed here: (2.13) with
+    the mobilities at the place.
+    """
+    light, net = run["optical_force"], run["net_force"]
+    scene, weight = problem.scene, np.array(problem.bead.weight)
+    forces = {"light": light, "weight": np.tile(weight, (len(light), 1))}
+    rest = net - light - weight
+    largest = max(np.abs(net).max(initial=0.0), np.abs(light).max(initial=0.0))
+    if np.abs(rest).max(initial=0.0) > _NOTHING * largest:
+        forces["wall" if scene.wall and not run.attributes.get("other_forces") else "others"] = rest
+    if scene.forces.brownian:
+        forces["sum"] = net
+        return forces, [
+            "The sum of forces is that of all but drag and the random push of the water. With "
+            "thermal motion these two change within the relaxation time of the velocity, far "
+            "shorter than the time between samples, and have no value to draw."
+        ]
+    if "velocity" not in run:
+        forces |= {"drag": -net, "sum": np.zeros_like(net)}
+        return forces, [
+            "This model has no inertia: drag balances all other forces, and the sum is zero."
+        ]
+    mobility = problem.mobilities(run["position"], run["time"])[:, :3]
+    drag = -run["velocity"] / mobility
+    forces |= {"drag": drag, "sum": net + drag}
+    if run.attributes["model"] == "scaled":
+        means = (
+            f"mass times acceleration over a2 = {scene.simulation.scaling_factor:g}: the scaled "
+            "model divides the mass by it"
+        )
+    elif run.attributes["fluid_inertia"] == "none":
+        means = "mass times acceleration of the bead"
+    else:
+        means = (
+            "what changes the momentum of the bead and of the water that moves with it (fluid "
+            f"inertia: {run.attributes['fluid_inertia']})"
+        )
+    return forces, [f"Drag is the steady one, minus velocity over mobility. The sum is {means}."]
+
+
+def _energies(
+    run: Run, forces: dict[str, Array], scene: Scene, *, close: bool
+) -> tuple[dict[str, Array], list[str]]:
+    """Energies (n,) by name, kT, and what they are.
+
+    The work of a force is summed by the trapezoidal rule from sample to sample. With half as many
+    samples its error is four times as large, so a third of the difference estimates it.
+    """
+    unit = Boltzmann * scene.medium.temperature
+    energies = {}
+    if "kinetic_energy" in run:
+        energies["kinetic"] = run["kinetic_energy"] / unit
+    notes = [
+        f"Energies are in units of kT = {1e21 * unit:.4g} zJ, at {scene.medium.temperature:.5g} K."
+    ]
+    if not close:
+        notes.append("The work of the light is not shown: samples are too far apart to sum it.")
+        return energies, notes
+    work = _work(forces["light"], run["position"]) / unit
+    halved = _work(forces["light"][::2], run["position"][::2]) / unit
+    error = float(np.abs(work[::2] - halved).max(initial=0.0)) / 3
+    energies["work"] = work
+    notes.append(
+        "Work of the light is the sum of its force times the way since the release, by the "
+        f"trapezoidal rule from sample to sample; half the samples estimate its error: {error:.1g} "
+        "kT. The light has no potential in general, so no potential energy is shown."
+    )
+    if not scene.forces.brownian and "kinetic" in energies:
+        net = sum(values for name, values in forces.items() if name not in ("drag", "sum"))
+        every = _work(np.asarray(net), run["position"]) / unit
+        energies["lost"] = every - (energies["kinetic"] - energies["kinetic"][0])
+        notes.append(
+            "Given to the water is the work of all forces but drag, less what the bead's kinetic "
+            "energy has gained: heat, and motion of the water."
+        )
+    return energies, notes
+
+
+def _work(force: Array, position: Array) -> Array:
+    """Work of a force on the way, J, from 0 at the first sample."""
+    steps = 0.5 * ((force[1:] + force[:-1]) * np.diff(position, axis=0)).sum(axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
+    times = run["time"]
+    if len(times) < 2:
+        return ["The run has one sample alone."]
+    apart = _si(float(times[1] - times[0]), "s")
+    if not close:
+        return [
+            f"Samples are {apart} apart, longer than the bead takes to relax in the trap: they are "
+            "drawn as points, and the bead jumps from one to the next. The run does not say what "
+            "way it took."
+        ]
+    if scene.forces.brownian:
+        return [
+            f"Samples are {apart} apart. Between them the page draws straight lines; the way of a "
+            "bead in thermal motion is rougher, and the run does not have it."
+        ]
+    return [f"Samples are {apart} apart. Between them the page draws straight lines."]
+
+
+def of_the_picture(scene: Scene) -> list[str]:
+    """How the picture of a scene is to be read."""
+    turns = (
+        "Its pattern is there to show how it turns."
+        if scene.rotates
+        else "Its pattern does not turn, as nothing turns this bead, or its turning was not "
+        "computed."
+    )
+    notes = [
+        f"Bead and light are to scale. {turns} The light ends at the angle of the outermost rays "
+        "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
+        "is no intensity."
+    ]
+    if caveat := ray_optics_caveat(scene):
+        notes.append(f"{caveat[0].upper()}{caveat[1:]}.")
+    return notes
+
+
+def _origin(run: Run, scene: Scene) -> list[str]:
+    attributes = run.attributes
+    libraries = ", ".join(
+        f"{name.removesuffix('_version')} {attributes[name]}"
+        for name in ("tweezer_version", "numpy_version", "scipy_version", "numba_version")
+        if name in attributes
+    )
+    drawn = f" Seed {attributes['seed']}." if scene.draws and "seed" in attributes else ""
+    return [f"Computed by {libraries}.{drawn}"]
+
+
+def _summary(run: Run, scene: Scene) -> list[Row]:
+    summary, attributes = summary_of(run), run.attributes
+    thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
+    bead = bead_properties(scene)
+    rows = [
+        _row("outcome", summary.outcome, trusted=ended),
+        _number("at the time", summary.outcome_time, summary.outcome_time_error, "s"),
+        _row("end (x, y, z)", ", ".join(f"{1e6 * x:z.4f}" for x in summary.end) + " µm"),
+    ]
+    if summary.smallest_gap is not None:
+        error = summary.smallest_gap_error
+        rows.append(_number("smallest gap to the wall", summary.smallest_gap, error, "m"))
+    if not thermal:
+        rows += _approach(summary)
+    model = attributes["model"]
+    if model == "scaled":
+        model += f", a₂ = {scene.simulation.scaling_factor:g}"
+    share = summary.force_error / summary.largest_force if summary.largest_force > 0 else math.nan
+    rows += [
+        _row("model, method", f"{model}; {attributes['method']}"),
+        _row("inertia of the fluid", attributes["fluid_inertia"]),
+        _row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
+        _row("force by", attributes["force_evaluator"], trusted=not ray_optics_caveat(scene)),
+        _row("largest force of the light", _si(summary.largest_force, "N")),
+        _row(
+            "error of the force",
+            "not known" if math.isnan(summary.force_error) else
+            f"up to {_si(summary.force_error, 'N', 1)}" + (
+                "" if math.isnan(share) else f", {100 * share:.1g} % of the largest"
+            ),
+        ),
+    ]  # fmt: skip
+    if thermal:
+        rows.append(_row("step", _si(attributes["step"], "s")))
+    else:
+        for name, key in (
+            ("error of the integration", "integration_error"),
+            ("off the motion with all inertia", "model_error"),
+        ):
+            error = attributes[key]
+            value = "not known" if math.isnan(error) else f"up to {_si(error, 'm', 1)}"
+            if error != 0 or key == "integration_error":
+                rows.append(_row(name, value, trusted=not math.isnan(error)))
+    if scene.draws:
+        rows.append(_row("seed", str(attributes["seed"])))
+    rows += [
+        _row("radius of the bead", _si(scene.bead.radius, "m", 4)),
+        _row("weight less buoyancy", _si(-bead.weight[2], "N")),
+        _row("samples", f"{len(run['time'])}"),
+    ]
+    return rows
+
+
+def _approach(summary: Summary) -> list[Row]:
+    rows = [
+        _number("overshoot past the axis", summary.overshoot, summary.overshoot_error, "m"),
+    ]
+    if summary.closest_approach is not None and summary.closest_approach_time is not None:
+        rows += [
+            _number(
+                "first closest approach to the focus",
+                summary.closest_approach, summary.closest_approach_error, "m",
+            ),
+            _number(
+                "its time", summary.closest_approach_time, summary.closest_approach_time_error, "s"
+            ),
+        ]  # fmt: skip
+    number, error = summary.largest_reynolds_number, summary.largest_reynolds_number_error
+    return [*rows, *([] if number is None else [_number("largest Reynolds number", number, error)])]
+
+
+def _row(name: str, value: str, *, trusted: bool = True) -> Row:
+    return Row(name, value, "", trusted)
+
+
+def _number(name: str, value: float, error: float | None, unit: str = "") -> Row:
+    """A number in the prefix that suits it, with as many digits as its error leaves."""
+    factor, prefixed = _prefix(value, unit)
+    if error is None or not error > 0:
+        return Row(name, f"{factor * value:.4g} {prefixed}".rstrip())
+    number, uncertainty = rounded(factor * value, factor * error)
+    return Row(name, f"{number} {prefixed}".rstrip(), f"{uncertainty} {prefixed}".rstrip())
+
+
+#: Powers of ten and their prefixes, from the largest
+_PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -21: "z"}
+
+
+def _prefix(value: float, unit: str) -> tuple[float, str]:
+    if not unit or value == 0 or not math.isfinite(value):
+        return 1.0, unit
+    power = next((each for each in _PREFIXES if abs(value) >= 10.0**each), -21)
+    return 10.0**-power, _PREFIXES[power] + unit
+
+
+def _si(value: float, unit: str, digits: int = 3) -> str:
+    factor, prefixed = _prefix(value, unit)
+    return f"{factor * value:.{digits}g} {prefixed}"

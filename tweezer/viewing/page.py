@@ -1,0 +1,108 @@
+"""A page: one file of HTML with all that it needs, from a `Content`."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import tempfile
+import webbrowser
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tweezer.io import replacing
+from tweezer.version import __version__
+from tweezer.viewing.content import Content
+
+_STATIC = Path(__file__).with_name("static")
+_THREE = "vendor/three.module.min.js"
+#: Files by the names under which the modules of a page import them, beside the one of its kind
+_MODULES = {
+    "three": _THREE,
+    **{
+        f"tweezer/{name}": f"{name}.js"
+        for name in ("shell", "stage", "flat", "clock", "plot", "arrays")
+    },
+}
+_STYLES = ("page.css",)
+#: Height of a page within a notebook, pixels
+_HEIGHT = 760
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page to look at: one file of HTML that needs no server and no network."""
+
+    content: Content
+
+    @property
+    def html(self) -> str:
+        """The whole page."""
+        from jinja2 import Environment, StrictUndefined
+
+        kind = self.content.kind
+        modules = {**_MODULES, "tweezer/kind": f"{kind}.js"}
+        imports = {name: _address(_STATIC / path) for name, path in modules.items()}
+        styles = [*_STYLES, *(f"{kind}.css",) * (_STATIC / f"{kind}.css").exists()]
+        environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+        template = environment.from_string(_text(_STATIC / "page.html"))
+        return template.render(
+            title=self.content.title,
+            version=__version__,
+            styles="\n".join(_text(_STATIC / name) for name in styles),
+            imports=_in_script({"imports": imports}),
+            content=_in_script(_as_json(self.content)),
+        )
+
+    def save(self, path: str | Path) -> Path:
+        """Write the page to `path`; raises `ResultError` if it cannot be written."""
+        path = Path(path)
+        with replacing(path) as whole:
+            whole.write(self.html.encode())
+        return path
+
+    def open(self) -> Path:
+        """Show the page in a browser; the file that was written for it."""
+        folder = Path(tempfile.mkdtemp(prefix="tweezer-"))
+        path = self.save(folder / f"{self.content.kind}.html")
+        webbrowser.open(path.as_uri())
+        return path
+
+    def _repr_html_(self) -> str:
+        """For Jupyter: the page in a frame."""
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" title="{html.escape(self.content.title)}" '
+            f'style="width: 100%; height: {_HEIGHT}px; border: 0" allowfullscreen></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"Page({self.content.kind!r}, {self.content.title!r})"
+
+
+def _as_json(content: Content) -> dict[str, Any]:
+    return {
+        "kind": content.kind,
+        "title": content.title,
+        "warning": content.warning,
+        "facts": content.facts,
+        "arrays": {name: packed.as_json() for name, packed in content.arrays.items()},
+        "summary": [row._asdict() for row in content.summary],
+        "notes": content.notes,
+        "version": __version__,
+    }
+
+
+def _in_script(value: object) -> str:
+    """JSON that may stand in a script: no `<` ends it. Raises `ValueError` for NaN."""
+    text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
+
+
+def _address(path: Path) -> str:
+    """A script as an address that holds it."""
+    return "data:text/javascript;base64," + base64.b64encode(path.read_bytes()).decode()
+
+
+def _text(path: Path) -> str:
+    return path.read_text(encoding="utf-8")

@@ -1,0 +1,2 @@
+// The picture without WebGL.
+export class Flat {}

@@ -1,0 +1,230 @@
+// Plots on a canvas: curves are drawn once, the cursor on a second canvas above them.
+import { locate, text } from "tweezer/arrays";
+import { make } from "tweezer/shell";
+import { nice } from "tweezer/clock";
+
+const LEFT = 58, RIGHT = 12, TOP = 8, BOTTOM = 30;
+
+export class Plot {
+  // x: {values, name, unit}, ascending. curves: [{name, values, colour, dash, points}], colour a name
+  // of the style sheet. options: {title, unit, log, digits, onpick(x), interpolate}.
+  constructor(shell, host, x, curves, options) {
+    Object.assign(this, { shell, x, curves, options });
+    this.cursor = x.values[0];
+    this.back = make("canvas", { role: "img" });
+    this.front = make("canvas", { "aria-hidden": "true" });
+    this.legend = make("div", { class: "legend" });
+    this.shown = curves.map((curve) => make("span", { class: "number" }));
+    this.legend.append(make("h3", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
+      make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
+    this.area = make("div", { class: "area" }, this.back, this.front);
+    this.box = make("figure", { class: "plot" }, this.legend, this.area);
+    host.append(this.box);
+    this.range = options.range ?? this.extent();
+    this.describe();
+    const pick = (event) => {
+      const left = this.area.getBoundingClientRect().left;
+      const [low, high] = this.ends();
+      const part = (event.clientX - left - LEFT) / (this.width - LEFT - RIGHT);
+      this.options.onpick(low + Math.min(Math.max(part, 0), 1) * (high - low));
+    };
+    if (options.onpick) {
+      this.area.classList.add("picks");
+      this.area.addEventListener("pointerdown", (event) => {
+        if (event.button) return;
+        this.area.setPointerCapture(event.pointerId);
+        pick(event);
+      });
+      this.area.addEventListener("pointermove", (event) => {
+        if (this.area.hasPointerCapture(event.pointerId)) pick(event);
+      });
+    }
+    new ResizeObserver(() => this.resize()).observe(this.area);
+    shell.onTheme(() => this.width && this.draw());
+  }
+
+  ends() {
+    const { values } = this.x;
+    return [values[0], values[values.length - 1]];
+  }
+
+  extent() {
+    let low = Infinity, high = -Infinity, least = Infinity;
+    for (const { values } of this.curves) {
+      for (const value of values) {
+        if (!Number.isFinite(value)) continue;
+        if (value < low) low = value;
+        if (value > high) high = value;
+        if (value > 0 && value < least) least = value;
+      }
+    }
+    if (this.options.log) {
+      if (!(high > 0)) return [0.1, 1];
+      return [Math.max(least, high * 1e-5) / 1.5, high * 1.5];
+    }
+    if (!(high >= low)) return [0, 1];
+    const room = 0.06 * (high - low) || Math.abs(high) || 1;
+    return [low - room, high + room];
+  }
+
+  describe() {
+    const { title, unit } = this.options;
+    const each = this.curves.map(({ name, values }) => {
+      let low = Infinity, high = -Infinity;
+      for (const value of values) {
+        if (value < low) low = value;
+        if (value > high) high = value;
+      }
+      return `${name} from ${text(low)} to ${text(high)}`;
+    });
+    this.back.setAttribute("aria-label", `${title} in ${unit} over ${this.x.name}: ${each.join("; ")}`);
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.area;
+    if (!clientWidth || !clientHeight) return;
+    this.width = clientWidth;
+    this.height = clientHeight;
+    this.ratio = Math.min(devicePixelRatio || 1, 2);
+    for (const canvas of [this.back, this.front]) {
+      canvas.width = Math.round(clientWidth * this.ratio);
+      canvas.height = Math.round(clientHeight * this.ratio);
+    }
+    this.draw();
+  }
+
+  across(value) {
+    const [low, high] = this.ends();
+    return LEFT + (value - low) / (high - low || 1) * (this.width - LEFT - RIGHT);
+  }
+
+  up(value) {
+    let [low, high] = this.range;
+    if (this.options.log) [value, low, high] = [Math.log10(Math.max(value, low)), Math.log10(low), Math.log10(high)];
+    return this.height - BOTTOM - (value - low) / (high - low) * (this.height - BOTTOM - TOP);
+  }
+
+  pen(canvas) {
+    const pen = canvas.getContext("2d");
+    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    pen.clearRect(0, 0, this.width, this.height);
+    return pen;
+  }
+
+  // Curves and axes; seldom.
+  draw() {
+    const pen = this.pen(this.back), { shell } = this;
+    const ink = shell.colour("soft"), line = shell.colour("line");
+    pen.font = "12px system-ui, sans-serif";
+    pen.lineWidth = 1;
+    for (const value of this.ticks()) {
+      const y = Math.round(this.up(value)) + 0.5;
+      pen.strokeStyle = line;
+      pen.beginPath(); pen.moveTo(LEFT, y); pen.lineTo(this.width - RIGHT, y); pen.stroke();
+      pen.fillStyle = ink; pen.textAlign = "right"; pen.textBaseline = "middle";
+      pen.fillText(label(value, this.options.log, this.step), LEFT - 7, y);
+    }
+    const [low, high] = this.ends();
+    const step = nice((high - low) / Math.max(2, (this.width - LEFT - RIGHT) / 90)) || 1;
+    pen.textAlign = "center"; pen.textBaseline = "top"; pen.fillStyle = ink;
+    for (let k = Math.ceil(low / step - 1e-9); k * step <= high * (1 + 1e-9); k++) {
+      const x = Math.round(this.across(k * step)) + 0.5;
+      pen.strokeStyle = line;
+      pen.beginPath(); pen.moveTo(x, this.height - BOTTOM); pen.lineTo(x, this.height - BOTTOM + 4); pen.stroke();
+      if (x < this.width - 70) pen.fillText(label(k * step, false, step), x, this.height - BOTTOM + 6);
+    }
+    pen.textAlign = "right";
+    pen.fillText(`${this.x.name} (${this.x.unit})`, this.width - RIGHT, this.height - BOTTOM + 6);
+    pen.save();
+    pen.beginPath(); pen.rect(LEFT, TOP - 2, this.width - LEFT - RIGHT, this.height - BOTTOM - TOP + 4); pen.clip();
+    for (const curve of [...this.curves].reverse()) this.curve(pen, curve);
+    pen.restore();
+    this.move(this.cursor);
+  }
+
+  curve(pen, { values, colour, dash, points, width }) {
+    pen.strokeStyle = pen.fillStyle = this.shell.colour(colour);
+    pen.lineWidth = width ?? 1.7;
+    pen.setLineDash(dash ?? []);
+    const n = values.length, per = n / (this.width - LEFT - RIGHT);
+    pen.beginPath();
+    if (points) {
+      for (let i = 0; i < n; i += Math.max(1, Math.floor(per / 4))) {
+        if (Number.isFinite(values[i])) pen.rect(this.across(this.x.values[i]) - 1, this.up(values[i]) - 1, 2, 2);
+      }
+      pen.fill();
+      return;
+    }
+    // of many samples in a column of pixels the lowest and the highest are enough
+    const stride = per > 4 ? Math.floor(per) : 1;
+    let pending = true;
+    for (let i = 0; i < n; i += stride) {
+      let low = i, high = i;
+      for (let j = i + 1; j < Math.min(i + stride, n); j++) {
+        if (values[j] < values[low]) low = j;
+        if (values[j] > values[high]) high = j;
+      }
+      for (const k of low === high ? [i] : low < high ? [low, high] : [high, low]) {
+        if (!Number.isFinite(values[k])) { pending = true; continue; }
+        const x = this.across(this.x.values[k]), y = this.up(values[k]);
+        if (pending) pen.moveTo(x, y); else pen.lineTo(x, y);
+        pending = false;
+      }
+    }
+    pen.stroke();
+    pen.setLineDash([]);
+  }
+
+  ticks() {
+    const [low, high] = this.range;
+    const found = [];
+    if (this.options.log) {
+      const every = Math.ceil(Math.log10(high / low) / 5);
+      for (let k = Math.ceil(Math.log10(low)); 10 ** k <= high; k += every) found.push(10 ** k);
+      return found;
+    }
+    this.step = nice((high - low) / Math.max(2, (this.height - TOP - BOTTOM) / 32));
+    for (let k = Math.ceil(low / this.step); k * this.step <= high; k++) found.push(k * this.step);
+    return found;
+  }
+
+  // Show the cursor at `value` of x, and what the curves have there.
+  move(value) {
+    this.cursor = value;
+    const [i, part] = locate(this.x.values, value);
+    const there = this.curves.map(({ values }) => {
+      const next = values[Math.min(i + 1, values.length - 1)];
+      return this.options.jumps || part === 0 ? values[i] : values[i] + part * (next - values[i]);
+    });
+    there.forEach((number, k) => {
+      const words = text(number, this.options.digits ?? 3);
+      if (this.shown[k].textContent !== words) this.shown[k].textContent = words;
+    });
+    if (!this.width) return;
+    const pen = this.pen(this.front);
+    const x = this.across(value);
+    pen.strokeStyle = this.shell.colour("ink");
+    pen.lineWidth = 1;
+    pen.beginPath(); pen.moveTo(x, TOP - 4); pen.lineTo(x, this.height - BOTTOM); pen.stroke();
+    there.forEach((number, k) => {
+      if (!Number.isFinite(number)) return;
+      pen.fillStyle = this.shell.colour(this.curves[k].colour);
+      pen.beginPath(); pen.arc(x, this.up(number), 3.5, 0, 7); pen.fill();
+    });
+  }
+}
+
+// A short line in the style of a curve.
+export function swatch({ colour, dash, points }) {
+  const line = `<line x1="1" x2="21" y1="5" y2="5" stroke="var(--${colour})" stroke-width="2.4" stroke-dasharray="${(points ? [2, 4] : dash ?? []).join(" ")}"/>`;
+  const holder = make("span", { class: "swatch", "aria-hidden": "true" });
+  holder.innerHTML = `<svg width="22" height="10">${line}</svg>`;
+  return holder;
+}
+
+function label(value, log, step) {
+  if (log) return text(value, 1);
+  if (Math.abs(value) < 1e-9 * step) return "0";
+  if (Math.abs(value) >= 1e5 || step < 1e-4) return text(value, 2);
+  return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "−");
+}

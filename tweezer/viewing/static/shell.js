@@ -1,0 +1,158 @@
+// What every page has: its frame, the table of the summary, notes, themes, keys.
+import { text, unpack } from "tweezer/arrays";
+
+// An element: make("a", {href: "..."}, child, "text", ...); `class` and `on...` as attributes.
+export function make(name, attributes = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (key.startsWith("on")) element.addEventListener(key.slice(2), value);
+    else if (value === true) element.setAttribute(key, "");
+    else if (value !== false && value !== null) element.setAttribute(key, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+// The frame of a page. A page's module fills `picture` and `plots`, and `clock` if it has a time.
+export class Shell {
+  constructor(content) {
+    this.content = content;
+    this.keys = [];
+    this.themed = [];
+    this.unpacked = {};
+    this.sayer = make("p", { class: "unseen", "aria-live": "polite" });
+    this.picture = make("section", { class: "picture", "aria-label": "Picture" });
+    this.plots = make("section", { class: "plots", "aria-label": "Plots" });
+    this.clock = make("section", { class: "clock", "aria-label": "Time" });
+    this.board = make("div", { class: "board" }, this.picture, this.plots, this.clock);
+    this.help = make("dialog", { "aria-labelledby": "keys" });
+    document.body.append(
+      make("header", {},
+        make("div", {}, make("h1", {}, content.title), this.sub()),
+        make("div", { class: "buttons" },
+          make("button", { type: "button", onclick: () => this.showHelp() }, "Keys"),
+          this.themeButton = make("button", { type: "button", onclick: () => this.turnTheme() }),
+        )),
+      ...(content.warning ? [make("p", { class: "warning", role: "alert" }, content.warning)] : []),
+      make("main", {}, this.board,
+        make("div", { class: "words" }, this.summary(), this.notes())),
+      this.sayer, this.help,
+    );
+    this.key("?", "this list of keys", () => this.showHelp());
+    this.key("d", "light or dark", () => this.turnTheme());
+    document.addEventListener("keydown", (event) => this.pressed(event));
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.retheme());
+    this.retheme();
+    window.tweezer = { content };
+  }
+
+  // Values of an array of the content, unpacked once.
+  array(name) {
+    const packed = this.content.arrays[name];
+    if (!packed) return null;
+    return (this.unpacked[name] ??= unpack(packed));
+  }
+
+  sub() {
+    return make("p", { class: "sub" }, `tweezer ${this.content.version} · ${KINDS[this.content.kind] ?? ""}`);
+  }
+
+  // What a key does, listed in the help. `key` as of a KeyboardEvent, or several of them.
+  key(key, does, act) {
+    this.keys.push({ keys: [key].flat(), does, act });
+  }
+
+  pressed(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || this.help.open) return;
+    const at = event.target;
+    // lists and fields take keys of their own; so does a button that space presses
+    if (at.matches("select, input:not([type=range]):not([type=checkbox]), textarea")) return;
+    if (event.key === " " && at.matches("button, summary, a, input")) return;
+    const found = this.keys.find(({ keys }) => keys.includes(event.key));
+    if (!found) return;
+    event.preventDefault();
+    found.act(event);
+  }
+
+  showHelp() {
+    const rows = this.keys.map(({ keys, does }) =>
+      make("tr", {}, make("th", { scope: "row" },
+        ...keys.flatMap((key, i) => [i ? " " : "", make("kbd", {}, NAMES[key] ?? key)])),
+        make("td", {}, does)));
+    this.help.replaceChildren(
+      make("h2", { id: "keys" }, "Keys"), make("table", {}, make("tbody", {}, ...rows)),
+      make("p", {}, "Drag the picture to turn it, with two fingers or the right button to move it; " +
+        "the wheel or a pinch makes it larger. Click or drag in a plot to go to a time."),
+      make("form", { method: "dialog" }, make("button", {}, "Close")));
+    this.help.showModal();
+  }
+
+  // A sentence for screen readers.
+  say(sentence) {
+    this.sayer.textContent = sentence;
+  }
+
+  get dark() {
+    const chosen = document.documentElement.dataset.theme;
+    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+  }
+
+  turnTheme() {
+    document.documentElement.dataset.theme = this.dark ? "light" : "dark";
+    this.retheme();
+  }
+
+  retheme() {
+    this.themeButton.textContent = this.dark ? "Light" : "Dark";
+    for (const act of this.themed) act();
+  }
+
+  // Call `act` now, and whenever the theme changes.
+  onTheme(act) {
+    this.themed.push(act);
+    act();
+  }
+
+  // A colour of the style sheet, such as colour("ink").
+  colour(name) {
+    return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  }
+
+  summary() {
+    const rows = this.content.summary.map(({ name, value, error, trusted }) =>
+      make("tr", trusted ? {} : { class: "doubtful" },
+        make("th", { scope: "row" }, name), make("td", {}, value),
+        make("td", {}, error ? `± ${error}` : ""),
+        make("td", {}, trusted ? "" : "not to be trusted")));
+    return make("section", { "aria-labelledby": "summary" },
+      make("h2", { id: "summary" }, "Summary"),
+      make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-labelledby": "summary" },
+        make("table", {},
+          make("thead", {}, make("tr", {}, ...["quantity", "value", "error", "judgement"].map(
+            (heading) => make("th", { scope: "col" }, heading)))),
+          make("tbody", {}, ...rows))));
+  }
+
+  notes() {
+    const rounded = Object.entries(this.content.arrays).filter(([, packed]) => packed.rounding > 0);
+    const rows = rounded.map(([name, { type, unit, rounding, largest }]) =>
+      make("tr", {}, make("th", { scope: "row" }, name.replaceAll("_", " ")),
+        make("td", {}, `${text(rounding, 2)} ${unit === "1" ? "" : unit}`),
+        make("td", {}, text(rounding / largest, 2)), make("td", {}, type)));
+    const numbers = rows.length ? [
+      make("h3", { id: "rounding" }, "What rounding for this page changes, at most"),
+      make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-labelledby": "rounding" },
+        make("table", {},
+          make("thead", {}, make("tr", {}, ...["numbers", "by", "of the largest", "kept as"].map(
+            (heading) => make("th", { scope: "col" }, heading)))),
+          make("tbody", {}, ...rows)))] : [];
+    return make("section", { "aria-labelledby": "notes" },
+      make("h2", { id: "notes" }, "Notes"),
+      make("ul", {}, ...this.content.notes.map((note) => make("li", {}, note))), ...numbers);
+  }
+}
+
+const KINDS = { run: "a run", ensemble: "an ensemble", trap: "a trap", sweep: "a sweep" };
+const NAMES = {
+  " ": "space", ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓",
+};

@@ -1,0 +1,494 @@
+// The picture: three.js draws bead, light, walls, paths and arrows, in micrometres, z up.
+import {
+  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, FrontSide, Group,
+  Line2, LineBasicMaterial, LineGeometry, LineMaterial, LineSegments, Mesh, MeshBasicMaterial,
+  OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, Scene,
+  ShaderMaterial, SphereGeometry, Vector3, WebGLRenderer,
+} from "three";
+import { scaled, text } from "tweezer/arrays";
+import { nice } from "tweezer/clock";
+import { make } from "tweezer/shell";
+
+// Vertical angle of view, degrees
+const ANGLE = 24;
+// Largest number of pixels of the canvas for one of the screen, along an edge
+const RATIO = 1.5;
+// Directions from which views look, and their names
+const VIEWS = {
+  1: { name: "at an angle", from: [0.62, -1, 0.42] },
+  2: { name: "from the side, x to the right", from: [0, -1, 0] },
+  3: { name: "from the side, y to the right", from: [1, 0, 0] },
+  4: { name: "against the light, x to the right", from: [0, -1e-4, 1] },
+};
+
+// Whether the browser draws in 3-D, and whether a graphics card does it.
+export function drawing() {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  if (!probe) return { possible: false };
+  const about = probe.getExtension("WEBGL_debug_renderer_info");
+  const by = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : "";
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return { possible: true, software: /swiftshader|llvmpipe|software/i.test(by) };
+}
+
+export class Stage {
+  // center, reach: what is seen at first, um. label: of the picture, for screen readers.
+  constructor(shell, { center, reach, label }) {
+    Object.assign(this, { shell, reach, home: new Vector3(...center), frames: 0, labels: [], drawn: [] });
+    const { software } = drawing();
+    this.renderer = new WebGLRenderer({ antialias: !software, alpha: true, powerPreference: "low-power" });
+    this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio || 1, RATIO));
+    this.canvas = this.renderer.domElement;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", label);
+    this.canvas.tabIndex = 0;
+    this.over = make("div", { class: "over" });
+    this.host = make("div", { class: "stage" }, this.canvas, this.over);
+    shell.picture.append(this.host);
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(ANGLE, 1, 0.01 * reach, 200 * reach);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.enableDamping = false;
+    this.controls.minDistance = 0.2 * reach;
+    this.controls.maxDistance = 60 * reach;
+    this.controls.addEventListener("change", () => this.request());
+    this.buildScale();
+    this.buildViews();
+    new ResizeObserver(() => this.resize()).observe(this.host);
+    this.themed = [];
+    shell.onTheme(() => this.retheme());
+    this.resize();
+    this.look(1);
+    Object.assign(window.tweezer, {
+      pixel: (position) => this.pixel(position), frames: () => this.frames, fps: () => this.fps(),
+      camera: () => this.matrices(), look: (view) => this.look(view), draw: () => this.draw(),
+    });
+  }
+
+  // ---- the camera
+
+  look(view) {
+    const { name, from } = VIEWS[view];
+    this.view = view;
+    const half = Math.tan((ANGLE * Math.PI) / 360) * Math.min(1, this.camera.aspect);
+    const distance = this.reach / Math.sin(Math.atan(half));
+    this.controls.target.copy(this.home);
+    this.camera.position.set(...from).setLength(distance).add(this.home);
+    this.controls.update();
+    this.buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k + 1 === Number(view))));
+    this.shell.say(`Seen ${name}`);
+    this.request();
+  }
+
+  // Move what the camera looks at by as much as `position` has moved since the last call.
+  follow(position) {
+    if (this.followed) {
+      const way = new Vector3(...position).sub(this.followed);
+      this.camera.position.add(way);
+      this.controls.target.add(way);
+    }
+    this.followed = position && new Vector3(...position);
+  }
+
+  // Where a position (um) is in the window, pixels of the style sheet.
+  pixel(position) {
+    this.camera.updateMatrixWorld();
+    const { x, y } = new Vector3(...position).project(this.camera);
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return [left + (x + 1) / 2 * width, top + (1 - y) / 2 * height];
+  }
+
+  // The matrices of the camera, by columns, and where the canvas is: for tests.
+  matrices() {
+    this.camera.updateMatrixWorld();
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    return {
+      projection: this.camera.projectionMatrix.toArray(),
+      view: this.camera.matrixWorldInverse.toArray(), left, top, width, height,
+    };
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = this.host;
+    if (!clientWidth || !clientHeight) return;
+    const before = this.camera.aspect;
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    for (const { material } of this.wide ?? []) material.resolution.set(clientWidth, clientHeight);
+    if (this.view && Math.min(before, 1) !== Math.min(this.camera.aspect, 1)) this.look(this.view);
+    this.draw();
+  }
+
+  // ---- drawing, only when something has changed
+
+  request() {
+    if (this.requested) return;
+    this.requested = true;
+    requestAnimationFrame(() => { if (this.requested) this.draw(); });
+  }
+
+  draw() {
+    this.requested = false;
+    this.renderer.render(this.scene, this.camera);
+    this.frames++;
+    this.drawn.push(performance.now());
+    if (this.drawn.length > 240) this.drawn.shift();
+    this.placeLabels();
+    this.showScale();
+  }
+
+  // Frames drawn in the last second.
+  fps() {
+    const now = performance.now();
+    return this.drawn.filter((at) => at > now - 1000).length;
+  }
+
+  // Call `act` now and when the theme changes, and draw.
+  onTheme(act) {
+    this.themed.push(act);
+    act();
+  }
+
+  retheme() {
+    for (const act of this.themed) act();
+    this.request();
+  }
+
+  colour(name) {
+    return new Color(this.shell.colour(name));
+  }
+
+  // ---- words over the picture
+
+  buildViews() {
+    this.buttons = Object.entries(VIEWS).map(([key, { name }]) => {
+      this.shell.key(key, `see it ${name}`, () => this.look(key));
+      return make("button", { type: "button", title: `See it ${name} (${key})`, "aria-label": `See it ${name}`,
+        onclick: () => this.look(key) }, SHORT[key]);
+    });
+    this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons));
+  }
+
+  buildScale() {
+    this.bar = make("span", { class: "bar" });
+    this.barText = make("span");
+    this.triad = make("span", { class: "triad", "aria-hidden": "true" });
+    this.over.append(make("div", { class: "scale" }, this.triad,
+      make("span", { class: "length" }, this.bar, this.barText)));
+  }
+
+  // A bar of a round length, as long as that length is at the centre of the view.
+  showScale() {
+    const height = this.host.clientHeight;
+    if (!height) return;
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const pixels = height / (2 * distance * Math.tan((ANGLE * Math.PI) / 360));
+    const length = nice(90 / pixels);
+    const state = [Math.round(length * pixels * 2), length, ...this.camera.quaternion.toArray()].join();
+    if (state === this.scaleState) return;
+    this.scaleState = state;
+    const { factor, unit } = scaled(length * 1e-6, "m");
+    this.bar.style.width = `${(length * pixels).toFixed(1)}px`;
+    this.barText.textContent = `${text(length * 1e-6 * factor, 2)} ${unit}`;
+    const turn = this.camera.quaternion.clone().invert();
+    const arms = ["x", "y", "z"].map((name, k) => {
+      const way = new Vector3(...[0, 1, 2].map((i) => Number(i === k))).applyQuaternion(turn);
+      return { name, x: 34 + 22 * way.x, y: 34 - 22 * way.y, tx: 34 + 30 * way.x, ty: 38 - 30 * way.y, depth: way.z };
+    }).sort((a, b) => a.depth - b.depth);
+    this.triad.innerHTML = `<svg width="68" height="68" viewBox="0 0 68 68">${arms.map(({ name, x, y, tx, ty }) =>
+      `<line x1="34" y1="34" x2="${x}" y2="${y}" stroke="var(--${name})" stroke-width="2.5" stroke-linecap="round"/>` +
+      `<text x="${tx}" y="${ty}" text-anchor="middle" fill="var(--ink)">${name}</text>`).join("")}</svg>`;
+  }
+
+  // Words at a position, um.
+  label(words, position) {
+    const element = make("span", { class: "label" }, words);
+    this.over.append(element);
+    this.labels.push({ element, position });
+  }
+
+  placeLabels() {
+    const { width, height } = this.canvas.getBoundingClientRect();
+    for (const { element, position } of this.labels) {
+      const { x, y, z } = new Vector3(...position).project(this.camera);
+      element.hidden = Math.abs(x) > 0.98 || Math.abs(y) > 0.98 || z > 1;
+      element.style.transform = `translate(${((x + 1) / 2 * width).toFixed(1)}px, ${((1 - y) / 2 * height).toFixed(1)}px)`;
+    }
+  }
+
+  // ---- things
+
+  // Lines on the plane z, every `nice` length, to see depth by.
+  floor(z) {
+    const step = nice(this.reach / 4), n = Math.ceil((1.3 * this.reach) / step), points = [];
+    const [cx, cy] = [this.home.x, this.home.y].map((c) => Math.round(c / step) * step);
+    for (let k = -n; k <= n; k++)
+      points.push(cx + k * step, cy - n * step, z, cx + k * step, cy + n * step, z,
+        cx - n * step, cy + k * step, z, cx + n * step, cy + k * step, z);
+    const material = new LineBasicMaterial({ transparent: true, depthWrite: false });
+    this.onTheme(() => { material.color = this.colour("grid"); });
+    this.scene.add(new LineSegments(geometry({ position: [points, 3] }), material));
+    return step;
+  }
+
+  // A bead: spheres of radii `shells`, um, the outermost with a pattern that shows how it turns.
+  bead(shells) {
+    const group = new Group(), outer = shells.at(-1);
+    const uniforms = { light: { value: new Color() }, dark: { value: new Color() }, rim: { value: new Color() } };
+    this.onTheme(() => {
+      uniforms.light.value = this.colour("bead-light");
+      uniforms.dark.value = this.colour("bead-dark");
+      uniforms.rim.value = this.colour("bead-rim");
+    });
+    const material = new ShaderMaterial({
+      uniforms, vertexShader: BEAD_VERTEX, fragmentShader: BEAD, transparent: true, depthWrite: false, side: FrontSide,
+    });
+    const sphere = new Mesh(new SphereGeometry(outer, 48, 32), material);
+    sphere.renderOrder = 4;
+    group.add(sphere);
+    for (const radius of shells.slice(0, -1)) {
+      const inside = new Mesh(new SphereGeometry(radius, 40, 24),
+        new ShaderMaterial({ uniforms, vertexShader: BEAD_VERTEX, fragmentShader: CORE, transparent: true, depthWrite: false }));
+      inside.renderOrder = 3;
+      group.add(inside);
+    }
+    this.scene.add(group);
+    return {
+      group,
+      // Euler parameters e0..e3 turn the frame of the bead to that of the picture.
+      place: (position, euler) => {
+        group.position.set(...position);
+        if (euler) group.quaternion.copy(new Quaternion(euler[1], euler[2], euler[3], euler[0]).normalize());
+      },
+    };
+  }
+
+  // The light of a beam about its focus, to a distance `length` from it, um.
+  beam({ half_angle, wavelength, down }, length) {
+    const waist = wavelength * 1e6 / (2 * Math.sin(half_angle));
+    const rows = 33, columns = 64, points = [], normals = [], along = [], faces = [];
+    const end = Math.max(length * Math.cos(half_angle), 1e-3 * length);
+    for (let i = 0; i < rows; i++) {
+      const part = (2 * i) / (rows - 1) - 1;
+      const z = end * part * Math.abs(part) ** 0.5;
+      const r = Math.hypot(waist, z * Math.tan(half_angle));
+      const slope = (z * Math.tan(half_angle) ** 2) / r, tilt = Math.hypot(1, slope);
+      for (let j = 0; j <= columns; j++) {
+        const angle = (2 * Math.PI * j) / columns;
+        points.push(r * Math.cos(angle), r * Math.sin(angle), z);
+        normals.push(Math.cos(angle) / tilt, Math.sin(angle) / tilt, -slope / tilt);
+        along.push(z / end);
+        if (i && j) {
+          const k = i * (columns + 1) + j;
+          faces.push(k, k - 1, k - columns - 2, k, k - columns - 2, k - columns - 1);
+        }
+      }
+    }
+    const uniforms = { colour: { value: new Color() }, strength: { value: 1 }, full: { value: 1 } };
+    this.onTheme(() => {
+      uniforms.colour.value = this.colour("light");
+      uniforms.full.value = this.shell.dark ? 0.5 : 0.42;
+    });
+    const shape = geometry({ position: [points, 3], normal: [normals, 3], along: [along, 1] });
+    shape.setIndex(faces);
+    const cone = new Mesh(shape, new ShaderMaterial({
+      uniforms, vertexShader: CONE_VERTEX, fragmentShader: CONE, transparent: true, depthWrite: false, side: DoubleSide,
+    }));
+    cone.renderOrder = 1;
+    const arm = 0.09 * this.reach, cross = [];
+    for (let k = 0; k < 3; k++) for (const side of [-arm, arm]) cross.push(...[0, 1, 2].map((i) => (i === k ? side : 0)));
+    const material = new LineBasicMaterial({ depthTest: false, transparent: true });
+    this.onTheme(() => { material.color = this.colour("light-ink"); });
+    const focus = new LineSegments(geometry({ position: [cross, 3] }), material);
+    focus.renderOrder = 6;
+    const group = new Group();
+    if (down) group.rotation.x = Math.PI;
+    group.add(cone, focus);
+    this.scene.add(group);
+    return {
+      group,
+      // factor: of the power at rest.
+      place: (position, factor = 1) => {
+        group.position.set(...position);
+        uniforms.strength.value = Math.min(factor, 1.5);
+      },
+    };
+  }
+
+  // A plane that ends the fluid at z; `normal` leads along z from it to the bead, 1 or -1.
+  wall(z, normal, words) {
+    const size = 1.5 * this.reach, thick = 0.12 * this.reach;
+    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.22, depthWrite: false, side: DoubleSide });
+    const edges = new LineBasicMaterial();
+    this.onTheme(() => { material.color = this.colour("wall"); edges.color = this.colour("wall"); });
+    const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => [this.home.x + size * x, this.home.y + size * y]);
+    const lines = [];
+    corners.forEach(([x, y], k) => {
+      const [u, v] = corners[(k + 1) % 4], back = z - normal * thick;
+      lines.push(x, y, z, u, v, z, x, y, back, u, v, back, x, y, z, x, y, back);
+    });
+    for (const at of [z, z - normal * thick]) {
+      const plane = new Mesh(new PlaneGeometry(2 * size, 2 * size), material);
+      plane.position.set(this.home.x, this.home.y, at);
+      plane.renderOrder = 0;
+      this.scene.add(plane);
+    }
+    this.scene.add(new LineSegments(geometry({ position: [lines, 3] }), edges));
+    this.label(words, [corners[0][0], corners[0][1], z]);
+  }
+
+  // A path through positions (3 n) um, or its points, with colours (3 n) by `colour`.
+  path(positions, joined) {
+    return joined ? this.joined(positions) : this.points(positions);
+  }
+
+  joined(positions) {
+    const shape = new LineGeometry(), n = positions.length / 3;
+    shape.setPositions(Float32Array.from(positions));
+    const make_line = (opacity, width) => {
+      const material = new LineMaterial({ linewidth: width, vertexColors: true, transparent: opacity < 1, opacity });
+      material.resolution.set(this.host.clientWidth || 1, this.host.clientHeight || 1);
+      return material;
+    };
+    // what is still to come is faint
+    const past = new Line2(shape, make_line(1, 3)), coming = new Line2(new LineGeometry(), make_line(0.28, 1.6));
+    coming.geometry.setPositions(Float32Array.from(positions));
+    (this.wide ??= []).push(past, coming);
+    past.renderOrder = 2;
+    coming.renderOrder = 1;
+    const group = new Group();
+    group.add(coming, past);
+    this.scene.add(group);
+    return {
+      group,
+      colour: (colours) => { for (const line of [past, coming]) line.geometry.setColors(colours); },
+      upTo: (index) => { past.geometry.instanceCount = Math.max(0, Math.min(index, n - 1)); past.visible = index > 0; },
+    };
+  }
+
+  points(positions) {
+    const shape = geometry({ position: [positions, 3] });
+    const of = (opacity, size) => new Points(shape, new PointsMaterial({
+      size, sizeAttenuation: false, vertexColors: true, transparent: true, opacity, depthWrite: false,
+    }));
+    const every = of(0.3, 2), last = of(1, 3);
+    last.geometry = shape.clone();
+    const group = new Group();
+    group.add(every, last);
+    this.scene.add(group);
+    return {
+      group,
+      colour: (colours) => {
+        for (const each of [every, last]) each.geometry.setAttribute("color", new BufferAttribute(Float32Array.from(colours), 3));
+      },
+      upTo: (index) => last.geometry.setDrawRange(0, index + 1),
+    };
+  }
+
+  // An arrow in a colour of the style sheet.
+  arrow(colour) {
+    const uniforms = { colour: { value: new Color() } };
+    this.onTheme(() => { uniforms.colour.value = this.colour(colour); });
+    const material = new ShaderMaterial({ uniforms, vertexShader: SOLID_VERTEX, fragmentShader: SOLID, depthTest: false, transparent: true });
+    const thick = 0.011 * this.reach;
+    const shaft = new Mesh(new CylinderGeometry(thick, thick, 1, 12).translate(0, 0.5, 0), material);
+    const head = new Mesh(new ConeGeometry(3 * thick, 1, 16).translate(0, -0.5, 0), material);
+    const group = new Group();
+    group.add(shaft, head);
+    for (const part of [shaft, head]) part.renderOrder = 7;
+    this.scene.add(group);
+    const up = new Vector3(0, 1, 0), way = new Vector3();
+    return {
+      group,
+      // From `position` by `vector`, um.
+      set: (position, vector) => {
+        const length = Math.hypot(...vector);
+        group.visible = length > 0.004 * this.reach;
+        if (!group.visible) return;
+        const tip = Math.min(9 * thick, 0.5 * length);
+        group.position.set(...position);
+        group.quaternion.setFromUnitVectors(up, way.set(...vector).divideScalar(length));
+        shaft.scale.set(1, length - 0.9 * tip, 1);
+        head.position.set(0, length, 0);
+        head.scale.set(Math.min(1, tip / (9 * thick) + 0.2), tip, Math.min(1, tip / (9 * thick) + 0.2));
+      },
+    };
+  }
+}
+
+const SHORT = { 1: "3-D", 2: "x–z", 3: "y–z", 4: "x–y" };
+
+// A geometry with attributes {name: [numbers, size]}.
+export function geometry(attributes) {
+  const shape = new BufferGeometry();
+  for (const [name, [numbers, size]] of Object.entries(attributes))
+    shape.setAttribute(name, new BufferAttribute(Float32Array.from(numbers), size));
+  return shape;
+}
+
+const BEAD_VERTEX = `
+varying vec3 place; varying vec3 facing; varying vec3 towards;
+void main() {
+  place = normalize(position);
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  facing = normalMatrix * normal;
+  towards = -seen.xyz;
+  gl_Position = projectionMatrix * seen;
+}`;
+// eight fields in two tones, and the three great circles between them
+const BEAD = `
+uniform vec3 light, dark, rim;
+varying vec3 place; varying vec3 facing; varying vec3 towards;
+void main() {
+  vec3 n = normalize(facing), v = normalize(towards);
+  float field = step(0.0, place.x * place.y * place.z);
+  vec3 width = fwidth(place) * 1.2;
+  vec3 edges = 1.0 - smoothstep(vec3(0.0), width + 0.006, abs(place));
+  float circle = max(edges.x, max(edges.y, edges.z));
+  float edge = 1.0 - abs(dot(n, v));
+  float glow = 0.72 + 0.28 * max(dot(n, normalize(vec3(-0.4, 0.7, 0.6))), 0.0);
+  vec3 colour = mix(mix(dark, light, field) * glow, rim, max(0.55 * circle, pow(edge, 4.0)));
+  float shine = pow(max(dot(reflect(-normalize(vec3(-0.4, 0.7, 0.6)), n), v), 0.0), 40.0);
+  gl_FragColor = vec4(colour + 0.35 * shine, min(0.5 + 0.25 * circle + 0.45 * edge * edge, 0.95));
+  #include <colorspace_fragment>
+}`;
+const CORE = `
+uniform vec3 light, dark, rim;
+varying vec3 place; varying vec3 facing; varying vec3 towards;
+void main() {
+  float edge = 1.0 - abs(dot(normalize(facing), normalize(towards)));
+  gl_FragColor = vec4(mix(dark, rim, edge), 0.25 + 0.6 * edge * edge);
+  #include <colorspace_fragment>
+}`;
+const CONE_VERTEX = `
+attribute float along;
+varying vec3 facing; varying vec3 towards; varying float part;
+void main() {
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  facing = normalMatrix * normal;
+  towards = -seen.xyz;
+  part = along;
+  gl_Position = projectionMatrix * seen;
+}`;
+// denser where it is seen along its surface, and fading away from the focus
+const CONE = `
+uniform vec3 colour; uniform float strength, full;
+varying vec3 facing; varying vec3 towards; varying float part;
+void main() {
+  float edge = 1.0 - abs(dot(normalize(facing), normalize(towards)));
+  float fade = pow(1.0 - abs(part), 1.3);
+  gl_FragColor = vec4(colour, full * strength * fade * (0.28 + 0.72 * edge));
+  #include <colorspace_fragment>
+}`;
+const SOLID_VERTEX = `
+varying vec3 facing;
+void main() { facing = normalMatrix * normal; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); }`;
+const SOLID = `
+uniform vec3 colour; varying vec3 facing;
+void main() {
+  float glow = 0.75 + 0.25 * max(dot(normalize(facing), normalize(vec3(-0.4, 0.7, 0.6))), 0.0);
+  gl_FragColor = vec4(colour * glow, 1.0);
+  #include <colorspace_fragment>
+}`;
