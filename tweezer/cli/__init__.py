@@ -20,6 +20,7 @@ __all__ = ["app", "main"]
 
 # in the order of the help
 for _group in (
+    "new",
     "runs",
     "trap",
     "ensemble",

@@ -1,0 +1,325 @@
+"""The command new: questions about an experiment, and the scene file that the answers give."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import shlex
+import sys
+import tomllib
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
+
+import typer
+
+from tweezer.catalogue import GLASS, LASERS, OBJECTIVES, Objective
+from tweezer.cli.app import app, quantity_in
+from tweezer.cli.console import ERR, OUT, writable
+from tweezer.cli.tables import table_of
+from tweezer.errors import ResultError, SceneError
+from tweezer.materials import Material, materials
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Answer = TypeVar("Answer")
+
+#: Diameter of a bead of which larger ones are hardly trapped, by material; of others 1 um
+_DIAMETERS = {"gold": "100 nm", "silicon": "150 nm"}
+#: Diameter below which Stokes' drag needs the mean free path of a liquid, m
+_SMALL = 0.3e-6
+
+
+class _Experiment(NamedTuple):
+    """The answers, in SI."""
+
+    material: Material
+    diameter: float
+    objective: Objective
+    wavelength: float
+    power: float
+    depth: float | None
+    """distance of the focus from the cover glass; None if that is far"""
+
+
+@app.command()
+def new(
+    file: Annotated[Path, typer.Argument(help="Scene to write.", metavar="FILE")] = Path(
+        "mine.toml"
+    ),
+    bead: Annotated[
+        str | None, typer.Option(help=f"Material: {', '.join(materials())}.", metavar="NAME")
+    ] = None,
+    diameter: Annotated[str | None, typer.Option(help='Of the bead: "1 um".')] = None,
+    objective: Annotated[
+        str | None, typer.Option(help=f"{', '.join(OBJECTIVES)}.", metavar="NAME")
+    ] = None,
+    laser: Annotated[
+        str | None,
+        typer.Option(help=f"{', '.join(LASERS)}, or another wavelength.", metavar="WAVELENGTH"),
+    ] = None,
+    power: Annotated[str | None, typer.Option(help='Behind the objective: "50 mW".')] = None,
+    depth: Annotated[
+        str | None,
+        typer.Option(help='Of the focus behind the cover glass: "5 um"; none if that is far.'),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace FILE if it is there.")
+    ] = False,
+) -> None:
+    """Write a scene of your own to FILE, mine.toml if not given.
+
+    What no option says is asked for; without a terminal it is the default, which is then said.
+    """
+    file = writable(file, ("toml",))
+    if file.exists() and not overwrite:
+        raise ResultError(f"{file}: is there; name another FILE, or --overwrite it")
+    material = _answer("bead", bead, "polystyrene", _material, _of_materials)
+    size = _answer("diameter", diameter, _DIAMETERS.get(material.name, "1 um"), _diameter)
+    lens = _answer("objective", objective, next(iter(OBJECTIVES)), _objective, _of_objectives)
+    wavelength = _answer(
+        "laser", laser, next(iter(LASERS)), lambda text: _wavelength(text, material), _of_lasers
+    )
+    usual = (each.power for each in LASERS.values() if each.wavelength == wavelength)
+    power_in_watts = _answer("power", power, next(usual, "20 mW"), _power)
+    far = "none" if lens.immersion != "oil" else _length(max(5e-6, 3 * size / 2))
+    behind = _answer("depth", depth, far, lambda text: _depth(text, lens, size))
+    experiment = _Experiment(material, size, lens, wavelength, power_in_watts, behind)
+    text = scene_text(experiment)
+
+    from tweezer.scene import load_scene
+
+    load_scene({"name": file.stem, **tomllib.loads(text)})
+    try:
+        with file.open("w" if overwrite else "x", encoding="utf-8") as written:
+            written.write(text)
+    except OSError as error:
+        raise ResultError(f"{file}: cannot be written: {error.strerror}") from None
+    OUT.print(f"wrote {file}", highlight=False, soft_wrap=True)
+    for command, purpose in (("view", "to see it"), ("trap", "for its trap")):
+        line = f"  tweezer {command} {shlex.quote(str(file))}"
+        OUT.print(f"{line}   {purpose}", highlight=False, soft_wrap=True)
+
+
+def _asks() -> bool:
+    """Whether there is somebody to ask."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def _answer(
+    option: str,
+    given: str | None,
+    default: str,
+    read: Callable[[str], Answer],
+    choices: Callable[[], Table] | None = None,
+) -> Answer:
+    """What an option says, or else somebody at a terminal, or else the default.
+
+    read: gives the value of an answer, or raises `SceneError`.
+    """
+    if given is not None:
+        return read(given)
+    if not _asks():
+        ERR.print(f"--{option} not given: {default}", highlight=False, soft_wrap=True)
+        return read(default)
+
+    def checked(text: str) -> Answer:
+        try:
+            return read(text)
+        except SceneError as error:
+            raise typer.BadParameter(str(error)) from None
+
+    if choices:
+        OUT.print(choices())
+    answer: Answer = typer.prompt(f"{option}", default=default, value_proc=checked)
+    return answer
+
+
+def _named(option: str, text: str, names: Iterable[str]) -> str:
+    """The one of the names that a text means, whatever its capitals and spaces."""
+    folded = {_folded(name): name for name in names}
+    if (name := folded.get(_folded(text))) is not None:
+        return name
+    near = difflib.get_close_matches(_folded(text), folded, n=1)
+    meant = f"did you mean {folded[near[0]]}?" if near else f"allowed: {', '.join(names)}"
+    raise SceneError(f"--{option} {text!r}: {meant}")
+
+
+def _folded(text: str) -> str:
+    return re.sub(r"(?<=\.[0-9])0|[\s_-]", "", text.lower())  # 1.3 is 1.30
+
+
+def _material(text: str) -> Material:
+    return materials()[_named("bead", text, materials())]
+
+
+def _objective(text: str) -> Objective:
+    return OBJECTIVES[_named("objective", text, OBJECTIVES)]
+
+
+def _diameter(text: str) -> float:
+    from tweezer.units import BEAD_RADIUS, Quantity
+
+    low, high = BEAD_RADIUS
+    return quantity_in("--diameter", text, Annotated[float, Quantity("m", 2 * low, 2 * high)])
+
+
+def _wavelength(text: str, material: Material) -> float:
+    """That of a laser of the list, with or without its unit, or another."""
+    from tweezer.units import PositiveLength
+    from tweezer.water import WAVELENGTHS
+
+    names = {_folded(name): laser for name, laser in LASERS.items()}
+    known = names.get(_folded(text)) or names.get(f"{_folded(text)}nm")
+    found = known.wavelength if known else quantity_in("--laser", text, PositiveLength)
+    try:
+        material.refractive_index(found)
+    except ValueError as error:
+        raise SceneError(f"--laser {text!r}: {error}") from None
+    low, high = WAVELENGTHS
+    if not low <= found <= high:
+        raise SceneError(
+            f"--laser {text!r}: the index of water is known from {1e6 * low:g} to {1e6 * high:g} um"
+        )
+    return found
+
+
+def _power(text: str) -> float:
+    from tweezer.units import Power
+
+    return quantity_in("--power", text, Power)
+
+
+def _depth(text: str, objective: Objective, diameter: float) -> float | None:
+    from tweezer.units import PositiveLength
+
+    if _folded(text) == "none":
+        if objective.immersion == "oil":
+            raise SceneError(
+                f"--depth {text!r}: must be a length for {objective.name}: its image changes "
+                "with it"
+            )
+        return None
+    depth = quantity_in("--depth", text, PositiveLength)
+    if depth <= 1.2 * diameter:  # where the bead starts
+        raise SceneError(
+            f"--depth {text!r}: must be more than {_length(1.2 * diameter)}, for a bead of "
+            f"{_length(diameter)} before the focus"
+        )
+    return depth
+
+
+def _of_materials() -> Table:
+    table = table_of("material", "index at 1064 nm", "source")
+    for each in materials().values():
+        table.add_row(each.name, f"{_index(each.refractive_index(1.064e-6))}", each.cited)
+    return table
+
+
+def _of_objectives() -> Table:
+    table = table_of("objective", "radius of the pupil", "such as")
+    for each in OBJECTIVES.values():
+        table.add_row(each.name, _millimetres(each.pupil_radius), each.example)
+    return table
+
+
+def _of_lasers() -> Table:
+    table = table_of("laser", "")
+    for each in LASERS.values():
+        table.add_row(each.name, each.kind)
+    return table
+
+
+def _index(index: complex) -> str:
+    return f"{index.real:.4g}" if index.imag == 0 else f"{index.real:.3g}+{index.imag:.3g}j"
+
+
+def _in_toml(index: complex) -> str:
+    return _index(index) if index.imag == 0 else f'"{_index(index)}"'
+
+
+def _length(metres: float) -> str:
+    from tweezer.units import usual_unit
+
+    factor, unit = usual_unit(metres, "m")
+    return f"{metres / factor:.6g} {unit}"
+
+
+def _millimetres(metres: float) -> str:
+    return f"{1e3 * metres:.3g} mm"
+
+
+def _watts(power: float) -> str:
+    from tweezer.units import usual_unit
+
+    factor, unit = usual_unit(power, "W")
+    return f"{power / factor:.6g} {unit}"
+
+
+def scene_text(of: _Experiment) -> str:
+    """The scene file of an experiment, with a comment at each key."""
+    lens, size, light = of.objective, _length(of.diameter), f"{1e9 * of.wavelength:.6g} nm"
+    index, pupil = of.material.refractive_index(of.wavelength), _millimetres(lens.pupil_radius)
+    tube = f"{1e3 * lens.tube_lens:g} mm/{lens.magnification:g}"
+    scale = max(of.diameter / 2, 0.25e-6)
+    start = ", ".join(f'"{_length(part * scale)}"' for part in (0.6, 0.4)), _length(-0.6 * scale)
+    duration = 10 * max(1.0, (of.diameter / 1e-6) ** 2) * max(1.0, 0.02 / max(of.power, 2e-4))
+    digits = 10.0 ** (math.floor(math.log10(duration)) - 1)
+    made_of = f"{of.material.cited}), {of.material.density:g} kg/m^3"
+    own = f'refractive_index = {_in_toml(index)} and density = "{of.material.density:g} kg/m^3"'
+    bead, power = f"{size} {of.material.name} bead", _watts(of.power)
+    free_path = ""
+    if of.diameter < _SMALL:
+        free_path = (
+            'mean_free_path = "0.03 nm" # of hard spheres at the density of water: Stokes\' drag '
+            "holds\n"
+        )
+    return f"""# Written by `tweezer new`. Quantities have units; numbers without one are SI.
+description = "{bead} in water, {light}, {power} through {lens.name}"
+
+[bead]
+material = "{of.material.name}" # index {_index(index)} at {light} ({made_of}
+# in its place your own numbers: {own}
+diameter = "{size}"
+
+[medium]
+name = "water" # index, density and viscosity at the temperature (IAPWS)
+temperature = "20 degC"
+{free_path}
+[lens]
+map = "sine" # Abbe's sine condition
+numerical_aperture = {lens.numerical_aperture:g} # {lens.name}, such as {lens.example}
+radius = "{pupil}" # of the pupil: f NA with f = {tube}, by the maker's tube lens
+{_behind_glass(of)}
+[beam]
+wavelength = "{light}" # in vacuum
+power_through_pupil = "{power}" # behind the objective
+waist = "{pupil}" # 1/e^2 radius in the pupil, here as large as the pupil; larger overfills it
+polarisation = "linear" # along x; or circular, radial, ...
+
+[start]
+position = [{start[0]}, "{start[1]}"] # of the bead's centre from the focus; z along the light
+
+[simulation]
+duration = "{round(duration / digits) * digits:g} ms"
+"""
+
+
+def _behind_glass(of: _Experiment) -> str:
+    """The cover glass at that depth, if any: a wall, and for oil a face that light passes."""
+    if of.depth is None:
+        return ""
+    if of.objective.immersion != "oil":
+        return f"""
+[wall] # the cover glass: friction is larger beside it
+position = "{_length(-of.depth)}" # z of the glass, from the focus
+"""
+    return f"""
+[lens.cover] # light comes through oil and glass into water
+refractive_index = {GLASS} # of immersion oil and cover glass
+depth = "{_length(of.depth)}" # from the glass to the focus that the light would have without water
+
+[wall] # is the face of that glass: friction is larger beside it
+"""
