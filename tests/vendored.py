@@ -22,14 +22,11 @@ ENTRY = """
 export {
   BackSide, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DataTexture,
   DoubleSide, DynamicDrawUsage, FloatType, FrontSide, Group, InstancedBufferAttribute,
-  InstancedMesh, LinearFilter, LineBasicMaterial, LineLoop, LineSegments, Matrix4, Mesh,
+  InstancedMesh, LinearFilter, LineBasicMaterial, LineSegments, Matrix4, Mesh,
   MeshBasicMaterial, NearestFilter, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial,
   Quaternion, RGBAFormat, Scene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-export { Line2 } from "three/examples/jsm/lines/Line2.js";
-export { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
-export { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 """
 
 README = """# three.js

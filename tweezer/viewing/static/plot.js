@@ -1,4 +1,4 @@
-// Plots on a canvas: curves are drawn once, the cursor on a second canvas above them.
+// Plots on a canvas: curves are drawn once, the cursor moves above them.
 import { locate, text } from "tweezer/arrays";
 import { make } from "tweezer/shell";
 import { nice } from "tweezer/clock";
@@ -12,12 +12,15 @@ export class Plot {
     Object.assign(this, { shell, x, curves, options });
     this.cursor = x.values[0];
     this.back = make("canvas", { role: "img" });
-    this.front = make("canvas", { "aria-hidden": "true" });
+    this.line = make("span", { class: "cursor" });
+    this.dots = curves.map(({ colour }) => make("span", { class: "dot", style: `background: var(--${colour})` }));
+    this.told = 0;
     this.legend = make("div", { class: "legend" });
     this.shown = curves.map((curve) => make("span", { class: "number" }));
     this.legend.append(make("h3", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
       make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
-    this.area = make("div", { class: "area" }, this.back, this.front);
+    this.area = make("div", { class: "area" }, this.back,
+      make("div", { "aria-hidden": "true" }, this.line, ...this.dots));
     this.box = make("figure", { class: "plot" }, this.legend, this.area);
     host.append(this.box);
     this.range = options.range ?? this.extent();
@@ -86,10 +89,9 @@ export class Plot {
     this.width = clientWidth;
     this.height = clientHeight;
     this.ratio = Math.min(devicePixelRatio || 1, 2);
-    for (const canvas of [this.back, this.front]) {
-      canvas.width = Math.round(clientWidth * this.ratio);
-      canvas.height = Math.round(clientHeight * this.ratio);
-    }
+    this.back.width = Math.round(clientWidth * this.ratio);
+    this.back.height = Math.round(clientHeight * this.ratio);
+    this.line.style.height = `${this.height - BOTTOM - TOP + 4}px`;
     this.draw();
   }
 
@@ -104,16 +106,11 @@ export class Plot {
     return this.height - BOTTOM - (value - low) / (high - low) * (this.height - BOTTOM - TOP);
   }
 
-  pen(canvas) {
-    const pen = canvas.getContext("2d");
-    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    pen.clearRect(0, 0, this.width, this.height);
-    return pen;
-  }
-
   // Curves and axes; seldom.
   draw() {
-    const pen = this.pen(this.back), { shell } = this;
+    const pen = this.back.getContext("2d"), { shell } = this;
+    pen.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    pen.clearRect(0, 0, this.width, this.height);
     const ink = shell.colour("soft"), line = shell.colour("line");
     pen.font = "12px system-ui, sans-serif";
     pen.lineWidth = 1;
@@ -188,28 +185,25 @@ export class Plot {
     return found;
   }
 
-  // Show the cursor at `value` of x, and what the curves have there.
-  move(value) {
+  // Show the cursor at `value` of x, and what the curves have there; the numbers at most ten times
+  // a second while it moves, if `moving`.
+  move(value, moving = false) {
     this.cursor = value;
     const [i, part] = locate(this.x.values, value);
     const there = this.curves.map(({ values }) => {
       const next = values[Math.min(i + 1, values.length - 1)];
       return this.options.jumps || part === 0 ? values[i] : values[i] + part * (next - values[i]);
     });
-    there.forEach((number, k) => {
-      const words = text(number, this.options.digits ?? 3);
-      if (this.shown[k].textContent !== words) this.shown[k].textContent = words;
-    });
+    if (!moving || performance.now() > this.told + 100) {
+      this.told = performance.now();
+      there.forEach((number, k) => { this.shown[k].textContent = text(number, this.options.digits ?? 3); });
+    }
     if (!this.width) return;
-    const pen = this.pen(this.front);
     const x = this.across(value);
-    pen.strokeStyle = this.shell.colour("ink");
-    pen.lineWidth = 1;
-    pen.beginPath(); pen.moveTo(x, TOP - 4); pen.lineTo(x, this.height - BOTTOM); pen.stroke();
+    this.line.style.transform = `translate(${x}px, ${TOP - 4}px)`;
     there.forEach((number, k) => {
-      if (!Number.isFinite(number)) return;
-      pen.fillStyle = this.shell.colour(this.curves[k].colour);
-      pen.beginPath(); pen.arc(x, this.up(number), 3.5, 0, 7); pen.fill();
+      const y = Number.isFinite(number) ? this.up(number) : -99;
+      this.dots[k].style.transform = `translate(${x}px, ${y}px)`;
     });
   }
 }

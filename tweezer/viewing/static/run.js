@@ -98,7 +98,7 @@ export function start(content, shell) {
   const plots = plotted(content, shell, clock, times, place, foci);
 
   // ---- what is shown at a time
-  let following = false;
+  let following = false, told = 0;
   shell.key("f", "follow the bead with the view, or not", () => {
     following = !following;
     stage.follow(following ? at(place, 3, ...locate(times, clock.time)) : null);
@@ -118,15 +118,14 @@ export function start(content, shell) {
       const most = Math.max(...now.map((force, k) => (forces[k].on ? Math.hypot(...force) : 0)));
       if (most > 0) scale = nice(most / (0.75 * reach));
     }
-    forces.forEach(({ on, arrow, number }, k) => {
-      const size = Math.hypot(...now[k]), { factor, unit } = scaled(size, "N");
-      arrow.set(here, on ? now[k].map((x) => x / scale) : [0, 0, 0]);
-      number.textContent = size > 0 ? `${text(size * factor, 3)} ${unit}` : "0";
-    });
-    const { factor, unit } = scaled(scale, "N");
-    arrowScale.textContent = `${text(scale * factor, 2)} ${unit}`;
+    forces.forEach(({ on, arrow }, k) => arrow.set(here, on ? now[k].map((x) => x / scale) : [0, 0, 0]));
+    if (!clock.playing || performance.now() > told + 100) {
+      told = performance.now();
+      forces.forEach(({ number }, k) => { number.textContent = inUnit(Math.hypot(...now[k]), "N", 3); });
+      arrowScale.textContent = inUnit(scale, "N", 2);
+    }
     if (following) stage.follow(here);
-    for (const plot of plots) plot.move(plot.x.factor * time);
+    for (const plot of plots) plot.move(plot.x.factor * time, clock.playing);
     stage.request();
   };
   clock.listen(show);
@@ -141,6 +140,11 @@ export function start(content, shell) {
     },
   });
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches && n > 1) clock.play();
+}
+
+function inUnit(value, si, digits) {
+  const { factor, unit } = scaled(value, si);
+  return value > 0 ? `${text(value * factor, digits)} ${unit}` : "0";
 }
 
 // Middle and half the size of what is to be seen, um, and the walls that are within it.

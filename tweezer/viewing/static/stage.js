@@ -1,9 +1,9 @@
 // The picture: three.js draws bead, light, walls, paths and arrows, in micrometres, z up.
 import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, FrontSide, Group,
-  Line2, LineBasicMaterial, LineGeometry, LineMaterial, LineSegments, Mesh, MeshBasicMaterial,
+  LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
   OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, Scene,
-  ShaderMaterial, SphereGeometry, Vector3, WebGLRenderer,
+  ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { scaled, text } from "tweezer/arrays";
 import { nice } from "tweezer/clock";
@@ -13,6 +13,8 @@ import { make } from "tweezer/shell";
 const ANGLE = 24;
 // Largest number of pixels of the canvas for one of the screen, along an edge
 const RATIO = 1.5;
+// Time of a frame, ms, above which frames in motion have fewer pixels, and the fewest, as of RATIO
+const SLOW = 30, COARSEST = 0.6;
 // Directions from which views look, and their names
 const VIEWS = {
   1: { name: "at an angle", from: [0.62, -1, 0.42] },
@@ -37,7 +39,9 @@ export class Stage {
     Object.assign(this, { shell, reach, home: new Vector3(...center), frames: 0, labels: [], drawn: [] });
     const { software } = drawing();
     this.renderer = new WebGLRenderer({ antialias: !software, alpha: true, powerPreference: "low-power" });
-    this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio || 1, RATIO));
+    this.finest = this.ratio = software ? 1 : Math.min(devicePixelRatio || 1, RATIO);
+    this.before = this.took = 0;
+    this.renderer.setPixelRatio(this.finest);
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", label);
@@ -46,6 +50,7 @@ export class Stage {
     this.host = make("div", { class: "stage" }, this.canvas, this.over);
     shell.picture.append(this.host);
     this.scene = new Scene();
+    this.screen = new Vector2(1, 1);
     this.camera = new PerspectiveCamera(ANGLE, 1, 0.01 * reach, 200 * reach);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -116,21 +121,42 @@ export class Stage {
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
     this.renderer.setSize(clientWidth, clientHeight, false);
-    for (const { material } of this.wide ?? []) material.resolution.set(clientWidth, clientHeight);
+    this.screen.set(clientWidth, clientHeight);
     if (this.view && Math.min(before, 1) !== Math.min(this.camera.aspect, 1)) this.look(this.view);
     this.draw();
   }
 
   // ---- drawing, only when something has changed
 
+  // Draw with the next frame. Where frames are slow, those in motion are coarser; the last is not.
   request() {
     if (this.requested) return;
     this.requested = true;
-    requestAnimationFrame(() => { if (this.requested) this.draw(); });
+    requestAnimationFrame((now) => {
+      if (!this.requested) return;
+      this.requested = false;
+      clearTimeout(this.settling);
+      const took = now - this.before;
+      this.before = now;
+      this.took = took < 200 ? this.took + 0.1 * (took - this.took) : 0;
+      if (this.took > SLOW && this.ratio > COARSEST) {
+        this.ratio = Math.max(COARSEST, this.ratio - 0.1);
+        this.took = 0;
+      }
+      this.paint(this.ratio);
+      if (this.ratio < this.finest) this.settling = setTimeout(() => this.draw(), 250);
+    });
   }
 
+  // Draw now, as finely as there is.
   draw() {
     this.requested = false;
+    clearTimeout(this.settling);
+    this.paint(this.finest);
+  }
+
+  paint(ratio) {
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
     this.renderer.render(this.scene, this.camera);
     this.frames++;
     this.drawn.push(performance.now());
@@ -344,27 +370,38 @@ export class Stage {
     return joined ? this.joined(positions) : this.points(positions);
   }
 
+  // Four corners for each piece of the way, which the shader moves apart on the screen. What is
+  // still to come is thin and pale.
   joined(positions) {
-    const shape = new LineGeometry(), n = positions.length / 3;
-    shape.setPositions(Float32Array.from(positions));
-    const make_line = (opacity, width) => {
-      const material = new LineMaterial({ linewidth: width, vertexColors: true, transparent: opacity < 1, opacity });
-      material.resolution.set(this.host.clientWidth || 1, this.host.clientHeight || 1);
-      return material;
-    };
-    // what is still to come is faint
-    const past = new Line2(shape, make_line(1, 3)), coming = new Line2(new LineGeometry(), make_line(0.28, 1.6));
-    coming.geometry.setPositions(Float32Array.from(positions));
-    (this.wide ??= []).push(past, coming);
-    past.renderOrder = 2;
-    coming.renderOrder = 1;
-    const group = new Group();
-    group.add(coming, past);
-    this.scene.add(group);
+    const n = positions.length / 3, near = [], far = [], corner = [], order = [], faces = [];
+    for (let i = 0; i + 1 < n; i++) {
+      const here = positions.slice(3 * i, 3 * i + 3), there = positions.slice(3 * i + 3, 3 * i + 6);
+      for (const [end, side] of [[0, -1], [0, 1], [1, -1], [1, 1]]) {
+        near.push(...(end ? there : here));
+        far.push(...(end ? here : there));
+        corner.push(end, side);
+        order.push(i);
+      }
+      faces.push(4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 2, 4 * i + 1, 4 * i + 3);
+    }
+    const shape = geometry({ position: [near, 3], other: [far, 3], corner: [corner, 2], order: [order, 1] });
+    shape.setIndex(faces);
+    const uniforms = { now: { value: 0 }, screen: { value: this.screen }, ground: { value: new Color() } };
+    this.onTheme(() => { uniforms.ground.value = this.colour("stage-low"); });
+    const line = new Mesh(shape, new ShaderMaterial({
+      uniforms, vertexShader: PATH_VERTEX, fragmentShader: PATH, side: DoubleSide,
+    }));
+    line.frustumCulled = false;
+    this.scene.add(line);
     return {
-      group,
-      colour: (colours) => { for (const line of [past, coming]) line.geometry.setColors(colours); },
-      upTo: (index) => { past.geometry.instanceCount = Math.max(0, Math.min(index, n - 1)); past.visible = index > 0; },
+      group: line,
+      colour: (colours) => {
+        const each = new Float32Array(12 * Math.max(n - 1, 0));
+        for (let i = 0; i + 1 < n; i++)
+          for (let k = 0; k < 12; k++) each[12 * i + k] = colours[3 * i + (k < 6 ? 0 : 3) + (k % 3)];
+        shape.setAttribute("colour", new BufferAttribute(each, 3));
+      },
+      upTo: (index) => { uniforms.now.value = index; },
     };
   }
 
@@ -428,6 +465,31 @@ export function geometry(attributes) {
   return shape;
 }
 
+const PATH_VERTEX = `
+attribute vec3 other, colour; attribute vec2 corner; attribute float order;
+uniform vec2 screen; uniform float now; uniform vec3 ground;
+varying vec3 shown;
+void main() {
+  float past = step(order + 0.5, now);
+  shown = mix(mix(ground, colour, 0.45), colour, past);
+  float width = mix(1.6, 3.4, past);
+  vec4 here = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  vec4 there = projectionMatrix * modelViewMatrix * vec4(other, 1.0);
+  vec2 way = (there.xy / there.w - here.xy / here.w) * screen;
+  float far = length(way);
+  vec2 along = far > 1e-6 ? way / far : vec2(1.0, 0.0);
+  // the end of a piece reaches over the joint, by the half of the width
+  vec2 across = vec2(-along.y, along.x) * corner.y * (1.0 - 2.0 * corner.x);
+  here.xy += (across - 0.7 * along) * width / screen * here.w;
+  here.z -= past * 1e-6 * here.w;
+  gl_Position = here;
+}`;
+const PATH = `
+varying vec3 shown;
+void main() {
+  gl_FragColor = vec4(shown, 1.0);
+  #include <colorspace_fragment>
+}`;
 const BEAD_VERTEX = `
 varying vec3 place; varying vec3 facing; varying vec3 towards;
 void main() {
