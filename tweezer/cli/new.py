@@ -69,8 +69,9 @@ def new(
         bool, typer.Option("--overwrite", help="Replace FILE if it is there.")
     ] = False,
 ) -> None:
-    """Write a scene of your own to FILE, mine.toml if not given.
+    """Write a scene of your own.
 
+    To FILE, or mine.toml if none is given.
     What no option says is asked for; without a terminal it is the default, which is then said.
     """
     file = writable(file, ("toml",))
