@@ -30,6 +30,7 @@ for _group in (
     "depth",
     "thesis",
     "prepare",
+    "info",
     "bench",
 ):
     importlib.import_module(f"tweezer.cli.{_group}")

@@ -158,13 +158,18 @@ def key(code: str, cone: Cone, *said: Any) -> str:
     return hashlib.sha256(f"{code}{said}{shape.tolist()}".encode()).hexdigest()
 
 
+def tables_folder() -> Path:
+    """Folder of the tables, `KEY.table`, in the user's cache folder."""
+    from platformdirs import user_cache_path
+
+    return user_cache_path("tweezer") / "tables"
+
+
 def _kept(
     key: str, kind: type[AnyMade], make: Callable[[], AnyMade]
 ) -> tuple[AnyMade, Path | None]:
     """The table in the cache folder, and its file; computed if it is missing or damaged."""
-    from platformdirs import user_cache_path
-
-    path = user_cache_path("tweezer") / "tables" / f"{key}.table"
+    path = tables_folder() / f"{key}.table"
     if (made := _load(path, key, kind)) is not None:
         return made, path
     from filelock import FileLock

@@ -1,0 +1,272 @@
+"""The commands info and cache: what tweezer runs on, and what it has kept."""
+
+from __future__ import annotations
+
+import getpass
+import json
+import os
+import platform
+import re
+import shutil
+import sys
+import time
+from importlib import metadata
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+from tweezer.cli.app import app
+from tweezer.cli.console import ERR, FAILED, OUT, complain
+from tweezer.cli.tables import table_of
+
+#: Packages whose versions matter for what goes wrong
+_PACKAGES = (
+    "numpy", "scipy", "numba", "llvmlite", "xarray", "zarr", "h5netcdf", "pydantic", "pint",
+    "matplotlib", "typer", "rich",
+)  # fmt: skip
+#: Extras for those who work on tweezer itself
+_OF_DEVELOPERS = ("bench", "dev", "docs", "fatcuda", "test")
+#: Age from which on a file that was never finished is left over, s
+_LEFT_OVER = 86400.0
+
+
+class _Cache(NamedTuple):
+    """Files of one kind."""
+
+    name: str
+    folders: list[Path]
+    files: list[Path]
+
+    @property
+    def size(self) -> int:
+        """Bytes of all files that are there."""
+        return sum(_size(each) for each in self.files)
+
+
+@app.command()
+def info(
+    json_: Annotated[bool, typer.Option("--json", help="As JSON.")] = False,
+) -> None:
+    """Versions, machine and caches, for a report.
+
+    Folders are named without the user: ~ is the home folder.
+    """
+    facts = _facts()
+    if json_:
+        OUT.print(json.dumps(facts, indent=2), highlight=False, soft_wrap=True)
+        return
+    table = table_of("tweezer", str(facts.pop("tweezer")))
+    for name, value in facts.items():
+        table.add_row(name, _in_words(value))
+    OUT.print(table)
+
+
+@app.command()
+def cache(
+    clear: Annotated[bool, typer.Option("--clear", help="Remove what is kept.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="Without asking.")] = False,
+) -> None:
+    """What is kept, where; --clear removes it.
+
+    Compiled functions and maps of forces: both are made again where they are needed. Other commands
+    that run meanwhile lose nothing.
+    """
+    found = _caches()
+    if not clear:
+        table = table_of("kept", "files", "size", "where")
+        for each in found:
+            folders = [_without_user(folder) for folder in each.folders]
+            table.add_row(each.name, f"{len(each.files)}", _megabytes(each.size), _common(folders))
+        OUT.print(table)
+        return
+    files = [path for each in found for path in each.files]
+    size = sum(each.size for each in found)
+    if sys.stdin.isatty() and not yes:
+        typer.confirm(f"Remove {len(files)} files, {_megabytes(size)}?", abort=True)
+    removed = freed = 0
+    refused: dict[str, int] = {}
+    for path in files:
+        one = _size(path)
+        try:
+            path.unlink()
+        except FileNotFoundError:  # by another
+            continue
+        except OSError as error:
+            reason = error.strerror or str(error)
+            refused[reason] = refused.get(reason, 0) + 1
+            continue
+        removed, freed = removed + 1, freed + one
+    OUT.print(f"removed {removed} files, {_megabytes(freed)}", highlight=False)
+    for reason, number in refused.items():
+        complain(f"{number} files cannot be removed: {reason}")
+    if refused:
+        raise typer.Exit(FAILED)
+
+
+def _caches() -> list[_Cache]:
+    """What is kept: files that others are writing, and their locks, are not among it."""
+    with ERR.status("looking"):
+        from tweezer.compiled.folders import UNFINISHED, kept
+        from tweezer.optics.table import tables_folder
+
+    compiled = [each for each in kept() if _finished(each, UNFINISHED)]
+    tables = tables_folder()
+    saving = re.compile(r"\.saving-[0-9a-f]{16}")
+    maps = [
+        each
+        for each in (sorted(tables.iterdir()) if tables.is_dir() else ())
+        if each.suffix == ".table" or (saving.fullmatch(each.name) and _finished(each, saving))
+    ]
+    return [
+        _Cache(
+            "compiled functions", list(dict.fromkeys(each.parent for each in compiled)), compiled
+        ),
+        _Cache("maps of forces", [tables] if maps else [], maps),
+    ]
+
+
+def _finished(path: Path, unfinished: re.Pattern[str]) -> bool:
+    """Whether no other process can be writing it."""
+    if not unfinished.fullmatch(path.name):
+        return True
+    try:
+        return time.time() - path.stat().st_mtime > _LEFT_OVER
+    except OSError:
+        return False
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _facts() -> dict[str, Any]:
+    """What a report of a fault needs, in the order in which it is read."""
+    from tweezer.version import __version__
+
+    caches = {
+        each.name: {
+            "files": len(each.files),
+            "bytes": each.size,
+            "in": [_without_user(folder) for folder in each.folders],
+        }
+        for each in _caches()
+    }
+    return {
+        "tweezer": __version__,
+        "installed in": _without_user(Path(__file__).parents[1]),
+        "Python": f"{platform.python_version()}, {platform.python_implementation()}",
+        "packages": {name: _version(name) or "missing" for name in _PACKAGES},
+        "extras": _extras(),
+        "system": f"{platform.platform()}, {platform.machine()}",
+        "cores": {"of the machine": os.cpu_count(), "for tweezer": _cores()},
+        "memory, GB": _memory(),
+        "settings": {
+            name: _without_user(Path(value))
+            for name, value in sorted(os.environ.items())
+            if name.startswith("NUMBA_") or name in ("OMP_NUM_THREADS", "XDG_CACHE_HOME")
+        },
+        "browser": _browser() or False,
+        "ffmpeg": shutil.which("ffmpeg") is not None,
+        **caches,
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None
+
+
+def _extras() -> dict[str, bool]:
+    """Whether all packages of an extra are installed."""
+    try:
+        of_tweezer = metadata.metadata("tweezer")
+    except metadata.PackageNotFoundError:  # a folder that was never installed
+        return {}
+    needed: dict[str, list[str]] = {}
+    for line in of_tweezer.get_all("Requires-Dist") or ():
+        extra = re.search(r"extra == ['\"](.*?)['\"]", line)
+        package = re.match(r"[\w.-]+", line)
+        if extra and package and package[0] != "tweezer":
+            needed.setdefault(extra[1], []).append(package[0])
+    return {
+        extra: all(map(_version, packages))
+        for extra, packages in sorted(needed.items())
+        if extra not in _OF_DEVELOPERS
+    }
+
+
+def _cores() -> int | None:
+    """Number of cores that this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # of Linux only
+        return os.cpu_count()
+
+
+def _memory() -> float | None:
+    """Memory of the machine, GB; None where the system does not say it."""
+    try:
+        return round(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9, 1)
+    except (AttributeError, ValueError, OSError):
+        return None
+
+
+def _browser() -> str | None:
+    """Name of the browser that pages open in; None if there is none."""
+    import webbrowser
+
+    try:
+        found = webbrowser.get()
+    except webbrowser.Error:
+        return None
+    return Path(getattr(found, "name", type(found).__name__)).name
+
+
+def _without_user(path: Path) -> str:
+    """A path that names neither the home folder nor its user."""
+    try:
+        user = getpass.getuser()
+    except (OSError, KeyError, ImportError):  # a number without a name
+        user = ""
+    home = Path.home()
+    if path.is_relative_to(home) and home != Path(home.anchor):
+        return str(Path("~", path.relative_to(home)))
+    parts = ["USER" if part == user and user != "root" else part for part in path.parts]
+    return str(Path(*parts)) if parts else str(path)
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:.2g} MB" if size else "0 MB"
+
+
+def _common(folders: list[str]) -> str:
+    """The one folder, or the one that several are in."""
+    if not folders:
+        return "none yet"
+    if len(folders) == 1:
+        return folders[0]
+    try:
+        return f"{len(folders)} folders in {os.path.commonpath(folders)}"
+    except ValueError:  # on several drives
+        return ", ".join(folders)
+
+
+def _in_words(value: Any) -> str:
+    """A value of `_facts`."""
+    if value is None:
+        return "not known"
+    if isinstance(value, bool):
+        return "found" if value else "not found"
+    if not isinstance(value, dict):
+        return str(value)
+    if "bytes" in value:
+        return f"{value['files']} files, {_megabytes(value['bytes'])}; {_common(value['in'])}"
+    if value and all(isinstance(each, bool) for each in value.values()):
+        return ", ".join(f"{name}: {'yes' if there else 'no'}" for name, there in value.items())
+    return ", ".join(f"{name} {each}" for name, each in value.items()) or "none"

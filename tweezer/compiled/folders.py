@@ -1,0 +1,51 @@
+"""The files of compiled functions that tweezer has kept, wherever Numba put them."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numba
+from numba.core import caching
+
+#: Names of the files of compiled functions; .nbi is Numba's own index of them
+_KEPT = re.compile(r".+\.nbc|.+\.nbi")
+#: Name of such a file while it is written
+UNFINISHED = re.compile(r".+\.nbc\.[0-9a-f]{16}")
+
+
+def kept() -> list[Path]:
+    """Every file of compiled functions of tweezer that is found.
+
+    Beside the sources, in the user's cache folder, and in NUMBA_CACHE_DIR if it is set.
+    """
+    return [each for folder in folders() for each in _of_functions(folder)]
+
+
+def folders() -> list[Path]:
+    """Folders where such files are, or could be: there may be several for each of sources."""
+    where: list[type] = [caching.InTreeCacheLocator, caching.UserWideCacheLocator]
+    if numba.config.CACHE_DIR:
+        where.insert(0, caching.UserProvidedCacheLocator)
+    sources = [min(folder.glob("*.py"), default=None) for folder in _of_sources()]
+    paths = (Path(at(kept, str(file)).get_cache_path()) for file in sources if file for at in where)
+    return [each for each in dict.fromkeys(paths) if each.is_dir()]
+
+
+def _of_sources() -> Iterator[Path]:
+    """Folders of the modules of tweezer, and of the emitted ones."""
+    package = Path(__file__).parents[1]
+    emitted = importlib.import_module("tweezer.generated").__path__
+    for top in (package, *map(Path, emitted)):
+        yield top
+        yield from (each for each in sorted(top.rglob("*")) if each.is_dir())
+
+
+def _of_functions(folder: Path) -> list[Path]:
+    return sorted(
+        each
+        for each in folder.iterdir()
+        if _KEPT.fullmatch(each.name) or UNFINISHED.fullmatch(each.name)
+    )
