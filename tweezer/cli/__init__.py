@@ -22,6 +22,7 @@ __all__ = ["app", "main"]
 for _group in (
     "new",
     "runs",
+    "view",
     "trap",
     "ensemble",
     "sweep",

@@ -88,7 +88,7 @@ def run(
     if not overwrite and (reason := _not_replaced(out, described, seed)):
         raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
     bind_light(described)
-    result = _followed_with_progress(described, seed)
+    result = followed_with_progress(described, seed)
     status = result.attributes["status"]
     ended = status not in ("failed", "interrupted")
     if out.exists() and not (ended and (overwrite or not _not_replaced(out, described, seed))):
@@ -136,7 +136,8 @@ def _numbered(path: Path, number: int) -> Path:
     return path.with_stem(f"{path.stem}-{number}")
 
 
-def _followed_with_progress(scene: Scene, seed: int | None) -> Run:
+def followed_with_progress(scene: Scene, seed: int | None) -> Run:
+    """The run of a scene, with a progress bar."""
     with (
         showing_progress(scene.name, scene.simulation.duration, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end

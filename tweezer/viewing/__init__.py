@@ -5,7 +5,7 @@
 travel as text in `arrays.py`, which measures what their rounding changes.
 """
 
+from tweezer.viewing.look import view
 from tweezer.viewing.page import Page
-from tweezer.viewing.view import view
 
 __all__ = ["Page", "view"]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tweezer.analysis import Trap
 
 #: Endings of results that are read
-_FILES = (".nc", ".zarr")
+RESULTS = (".nc", ".zarr")
 
 
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
@@ -28,7 +28,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     Raises `ResultError` for what no page shows, and `SceneError` for a scene that is none.
     """
     if isinstance(of, str | Path):
-        of = load_result(Path(of)) if Path(of).suffix in _FILES else _scene(str(of))
+        of = _load(Path(of)) if Path(of).suffix in RESULTS else _scene(str(of))
     if isinstance(of, Scene):
         from tweezer.simulation import simulate
 
@@ -36,7 +36,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     return Page(content_of(of))
 
 
-def load_result(path: Path) -> xr.Dataset:
+def _load(path: Path) -> xr.Dataset:
     """The result in a file; of a store only what is asked for is read from it.
 
     Raises `ResultError` for a file that is none.

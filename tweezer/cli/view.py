@@ -1,0 +1,110 @@
+"""The command view."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from tweezer.cli.app import Changes, app, bind_light, scene_with, settings_of
+from tweezer.cli.console import (
+    FAILED,
+    INTERRUPTED,
+    OUT,
+    complain,
+    showing_progress,
+    tell_written,
+    writable,
+)
+from tweezer.cli.runs import followed_with_progress
+from tweezer.errors import ResultError, SceneError
+
+if TYPE_CHECKING:
+    from tweezer.viewing import Page
+
+#: Endings of files of results; of those with anything else, a scene is read
+_RESULTS = (".nc", ".zarr")
+#: Formats of a film
+_FILMS = ("mp4", "gif")
+#: Time that a film takes, s
+_SECONDS = 8.0
+
+
+@app.command()
+def view(
+    run: Annotated[
+        str,
+        typer.Argument(
+            help="File of a run, an ensemble or a sweep (.nc, .zarr); or a scene, by name or file, "
+            "which is run first.",
+            metavar="RUN",
+        ),
+    ],
+    trap: Annotated[
+        bool, typer.Option("--trap", help="Of a scene its trap at rest, in place of a run.")
+    ] = False,
+    set: Changes = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Page to write (html); if not given, a browser shows it.")
+    ] = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option(help="Film to write as well (mp4, gif); needs Chromium, selenium, ffmpeg."),
+    ] = None,
+    seconds: Annotated[float, typer.Option(help="Time that the film takes.")] = _SECONDS,
+) -> None:
+    """Show RUN on a page that plays.
+
+    The page is one file that needs no network: the bead in the light with its forces, and plots on
+    which a click moves it. Of an ensemble it shows all beads, of a trap the field of its force, of
+    a sweep what came out of every case.
+    """
+    out = out and writable(out, ("html",))
+    if movie is not None:
+        from tweezer.viewing.movie import programs
+
+        writable(movie, _FILMS)
+        if not 0 < seconds <= 600:
+            raise ResultError(f"--seconds {seconds:g}: must be above 0, and at most 600")
+        programs()
+    page, code = _page(run, set or [], trap=trap)
+    if out is not None:
+        tell_written(page.save(out))
+    elif movie is None:
+        OUT.print(f"the page is {page.open()}", highlight=False, soft_wrap=True)
+    if movie is not None:
+        from tweezer.viewing.movie import film
+
+        with showing_progress(f"{movie}", 1.0) as progress:
+            film(page, movie, seconds, progress)
+        tell_written(movie)
+    if code:
+        raise typer.Exit(code)
+
+
+def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
+    """The page of a result or a scene, and the exit code: of a run that ended early its own."""
+    if Path(name).suffix in _RESULTS:
+        if changes or trap:
+            given = "--trap" if trap else "--set"
+            raise SceneError(f"{given}: is for a scene; {name} is a result")
+        from tweezer.viewing import view as page_of
+
+        return page_of(name), 0
+    scene = scene_with(name, settings_of(changes))
+    bind_light(scene)
+    if trap:
+        from tweezer.analysis import characterise
+        from tweezer.viewing import view as page_of
+
+        return page_of(characterise(scene)), 0
+    result = followed_with_progress(scene, None)
+
+    from tweezer.viewing import view as page_of
+
+    status, message = (result.attributes[name] for name in ("status", "message"))
+    code = {"failed": FAILED, "interrupted": INTERRUPTED}.get(status, 0)
+    if code:
+        complain(f"{scene.name}: {message}; the page shows what was reached")
+    return page_of(result.dataset()), code

@@ -1,0 +1,115 @@
+"""A film of a page: its picture at times one after the other, put together by ffmpeg."""
+
+from __future__ import annotations
+
+import base64
+import importlib.util
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tweezer.errors import ResultError
+
+if TYPE_CHECKING:
+    from tweezer.viewing.page import Page
+
+#: Size of a film, pixels
+_WIDTH, _HEIGHT = 1280, 800
+#: Frames a second, and what ffmpeg does beside, by format
+_FORMATS: dict[str, tuple[int, list[str]]] = {
+    "mp4": (25, ["-pix_fmt", "yuv420p"]),
+    "gif": (12, ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"]),
+}
+#: What a browser is called on one system or another
+_BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+#: How the browser draws: without a window, and in 3-D without a graphics card
+OPTIONS = (
+    "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
+)  # fmt: skip
+
+
+def programs() -> dict[str, str]:
+    """Where browser, chromedriver and ffmpeg are. Raises `ResultError` naming what is missing."""
+    found = {
+        "Chromium": next(filter(None, map(shutil.which, _BROWSERS)), None),
+        "chromedriver": shutil.which("chromedriver"),
+        "ffmpeg": shutil.which("ffmpeg"),
+    }
+    missing = [name for name, path in found.items() if path is None]
+    if missing:
+        raise ResultError(f"a film needs {' and '.join(missing)}, not on this machine")
+    if importlib.util.find_spec("selenium") is None:
+        raise ResultError('a film needs selenium: pip install "tweezer[movie]"')
+    return {name: path for name, path in found.items() if path is not None}
+
+
+def film(
+    page: Page, path: Path, seconds: float, progress: Callable[[float], None] | None = None
+) -> Path:
+    """Write a film of `page`, from the first time to the last in `seconds`, as .mp4 or .gif.
+
+    progress: called with the part that is done. Raises `ResultError` where a program is missing or
+    fails, and for a page without time.
+    """
+    where = programs()
+    rate, how = _FORMATS[path.suffix[1:].lower()]
+    count = max(2, round(rate * seconds))
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".filming-") as name:
+        folder = Path(name)
+        new = folder / path.name
+        options = ["-loglevel", "error", "-f", "image2pipe", "-framerate", str(rate), "-i", "-"]
+        with subprocess.Popen(
+            [where["ffmpeg"], *options, *how, str(new)],
+            stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        ) as writer:  # fmt: skip
+            assert writer.stdin is not None
+            assert writer.stderr is not None
+            try:
+                for done, picture in enumerate(_pictures(page, folder, where, count), start=1):
+                    writer.stdin.write(picture)
+                    if progress:
+                        progress(done / count)
+                writer.stdin.close()
+            except BrokenPipeError:
+                pass  # ffmpeg says why
+            said = writer.stderr.read().decode(errors="replace").strip()
+        if writer.returncode:
+            reason = said.splitlines()[-1] if said else "it failed"
+            raise ResultError(f"{path}: not written by ffmpeg: {reason}")
+        new.replace(path)
+    return path
+
+
+def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> Any:
+    """PNG of the page at `count` times."""
+    from selenium import webdriver
+    from selenium.common import WebDriverException
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = where["Chromium"]
+    for argument in OPTIONS:
+        options.add_argument(argument)
+    source = page.save(folder / "page.html")
+    try:
+        driver = webdriver.Chrome(options, webdriver.ChromeService(where["chromedriver"]))
+    except WebDriverException as error:
+        raise ResultError(f"a film: the browser does not start: {error.msg}") from None
+    try:
+        screen = {"width": _WIDTH, "height": _HEIGHT, "deviceScaleFactor": 1, "mobile": False}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+        driver.get(source.as_uri())
+        ends = driver.execute_script("return window.tweezer?.duration")
+        if not ends:
+            raise ResultError(f"{page.content.title}: a {page.content.kind} has no time to film")
+        first, last = ends
+        for i in range(count):
+            time = first + (last - first) * i / (count - 1)
+            driver.execute_script("tweezer.seek(arguments[0])", time)
+            taken = driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+            yield base64.b64decode(taken["data"])
+    finally:
+        driver.quit()
