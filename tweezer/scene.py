@@ -13,7 +13,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Self, get_args
+from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -863,7 +863,9 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
     for key, text in settings.items():
         section, dot, name = key.partition(".")
         if not dot:
-            raise SceneError(f"{key!r}: must be section.key, such as beam.power")
+            alike = [each for each in settable() if each.rpartition(".")[2] == key]
+            meant = f"; did you mean {' or '.join(alike)}?" if alike else ", such as beam.power"
+            raise SceneError(f"{key!r}: must be section.key{meant}")
         within = sections.setdefault(section, {})
         outer, dot, inner = name.partition(".")
         of = getattr(
@@ -902,6 +904,39 @@ def described_at(key: str) -> tuple[Quantity | None, str]:
     if not parts or field is None or _section_of(field.annotation):
         raise SceneError(f"{key}: must be section.key, such as beam.power")
     return quantity_of(*field.metadata, field.annotation), field.description or key
+
+
+def settable() -> dict[str, tuple[str, ...]]:
+    """Every dotted key that `with_settings` takes of a scene with one beam, and its choices if any.
+
+    Choices are names, or "true" and "false".
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for name, field in Scene.model_fields.items():
+        if (section := _section_of(field.annotation)) and name != "more_beams":
+            found |= _settable(name, section)
+    return found
+
+
+def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
+    found: dict[str, tuple[str, ...]] = {}
+    for name, field in section.model_fields.items():
+        inner = _section_of(field.annotation)
+        if inner and inner in get_args(field.annotation):  # one section, not a list of them
+            found |= _settable(f"{within}.{name}", inner)
+        else:
+            found[f"{within}.{name}"] = _choices(field.annotation)
+    others = (key for pair in ALTERNATIVES.get(within, ()) for key in pair)
+    return found | {f"{within}.{key}": () for key in others if f"{within}.{key}" not in found}
+
+
+def _choices(annotation: Any) -> tuple[str, ...]:
+    """The names that an annotation allows; none where it allows other values."""
+    if annotation is bool:
+        return "true", "false"
+    if get_origin(annotation) is Literal:
+        return tuple(map(str, get_args(annotation)))
+    return next(filter(None, map(_choices, get_args(annotation))), ())
 
 
 def value_at(scene: Scene, key: str) -> Any:

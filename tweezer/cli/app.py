@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import show_warning, showing_progress
 from tweezer.errors import PhysicsWarning, SceneError
 
@@ -21,11 +22,18 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-SceneName = Annotated[str, typer.Argument(help="Shipped scene or TOML file.", metavar="SCENE")]
+SceneName = Annotated[
+    str,
+    typer.Argument(
+        help="Shipped scene or TOML file.", metavar="SCENE", autocompletion=complete_scene
+    ),
+]
 Changes = Annotated[
     list[str] | None,
     typer.Option(
-        help='Change the scene: --set "beam.power=80 mW". May be repeated.', metavar="KEY=VALUE"
+        help='Change the scene: --set "beam.power=80 mW". May be repeated.',
+        metavar="KEY=VALUE",
+        autocompletion=complete_setting,
     ),
 ]
 Columns = Annotated[

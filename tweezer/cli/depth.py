@@ -20,6 +20,7 @@ from tweezer.cli.app import (
     scene_with,
     settings_of,
 )
+from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
@@ -47,7 +48,12 @@ def fit_depth(
             metavar="TRACK",
         ),
     ],
-    scene: Annotated[str, typer.Option(help="Shipped scene or TOML file.", metavar="SCENE")],
+    scene: Annotated[
+        str,
+        typer.Option(
+            help="Shipped scene or TOML file.", metavar="SCENE", autocompletion=complete_scene
+        ),
+    ],
     noise: Annotated[
         str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
     ] = None,

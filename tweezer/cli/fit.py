@@ -21,6 +21,7 @@ from tweezer.cli.app import (
     scene_with,
     settings_of,
 )
+from tweezer.cli.completion import complete_key, complete_scene
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
@@ -51,7 +52,9 @@ def fit(
     free: Annotated[
         list[str],
         typer.Option(
-            help="Key of the scene to fit: bead.diameter. May be repeated.", metavar="KEY"
+            help="Key of the scene to fit: bead.diameter. May be repeated.",
+            metavar="KEY",
+            autocompletion=complete_key,
         ),
     ],
     scene: Annotated[
@@ -59,6 +62,7 @@ def fit(
         typer.Option(
             help="Shipped scene or TOML file, with the first guesses; that of a run if not given.",
             metavar="SCENE",
+            autocompletion=complete_scene,
         ),
     ] = None,
     set: Changes = None,

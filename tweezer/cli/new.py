@@ -16,6 +16,7 @@ import typer
 
 from tweezer.catalogue import GLASS, LASERS, OBJECTIVES, Objective
 from tweezer.cli.app import app, quantity_in
+from tweezer.cli.completion import among
 from tweezer.cli.console import ERR, OUT, writable
 from tweezer.cli.tables import table_of
 from tweezer.errors import ResultError, SceneError
@@ -50,15 +51,27 @@ def new(
         "mine.toml"
     ),
     bead: Annotated[
-        str | None, typer.Option(help=f"Material: {', '.join(materials())}.", metavar="NAME")
+        str | None,
+        typer.Option(
+            help=f"Material: {', '.join(materials())}.",
+            metavar="NAME",
+            autocompletion=among(materials()),
+        ),
     ] = None,
     diameter: Annotated[str | None, typer.Option(help='Of the bead: "1 um".')] = None,
     objective: Annotated[
-        str | None, typer.Option(help=f"{', '.join(OBJECTIVES)}.", metavar="NAME")
+        str | None,
+        typer.Option(
+            help=f"{', '.join(OBJECTIVES)}.", metavar="NAME", autocompletion=among(OBJECTIVES)
+        ),
     ] = None,
     laser: Annotated[
         str | None,
-        typer.Option(help=f"{', '.join(LASERS)}, or another wavelength.", metavar="WAVELENGTH"),
+        typer.Option(
+            help=f"{', '.join(LASERS)}, or another wavelength.",
+            metavar="WAVELENGTH",
+            autocompletion=among(LASERS),
+        ),
     ] = None,
     power: Annotated[str | None, typer.Option(help='Behind the objective: "50 mW".')] = None,
     depth: Annotated[

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tweezer.cli.app import SceneName, app, map_of, scene_with, settings_of
+from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import ERR, OUT
 from tweezer.cli.tables import add_light, table_of
 from tweezer.errors import SceneError
@@ -25,6 +26,7 @@ def force_map(
         typer.Option(
             help='Change the scene: --set "optics.table_tolerance=1e-8". May be repeated.',
             metavar="KEY=VALUE",
+            autocompletion=complete_setting,
         ),
     ] = None,
 ) -> None:
@@ -42,7 +44,11 @@ def force_map(
 def warmup(
     scene: Annotated[
         list[str] | None,
-        typer.Argument(help="Shipped scenes or TOML files; all shipped if none.", metavar="SCENE"),
+        typer.Argument(
+            help="Shipped scenes or TOML files; all shipped if none.",
+            metavar="SCENE",
+            autocompletion=complete_scene,
+        ),
     ] = None,
 ) -> None:
     """Compile ahead what commands on SCENE need.

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.choices import MODELS, methods
+from tweezer.choices import METHODS, MODELS, methods
 from tweezer.cli.app import Changes, FigureFile, SceneName, app, bind_light, scene_with, settings_of
+from tweezer.cli.completion import among
 from tweezer.cli.console import (
     FAILED,
     FIGURE_FORMATS,
@@ -53,13 +54,18 @@ def run(
         str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
     ] = None,
     model: Annotated[
-        str | None, typer.Option(help=f"{', '.join(MODELS)}; by the tolerance if not given.")
+        str | None,
+        typer.Option(
+            help=f"{', '.join(MODELS)}; by the tolerance if not given.",
+            autocompletion=among(MODELS),
+        ),
     ] = None,
     method: Annotated[
         str | None,
         typer.Option(
             help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
-            f"motion auto, {', '.join(each.name for each in methods(thermal=True))}."
+            f"motion auto, {', '.join(each.name for each in methods(thermal=True))}.",
+            autocompletion=among(["auto", *METHODS]),
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,

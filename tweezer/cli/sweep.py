@@ -19,6 +19,7 @@ from tweezer.cli.app import (
     scene_with,
     settings_of,
 )
+from tweezer.cli.completion import complete_setting
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     INTERRUPTED,
@@ -48,6 +49,7 @@ def sweep(
             help="A key with its values: beam.power=1mW..1W:60, with :log behind for equal ratios; "
             "or bead.diameter=0.5um,1um. May be repeated: every combination is a case.",
             metavar="KEY=VALUES",
+            autocompletion=complete_setting,
         ),
     ] = None,
     cases: Annotated[

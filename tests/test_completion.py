@@ -1,0 +1,107 @@
+"""What shells complete: scenes, keys of `--set` and their values, names."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+
+from tweezer import cli
+from tweezer.cli.completion import among, complete_key, complete_scene, complete_setting
+from tweezer.cli.new import OBJECTIVES, _objective
+from tweezer.errors import SceneError
+from tweezer.scene import SHIPPED, load_scene, settable, shipped_scenes, with_settings
+
+
+def test_scenes_are_the_shipped_ones_and_files_here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert complete_scene("") == [*shipped_scenes()]
+    for name in ("silica-mine.toml", "silica.nc", "silicas/a.toml", "silicas/b.txt", ".silica/c"):
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).touch()
+    assert complete_scene("sil") == ["silica-1um", "silica-mine.toml", "silicas/"]
+    assert complete_scene("silicas/") == ["silicas/a.toml"]
+    assert complete_scene(f"{tmp_path}/silica-") == [f"{tmp_path}/silica-mine.toml"]
+    assert complete_scene("nowhere/") == []
+    assert f"{SHIPPED}/thesis-500nm.toml" in complete_scene(f"{SHIPPED}/")
+
+
+def test_settings_are_keys_and_then_their_values():
+    assert complete_setting("beam.wav") == ["beam.wavelength="]
+    assert complete_setting("bead.dia") == ["bead.diameter="]
+    assert complete_setting("lens.cover.d") == ["lens.cover.depth="]
+    assert complete_setting("forces.brownian=") == [
+        "forces.brownian=true", "forces.brownian=false",
+    ]  # fmt: skip
+    assert complete_setting("forces.brownian=t") == ["forces.brownian=true"]
+    assert complete_setting("optics.th") == [
+        "optics.theory=auto", "optics.theory=rays", "optics.theory=waves",
+    ]  # fmt: skip
+    assert complete_setting("beam.power=") == complete_setting("nothing") == []
+    assert complete_key("camera.n") == ["camera.noise", "camera.noise_along"]
+
+
+def test_every_value_that_is_offered_is_one():
+    """Some do not go with this scene, which is another complaint than that of an unknown value."""
+    scene = load_scene("silica-1um")
+    complaints = []
+    for key, choice in ((key, choice) for key, of in settable().items() for choice in of):
+        try:
+            with_settings(scene, {key: choice})
+        except SceneError as error:
+            complaints.append(str(error))
+    unknown = ("allowed: '", "true or false", "unknown key")
+    assert not [each for each in complaints if any(words in each for words in unknown)]
+
+
+def test_every_key_of_the_shipped_scenes_is_offered():
+    for name in shipped_scenes():
+        data = load_scene(name).model_dump(exclude_none=True)
+        keys = {f"{section}.{key}" for section, of in data.items() if isinstance(of, dict)
+                for key, value in of.items() if not isinstance(value, dict)}  # fmt: skip
+        assert keys <= settable().keys(), name
+
+
+def test_names_are_offered_without_spaces_and_understood():
+    for name, offered in zip(OBJECTIVES, among(OBJECTIVES)(""), strict=True):
+        assert " " not in offered
+        assert _objective(offered).name == name
+
+
+def test_commands_that_take_scenes_and_settings_complete_them():
+    commands = typer.main.get_command(cli.app).commands
+    for name in ("run", "trap", "tune", "ensemble", "sweep", "map", "fit", "fit-depth"):
+        custom = {param.name for param in commands[name].params if param._custom_shell_complete}
+        assert {"scene", "set"} <= custom, name
+
+
+def test_a_shell_is_answered(tmp_path):
+    asked = {
+        "_TWEEZER_COMPLETE": "complete_bash",
+        "COMP_WORDS": "tweezer run silica-1um --set optics.eval",
+        "COMP_CWORD": "4",
+    }
+    program = [sys.executable, "-c", "import sys; sys.argv = ['tweezer']\n"
+               "from tweezer.cli import main; main()"]  # fmt: skip
+    told = subprocess.run(
+        program, cwd=tmp_path, env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    values = ("auto", "grid", "quadrature", "map")
+    assert told.stdout.split() == [f"optics.evaluator={value}" for value in values]
+    assert not told.stderr
+
+
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [
+        ("power", "'power': must be section.key; did you mean beam.power?"),
+        ("frequency", "did you mean beam.motion.frequency or beam.modulation.frequency?"),
+        ("colour", "'colour': must be section.key, such as beam.power"),
+    ],
+)
+def test_a_key_without_its_section_is_told_it(key, told):
+    with pytest.raises(SceneError) as refused:
+        with_settings(load_scene("silica-1um"), {key: "1"})
+    assert told in str(refused.value)

@@ -1,0 +1,56 @@
+"""What the shell completes: scenes, keys of scenes with their values, and names.
+
+A shell asks at each press of a key, so that only the keys of scenes load what scenes need.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+#: `tweezer.scene.SHIPPED`, which takes half a second to load
+_SHIPPED = Path(__file__).parents[1] / "scenes"
+
+
+def complete_scene(incomplete: str) -> list[str]:
+    """Shipped scenes, TOML files here, and folders, which may have some."""
+    shipped = sorted(path.stem for path in _SHIPPED.glob("*.toml"))
+    typed = Path(incomplete)
+    folder = typed if incomplete.endswith("/") else typed.parent
+    before = incomplete.rpartition("/")[0] + "/" if "/" in incomplete else ""
+    try:
+        here = sorted(folder.iterdir())
+    except OSError:
+        here = []
+    files = [f"{before}{path.name}" for path in here if path.suffix == ".toml"]
+    folders = [f"{before}{path.name}/" for path in here if path.is_dir() and path.name[0] != "."]
+    return [name for name in (*shipped, *files, *folders) if name.startswith(incomplete)]
+
+
+def complete_setting(incomplete: str) -> list[str]:
+    """KEY= of the keys of a scene; KEY=VALUE where the key is told and has a few values."""
+    from tweezer.scene import settable
+
+    keys = settable()
+    key, equals, value = incomplete.partition("=")
+    found = [key] if equals else [each for each in keys if each.startswith(key)]
+    if len(found) == 1 and (choices := keys.get(found[0])):
+        return [f"{found[0]}={each}" for each in choices if each.startswith(value)]
+    return [] if equals else [f"{each}=" for each in found]
+
+
+def complete_key(incomplete: str) -> list[str]:
+    """Keys of a scene."""
+    from tweezer.scene import settable
+
+    return [each for each in settable() if each.startswith(incomplete)]
+
+
+def among(names: Iterable[str]) -> Callable[[str], list[str]]:
+    """The completion by some names; spaces within them become hyphens, which shells do not part."""
+    offered = [name.replace(" ", "-") for name in names]
+
+    def complete(incomplete: str) -> list[str]:
+        return [name for name in offered if name.startswith(incomplete)]
+
+    return complete
