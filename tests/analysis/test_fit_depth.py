@@ -33,6 +33,12 @@ STUDY = depth.Study("thesis-990nm", 9e-3, 4e3, 15e-9)
 Z = -4.05e-6
 
 
+@pytest.fixture
+def half_of_the_places(monkeypatch):
+    """Those of the scan over the start."""
+    monkeypatch.setattr(profile, "_PLACES", 41)
+
+
 @pytest.fixture(scope="module")
 def scene():
     return depth.unscaled(STUDY.scene)
@@ -236,6 +242,7 @@ def test_mean_is_the_motion(scene):
     np.testing.assert_allclose(found.predicted, positions, atol=2e-9)
 
 
+@pytest.mark.usefixtures("half_of_the_places")
 def test_coverage_and_bias(scene, tracks):
     """Of 20 intervals of 95 %, fewer than 15 hold the truth once in 3,000 seeds (binomial).
 
@@ -321,6 +328,7 @@ def test_two_places(scene):
     assert any(low <= 0.15e-6 <= high for low, high in fit.intervals)
 
 
+@pytest.mark.usefixtures("half_of_the_places")
 def test_power_and_a_given_noise(scene, tracks):
     """What is not known widens the interval, and is found within its uncertainty."""
     known = tweezer.fit_depth(tracks[1], scene, noise=STUDY.noise, search=(-6e-6, -2e-6))
@@ -350,14 +358,13 @@ def from_seed(scene, seed):
     return Track(f"seed {seed}", run["time"].values, run["position"].values[:, :2] + noise)
 
 
+@pytest.mark.usefixtures("half_of_the_places")
 @pytest.mark.parametrize(("seed", "name", "factor"), [(11, "power", 1.25), (8, "radius", 1)])
-def test_nothing_fits_better_than_the_best(scene, seed, name, factor, monkeypatch):
+def test_nothing_fits_better_than_the_best(scene, seed, name, factor):
     """The misfit at the truth, as a fit of what is known tells it, is not below the best of all.
 
-    The noise of the camera is fitted, and is not at the end of its range. Half of the places of
-    the scan have to do.
+    The noise of the camera is fitted, and is not at the end of its range.
     """
-    monkeypatch.setattr(profile, "_PLACES", 41)
     track = from_seed(scene, seed)
     told = scene.replace(beam={"power": factor * scene.beam.power})
     fit = tweezer.fit_depth(track, told, fit=[name])

@@ -12,6 +12,7 @@ import warnings
 
 import numpy as np
 import pytest
+import typer
 from rich.console import Console
 from scipy.linalg import eigh_tridiagonal
 
@@ -23,6 +24,8 @@ from tests.benchmarks import (
     calibrate_report,
     camera,
     camera_report,
+    commands,
+    commands_report,
     depth_report,
     diagram,
     diagram_report,
@@ -514,6 +517,29 @@ def test_model_of_a_cluster(work, cores, expected):
     """Cases worked out by hand, and a start before them all."""
     found = scaling.makespan(work, cores, start_s=7.0, scatter=0.0)
     assert found == pytest.approx(7.0 + expected)
+
+
+def test_quick_run_of_commands():
+    """Of the help alone, which compiles nothing."""
+    told = []
+    results = commands.measure(quick=True, say=told.append)
+    (alone,), (one,) = results["commands"], results["in_order"]
+    assert alone["command"] == one["command"] == "tweezer --help"
+    assert (alone["functions_kept"], one["functions_added"]) == (0, 0)
+    assert 0 < alone["warm_cpu_s"]
+    assert [len(table) for table in commands_report.tables(results)] == [2, 2]
+
+
+def test_a_command_that_fails_is_not_timed(tmp_path):
+    with pytest.raises(RuntimeError, match="nothing.toml"):
+        commands._cost(("run", "nothing.toml"), tmp_path, os.environ)
+
+
+def test_every_command_is_timed():
+    """But for the benchmarks."""
+    timed = {each.arguments[0] for each in commands.COMMANDS}
+    every = set(typer.main.get_command(cli.app).commands)
+    assert every - timed == {"bench"}
 
 
 def test_durations():

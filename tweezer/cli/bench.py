@@ -143,6 +143,12 @@ _add_benchmark(
 )  # fmt: skip
 
 
+_add_benchmark(
+    "commands", "commands_report",
+    "Commands: time, cold and warm. Each in empty caches, one user's order, and the first page.",
+)  # fmt: skip
+
+
 def _benchmark(name: str) -> ModuleType:
     """Import a module of tests/benchmarks, which only a checkout has."""
     root = Path(__file__).parents[2]

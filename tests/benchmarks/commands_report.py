@@ -1,0 +1,78 @@
+"""The costs of commands as tables, as a figure, and on their page.
+
+`python -m tests.benchmarks.commands_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.commands import FIRST_PAGE, FIRST_RUN, Results
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """What was measured; the first row is that of the headings."""
+    alone = [
+        [
+            each["command"], *(f"{each[key]:.2g}" for key in _TIMES),
+            f"{each['functions_kept']}",
+        ]
+        for each in results["commands"]
+    ]  # fmt: skip
+    order = [
+        [each["command"], f"{each['cpu_s']:.2g}", f"{each['wall_s']:.2g}",
+         f"{each['functions_added']}"]
+        for each in results["in_order"]
+    ]  # fmt: skip
+    return [
+        [["each in empty caches of its own", "cold, CPU s", "cold, s", "warm, CPU s", "warm, s",
+          "functions kept"], *alone],
+        [["one after the other, in one empty cache", "CPU s", "s", "functions added"], *order],
+    ]  # fmt: skip
+
+
+_TIMES = ("cold_cpu_s", "cold_wall_s", "warm_cpu_s", "warm_wall_s")
+
+
+def figure(results: Results) -> Figure:
+    """Processor time of each command, cold and warm."""
+    commands = results["commands"][::-1]
+    drawn = Figure(figsize=(7.0, 0.6 + 0.3 * len(commands)), layout="constrained")
+    axes = drawn.subplots()
+    rows = range(len(commands))
+    for key, colour, marker, label in (
+        ("cold_cpu_s", "#004488", "o", "cold"), ("warm_cpu_s", "#bb5566", "s", "warm"),
+    ):  # fmt: skip
+        times = [each[key] for each in commands]
+        axes.plot(times, rows, marker, color=colour, ms=5, label=label)
+    axes.set_yticks(rows, [textwrap.shorten(each["command"], 48) for each in commands])
+    axes.set(xscale="log", xlabel="processor time (s)")
+    axes.grid(axis="x", lw=0.4)
+    axes.legend(frameon=False, loc="lower left", ncols=2, bbox_to_anchor=(0, 1))
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    by_command = {each["command"]: each for each in results["commands"]}
+    page, run = by_command[FIRST_PAGE.told], by_command[FIRST_RUN.told]
+    explained = (
+        f"From nothing: `pip install` takes {results['install']['wall_s']:.0f} s with the packages "
+        f"at hand or not, as the network is. Then `{page['command']}` shows the first page after "
+        f"{page['cold_wall_s']:.0f} s ({page['cold_cpu_s']:.0f} s of processor time), and "
+        f"`{run['command']}` its numbers after {run['cold_wall_s']:.0f} s "
+        f"({run['cold_cpu_s']:.0f} s). Most of it is compiling, once."
+    )
+    lines = [
+        *textwrap.wrap(explained, 110, break_long_words=False, break_on_hyphens=False), "",
+        *pages.tables(tables(results)),
+        "![Processor time of each command, cold and warm](figures/bench-commands.png)",
+    ]  # fmt: skip
+    return pages.block("commands", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("commands", block, figure)
