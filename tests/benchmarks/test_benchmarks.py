@@ -526,12 +526,12 @@ def test_quick_run_of_commands():
     (alone,), (one,) = results["commands"], results["in_order"]
     assert alone["command"] == one["command"] == "tweezer --help"
     assert (alone["functions_kept"], one["functions_added"]) == (0, 0)
-    assert 0 < alone["warm_cpu_s"]
+    assert alone["warm_cpu_s"] > 0
     assert [len(table) for table in commands_report.tables(results)] == [2, 2]
 
 
 def test_a_command_that_fails_is_not_timed(tmp_path):
-    with pytest.raises(RuntimeError, match="nothing.toml"):
+    with pytest.raises(RuntimeError, match=r"nothing\.toml"):
         commands._cost(("run", "nothing.toml"), tmp_path, os.environ)
 
 
