@@ -180,10 +180,11 @@ def _energies(
     if not scene.forces.brownian and "kinetic" in energies:
         net = sum(values for name, values in forces.items() if name not in ("drag", "sum"))
         every = _work(np.asarray(net), run["position"]) / unit
-        energies["lost"] = every - (energies["kinetic"] - energies["kinetic"][0])
+        moving = 0.5 * bead_properties(scene).mass * (run["velocity"] ** 2).sum(axis=1) / unit
+        energies["lost"] = every - (moving - moving[0])
         notes.append(
             "Given to the water is the work of all forces but drag, less what the bead's kinetic "
-            "energy has gained: heat, and motion of the water."
+            "energy of translation has gained: heat, and motion of the water."
         )
     return energies, notes
 

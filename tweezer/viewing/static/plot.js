@@ -7,7 +7,8 @@ const LEFT = 58, RIGHT = 12, TOP = 8, BOTTOM = 30;
 
 export class Plot {
   // x: {values, name, unit}, ascending. curves: [{name, values, colour, dash, points}], colour a name
-  // of the style sheet. options: {title, unit, log, digits, onpick(x), interpolate}.
+  // of the style sheet. options: {title, unit, log, even, range, jumps,
+  // onpick(x)}.
   constructor(shell, host, x, curves, options) {
     Object.assign(this, { shell, x, curves, options });
     this.cursor = x.values[0];
@@ -68,6 +69,14 @@ export class Plot {
     if (!(high >= low)) return [0, 1];
     const room = 0.06 * (high - low) || Math.abs(high) || 1;
     return [low - room, high + room];
+  }
+
+  // A value of a curve; where all are `even`, to the same decimal, a thousandth of the range.
+  number(value) {
+    if (!this.options.even || !Number.isFinite(value)) return text(value, 3);
+    const digit = Math.floor(Math.log10(Math.max(...this.range.map(Math.abs)))) - 3;
+    if (Math.abs(digit) > 6) return text(value, 4);
+    return value.toFixed(Math.max(0, -digit)).replace(/^-(?=[0.]*$)/, "").replace("-", "−");
   }
 
   describe() {
@@ -196,7 +205,7 @@ export class Plot {
     });
     if (!moving || performance.now() > this.told + 100) {
       this.told = performance.now();
-      there.forEach((number, k) => { this.shown[k].textContent = text(number, this.options.digits ?? 3); });
+      there.forEach((number, k) => { this.shown[k].textContent = this.number(number); });
     }
     if (!this.width) return;
     const x = this.across(value);

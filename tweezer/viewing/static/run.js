@@ -70,7 +70,7 @@ export function start(content, shell) {
       make("input", { type: "checkbox", onchange: (event) => { grown = event.target.checked; show(clock.time); } }),
       " enlarge small forces"),
     make("p", {}, "an arrow of 1 µm is ", arrowScale));
-  stage.over.append(card);
+  shell.picture.append(card);
 
   // ---- the colours of the path
   const byTime = column(times, 0, 1), speed = shell.array("speed");
@@ -133,9 +133,12 @@ export function start(content, shell) {
     seek: (time) => { clock.seek(time); stage.draw(); },
     time: () => clock.time, play: () => clock.play(), pause: () => clock.pause(),
     duration: [clock.first, clock.last],
-    // Hide or show a part of the picture: for tests.
+    // Where the bead is on the screen, and how it is turned: for tests.
+    bead: () => ({ pixel: stage.pixel(bead.at()), turned: bead.turned?.() }),
+    // Hide or show a part of the picture.
     show: (name, on) => {
-      for (const each of { light: beams, path: [path], bead: [bead] }[name]) each.group.visible = on;
+      const parts = { light: beams, path: [path], bead: [bead], arrows: forces.map(({ arrow }) => arrow) };
+      for (const each of parts[name]) each.group.visible = on;
       stage.draw();
     },
   });
@@ -176,7 +179,7 @@ function plotted(content, shell, clock, times, place, foci) {
   const options = { jumps: !facts.resolved, onpick: (value) => clock.seek(value / factor) };
   const points = !facts.resolved;
   const curves = ["x", "y", "z"].map((axis, k) => ({ name: axis, values: column(place, k, 3), colour: axis, dash: DASHES[axis], points }));
-  const plots = [new Plot(shell, shell.plots, x, curves, { ...options, title: "Position", unit: "µm", digits: 4 })];
+  const plots = [new Plot(shell, shell.plots, x, curves, { ...options, title: "Position", unit: "µm", even: true })];
   const of = (name, size) => {
     const values = shell.array(name);
     return values && { name: size.name, values, colour: size.colour, dash: size.dash, points };

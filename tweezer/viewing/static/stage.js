@@ -1,7 +1,7 @@
 // The picture: three.js draws bead, light, walls, paths and arrows, in micrometres, z up.
 import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, FrontSide, Group,
-  LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
+  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
   OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, Scene,
   ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
@@ -288,6 +288,9 @@ export class Stage {
         group.position.set(...position);
         if (euler) group.quaternion.copy(new Quaternion(euler[1], euler[2], euler[3], euler[0]).normalize());
       },
+      at: () => group.getWorldPosition(new Vector3()).toArray(),
+      // The axes of the bead, as columns.
+      turned: () => new Matrix4().makeRotationFromQuaternion(group.quaternion).toArray(),
     };
   }
 

@@ -1,0 +1,238 @@
+"""Pages in a browser: they play, say nothing in the console, and show things where they are."""
+
+import base64
+import io
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.support.wait import WebDriverWait
+
+import tweezer
+from tests.reference.rigid_body import rotation_matrix
+
+#: fields of the camera that are matrices, by columns
+MATRICES = ("projection", "view")
+
+
+#: where the bead is and how it is turned, at a time
+BEAD = "tweezer.seek(arguments[0]); return tweezer.bead()"
+#: a browser whose canvas gives no context of WebGL
+WITHOUT = """
+const { getContext } = HTMLCanvasElement.prototype;
+HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+  return kind.startsWith("webgl") ? null : getContext.call(this, kind, ...more);
+};"""
+
+
+@pytest.fixture(scope="module")
+def turned_run(turning_run):
+    """The run, with a bead that is turned from the start."""
+    turned = np.tile([0.4, 0.3, -0.5, 0.7], (turning_run.sizes["time"], 1))
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    return turning_run.assign(orientation=(("time", "euler_parameter"), turned))
+
+
+@pytest.fixture(scope="module")
+def address(turned_run, tmp_path_factory):
+    """Its page, in a folder."""
+    return tweezer.view(turned_run).save(tmp_path_factory.mktemp("page") / "run.html").as_uri()
+
+
+@pytest.fixture
+def shown(browser, address):
+    """The page on a wide screen, at rest at its start."""
+    open_page(browser, address, 1280, 800)
+    browser.execute_script("tweezer.seek(0)")
+    yield browser
+    assert browser.get_log("browser") == []
+
+
+def open_page(browser, address, width, height, *, moves=True):
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    calm = [{"name": "prefers-reduced-motion", "value": "no-preference" if moves else "reduce"}]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": calm})
+    browser.get(address)
+    WebDriverWait(browser, 30).until(
+        lambda driver: driver.execute_script("return !!window.tweezer?.duration")
+    )
+
+
+def at(turning_run, moment):
+    """Position at a time, on straight lines between samples, um."""
+    position = 1e6 * turning_run["position"].values
+    return np.array([np.interp(moment, turning_run["time"], x) for x in position.T])
+
+
+def camera(browser):
+    found = browser.execute_script("return tweezer.camera()")
+    for name in MATRICES:
+        found[name] = np.array(found[name]).reshape(4, 4).T
+    return found
+
+
+def on_screen(found, position):
+    """Where a position, um, is in the window, pixels."""
+    x, y, _, w = found["projection"] @ found["view"] @ np.append(position, 1.0)
+    return np.array([
+        found["left"] + (1 + x / w) / 2 * found["width"],
+        found["top"] + (1 - y / w) / 2 * found["height"],
+    ])  # fmt: skip
+
+
+def picture(browser):
+    """The window as it is, 0 to 1, (height, width, 3)."""
+    taken = browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+    return imread(io.BytesIO(base64.b64decode(taken["data"])))[:, :, :3]
+
+
+def test_it_plays(browser, address):
+    open_page(browser, address, 1280, 800)
+    before = browser.execute_script("return [tweezer.time(), tweezer.frames()]")
+    WebDriverWait(browser, 30).until(
+        lambda driver: all(
+            now > then for now, then in zip(
+                driver.execute_script("return [tweezer.time(), tweezer.frames()]"), before,
+                strict=True,
+            )
+        )
+    )  # fmt: skip
+    assert browser.execute_script("return document.querySelector('.play').textContent") == "Pause"
+    assert browser.get_log("browser") == []
+
+
+def test_it_stays_still_for_who_wants_that(browser, address):
+    open_page(browser, address, 1280, 800, moves=False)
+    assert browser.execute_script(
+        "return [tweezer.time(), document.querySelector('.play').textContent]"
+    ) == [0, "Play"]
+
+
+def test_the_bead_is_where_the_run_has_it(shown, turning_run):
+    rng = np.random.default_rng(24)
+    found, last = camera(shown), float(turning_run["time"][-1])
+    for moment in rng.uniform(0, last, 10):
+        there = shown.execute_script(
+            "tweezer.seek(arguments[0]); return tweezer.bead().pixel", moment
+        )
+        assert np.abs(on_screen(found, at(turning_run, moment)) - there).max() < 1
+
+
+def test_the_bead_is_seen_there_in_its_size(shown, turning_run):
+    """Pixels that change with the bead, against the rays of the camera that meet its sphere."""
+    moment = 0.6 * float(turning_run["time"][-1])
+    shown.execute_script(
+        """
+      tweezer.seek(arguments[0]);
+      for (const part of ["light", "path", "arrows"]) tweezer.show(part, false);
+      document.querySelector(".forces").hidden = true;""",
+        moment,
+    )
+    with_it = picture(shown)
+    shown.execute_script("tweezer.show('bead', false)")
+    changed = np.abs(with_it - picture(shown)).max(axis=2) > 0.02
+    found, radius = camera(shown), 1e6 * tweezer.scene_of(turning_run).bead.radius
+    y, x = np.mgrid[: changed.shape[0], : changed.shape[1]] + 0.5
+    screen = np.stack([
+        2 * (x - found["left"]) / found["width"] - 1, 1 - 2 * (y - found["top"]) / found["height"]
+    ])  # fmt: skip
+    ways = np.stack([*(screen / found["projection"].diagonal()[:2, None, None]), -np.ones_like(x)])
+    ways /= np.linalg.norm(ways, axis=0)
+    centre = (found["view"] @ np.append(at(turning_run, moment), 1.0))[:3]
+    along = np.tensordot(centre, ways, 1)
+    met = centre @ centre - along**2 < radius**2
+    assert met.sum() > 5000
+    assert abs(changed.sum() / met.sum() - 1) < 0.02
+    for each in (x, y):
+        assert each[changed].mean() == pytest.approx(each[met].mean(), abs=1)
+
+
+def test_the_bead_is_turned_as_the_run_has_it(shown, turned_run):
+    """At a sample with an orientation far from that of the picture."""
+    first = browser_turned(shown, 0.0)
+    assert first == pytest.approx(rotation_matrix(turned_run["orientation"].values[0]), abs=1e-6)
+    assert np.abs(first - np.eye(3)).max() > 0.5
+    assert np.abs(first - first.T).max() > 0.5
+
+
+def browser_turned(browser, moment):
+    """Axes of the bead as columns."""
+    turned = browser.execute_script(BEAD, moment)["turned"]
+    return np.array(turned).reshape(4, 4).T[:3, :3]
+
+
+def test_a_click_in_a_plot_and_keys_move_it(shown, turning_run):
+    first, last = turning_run["time"].values[[0, -1]]
+    box = shown.execute_script("""
+      const area = document.querySelectorAll(".plot .area")[1].getBoundingClientRect();
+      return [area.left, area.top, area.width, area.height];""")
+    left, top, width, height = box
+    # between the margins of the plot
+    x = left + 58 + 0.25 * (width - 58 - 12)
+    chain = ActionChains(shown)
+    chain.w3c_actions.pointer_action.move_to_location(int(x), int(top + height / 2)).click()
+    chain.perform()
+    clicked = shown.execute_script("return tweezer.time()")
+    assert clicked == pytest.approx(0.25 * last, abs=0.01 * last)
+    ActionChains(shown).send_keys("\ue010").perform()  # End
+    assert shown.execute_script("return tweezer.time()") == pytest.approx(last, rel=1e-6)
+    ActionChains(shown).send_keys("\ue012").perform()  # left
+    before = float(turning_run["time"][-2])
+    assert shown.execute_script("return tweezer.time()") == pytest.approx(before, rel=1e-6)
+    ActionChains(shown).send_keys("\ue011 ").perform()  # Home, and space plays
+    WebDriverWait(shown, 30).until(
+        lambda driver: driver.execute_script("return tweezer.time()") > first
+    )
+
+
+def test_words_for_who_does_not_see_it(shown, turning_run):
+    said = shown.execute_script("""
+      return {
+        title: document.querySelector("h1").textContent,
+        rows: [...document.querySelectorAll("#summary ~ * tbody tr")].map(
+          (row) => [...row.children].slice(0, 2).map((cell) => cell.textContent)),
+        pictures: [...document.querySelectorAll("canvas")].map(
+          (canvas) => [canvas.getAttribute("role"), canvas.getAttribute("aria-label").length]),
+        time: document.querySelector("input[type=range]").getAttribute("aria-valuetext"),
+        unnamed: [...document.querySelectorAll("button, select, input")].filter(
+          (control) => !control.textContent && !control.labels?.length
+            && !control.getAttribute("aria-label")).length,
+      };""")
+    content = tweezer.view(turning_run).content
+    assert said["title"] == content.title
+    assert said["rows"] == [[row.name, row.value] for row in content.summary]
+    assert len(said["pictures"]) == 4
+    assert all(role == "img" and words > 20 for role, words in said["pictures"])
+    assert said["time"].startswith("0.")
+    assert said["time"].endswith("s")
+    assert said["unnamed"] == 0
+
+
+def test_on_a_phone_and_in_the_dark(browser, address):
+    open_page(browser, address, 400, 800)
+    browser.execute_script("tweezer.seek(0)")
+    assert browser.execute_script("return document.documentElement.scrollWidth") == 400
+    light = picture(browser).mean()
+    browser.execute_script("document.querySelectorAll('header button')[1].click()")
+    WebDriverWait(browser, 30).until(lambda driver: picture(driver).mean() < 0.4 < 0.6 < light)
+    assert browser.get_log("browser") == []
+
+
+def test_without_webgl_there_is_a_plain_picture(browser, address, turning_run):
+    added = browser.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": WITHOUT})
+    try:
+        open_page(browser, address, 1280, 800)
+        assert "WebGL is off" in browser.execute_script("return document.body.textContent")
+        browser.execute_script("tweezer.look(2); tweezer.seek(0)")
+        first = np.array(browser.execute_script("return tweezer.bead().pixel"))
+        last = float(turning_run["time"][-1])
+        moved = np.array(browser.execute_script(BEAD, last)["pixel"])
+        way = (at(turning_run, last) - at(turning_run, 0))[[0, 2]] * (1, -1)
+        assert (moved - first) / np.linalg.norm(moved - first) == pytest.approx(
+            way / np.linalg.norm(way), abs=1e-6
+        )
+        assert browser.get_log("browser") == []
+    finally:
+        browser.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", added)
