@@ -224,12 +224,22 @@ def test_replace_changes_what_it_names_and_nothing_else(scene):
 
 
 def test_a_scene_is_shown_in_short(scene):
-    assert repr(scene) == str(scene) == "<Scene 'thesis-990nm': 0.99 um bead, 156 mW>"
-    changed = scene.replace(beam={"power": "80 mW"}, simulation={"model": None})
-    assert repr(changed) == (
-        "<Scene 'thesis-990nm': 0.99 um bead, 80 mW; beam.power = 0.08; simulation.model = None>"
+    assert (
+        repr(scene)
+        == str(scene)
+        == (
+            "Scene of thesis-990nm\n"
+            "  bead    0.99 um, index 1.5777, 1050 kg/m^3\n"
+            "  medium  index 1.33, 1.002 mPa s, 293.15 K\n"
+            "  light   156 mW at 800 nm; computed as rays (optics.theory = 'rays')\n"
+            "  start   0, -2.045, -4.05 um from the focus\n"
+            "  forces  optical, gravity, buoyancy\n"
+            "  run     12 ms, 2001 samples"
+        )
     )
-    assert repr(changed.replace(name="mine")) == "<Scene 'mine': 0.99 um bead, 80 mW>"
+    changed = scene.replace(beam={"power": "80 mW"}, simulation={"model": None})
+    assert repr(changed).endswith("\n  changed  beam.power = 0.08; simulation.model = None")
+    assert "changed" not in repr(changed.replace(name="mine"))
 
 
 def test_replacing_nothing_is_the_same_scene(scene):

@@ -93,7 +93,7 @@ def test_a_name_takes_the_place_of_numbers():
     named = scene.replace(medium={"name": "water", "viscosity": "1.1 mPa s"})
     assert named.medium.filled == {"density", "refractive_index"}
     assert named.medium.viscosity == 1.1e-3
-    assert "density" not in repr(named)
+    assert "medium.density" not in repr(named)
     own = named.replace(medium={"density": 1010})
     assert (own.medium.density, own.medium.filled) == (1010, {"refractive_index"})
 

@@ -6,11 +6,12 @@ import math
 from dataclasses import dataclass
 
 from tweezer.fluid import stokes
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import KNUDSEN_LIMIT, Scene, checked_scene
+from tweezer.shown import Card, Row, Shown
 
 
-@dataclass(frozen=True)
-class BeadProperties:
+@dataclass(frozen=True, repr=False)
+class BeadProperties(Shown):
     """Numbers that enter the equations of motion, SI."""
 
     mass: float
@@ -27,6 +28,25 @@ class BeadProperties:
     """gravity (2.11) and buoyancy (2.12) as far as they act, N"""
     knudsen: float
     """mean free path over diameter (2.2.2)"""
+
+    def card(self) -> Card:
+        """Mass, drag, weight, times."""
+        thin = self.knudsen > KNUDSEN_LIMIT
+        doubt = "not to be trusted: the medium is no continuum for this bead" if thin else ""
+        rows = (
+            Row("mass", f"{1e15 * self.mass:.4g} pg"),
+            Row("displaced mass", f"{1e15 * self.displaced_mass:.4g} pg"),
+            Row("drag", f"{1e9 * self.drag:.4g} nN s/m", doubt),
+            Row("rotational drag", f"{1e21 * self.rotational_drag:.4g} pN nm s", doubt),
+            Row("weight in the fluid", f"{-1e15 * self.weight[2]:.4g} fN, down"),
+            Row("relaxation time", f"{1e6 * self.relaxation_time:.4g} us"),
+            Row("vorticity time", f"{1e6 * self.vorticity_time:.4g} us"),
+            Row("moments of inertia",
+                f"{', '.join(f'{each:.4g}' for each in self.moments_of_inertia)} kg m^2",
+                detail=True),
+            Row("Knudsen number", f"{self.knudsen:.2g}", detail=True),
+        )  # fmt: skip
+        return Card("BeadProperties", "", rows)
 
     @property
     def relaxation_time(self) -> float:

@@ -39,6 +39,7 @@ from tweezer.sections import (
     Start,
     Wall,
 )
+from tweezer.shown import Card, Row, as_html, as_text
 from tweezer.theory import NO_MAP, Choice, chosen_theory, named_beams
 from tweezer.units import TABLE_RADII, TEMPERATURE, Quantity, as_given, quantity_of, to_si
 from tweezer.water import LIQUID, Water, water
@@ -97,24 +98,58 @@ class Scene(Section):
     optics: Optics = Field(default_factory=Optics)
     simulation: Simulation
 
-    def __repr__(self) -> str:
-        """In short: the bead, the power, and what differs from the shipped scene of this name."""
+    def card(self) -> Card:
+        """Bead, medium, light, start, forces, and what differs from the shipped scene."""
+        bead, medium, motion = self.bead, self.medium, self.simulation
+        index = bead.index if bead.index.imag else bead.index.real
+        viscosity = f"{1e3 * medium.viscosity:.4g} mPa s"
         power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self.beams)
-        told = f"{2e6 * self.bead.radius:.4g} um bead, {1e3 * power:.4g} mW"
-        if self.name in (shipped := shipped_scenes()):
-            here = by_key(self.model_dump())
-            there = by_key(load_scene(shipped[self.name]).model_dump())
-            filled = {f"medium.{key}" for key in self.medium.filled}
-            filled |= {f"bead.{key}" for key in self.bead.filled}
-            keys = sorted((here.keys() | there.keys()) - filled)
-            changed = [key for key in keys if here.get(key) != there.get(key)]
-            if ("beam.power" in here) != ("beam.power" in there):
-                told += f"; {_counted(self.beams)}"
-                changed = [key for key in changed if not key.startswith("beam")]
-            told = "; ".join([told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
-        return f"<Scene {self.name!r}: {told}>"
+        light = f"{1e3 * power:.4g} mW at {1e9 * self.beam.wavelength:.4g} nm"
+        light += f", {_counted(self.beams)}" if self.more_beams else ""
+        acting = [name for name, on in self.forces if on is True]
+        start = ", ".join(f"{round(1e6 * each, 9) + 0.0:.4g}" for each in self.start_position)
+        run = f"{1e3 * motion.duration:.4g} ms, {motion.samples} samples"
+        rows = [
+            Row("bead", f"{2e6 * bead.radius:.4g} um, index {index:.5g}, "
+                f"{bead.density:.5g} kg/m^3"),
+            Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
+                f"{medium.temperature:.5g} K"),
+            Row("light", f"{light}; computed as {self.theory} ({self.theory_reason})"
+                if self.lit else "none"),
+            Row("start", f"{start} um from the focus"),
+            Row("forces", ", ".join(acting) or "none"),
+            Row("run", run),
+        ]  # fmt: skip
+        if self.wall is not None:
+            rows.insert(2, Row("wall", f"at {1e6 * self.wall.position:.4g} um"))
+        if changes := self._changes_in_short():
+            rows.append(Row("changed", changes))
+        return Card("Scene", self.name, tuple(rows))
+
+    def _changes_in_short(self) -> str:
+        """What differs from the shipped scene of this name; "" if nothing or there is none."""
+        if self.name not in (shipped := shipped_scenes()):
+            return ""
+        here = by_key(self.model_dump())
+        there = by_key(load_scene(shipped[self.name]).model_dump())
+        filled = {f"medium.{key}" for key in self.medium.filled}
+        keys = sorted((here.keys() | there.keys()) - filled)
+        changed = [key for key in keys if here.get(key) != there.get(key)]
+        told = []
+        if ("beam.power" in here) != ("beam.power" in there):
+            told.append(_counted(self.beams))
+            changed = [key for key in changed if not key.startswith("beam")]
+        return "; ".join([*told, *(f"{key} = {_short(here.get(key))}" for key in changed)])
+
+    def __repr__(self) -> str:
+        """A few lines."""
+        return as_text(self.card())
 
     __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        """A table, for Jupyter."""
+        return as_html(self.card())
 
     @model_validator(mode="before")
     @classmethod

@@ -123,7 +123,7 @@ def test_an_interruption_keeps_what_was_reached(silica):
 @pytest.mark.parametrize(
     ("heights", "complaint"),
     [([1e-6, 0.0], "heights: 0 m: must be above 0"), ([math.nan], "heights: nan m"),
-     ([], "must be a list"), (1e-6, "must be a list"), (["low"], "must be a list of numbers")],
+     ([], "must be a list"), (1e-6, "must be a list"), (["low"], "heights: must be a number in m")],
 )  # fmt: skip
 def test_heights_that_are_none(silica, heights, complaint):
     with pytest.raises(SceneError, match=complaint):

@@ -113,11 +113,11 @@ def test_a_run_of_ours_brings_its_scene(tmp_path, run, positions):
     assert calibration.temperature == T
     assert calibration.drag == pytest.approx(DRAG, rel=1e-9, abs=0)
     assert calibration.mass is None
-    assert repr(calibration).startswith(f"<Calibration of {path}: x ")
+    assert repr(calibration).startswith(f"Calibration of {path}\n  stiffness, x  ")
     for axis, k in zip(calibration.axes, (K, K, K / 3), strict=True):
         first = axis.estimates[0]
         value = with_uncertainty(1e6 * first.stiffness, 1e6 * first.uncertainty)
-        assert f" {axis.axis} {value} pN/um" in repr(calibration)
+        assert f"  stiffness, {axis.axis}  {value} pN/um, by {first.method}" in repr(calibration)
         for estimate in axis.estimates:
             assert not estimate.caveat
             assert abs(estimate.stiffness - k) < 4.5 * estimate.uncertainty  # false alarm 1e-4

@@ -61,9 +61,11 @@ def test_the_smallest_model_that_holds_the_scene_is_bound(model, rotation, rotat
 def test_darkness_turns_nothing(changes):
     bound = bind(tweezer.load_scene("thesis-990nm").replace(**changes))
     assert bound.name == "scaled_translation"
-    assert repr(bound) == (
-        "<EquationsOfMotion scaled_translation of 'thesis-990nm' in q1, q2, q3, v1, v2, v3>"
-    )
+    assert repr(bound).splitlines()[:3] == [
+        "EquationsOfMotion of thesis-990nm",
+        "  model               scaled, emitted as scaled_translation",
+        "  variables           q1, q2, q3, v1, v2, v3",
+    ]
 
 
 @pytest.mark.parametrize(

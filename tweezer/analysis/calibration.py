@@ -6,7 +6,7 @@ import dataclasses
 import itertools
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,8 +52,9 @@ from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of
-from tweezer.rounding import with_uncertainty
+from tweezer.rounding import rounded, with_uncertainty
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown, Table
 from tweezer.units import TEMPERATURE, bare
 
 Array = NDArray[np.float64]
@@ -139,8 +140,8 @@ class SpectrumFit:
     fitted parameters"""
 
 
-@dataclass(frozen=True)
-class AxisCalibration:
+@dataclass(frozen=True, repr=False)
+class AxisCalibration(Shown):
     """The trap along one axis."""
 
     axis: str
@@ -181,13 +182,49 @@ class AxisCalibration:
     def __getitem__(self, method: str) -> Estimate:
         return next(estimate for estimate in self.estimates if estimate.method == method)
 
+    @property
+    def listed(self) -> list[Finding]:
+        """All that speaks against the record or a number, in the order of the notes' numbers."""
+        every = [*self.findings, *(f for each in self.estimates for f in each.findings)]
+        return [each for each in dict.fromkeys(every) if each.name != "undetermined"]
+
+    def mark(self, against: Iterable[Finding]) -> str:
+        """By which notes something is not trusted; "" if by none."""
+        listed = self.listed
+        numbers = ", ".join(str(listed.index(each) + 1) for each in against if each in listed)
+        return numbers and f"not trusted: {numbers}"
+
+    def table(self) -> Table:
+        """A row for each method, with the numbers of the notes that speak against it."""
+        rows = []
+        for each in self.estimates:
+            k, error = rounded(1e6 * each.stiffness, 1e6 * each.uncertainty)
+            judgement = self.mark(each.findings)
+            if any(finding.name == "undetermined" for finding in each.findings):
+                k = error = "-"
+                judgement = "; ".join(filter(None, ["not determined", judgement]))
+            rows.append((each.method, k, error, judgement))
+        return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
+
+    def card(self) -> Card:
+        """A row for each method."""
+        rows = tuple(
+            Row(
+                each.method,
+                f"{with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty)} pN/um",
+                f"not to be trusted: {each.caveat}" if each.caveat else "",
+            )
+            for each in self.estimates
+        )
+        return Card("Stiffness", f"the {self.axis} axis", rows)
+
     def by(self, method: str) -> Estimate | None:
         """The estimate by a method, if there is one."""
         return next((each for each in self.estimates if each.method == method), None)
 
 
-@dataclass(frozen=True)
-class Calibration:
+@dataclass(frozen=True, repr=False)
+class Calibration(Shown):
     """Stiffness of a trap from a recording, SI."""
 
     name: str
@@ -225,18 +262,32 @@ class Calibration:
     viscosity: float | None = None
     """of the medium, Pa s; None if not known"""
 
-    def __repr__(self) -> str:
-        """In short: for each axis the first trusted stiffness."""
-        told = []
+    def card(self) -> Card:
+        """For each axis the first stiffness that is trusted; what was given; tables of all."""
         free = [] if self.free is None else [each.axis for each in self.free.axes]
+        rows = []
         for axis in self.axes:
             if axis.axis in free:
-                told.append(f"{axis.axis} not trapped")
+                rows.append(Row(f"stiffness, {axis.axis}", "no trap is seen"))
                 continue
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
             value = f"{with_uncertainty(1e6 * best.stiffness, 1e6 * best.uncertainty)} pN/um"
-            told.append(f"{axis.axis} {'not to be trusted' if best.caveat else value}")
-        return f"<Calibration of {self.name}: {', '.join(told)}>"
+            told = f"not to be trusted: {best.caveat}" if best.caveat else ""
+            rows.append(Row(f"stiffness, {axis.axis}", f"{value}, by {best.method}", told))
+        if self.free is not None:
+            factor, unit = (1e12, "um^2/s") if self.unit == "m" else (1.0, "V^2/s")
+            errors = factor * self.free.diffusion, factor * self.free.uncertainty
+            doubt = "; ".join(each.text for each in self.free.findings)
+            told = f"{with_uncertainty(*errors)} {unit}"
+            rows.append(Row("diffusion, as of a free bead", told, doubt))
+        rows += [
+            Row("temperature", f"{self.temperature:.5g} K"),
+            Row("drag", "fitted" if self.drag is None else f"{1e9 * self.drag:.4g} nN s/m"),
+            Row("samples", f"{self.samples}, {1 / self.step:.5g} Hz"),
+        ]
+        tables = tuple(axis.table() for axis in self.axes if axis.axis not in free)
+        notes = [self.note] if self.note else []
+        return Card("Calibration", self.name, tuple(rows), tables, tuple(notes))
 
 
 def calibrate(

@@ -32,7 +32,9 @@ from tweezer.dynamics.problem import bound_once
 from tweezer.errors import IntegrationError, ResultError, SceneError
 from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
+from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene, checked_scene
+from tweezer.shown import Card, Row, Shown
 from tweezer.units import TABLE_RADII
 
 Array = NDArray[np.float64]
@@ -108,9 +110,17 @@ class Parameter:
     range or, of the noise, above the value"""
     unit: str
 
+    @property
+    def told(self) -> tuple[str, str]:
+        """Value with its uncertainty and unit, and that it is not determined."""
+        scale, unit = (1e6, "um") if self.unit == "m" else (1.0, self.unit)
+        uncertainty = math.nan if self.uncertainty is None else self.uncertainty
+        value = f"{with_uncertainty(scale * self.value, scale * uncertainty)} {unit}".rstrip()
+        return value, "not determined" if self.uncertainty is None else ""
 
-@dataclass(frozen=True)
-class DepthFit:
+
+@dataclass(frozen=True, repr=False)
+class DepthFit(Shown):
     """Where along the light a bead started, SI; z from the focus, along the light."""
 
     name: str
@@ -143,6 +153,24 @@ class DepthFit:
     """z, m, and least misfit with the start there; without starts that cannot be followed"""
     path: Filtered
     """at the best fit"""
+
+    def card(self) -> Card:
+        """Start and interval, other minima, what else was fitted, what the residuals say."""
+        doubt = "" if self.determined else "not determined"
+        pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in self.intervals)
+        others = ", ".join(
+            f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in self.minima[1:]
+        )
+        rows = [
+            Row("start in z", f"{1e6 * self.z:.4g} um from the focus", doubt),
+            Row("95 % confidence", f"{pieces} um"),
+            Row("other minima (misfit above)", others or "none", detail=not others),
+            *(Row(each.name, *each.told) for each in self.parameters),
+            Row("frames, outliers", f"{self.frames}, {self.outliers}", detail=True),
+            Row("residuals white, p", f"{self.p_value:.2g}",
+                "they are not those of the scene" if self.p_value < _IMPROBABLE else ""),
+        ]  # fmt: skip
+        return Card("DepthFit", f"{self.name}, {self.scene}", tuple(rows), notes=(self.statement,))
 
 
 def fit_depth(

@@ -12,12 +12,13 @@ from scipy.special import chdtri, ndtr
 
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
+from tweezer.shown import Card, Row, Shown
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class EscapeTimes:
+@dataclass(frozen=True, repr=False)
+class EscapeTimes(Shown):
     """First times at which beads are outside a radius."""
 
     times: Array
@@ -33,6 +34,19 @@ class EscapeTimes:
     survival: tuple[Array, Array, Array, Array]
     """times (s), the fraction still inside after each, and its 95 % confidence limits; NaN where
     they do not exist"""
+
+    def card(self) -> Card:
+        """How many escaped, and how soon."""
+        low, high = self.interval
+        mean = "not known" if self.mean is None else f"{self.mean:.4g} s"
+        told = f"above {low:.3g} s" if high is None else f"{low:.3g} to {high:.3g} s"
+        rate = "not known" if self.p_value is None else f"p = {self.p_value:.2g}"
+        rows = (
+            Row("escaped", f"{int(self.escaped.sum())} of {len(self.times)}"),
+            Row("mean time", f"{mean} (95 %: {told})"),
+            Row("constant rate", rate),
+        )
+        return Card("EscapeTimes", "", rows)
 
 
 def escape_times(

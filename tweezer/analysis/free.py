@@ -24,6 +24,8 @@ from scipy.special import chdtrc, ndtr
 from tweezer.analysis.findings import IMPROBABLE, Finding
 from tweezer.analysis.steps import EXACT, Steps
 from tweezer.errors import ResultError
+from tweezer.rounding import with_uncertainty
+from tweezer.shown import Card, Row, Shown
 
 Array = NDArray[np.float64]
 
@@ -59,6 +61,15 @@ _LEAST_START = 0.05
 _SEEN, _ONE_SIDED = 3.0, 1.645
 #: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
 _WHOLE_EXPOSURE = 1 / 3
+
+
+#: What is inferred in words, with the factor to its unit and the unit.
+INFERRED = {
+    "viscosity": ("viscosity", 1e3, "mPa s"),
+    "radius": ("radius", 1e9, "nm"),
+    "drag": ("drag", 1e9, "nN s/m"),
+    "Boltzmann": ("Boltzmann's constant", 1e23, "10^-23 J/K"),
+}
 
 
 @dataclass(frozen=True)
@@ -100,8 +111,8 @@ class Inferred:
     """95 %; infinite without an upper end"""
 
 
-@dataclass(frozen=True)
-class Diffusion:
+@dataclass(frozen=True, repr=False)
+class Diffusion(Shown):
     """The diffusion of a free bead, by its motion along one or more axes, SI."""
 
     name: str
@@ -120,6 +131,26 @@ class Diffusion:
     remarks: tuple[str, ...]
     """what was left out, or widens the interval"""
     axes: tuple[FreeAxis, ...]
+
+    def card(self) -> Card:
+        """The diffusion, and what it tells, with what speaks against it."""
+        doubt = "; ".join(each.text for each in self.findings)
+        low, high = self.interval
+        metric = self.inferred is not None or self.expected is not None
+        unit = "m^2/s" if metric else "in the square of the record's unit per second"
+        told = with_uncertainty(self.diffusion, self.uncertainty)
+        rows = [
+            Row("axes", ", ".join(each.axis for each in self.axes)),
+            Row("diffusion", f"{told} (95 %: {low:.3g} to {high:.3g}) {unit}", doubt),
+        ]
+        if self.inferred is not None:
+            name, factor, unit = INFERRED[self.inferred.name]
+            low, high = (factor * end for end in self.inferred.interval)
+            told = f"{factor * self.inferred.value:.4g} (95 %: {low:.3g} to {high:.3g}) {unit}"
+            rows.append(Row(name, told))
+        if self.expected is not None:
+            rows.append(Row("by Einstein", f"{self.expected:.4g} m^2/s"))
+        return Card("Diffusion", self.name, tuple(rows), notes=self.remarks)
 
 
 class Given(NamedTuple):

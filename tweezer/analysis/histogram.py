@@ -12,6 +12,8 @@ from scipy.constants import Boltzmann
 from tweezer.analysis.spectra import standard_error, statistical_inefficiency
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
+from tweezer.rounding import with_uncertainty
+from tweezer.shown import Card, Row, Shown
 from tweezer.units import TEMPERATURE
 
 Array = NDArray[np.float64]
@@ -32,8 +34,8 @@ _PARABOLA = 2.0
 _LEAST_BINS = 5
 
 
-@dataclass(frozen=True)
-class Potential:
+@dataclass(frozen=True, repr=False)
+class Potential(Shown):
     """Potential energy along a line from the histogram of positions."""
 
     coordinates: Array
@@ -49,6 +51,19 @@ class Potential:
     """its standard uncertainty, N/m"""
     minimum: float | None
     """bottom of the parabola, m"""
+
+    def card(self) -> Card:
+        """Its reach, and the parabola."""
+        low, high = 1e9 * self.coordinates[[0, -1]]
+        told = "not determined"
+        if self.stiffness is not None and self.uncertainty is not None:
+            told = f"{with_uncertainty(1e6 * self.stiffness, 1e6 * self.uncertainty)} pN/um"
+        rows = (
+            Row("bins", f"{len(self.coordinates)}, {low:.4g} to {high:.4g} nm"),
+            Row("highest", f"{1e21 * self.energy.max():.3g} zJ"),
+            Row("stiffness of its bottom", told),
+        )
+        return Card("Potential", "", rows)
 
 
 def potential(positions: ArrayLike, temperature: float) -> Potential:

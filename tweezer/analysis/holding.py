@@ -15,7 +15,9 @@ from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.optics import sampled
+from tweezer.rounding import micrometres
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown
 
 Array = NDArray[np.float64]
 
@@ -44,8 +46,8 @@ _UNITS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class Lifetime:
+@dataclass(frozen=True, repr=False)
+class Lifetime(Shown):
     """How long thermal motion leaves a bead in its trap."""
 
     time: float
@@ -54,6 +56,11 @@ class Lifetime:
     """estimated error of that time, s; 0 of an infinite one"""
     lost_at: float
     """distance from the focus at which the bead is lost, m"""
+
+    def card(self) -> Card:
+        """How long, and until where."""
+        far = Row("lost at", f"{micrometres(self.lost_at)} um from the focus")
+        return Card("Lifetime", "", (Row("held for", self.words), far))
 
     @property
     def words(self) -> str:

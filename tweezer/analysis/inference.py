@@ -22,7 +22,11 @@ from tweezer.analysis.recording import Recording, load_recording
 from tweezer.analysis.residuals import p_value
 from tweezer.analysis.scene_misfit import Least, Misfit
 from tweezer.errors import ResultError
+from tweezer.optics import rows_of_light
+from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene, checked_scene
+from tweezer.shown import Card, Row, Shown
+from tweezer.units import usual_unit
 
 #: Information that everything is taken to have, so that its inverse is finite
 _FAINT = 1e-6
@@ -63,9 +67,19 @@ class FittedKey:
     profile: tuple[tuple[float, float], ...]
     """values of the key, and least misfit there, -2 log(likelihood), above the least of all"""
 
+    @property
+    def told(self) -> tuple[str, str]:
+        """Value and interval in the usual unit of its size, and that it is not determined."""
+        factor, unit = usual_unit(self.value, self.unit)
+        uncertainty = math.nan if self.uncertainty is None else self.uncertainty / factor
+        value = f"{with_uncertainty(self.value / factor, uncertainty)} {unit}".rstrip()
+        ends = ["not told" if end is None else f"{end / factor:.4g}" for end in self.interval]
+        told = f"{value} (95 %: {ends[0]} to {ends[1]})"
+        return told, "" if self.determined else "not determined"
 
-@dataclass(frozen=True)
-class SceneFit:
+
+@dataclass(frozen=True, repr=False)
+class SceneFit(Shown):
     """What recordings tell of a scene, SI."""
 
     names: tuple[str, ...]
@@ -84,9 +98,18 @@ class SceneFit:
     def __getitem__(self, key: str) -> FittedKey:
         return next(each for each in self.keys if each.key == key)
 
-    def __repr__(self) -> str:
-        """In short: what is told."""
-        return f"<SceneFit of {', '.join(self.names)}: {self.statement}>"
+    def card(self) -> Card:
+        """A row for each key, what the residuals say, and the light."""
+        rows = [Row(each.key, *each.told) for each in self.keys]
+        unlikely = self.p_value < _IMPROBABLE
+        rows += [
+            Row("frames", f"{self.frames}", detail=True),
+            Row("residuals white, p", f"{self.p_value:.2g}",
+                "they are not those of the scene" if unlikely else ""),
+            *rows_of_light(self.scene),
+        ]  # fmt: skip
+        names = ", ".join(Path(name).name for name in self.names)
+        return Card("SceneFit", names, tuple(rows), notes=(self.statement,))
 
 
 def fit(

@@ -9,7 +9,10 @@ from tweezer.analysis.holding import DEEP, LONGEST, Lifetime
 from tweezer.analysis.trap import Trap, characterise
 from tweezer.arguments import in_si
 from tweezer.errors import SceneError
+from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown
+from tweezer.units import usual_unit
 
 #: Powers between which the least one is sought, W
 _LEAST, _MOST = 1e-9, 100.0
@@ -21,8 +24,8 @@ _POWER, _SLOPE = 1e-4, 1e-2
 _SHORTEST = 1e-6
 
 
-@dataclass(frozen=True)
-class LeastPower:
+@dataclass(frozen=True, repr=False)
+class LeastPower(Shown):
     """The least power through the pupil that holds a bead for a time."""
 
     power: float
@@ -31,6 +34,13 @@ class LeastPower:
     """estimated error, W"""
     lifetime: Lifetime
     """at that power"""
+
+    def card(self) -> Card:
+        """The power, and the lifetime there."""
+        factor, unit = usual_unit(self.power, "W")
+        power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
+        rows = Row("power through the pupil", power), Row("held for", self.lifetime.words)
+        return Card("LeastPower", "", rows)
 
 
 def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:

@@ -26,6 +26,7 @@ from tweezer.reading import (
     without_gaps,
 )
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown
 
 Array = NDArray[np.float64]
 
@@ -43,8 +44,8 @@ _VOLTS = (1e-12, 1e4)
 _AXES = ("x", "y", "z")
 
 
-@dataclass(frozen=True)
-class Recording:
+@dataclass(frozen=True, repr=False)
+class Recording(Shown):
     """Positions of a bead at even times, or the voltages of a detector of them.
 
     Raises `ResultError`, naming the sample, unless there are at least 100 samples of those shapes,
@@ -120,6 +121,28 @@ class Recording:
         place = "" if sample is None else f"sample {sample + 1}: "
         raise ResultError(f"{self.name}: {place}{why}")
 
+    def card(self) -> Card:
+        """Samples, spread along each axis, exposure, noise."""
+        factor, unit = (1e3, "mV") if self.unit == "V" else (1e9, "nm")
+        spread = self.positions.std(axis=0)
+        rate = 1 / self.step
+        rows = [
+            Row(
+                "samples", f"{len(self.times)}, {rate:.5g} Hz, {self.step * len(self.times):.4g} s"
+            ),
+            *(
+                Row(f"{axis}, standard deviation", f"{factor * each:.4g} {unit}")
+                for axis, each in zip(self.axes, spread, strict=True)
+            ),
+            Row("exposure", _known(self.exposure, 1e3, "ms")),
+        ]
+        if self.noise is not None:
+            told = ", ".join(f"{factor * each:.3g}" for each in self.noise)
+            rows.append(Row("noise of the detector", f"{told} {unit}"))
+        if self.drive is not None:
+            rows.append(Row("stage, standard deviation", f"{1e9 * self.drive.std():.4g} nm"))
+        return Card("Recording", self.name, tuple(rows), notes=(self.note,) if self.note else ())
+
     @property
     def step(self) -> float:
         """Time between samples, s."""
@@ -136,8 +159,8 @@ class Recording:
         return replace(self, times=self.times[kept], positions=self.positions[kept], drive=drive)
 
 
-@dataclass(frozen=True)
-class Track:
+@dataclass(frozen=True, repr=False)
+class Track(Shown):
     """A bead seen by a camera: two coordinates, at times that need not be even.
 
     Raises `ResultError`, naming the frame, unless the shapes are these, times are finite and
@@ -182,6 +205,22 @@ class Track:
                 f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing? Of pixels --scale has "
                 "it"
             )
+
+    def card(self) -> Card:
+        """Frames, and what is missing of them."""
+        both = int(np.isfinite(self.positions).all(axis=1).sum())
+        extent = 1e6 * np.nanmax(np.abs(self.positions), axis=0)
+        rows = (
+            Row("frames", f"{len(self.times)}, {both} of them with x and y"),
+            Row("times", f"{1e3 * self.times[0]:.4g} to {1e3 * self.times[-1]:.4g} ms"),
+            Row("farthest from the axis", f"x {extent[0]:.4g} um, y {extent[1]:.4g} um"),
+            Row("exposure", _known(self.exposure, 1e3, "ms")),
+        )
+        return Card("Track", self.name, rows)
+
+
+def _known(value: float | None, factor: float, unit: str) -> str:
+    return "not known" if value is None else f"{factor * value:.4g} {unit}"
 
 
 def _of_shapes(record: Recording | Track, axes: int) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,9 @@ from tweezer.dynamics.path import Passage, Path, passage
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.forces.force import Force
 from tweezer.io import scene_in
+from tweezer.rounding import located
 from tweezer.run import Run
+from tweezer.shown import Card, Row, Shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,8 +34,8 @@ CAPTURE_RADII = 0.1
 _PLACES = 1000
 
 
-@dataclass(frozen=True)
-class Summary:
+@dataclass(frozen=True, repr=False)
+class Summary(Shown):
     """Outcome of a run.
 
     Without thermal motion the numbers include the motion between the samples, so they do not depend
@@ -76,6 +79,38 @@ class Summary:
     """between the bead and the wall, or the nearer of two, m; None without a wall"""
     smallest_gap_error: float | None = None
     """m"""
+
+    def card(self) -> Card:
+        """Outcome, end, approach, force."""
+        doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
+        force = located(self.largest_force, self.force_error, 1e12, "pN")
+        largest = "not known" if math.isnan(self.largest_force) else force
+        rows = (*self.outcome_rows(doubt), *self.approach_rows(), Row("largest force", largest))
+        return Card("Summary", "", rows)
+
+    def outcome_rows(self, doubt: str = "") -> Iterator[Row]:
+        """What became of the bead, and where it was; `doubt` speaks against it."""
+        when = located(self.outcome_time, self.outcome_time_error, 1e3, "ms")
+        yield Row("outcome", f"{self.outcome}, {when}", doubt)
+        x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in self.end)  # no -0.0
+        yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
+        if self.smallest_gap is not None:
+            gap = located(self.smallest_gap, self.smallest_gap_error, 1e6, "um")
+            yield Row("smallest gap to the wall", gap)
+
+    def approach_rows(self) -> Iterator[Row]:
+        """How the bead came to the focus."""
+        overshoot = located(self.overshoot, self.overshoot_error, 1e6, "um")
+        yield Row("overshoot past the axis", overshoot)
+        approach = "none"
+        if self.closest_approach is not None and self.closest_approach_time is not None:
+            distance = located(self.closest_approach, self.closest_approach_error, 1e6, "um")
+            at = located(self.closest_approach_time, self.closest_approach_time_error, 1e3, "ms")
+            approach = f"{distance} at {at}"
+        yield Row("first closest approach", approach)
+        if self.largest_reynolds_number is not None:
+            number = self.largest_reynolds_number, self.largest_reynolds_number_error
+            yield Row("largest Reynolds number", located(*number, 1.0, ""))
 
 
 def summarise(run: xr.Dataset) -> Summary:

@@ -18,6 +18,8 @@ from tweezer.analysis.wall import Height
 from tweezer.analysis.whittle import inverse
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
+from tweezer.rounding import with_uncertainty
+from tweezer.shown import Card, Row, Shown, Table
 
 Array = NDArray[np.float64]
 
@@ -35,8 +37,8 @@ _SHIFT_ENDS = 0.05, 20.0
 _DIFFERENCE = 1e-5
 
 
-@dataclass(frozen=True)
-class Surface:
+@dataclass(frozen=True, repr=False)
+class Surface(Shown):
     """A wall, found by the drag beside it."""
 
     position: float
@@ -59,6 +61,29 @@ class Surface:
     """probability of drags further apart, by chi-square; None with as many parameters as drags"""
     findings: tuple[Finding, ...]
     """reasons not to trust it; empty if there are none"""
+
+    def card(self) -> Card:
+        """Place of the wall, shift, drag, heights."""
+        doubt = "; ".join(each.text for each in self.findings)
+        drag = _with_error(self.drag, self.drag_uncertainty, 1e9, "nN s/m")
+        rows = [
+            Row("focus, for the bead's centre in the wall",
+                _with_error(self.position, self.uncertainty, 1e6, "um"), doubt),
+            Row("the bead moves by", f"{_with_error(self.shift, self.shift_uncertainty)} of that"),
+            Row("drag far from the wall", drag),
+        ]  # fmt: skip
+        if self.p_value is not None:
+            rows.append(Row("p-value", f"{self.p_value:.2g}"))
+        heights = tuple(
+            (f"{i}", _with_error(each.distance, each.uncertainty, 1e6, "um"))
+            for i, each in enumerate(self.heights, start=1)
+        )
+        return Card("Surface", "", tuple(rows), (Table(("recording", "height"), heights),))
+
+
+def _with_error(value: float, error: float | None, factor: float = 1.0, unit: str = "") -> str:
+    told = with_uncertainty(factor * value, factor * error) if error else f"{factor * value:.4g}"
+    return f"{told} {unit}".rstrip()
 
 
 def find_wall(

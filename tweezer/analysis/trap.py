@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,15 +31,21 @@ from tweezer.optics import (
     optical_torque,
     ray_optics_caveat,
     ray_optics_worth,
+    rows_of_light,
     sampled,
     total_power,
 )
 from tweezer.optics.light import SPEED_OF_LIGHT
+from tweezer.optics.worth import between
+from tweezer.rounding import micrometres, three
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown, Table
 
 Array = NDArray[np.float64]
 
 
+#: Part of the stiffness below which one across the axes is not shown
+_NEGLIGIBLE = 1e-6
 #: Smallest number of places that are a line, whose forces are kept for other powers
 _LINE = 100
 
@@ -53,11 +60,11 @@ class Efficiency:
     """where on that axis, m from the focus"""
 
 
-@dataclass(frozen=True)
-class Trap:
+@dataclass(frozen=True, repr=False)
+class Trap(Shown):
     """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
 
-    scene: Scene = field(repr=False, compare=False)
+    scene: Scene = field(compare=False)
     """the scene that it is the trap of"""
     power_through_pupil: float
     """P, W, of all beams, without their modulation"""
@@ -124,15 +131,119 @@ class Trap:
         """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
         return doubt(self.scene, self.equilibrium, self.reach, self.absorbed_power)
 
-    def __repr__(self) -> str:
-        """In short: equilibrium and stiffness."""
-        told = "no stable equilibrium"
-        if self.equilibrium is not None:
-            stiffness = ", ".join(f"{1e6 * self.equilibrium.stiffness[i][i]:.4g}" for i in range(3))
-            x, y, z = (1e6 * c for c in self.equilibrium.position)
-            place = f"z = {z:.4g}" if x == y == 0.0 else f"({x:.4g}, {y:.4g}, {z:.4g})"
-            told = f"equilibrium at {place} um, stiffness {stiffness} pN/um"
-        return f"<Trap by {self.evaluator}, {1e3 * self.power_through_pupil:.4g} mW: {told}>"
+    def card(self) -> Card:
+        """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
+
+        The lifetime is among it once it was asked for: it takes a while to compute.
+        """
+        share = self.fraction_through_pupil
+        power = f"{1e3 * self.power_through_pupil:.4g} mW"
+        power += "" if share is None else f", {100 * share:.4g} % of the beam"
+        return Card(
+            "Trap", self.scene.name,
+            (
+                Row("power through the pupil", power), *self._efficiencies(), *self._held(),
+                *self._others(), Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
+                Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
+            ),
+            (self._escapes(),) if self.escapes else (),
+        )  # fmt: skip
+
+    def _efficiencies(self) -> Iterator[Row]:
+        if not self.scene.plain:
+            return
+        for name, found in (
+            ("backward Q, largest", self.backward_efficiency),
+            ("lateral Q, largest", self.lateral_efficiency),
+        ):
+            told = "none" if found is None else f"{found.Q:.4g}, at {micrometres(found.at)} um"
+            yield Row(name, told, detail=True)
+
+    def _held(self) -> Iterator[Row]:
+        """Rows of the equilibrium."""
+        place, worth = self.equilibrium, self.ray_optics
+        if place is None or self.corner_frequencies is None:
+            resting = "; it rests on the wall" if self.rests else ""
+            yield Row("equilibrium", f"no stable equilibrium{resting}")
+            return
+        (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
+        doubt = "" if worth is None or worth.trusted else "not to be trusted"
+        if self.scene.plain:
+            where = f"z = {micrometres(place.position[2])} um"
+            yield Row("stable equilibrium", where if doubt else f"{where}, on the axis", doubt)
+        else:
+            yield Row("stable equilibrium", _where(place), doubt)
+        if worth and worth.equilibrium_shift:
+            low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
+            yield Row("  by wave optics", f"{low} to {high} um from there", detail=True)
+        yield Row("stiffness (x, y, z)", f"{three(1e6 * kx, 1e6 * ky, 1e6 * kz)} pN/um", doubt)
+        if abs(kxy + kyx) > _NEGLIGIBLE * kx:
+            told = f"{1e6 * (kxy + kyx) / 2:.4g} pN/um"
+            yield Row("stiffness, xy", told, doubt, detail=True)
+        if abs(place.turn) > _NEGLIGIBLE * kx:
+            turn = f"{1e6 * place.turn:.4g} pN/um, (dFy/dx - dFx/dy)/2"
+            yield Row("push round the axis", turn, detail=True)
+        if worth and worth.stiffness_across:
+            across, along_z = between(worth.stiffness_across), between(worth.stiffness_along)
+            yield Row("  by wave optics", f"{across} times that, z {along_z} times")
+        if self.gap is not None and self.drag is not None:
+            yield Row("gap to the wall there", f"{micrometres(self.gap)} um")
+            drag = three(*(1e9 * each for each in self.drag))
+            yield Row("drag there (x, y, z)", f"{drag} nN s/m", detail=True)
+        yield Row("corner frequencies", f"{three(*self.corner_frequencies)} Hz", doubt)
+        if "lifetime" not in vars(self):
+            yield Row("held for", "not yet computed: `lifetime` does")
+        elif self.lifetime or self.lifetime_caveat:
+            told = self.lifetime.words if self.lifetime else ""
+            speaks = ", ".join(filter(None, (doubt if told else "", self.lifetime_caveat)))
+            yield Row("held for", told, speaks)
+        if self.absorbed_power is not None and self.torque is not None:
+            yield Row("absorbed power", f"{1e3 * self.absorbed_power:.4g} mW", detail=True)
+            torque = three(*(1e18 * each for each in self.torque))
+            yield Row("torque about the bead's centre", f"{torque} pN um", detail=True)
+
+    def _others(self) -> Iterator[Row]:
+        """Rows of the other equilibria."""
+        others = [each for each in self.equilibria if each is not self.equilibrium]
+        if not self.scene.plain:
+            for each in others:
+                kind = "another equilibrium" if each.stable else "unstable equilibrium"
+                yield Row(kind, _where(each), detail=True)
+            return
+        for name, stable in (("other stable equilibria", True), ("unstable equilibria", False)):
+            heights = [micrometres(each.position[2]) for each in others if each.stable == stable]
+            if heights:
+                yield Row(name, f"z = {', '.join(heights)} um", detail=True)
+
+    def _escapes(self) -> Table:
+        worth = self.ray_optics
+        headings = ["escape", "force, pN", "at, um", "energy, kT", "range, um"]
+        rows = []
+        for each in self.escapes:
+            end = f"over {1e6 * self.reach:.4g}"
+            if each.wall_at is not None:
+                end = f"wall at {micrometres(each.wall_at)}"
+            elif each.range is not None:
+                end = f"{1e6 * each.range:.4g}"
+            cells = [
+                each.direction, f"{1e12 * each.force:.4g}", f"{1e6 * each.force_at:.4g}",
+                f"{each.energy_kT:.4g}", end,
+            ]  # fmt: skip
+            if worth and not worth.trusted:
+                cells.append("not to be trusted")
+            elif worth and worth.escape_across:
+                axial = {"+z": worth.escape_forward, "-z": worth.escape_backward}
+                cells.append(between(axial.get(each.direction, worth.escape_across)))
+            elif worth:
+                cells.append("")
+            rows.append(tuple(cells))
+        if worth:
+            headings.append("by waves, times")
+        return Table(tuple(headings), tuple(rows))
+
+
+def _where(place: Equilibrium) -> str:
+    return f"{', '.join(map(micrometres, place.position))} um"
 
 
 def characterise(scene: Scene) -> Trap:

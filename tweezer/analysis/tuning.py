@@ -15,7 +15,9 @@ from tweezer.dynamics.budget import TIGHTER
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.errors import TweezerError
+from tweezer.rounding import located, time_taken
 from tweezer.scene import Scene, checked_scene
+from tweezer.shown import Card, Row, Shown, Table
 
 #: Number of a2 per decade, from epsilon to 1, if none are given
 _PER_DECADE = 3
@@ -38,9 +40,16 @@ class Tuned:
     seconds: float
     """run time, s, compiled"""
 
+    @property
+    def off(self) -> str:
+        """The deviation in words."""
+        if self.deviation is None:
+            return "failed"
+        return located(self.deviation, self.deviation_error, 1e6, "um")
 
-@dataclass(frozen=True)
-class Tuning:
+
+@dataclass(frozen=True, repr=False)
+class Tuning(Shown):
     """Deviation of the scaled from the unscaled response, by scaling factor."""
 
     entries: list[Tuned]
@@ -52,6 +61,40 @@ class Tuning:
     """m/beta_v (4.6) in the thesis's unit of time, 1 ms: its first guess of a2"""
     unscaled: Tuned
     """the unscaled equations by the exponential method"""
+
+    def card(self) -> Card:
+        """The first guess, the range of the factors, and a table of all."""
+        last, *_, first = sorted(self.entries, key=lambda each: each.scaling_factor)
+        failed = sum(each.deviation is None for each in self.entries)
+        return Card(
+            "Tuning", "",
+            (
+                Row("compared over", f"{1e3 * self.duration:.4g} ms, by {self.method}"),
+                Row("epsilon", f"{self.epsilon:.3g}"),
+                Row(
+                    "scaling factors a2",
+                    f"{len(self.entries)}, {first.scaling_factor:.3g} to {last.scaling_factor:.3g}",
+                    f"{failed} failed" if failed else "",
+                ),
+                *(
+                    Row(f"off the unscaled bead, a2 = {each.scaling_factor:.3g}", each.off)
+                    for each in (first, last)
+                ),
+            ),
+            (self.table(),),
+        )  # fmt: skip
+
+    def table(self) -> Table:
+        """A row for each scaling factor, and one of the unscaled equations."""
+        headings = ("a2", "off the unscaled bead", "steps", "force calls", "time")
+        rows = tuple(
+            (
+                "unscaled" if each is self.unscaled else f"{each.scaling_factor:.3g}", each.off,
+                f"{each.steps}", f"{each.force_calls}", time_taken(each.seconds),
+            )
+            for each in [*self.entries, self.unscaled]
+        )  # fmt: skip
+        return Table(headings, rows)
 
     def most_scaling_within(self, deviation: float) -> Tuned | None:
         """The entry of smallest a2, that is most scaling, that deviates by no more than this, m."""

@@ -6,16 +6,8 @@ import math
 from collections.abc import Iterator
 
 from tweezer.analysis.calibration import AxisCalibration
-from tweezer.analysis.free import Diffusion
+from tweezer.analysis.free import INFERRED, Diffusion
 from tweezer.rounding import rounded, with_uncertainty
-
-#: What is inferred in words, with the factor to its unit and the unit.
-_INFERRED = {
-    "viscosity": ("viscosity", 1e3, "mPa s"),
-    "radius": ("radius", 1e9, "nm"),
-    "drag": ("drag", 1e9, "nN s/m"),
-    "Boltzmann": ("Boltzmann's constant", 1e23, "10^-23 J/K"),
-}
 
 #: Parameters of a detector in words, with the factor to their unit and the unit.
 _DETECTOR = {
@@ -87,7 +79,7 @@ def diffusion_in_words(free: Diffusion, unit: str) -> str:
     parts = [f"{axes}: no trap is seen; as of a free bead: diffusion {told}"]
     inferred = free.inferred
     if inferred is not None and free.interval[0]:
-        name, factor, of = _INFERRED[inferred.name]
+        name, factor, of = INFERRED[inferred.name]
         told = _with_interval(inferred.value, relative, inferred.interval, factor, of)
         parts.append(f"{name} {told}")
     if free.expected is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,7 +20,7 @@ from tweezer.cli.console import (
     write_json,
 )
 from tweezer.cli.free import print_free
-from tweezer.cli.tables import table_of
+from tweezer.cli.tables import print_table, table_of
 from tweezer.errors import ResultError
 from tweezer.rounding import rounded, with_uncertainty
 
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from tweezer.analysis import (
         AxisCalibration,
         Calibration,
-        Finding,
         Height,
         Recording,
         Surface,
@@ -318,26 +316,11 @@ def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     """A table of estimates, and below it numbered notes on what speaks against them."""
     from tweezer.analysis.wording import axis_in_words
 
-    every = [*axis.findings, *(f for estimate in axis.estimates for f in estimate.findings)]
-    listed = [finding for finding in dict.fromkeys(every) if finding.name != "undetermined"]
-
-    def mark(against: Iterable[Finding]) -> str:
-        numbers = ", ".join(str(listed.index(f) + 1) for f in against if f in listed)
-        return numbers and f"not trusted: {numbers}"
-
-    table = table_of(f"{axis.axis}: stiffness by", "pN/um", "+-", "")
-    for estimate in axis.estimates:
-        k, error = rounded(1e6 * estimate.stiffness, 1e6 * estimate.uncertainty)
-        judgement = mark(estimate.findings)
-        if any(finding.name == "undetermined" for finding in estimate.findings):
-            k = error = "-"
-            judgement = "; ".join(filter(None, ["not determined", judgement]))
-        table.add_row(estimate.method, k, error, judgement)
-    OUT.print(table)
-    for number, finding in enumerate(listed, 1):
+    print_table(axis.table())
+    for number, finding in enumerate(axis.listed, 1):
         OUT.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
     spectrum, *told = axis_in_words(axis, unit)
-    against = mark(axis.findings)
+    against = axis.mark(axis.findings)
     for line in (f"{spectrum}; {against}" if against else spectrum, *told):
         OUT.print(line, highlight=False, soft_wrap=True)
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -23,20 +22,14 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
     FIGURE_FORMATS,
-    OUT,
     showing_progress,
     tell_written,
     writable,
     write_figure,
     write_json,
 )
-from tweezer.cli.tables import add_light, table_of
+from tweezer.cli.tables import print_card
 from tweezer.errors import ResultError
-from tweezer.rounding import with_uncertainty
-
-if TYPE_CHECKING:
-    from tweezer.analysis import DepthFit
-    from tweezer.scene import Scene
 
 
 @app.command("fit-depth")
@@ -97,7 +90,7 @@ def fit_depth(
 
     from tweezer.analysis import fit_depth as fitted
     from tweezer.analysis import load_track
-    from tweezer.optics import ray_optics_worth
+    from tweezer.optics import ray_optics_worth, rows_of_light
 
     loaded = load_track(track, columns=columns, rate=rate, scale=scale)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
@@ -112,7 +105,8 @@ def fit_depth(
             fit=fit or (),
             progress=progress,
         )
-    _print_depth(found, described)
+    card = found.card()
+    print_card(dataclasses.replace(card, rows=(*card.rows, *rows_of_light(described))))
     if out:
         result = {
             field.name: getattr(found, field.name)
@@ -130,23 +124,3 @@ def fit_depth(
 
         write_figure(depth_figure(loaded, found), plot)
     tell_written(out, plot)
-
-
-def _print_depth(found: DepthFit, scene: Scene) -> None:
-    table = table_of(f"{found.name}, {found.scene}", "")
-    table.add_row("start in z", f"{1e6 * found.z:.4g} um from the focus")
-    pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in found.intervals)
-    table.add_row("95 % confidence", f"{pieces} um")
-    others = ", ".join(f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in found.minima[1:])
-    table.add_row("other minima (misfit above)", others or "none")
-    for each in found.parameters:
-        scale, unit = (1e6, "um") if each.unit == "m" else (1.0, each.unit)
-        uncertainty = math.nan if each.uncertainty is None else each.uncertainty
-        value = f"{with_uncertainty(scale * each.value, scale * uncertainty)} {unit}".rstrip()
-        unknown = ", not determined" if each.uncertainty is None else ""
-        table.add_row(each.name, value + unknown)
-    table.add_row("frames, outliers", f"{found.frames}, {found.outliers}")
-    table.add_row("residuals white, p", f"{found.p_value:.2g}")
-    add_light(table, scene)
-    OUT.print(table)
-    OUT.print(found.statement, highlight=False, soft_wrap=True)

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import math
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -24,19 +22,14 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_key, complete_scene
 from tweezer.cli.console import (
     FIGURE_FORMATS,
-    OUT,
     showing_progress,
     tell_written,
     writable,
     write_figure,
     write_json,
 )
-from tweezer.cli.tables import add_light, table_of
+from tweezer.cli.tables import print_card
 from tweezer.errors import SceneError
-from tweezer.rounding import with_uncertainty
-
-if TYPE_CHECKING:
-    from tweezer.analysis import FittedKey, SceneFit
 
 
 @app.command()
@@ -96,7 +89,7 @@ def fit(
     ]
     with showing_progress(loaded[0].name, 1.0) as progress:
         found = fitted(loaded, described, free=free, progress=progress)
-    _print_fit(found)
+    print_card(found.card())
     if out:
         result = {
             field.name: getattr(found, field.name)
@@ -111,25 +104,3 @@ def fit(
 
         write_figure(fit_figure(found), plot)
     tell_written(out, plot)
-
-
-def _print_fit(found: SceneFit) -> None:
-    table = table_of(", ".join(Path(name).name for name in found.names), "", "95 % confidence")
-    for each in found.keys:
-        table.add_row(each.key, *_told(each))
-    table.add_row("frames", f"{found.frames}", "")
-    table.add_row("residuals white, p", f"{found.p_value:.2g}", "")
-    add_light(table, found.scene)
-    OUT.print(table)
-    OUT.print(found.statement, highlight=False, soft_wrap=True)
-
-
-def _told(key: FittedKey) -> tuple[str, str]:
-    """Value and interval of a key, in the usual unit of its size."""
-    from tweezer.units import usual_unit
-
-    factor, unit = usual_unit(key.value, key.unit)
-    uncertainty = math.nan if key.uncertainty is None else key.uncertainty / factor
-    value = f"{with_uncertainty(key.value / factor, uncertainty)} {unit}".rstrip()
-    ends = ["not told" if end is None else f"{end / factor:.4g}" for end in key.interval]
-    return value if key.determined else f"{value}, not determined", " to ".join(ends)

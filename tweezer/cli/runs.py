@@ -24,13 +24,10 @@ from tweezer.cli.console import (
     writable,
     write_figure,
 )
-from tweezer.cli.tables import add_light, located, table_of
+from tweezer.cli.tables import add_light, add_rows, table_of
 from tweezer.errors import PhysicsWarning, ResultError
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from tweezer.analysis import Summary
     from tweezer.run import Run
     from tweezer.scene import Scene
 
@@ -158,19 +155,13 @@ def _print_summary(scene: Scene, result: Run) -> None:
 
     summary = summary_of(result)
     attributes = result.attributes
-    x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in summary.end)  # no -0.0
     model: str = attributes["model"]
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
     table = table_of(scene.name, "")
-    when = located(summary.outcome_time, summary.outcome_time_error, 1e3, "ms")
-    table.add_row("outcome", f"{summary.outcome}, {when}")
-    table.add_row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
-    if summary.smallest_gap is not None:
-        gap = located(summary.smallest_gap, summary.smallest_gap_error, 1e6, "um")
-        table.add_row("smallest gap to the wall", gap)
+    add_rows(table, summary.outcome_rows())
     if not scene.forces.brownian:
-        _add_approach(table, summary)
+        add_rows(table, summary.approach_rows())
     if scene.draws:
         of = "thermal motion" if scene.forces.brownian else "noise"
         table.add_row(f"seed of the {of}", f"{attributes['seed']}")
@@ -205,18 +196,3 @@ def _print_summary(scene: Scene, result: Run) -> None:
         seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
     table.add_row("time", seconds)
     OUT.print(table)
-
-
-def _add_approach(table: Table, summary: Summary) -> None:
-    overshoot = located(summary.overshoot, summary.overshoot_error, 1e6, "um")
-    table.add_row("overshoot past the axis", overshoot)
-    approach = "none"
-    if summary.closest_approach is not None and summary.closest_approach_time is not None:
-        distance = located(summary.closest_approach, summary.closest_approach_error, 1e6, "um")
-        at = located(summary.closest_approach_time, summary.closest_approach_time_error, 1e3, "ms")
-        approach = f"{distance} at {at}"
-    table.add_row("first closest approach", approach)
-    number = located(
-        summary.largest_reynolds_number or 0.0, summary.largest_reynolds_number_error, 1.0, ""
-    )
-    table.add_row("largest Reynolds number", number)

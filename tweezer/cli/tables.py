@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from rich.console import Console
@@ -10,57 +10,50 @@ from rich.console import Console
 from tweezer.cli.console import OUT
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
     from tweezer.scene import Scene
+    from tweezer.shown import Card, Row, Table
 
 
-def add_light(table: Table, scene: Scene) -> None:
+def add_light(table: RichTable, scene: Scene) -> None:
     """Add the theory of the light, why it is that one, and what ray optics is worth."""
-    from tweezer.optics import ray_optics_worth
+    from tweezer.optics import rows_of_light
 
-    table.add_row("light", theory_of(scene))
-    if worth := ray_optics_worth(scene):
-        table.add_row("ray optics", worth.in_short)
+    add_rows(table, rows_of_light(scene))
 
 
-def theory_of(scene: Scene) -> str:
-    """Theory of the light of a scene, and why it is that one."""
-    return f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"
+def add_rows(table: RichTable, rows: Iterable[Row]) -> None:
+    """Add rows of a result, each with what speaks against it."""
+    for row in rows:
+        table.add_row(row.name, row.told)
 
 
-def time_taken(seconds: float) -> str:
-    """Seconds, or milliseconds if it is less than one."""
-    return f"{seconds:.3g} s" if seconds >= 1 else f"{1e3 * seconds:.3g} ms"
+def print_card(card: Card) -> None:
+    """Print a result: its rows, its tables, and its notes."""
+    table = table_of(card.of, "")
+    add_rows(table, card.rows)
+    OUT.print(table)
+    for each in card.tables:
+        print_table(each)
+    for note in card.notes:
+        OUT.print(note, highlight=False, soft_wrap=True)
 
 
-def located(value: float, error: float | None, scale: float, unit: str) -> str:
-    """A number of a run, rounded to its error if that is known."""
-    text = f"{scale * value:.3g}"
-    if error == 0:
-        text = f"{scale * value:.4g}"
-    elif error is not None:
-        digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
-        text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
-    return f"{text} {unit}".rstrip()
+def print_table(cells: Table) -> None:
+    """Print a table of a result."""
+    table = table_of(*cells.headings)
+    for row in cells.rows:
+        table.add_row(*row)
+    OUT.print(table)
 
 
-def micrometres(metres: float) -> str:
-    """Four digits, without -0 and without rounding errors of zero."""
-    return f"{round(1e6 * metres, 9) + 0.0:.4g}"
-
-
-def three(x: float, y: float, z: float) -> str:
-    """Three numbers with four digits."""
-    return f"{x:.4g}, {y:.4g}, {z:.4g}"
-
-
-def table_of(*headings: str) -> Table:
+def table_of(*headings: str) -> RichTable:
     """An empty table with these headings."""
     from rich import box
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
-    return Table(*headings, box=box.SIMPLE_HEAD)
+    return RichTable(*headings, box=box.SIMPLE_HEAD)
 
 
 def print_rows(rows: list[list[str]]) -> None:

@@ -33,25 +33,18 @@ from tweezer.cli.console import (
     write_json,
 )
 from tweezer.cli.tables import (
-    located,
-    micrometres,
+    print_card,
     print_rows,
-    table_of,
-    theory_of,
-    three,
-    time_taken,
+    print_table,
 )
 from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.rounding import micrometres, three
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from tweezer.analysis import Efficiency, Escape, Trap
-    from tweezer.equilibria import Equilibrium
+    from tweezer.analysis import Trap
     from tweezer.scene import Scene
-
-#: Part of the stiffness below which one across the axes is not shown
-_NEGLIGIBLE = 1e-6
 
 
 @app.command()
@@ -89,7 +82,8 @@ def trap(
     from tweezer.analysis import characterise
 
     characterised = characterise(described)
-    _print_trap(described, characterised)
+    _ = characterised.lifetime  # computed where it is asked for
+    print_card(characterised.card())
     if out:
         _write_trap(described, characterised, out)
     if plot:
@@ -170,16 +164,7 @@ def tune(
     bind_light(described)
     with showing_progress(described.name, 1.0) as progress:
         tuning = compared(described, factor, method=method, progress=progress)
-    table = table_of("a2", "off the unscaled bead", "steps", "force calls", "time")
-    for entry in [*tuning.entries, tuning.unscaled]:
-        first = "unscaled" if entry is tuning.unscaled else f"{entry.scaling_factor:.3g}"
-        off = "failed"
-        if entry.deviation is not None:
-            off = located(entry.deviation, entry.deviation_error, 1e6, "um")
-        table.add_row(
-            first, off, f"{entry.steps}", f"{entry.force_calls}", time_taken(entry.seconds)
-        )
-    OUT.print(table)
+    print_table(tuning.table())
     most = tuning.most_scaling_within(allowed)
     found = "none of these a2" if most is None else f"a2 down to {most.scaling_factor:.3g}"
     OUT.print(
@@ -193,74 +178,6 @@ def tune(
 
         write_figure(tuning_figure(tuning, described.title), plot)
     tell_written(out, plot)
-
-
-def _print_trap(scene: Scene, characterised: Trap) -> None:
-    from tweezer.optics.worth import between
-
-    table = table_of(scene.name, "")
-    power = f"{1e3 * characterised.power_through_pupil:.4g} mW"
-    if characterised.fraction_through_pupil is not None:
-        power += f", {100 * characterised.fraction_through_pupil:.4g} % of the beam"
-    table.add_row("power through the pupil", power)
-    if scene.plain:
-        table.add_row("backward Q, largest", _efficiency(characterised.backward_efficiency))
-        table.add_row("lateral Q, largest", _efficiency(characterised.lateral_efficiency))
-    place, frequencies = characterised.equilibrium, characterised.corner_frequencies
-    if place is None or frequencies is None:
-        on_wall = "; it rests on the wall" if characterised.rests else ""
-        table.add_row("equilibrium", f"no stable equilibrium{on_wall}")
-    else:
-        (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
-        worth = characterised.ray_optics
-        doubt = "" if worth is None or worth.trusted else ", not to be trusted"
-        where = f"z = {micrometres(place.position[2])} um, {doubt[2:] or 'on the axis'}"
-        table.add_row("stable equilibrium", where if scene.plain else f"{_where(place)}{doubt}")
-        if worth and worth.equilibrium_shift:
-            low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
-            table.add_row("  by wave optics", f"{low} to {high} um from there")
-        stiffness = three(1e6 * kx, 1e6 * ky, 1e6 * kz)
-        table.add_row("stiffness (x, y, z)", f"{stiffness} pN/um{doubt}")
-        if abs(kxy + kyx) > _NEGLIGIBLE * kx:
-            table.add_row("stiffness, xy", f"{1e6 * (kxy + kyx) / 2:.4g} pN/um{doubt}")
-        if abs(place.turn) > _NEGLIGIBLE * kx:
-            turn = f"{1e6 * place.turn:.4g} pN/um, (dFy/dx - dFx/dy)/2"
-            table.add_row("push round the axis", turn)
-        if worth and worth.stiffness_across:
-            across, along = between(worth.stiffness_across), between(worth.stiffness_along)
-            table.add_row("  by wave optics", f"{across} times that, z {along} times")
-        if characterised.gap is not None and characterised.drag is not None:
-            table.add_row("gap to the wall there", f"{micrometres(characterised.gap)} um")
-            drag = three(*(1e9 * each for each in characterised.drag))
-            table.add_row("drag there (x, y, z)", f"{drag} nN s/m")
-        table.add_row("corner frequencies", f"{three(*frequencies)} Hz{doubt}")
-        held, caveat = characterised.lifetime, characterised.lifetime_caveat
-        told = [f"{held.words}{doubt}"] if held else []
-        table.add_row("held for", ", ".join([*told, *([caveat] if caveat else [])]))
-    if characterised.absorbed_power is not None and characterised.torque is not None:
-        table.add_row("absorbed power", f"{1e3 * characterised.absorbed_power:.4g} mW")
-        torque = three(*(1e18 * each for each in characterised.torque))
-        table.add_row("torque about the bead's centre", f"{torque} pN um")
-    others = [each for each in characterised.equilibria if each.stable and each is not place]
-    if others and scene.plain:
-        heights = ", ".join(micrometres(each.position[2]) for each in others)
-        table.add_row("other stable equilibria", f"z = {heights} um")
-    unstable = [each for each in characterised.equilibria if not each.stable]
-    if unstable and scene.plain:
-        heights = ", ".join(micrometres(each.position[2]) for each in unstable)
-        table.add_row("unstable equilibria", f"z = {heights} um")
-    elif not scene.plain:
-        for each in characterised.equilibria:
-            if each is not place:
-                kind = "another equilibrium" if each.stable else "unstable equilibrium"
-                table.add_row(kind, _where(each))
-    error = characterised.force_error
-    table.add_row("error of the force", f"{1e12 * error:.1g} pN")
-    table.add_row("force by", characterised.evaluator)
-    table.add_row("light", theory_of(scene))
-    OUT.print(table)
-    if characterised.escapes:
-        _print_escapes(characterised)
 
 
 def _print_heights(found: xr.Dataset) -> None:
@@ -285,45 +202,6 @@ def _print_heights(found: xr.Dataset) -> None:
             three(*at["corner_frequency"].values),
         ])  # fmt: skip
     print_rows(rows)
-
-
-def _where(place: Equilibrium) -> str:
-    return f"{', '.join(map(micrometres, place.position))} um"
-
-
-def _print_escapes(characterised: Trap) -> None:
-    from tweezer.optics.worth import between
-
-    worth = characterised.ray_optics
-    beyond = f"over {1e6 * characterised.reach:.4g}"
-    headings = ("escape", "force, pN", "at, um", "energy, kT", "range, um")
-    table = table_of(*headings, *(["by waves, times"] if worth else []))
-    for escape in characterised.escapes:
-        by_waves = ""
-        if worth and not worth.trusted:
-            by_waves = "not to be trusted"
-        elif worth and worth.escape_across:
-            axial = {"+z": worth.escape_forward, "-z": worth.escape_backward}
-            by_waves = between(axial.get(escape.direction, worth.escape_across))
-        table.add_row(
-            escape.direction,
-            f"{1e12 * escape.force:.4g}",
-            f"{1e6 * escape.force_at:.4g}",
-            f"{escape.energy_kT:.4g}",
-            _range(escape, beyond),
-            *([by_waves] if worth else []),
-        )
-    OUT.print(table)
-
-
-def _range(escape: Escape, beyond: str) -> str:
-    if escape.wall_at is not None:
-        return f"wall at {micrometres(escape.wall_at)}"
-    return beyond if escape.range is None else f"{1e6 * escape.range:.4g}"
-
-
-def _efficiency(found: Efficiency | None) -> str:
-    return "none" if found is None else f"{found.Q:.4g}, at {micrometres(found.at)} um"
 
 
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:

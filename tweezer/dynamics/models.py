@@ -28,6 +28,7 @@ from tweezer.forces.force import Force, bound, numbered
 from tweezer.forces.wall import BORN
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
+from tweezer.shown import Card, Row, Shown
 
 cache_functions(kinematics)
 
@@ -59,8 +60,8 @@ class Motion:
     """(n, 3) rad/s, body frame; None where the other two are"""
 
 
-@dataclass
-class EquationsOfMotion:
+@dataclass(repr=False)
+class EquationsOfMotion(Shown):
     """One emitted model with a scene's parameters and light.
 
     `rhs(t, y)` and `jacobian(t, y)` are plain callables for any solver, `initial_state` is
@@ -92,10 +93,16 @@ class EquationsOfMotion:
         self.initial_state = self._initial_state()
         self.absolute_tolerance = self._absolute_tolerance()
 
-    def __repr__(self) -> str:
-        """In short: model, scene, variables."""
-        variables = ", ".join(self.module.STATE)
-        return f"<EquationsOfMotion {self.name} of {self.scene.name!r} in {variables}>"
+    def card(self) -> Card:
+        """Model, variables, tolerances."""
+        simulation = self.scene.simulation
+        rows = (
+            Row("model", f"{simulation.model}, emitted as {self.name}"),
+            Row("variables", ", ".join(self.module.STATE)),
+            Row("relative tolerance", f"{simulation.relative_tolerance:g}"),
+            Row("force calls so far", f"{self.force_calls}"),
+        )
+        return Card("EquationsOfMotion", self.scene.name, rows)
 
     @functools.cached_property
     def relaxation(self) -> Relaxation:

@@ -25,6 +25,7 @@ from tweezer.optics.worth import (
     RayOpticsWorth,
     ray_optics_caveat,
     ray_optics_worth,
+    rows_of_light,
     worth_attributes,
 )
 
@@ -47,6 +48,7 @@ __all__ = [
     "optical_torque",
     "ray_optics_caveat",
     "ray_optics_worth",
+    "rows_of_light",
     "sampled",
     "total_power",
     "worth_attributes",

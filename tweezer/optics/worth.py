@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
 from tweezer.scene import Scene
+from tweezer.shown import Row
 from tweezer.theory import no_waves
 
 Array = NDArray[np.float64]
@@ -259,6 +260,13 @@ def _range(values: Array, margin: float = 1.0) -> Range | None:
 def _percent(errors: Range | None) -> str:
     """The upper end of a range of errors in words: "12 %"; "" without one."""
     return "" if errors is None else f"{float(f'{100 * errors[1]:.2g}'):g} %"
+
+
+def rows_of_light(scene: Scene) -> list[Row]:
+    """The theory of the light, why it is that one, and what ray optics is worth."""
+    theory = f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"
+    worth = ray_optics_worth(scene)
+    return [Row("light", theory), *([Row("ray optics", worth.in_short)] if worth else [])]
 
 
 def between(ratios: Range | None) -> str:
