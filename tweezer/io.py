@@ -37,8 +37,9 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
     it cannot be written.
     """
     path = Path(path)
+    no_fill: dict[Any, Any] = {name: {"_FillValue": None} for name in run.coords}  # as CF wants
     with _no_cluster():
-        content = run.to_netcdf(engine=_ENGINE)
+        content = run.to_netcdf(engine=_ENGINE, encoding=no_fill)
     _write_sealed(content, path)
     return path
 
@@ -56,7 +57,7 @@ def write_run(run: Run, path: Path) -> None:
                 file.dimensions.setdefault(dimension, length)
             text = values.dtype.kind == "U"
             stored = values.astype(h5py.string_dtype()) if text else values
-            fill = None if text else np.nan
+            fill = None if text or name in run.coordinates else np.nan
             made = file.create_variable(name, dimensions, data=stored, fillvalue=fill)
             made.attrs.update(attributes)
             if beside := run.beside(name):

@@ -61,3 +61,9 @@ class Run:
 def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> Variable:
     """A variable with its unit and name."""
     return dimensions, values, {"units": units, "long_name": long_name}
+
+
+def with_error(described: Variable, error: str) -> Variable:
+    """A variable whose error is the variable of that name (CF Conventions, 3.4)."""
+    dimensions, values, attributes = described
+    return dimensions, values, {**attributes, "ancillary_variables": error}

@@ -34,7 +34,7 @@ from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
 from tweezer.scene import Scene, checked_scene
-from tweezer.version import versions
+from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -251,13 +251,14 @@ def _run(
         coordinates["euler_parameter"] = (
             ("euler_parameter",),
             np.array(["e0", "e1", "e2", "e3"]),
-            {},
+            {"long_name": "Euler parameter"},
         )
         variables["orientation"] = variable(
             ("time", "euler_parameter"), motion.orientation, "1", "Euler parameters"
         )
     if motion.angular_velocity is not None:
-        coordinates["body_axis"] = ("body_axis",), np.array(["P1", "P2", "P3"]), {}
+        about = {"long_name": "axis of the body"}
+        coordinates["body_axis"] = ("body_axis",), np.array(["P1", "P2", "P3"]), about
         variables["angular_velocity"] = variable(
             ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
         )
@@ -297,6 +298,7 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         **worth_attributes(scene),
         "chosen": why,
         **versions(),
+        **made_by("simulate", dated=True),
     }
 
 

@@ -1,5 +1,6 @@
-"""Versions of tweezer and of the libraries that its numbers depend on."""
+"""Versions of tweezer and of the libraries that its numbers depend on; what made a result."""
 
+import datetime as dt
 import functools
 import importlib.metadata
 
@@ -13,3 +14,20 @@ def versions() -> dict[str, str]:
         f"{name}_version": importlib.metadata.version(name) for name in ("numpy", "scipy", "numba")
     }
     return {"tweezer_version": __version__, **libraries}
+
+
+#: Attributes that say of what form a result is and what made it, and nothing of its numbers
+FORMAL = ("Conventions", "history", "title")
+
+
+def made_by(what: str, *, dated: bool) -> dict[str, str]:
+    """`Conventions` and `history` of a dataset (CF Conventions 1.11, 2.6.1 and 2.6.2).
+
+    what: the function that made it. dated: with the time of day; results that must have the same
+    bytes whenever they are computed go without.
+    """
+    history = f"tweezer {__version__}: {what}"
+    if dated:
+        now = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
+        history = f"{now}: {history}"
+    return {"Conventions": "CF-1.11", "history": history}

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
-from tweezer.run import Variable, variable
+from tweezer.run import Variable, variable, with_error
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     terminal = net_force * problem.mobilities(places, times)[:, :3]
     potential = -places @ weight
     variables = {
-        "optical_force": _vector(light.force, "N", "force of the light"),
+        "optical_force": with_error(_vector(light.force, "N", "force of the light"), "force_error"),
         "force_error": _number(
             problem.light.error_of(places, light, times), "N", "error of the force of the light"
         ),

@@ -18,10 +18,10 @@ from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import nearest_stable
 from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import evaluators_of
-from tweezer.run import variable
+from tweezer.run import variable, with_error
 from tweezer.scene import Scene, checked_scene
 from tweezer.units import WALL
-from tweezer.version import versions
+from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,5 +167,7 @@ def _dataset(
         "status": status,
         "force_evaluator": evaluators_of(at_height(scene, float(heights[0]))) if len(rows) else "",
         **versions(),
+        **made_by("trap_over_heights", dated=True),
     }
+    variables["equilibrium"] = with_error(variables["equilibrium"], "equilibrium_error")
     return xr.Dataset(variables, coordinates, attributes)

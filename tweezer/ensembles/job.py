@@ -17,7 +17,7 @@ from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.optics import worth_attributes
-from tweezer.version import versions
+from tweezer.version import FORMAL, made_by, versions
 
 Array = NDArray[np.float64]
 Attributes = dict[str, Any]
@@ -44,10 +44,11 @@ QUANTITIES = {
 }
 #: Name of what the camera of a scene saw
 SEEN = "seen"
+#: Names along a dimension, and what they are
 COORDINATES = {
-    "axis": ["x", "y", "z"],
-    "euler_parameter": ["e0", "e1", "e2", "e3"],
-    "body_axis": ["P1", "P2", "P3"],
+    "axis": (["x", "y", "z"], "axis, z along the light"),
+    "euler_parameter": (["e0", "e1", "e2", "e3"], "Euler parameter"),
+    "body_axis": (["P1", "P2", "P3"], "axis of the body"),
 }
 
 
@@ -196,6 +197,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "samples_per_window": max(b - a for a, b in itertools.pairwise(job.cuts)),
         "format": FORMAT,
         **{key: value for key, value in job.found.items() if key != "coefficients"},
+        **made_by("ensemble", dated=False),
     }
 
 
@@ -205,5 +207,6 @@ def identity_of(job: Job, bound: Walk) -> str:
     And without the wording of changes to the scene.
     """
     scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
-    attributes = {**attributes_of(job, bound), "chosen": "", "title": "", "scene": scene}
+    attributes = {**attributes_of(job, bound), "chosen": "", "scene": scene}
+    attributes |= dict.fromkeys(FORMAL, "")
     return hashlib.sha256(json.dumps(attributes).encode()).hexdigest()

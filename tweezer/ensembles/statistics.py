@@ -375,6 +375,7 @@ def _put(
 ) -> None:  # fmt: skip
     """Enter `value` and its `error`, which is from the scatter of the parts named by `over`."""
     dataset[name] = (dimensions, value, _about(unit, long_name))
+    dataset[name].attrs["ancillary_variables"] = f"{name}_error"
     dataset[f"{name}_error"] = (dimensions, error, _about(unit, f"standard error: {long_name}"))
     for key in (name, f"{name}_error"):
         if np.isnan(dataset[key]).all():

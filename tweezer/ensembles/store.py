@@ -38,6 +38,7 @@ from tweezer.ensembles.statistics import Statistics
 from tweezer.errors import ResultError
 from tweezer.io import load_run, save_run, write_whole
 from tweezer.scene import Scene
+from tweezer.version import FORMAL
 
 #: Arrays by name, in memory or in the store
 Samples = Mapping[str, Any]
@@ -64,7 +65,7 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
     if not resume:
         raise ResultError(f"{job.out}: exists, or is begun; resume it, or name another file")
     for key, value in attributes_of(job, bound).items():
-        if key == "title":  # the scene has the same in numbers
+        if key in FORMAL:  # the scene has the same in numbers
             continue
         if key == "scene":
             if not _same_scene(made.get(key), value):
@@ -377,12 +378,14 @@ class Trajectories:
             "time": ("time", self.bound.times, about)
         }
         for dimension in dict.fromkeys(QUANTITIES[name][1] for name in columns_of(self.bound)):
-            found[dimension] = dimension, np.array(COORDINATES[dimension]), {}
+            names, long_name = COORDINATES[dimension]
+            found[dimension] = dimension, np.array(names), {"long_name": long_name}
         if (exposure := self.bound.exposure) is not None:
             middle = "time since release, middle of the exposure"
             about = {"units": "s", "long_name": middle}
             found["frame_time"] = "frame", exposure.frames.times, about
-            found["seen_axis"] = "seen_axis", np.array(exposure.frames.camera.axes), {}
+            about = {"long_name": "axis of a frame"}
+            found["seen_axis"] = "seen_axis", np.array(exposure.frames.camera.axes), about
         return found
 
     def _chunks(self, name: str, shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -11,6 +11,7 @@ from tweezer.compiled import cache_functions, cached_njit
 from tweezer.errors import SceneError
 from tweezer.generated import wall
 from tweezer.units import array_in_si
+from tweezer.version import made_by
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,5 +71,7 @@ def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
         for (mobility, meaning), values in zip(_MEANINGS.items(), found, strict=True)
     }
     return xr.Dataset(
-        variables, {name: (dims, gaps, {"long_name": "gap over radius", "units": "1"})}
+        variables,
+        {name: (dims, gaps, {"long_name": "gap over radius", "units": "1"})},
+        {"title": "mobilities beside a wall", **made_by("wall_mobilities", dated=True)},
     )

@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
 from tweezer.sweeps.quantities import Values, to_text
+from tweezer.version import FORMAL
 
 #: Names in the folder of a running sweep
 _JOURNAL, _NEW = "journal.jsonl", "new"
@@ -120,7 +121,7 @@ def remove_part(part: Path) -> None:
 def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
     """Raises `ResultError` unless what was made is what is asked."""
     for key, value in asked.items():
-        if key == "title":  # the scene has the same in numbers
+        if key in FORMAL:  # the scene has the same in numbers
             continue
         if made.get(key) != value and not (key == "scene" and _same_scene(made.get(key), value)):
             differs = {

@@ -24,6 +24,8 @@ _WORDS = {
     "reason": "why a case failed",
     "caveat": "what speaks against the numbers of a case",
 }
+#: What the names along a dimension are
+_ALONG = {"axis": "axis, z along the light", "direction": "direction of the way out"}
 
 
 def dataset_of(
@@ -63,7 +65,8 @@ def dataset_of(
     for dimension in dict.fromkeys(each.dimension for each in QUANTITIES[of].values()):
         if not dimension:
             continue
-        coordinates[dimension] = (dimension,), np.array(DIMENSIONS[dimension]), {}
+        described = {"long_name": _ALONG[dimension]}
+        coordinates[dimension] = (dimension,), np.array(DIMENSIONS[dimension]), described
     failed = sum(row["outcome"] == FAILED for row in rows)
     counted = {"cases": cases.count, "cases_failed": failed, "cases_done": len(done)}
     status = "complete" if len(done) == cases.count else "interrupted"

@@ -18,7 +18,7 @@ from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, te
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
-from tweezer.version import versions
+from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -152,6 +152,7 @@ def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
         "scene": asked.scene,
         "format": FORMAT,
         **versions(),
+        **made_by("sweep", dated=False),
     }
 
 
