@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from tests import catalogue_page
 from tweezer.errors import SceneError
 from tweezer.materials import materials
 from tweezer.scene import by_key, load_scene, with_settings
@@ -140,3 +141,9 @@ def test_every_index_is_known_in_its_whole_range_and_no_further():
         for wavelength in (0.999 * low, 1.001 * high):
             with pytest.raises(ValueError, match=f"the index of {material.name} is known from"):
                 material.refractive_index(wavelength)
+
+
+def test_the_page_has_what_the_catalogues_have():
+    page = catalogue_page.PAGE.read_text(encoding="utf-8")
+    for name, block in catalogue_page.written().items():
+        assert catalogue_page.between(name).findall(page) == [block]

@@ -3,7 +3,9 @@
 import io
 import itertools
 import re
+import shlex
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -117,3 +119,13 @@ def test_at_a_terminal_it_asks_again_after_a_bad_answer(command_line, monkeypatc
     assert (scene.bead.material, scene.bead.radius) == ("polystyrene", 1e-6)
     assert (scene.lens.numerical_aperture, scene.lens.cover.depth) == (1.3, 8e-6)
     assert (scene.beam.wavelength, scene.beam.power_through_pupil) == (785e-9, 0.1)
+
+
+def test_the_first_minutes_show_what_it_writes(command_line):
+    page = (Path(__file__).parents[1] / "docs" / "first-minutes.md").read_text(encoding="utf-8")
+    (command,) = re.findall(r"(?s)^tweezer (new .*?[^\\\\])$", page, re.MULTILINE)[:1]
+    shown = re.findall(r"(?ms)^```toml\n(.*?)^```$", page)[0]
+    assert command_line(*shlex.split(command.replace("\\\n", ""))).code == 0
+    written = tomllib.loads(Path("mine.toml").read_text())
+    written.pop("description")
+    assert tomllib.loads(shown) == written
