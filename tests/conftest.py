@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import os
 import re
-import shutil
 import sys
 import warnings
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from xdist.scheduler import LoadScopeScheduling
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba_cache"))
 
 import tweezer
+from tests.browsing import chromium
 from tweezer import cli
 
 # Compiling makes many objects beside the many of the test session: collected less often, an eighth
@@ -125,23 +125,9 @@ def turning_run(turning_scene) -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def browser():
-    """A Chromium without a window, of Debian's packages chromium and chromium-driver.
-
-    It draws in 3-D by its own program, without a graphics card.
-    """
-    from selenium import webdriver
-
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(programs):
+    """A Chromium without a window."""
+    driver = chromium()
+    if driver is None:
         pytest.skip("no chromium and chromedriver on this machine")
-    options = webdriver.ChromeOptions()
-    options.binary_location = programs[0]
-    for argument in (
-        "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
-    ):  # fmt: skip
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
     yield driver
     driver.quit()

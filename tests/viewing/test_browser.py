@@ -10,6 +10,7 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
+from tests.browsing import resize
 from tests.reference.rigid_body import rotation_matrix
 
 #: fields of the camera that are matrices, by columns
@@ -50,8 +51,7 @@ def shown(browser, address):
 
 
 def open_page(browser, address, width, height, *, moves=True):
-    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    resize(browser, width, height)
     calm = [{"name": "prefers-reduced-motion", "value": "no-preference" if moves else "reduce"}]
     browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": calm})
     browser.get(address)
