@@ -24,18 +24,16 @@ if TYPE_CHECKING:
 FORMATS = ("html", "pdf")
 _TEMPLATE = Path(__file__).with_name("report.html")
 
-#: Resolution of the figure of a page in HTML, dots an inch
-_DOTS = 120
-#: Size of the figure, inches
-_WIDTH, _HEIGHT = 13.0, 7.2
+#: Width of a PDF and height of its drawings, inches
+_WIDTH, _HEIGHT = 11.0, 7.6
 #: Height of a line of a PDF, inches
-_LINE = 0.2
+_LINE = 0.18
 #: Length of a line over the whole width of a PDF
-_CHARACTERS = 165
+_CHARACTERS = 150
 #: Left margin of a PDF, as a part of the width
 _MARGIN = 0.03
 #: Columns of a table in a PDF, as parts of its width
-_COLUMNS = (0.0, 0.5, 0.72)
+_COLUMNS = (0.0, 0.5, 0.73)
 
 #: What the figure shows.
 _DRAWN = "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
@@ -210,10 +208,11 @@ def write_report(recording: Recording, calibration: Calibration, path: str | Pat
         raise ResultError(f"{path}: must end in .{', .'.join(FORMATS)}")
     page = page_of(recording, calibration)
     if kind == "pdf":
+        from tweezer import style
+
         with replacing(path) as whole:
-            _as_pdf(page, recording, calibration).savefig(
-                whole, format="pdf", metadata={"CreationDate": None}
-            )
+            drawn = style.styled(_as_pdf)(page, recording, calibration)
+            style.save(drawn, whole, "pdf", page.title)
         return path
     text = _as_html(page, recording, calibration)
     with replacing(path) as whole:
@@ -224,10 +223,11 @@ def write_report(recording: Recording, calibration: Calibration, path: str | Pat
 def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
     from jinja2 import Environment, StrictUndefined
 
+    from tweezer import style
     from tweezer.plots import calibration_figure
 
     drawn = BytesIO()
-    calibration_figure(recording, calibration).savefig(drawn, format="png", dpi=_DOTS)
+    style.save(calibration_figure(recording, calibration), drawn, "png")
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     template = environment.from_string(_TEMPLATE.read_text(encoding="utf-8"))
     figure = base64.b64encode(drawn.getvalue()).decode()
@@ -236,8 +236,7 @@ def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
 
 def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
     """The page as a figure: words above, drawings below."""
-    from matplotlib.figure import Figure
-
+    from tweezer import style
     from tweezer.plots import draw_calibration
 
     notes = [
@@ -260,23 +259,23 @@ def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figur
     facts = textwrap.wrap("; ".join(f"{name}: {value}" for name, value in page.facts), _CHARACTERS)
     facts += textwrap.wrap(_READING, _CHARACTERS)
     count = 8 + len(verdicts) + len(notes) + rows + len(facts)
-    figure = Figure(figsize=(_WIDTH, _HEIGHT + count * _LINE), layout="constrained")
+    figure = style.new(_WIDTH, _HEIGHT + count * _LINE)
     parts = figure.subfigures(2, 1, squeeze=False, height_ratios=[count * _LINE, _HEIGHT])
     words, drawings = parts[:, 0]
     at = 1.0
 
-    def write(text: str, x: float = _MARGIN, **style: object) -> None:
-        words.text(x, at, text, va="top", parse_math=False, **{"fontsize": 9, **style})
+    def write(text: str, x: float = _MARGIN, **look: object) -> None:
+        words.text(x, at, text, va="top", parse_math=False, **{"fontsize": style.TEXT, **look})
 
     def down(lines: float) -> None:
         nonlocal at
         at -= lines / count
 
     down(1)
-    write(page.title, fontsize=14, weight="bold")
+    write(page.title, fontsize=12, weight="bold")
     down(2)
     for text, trusted in verdicts:
-        write(text, fontsize=11, color="#222222" if trusted else "#aa3333")
+        write(text, fontsize=9.5, color="#222222" if trusted else "#aa3333")
         down(1.2)
     down(0.4)
     if notes:
@@ -293,15 +292,15 @@ def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figur
         for row in (headings, *table.rows):
             weight = "bold" if row is headings else "normal"
             for part, cell in zip(_COLUMNS, row, strict=True):
-                write(cell, left + part * width, weight=weight)
+                write(cell, left + part * width, weight=weight, fontsize=style.SMALL)
             down(1)
         for line in told:
-            write(line, left, color="#555555")
+            write(line, left, color=style.NOTE)
             down(1)
     at = top
     down(rows + 1.5)
     for line in facts:
-        write(line, color="#555555", fontsize=8)
+        write(line, color=style.NOTE, fontsize=style.SMALL)
         down(0.95)
     draw_calibration(drawings, recording, calibration)
     return figure

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from scipy.stats import multivariate_normal
 
 import tweezer
+from tests import readable
 from tests.benchmarks import depth, depth_report, pages
 from tests.fluid.test_drag import growing
 from tests.reference import memory
@@ -704,7 +705,7 @@ def test_a_run_is_a_track(scene):
     margin = high - low
     assert low - margin < Z < high + margin
     figure = depth_figure(tweezer.load_track(run), fit)
-    figure.draw_without_rendering()
+    readable.check(figure)
 
 
 def test_page_quotes_the_committed_depths():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import tweezer
+from tests import readable
 from tests.reference import wall
 from tweezer.analysis import heights
 from tweezer.errors import SceneError
@@ -94,7 +95,7 @@ def test_heights_at_which_nothing_holds_the_bead_are_marked(silica):
     lost = tweezer.trap_over_heights(titania, [2e-6])
     assert lost["state"].values.tolist() == ["not held"]
     figure = heights_figure(found)
-    figure.draw_without_rendering()
+    readable.check(figure)
 
 
 def test_a_wall_above_the_bead_and_a_second_one(silica):
@@ -209,4 +210,4 @@ def test_a_run_tells_its_gap_and_the_smallest_between_samples(silica):
     assert abs(told.smallest_gap - float(many["gap"].min())) < told.smallest_gap_error + 1e-10
     part = tweezer.summarise(many.isel(time=slice(0, 100)))
     assert part.smallest_gap == float(many["gap"][:100].min())
-    run_figure(few).draw_without_rendering()
+    readable.check(run_figure(few))

@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import tweezer
+from tests import readable
 from tests.reference.trapped_bead import trapped
 from tweezer.analysis import Recording
 from tweezer.io import save_run
@@ -423,4 +424,4 @@ def test_figure_of_one_axis_and_of_an_untrusted_record(positions):
     figure = calibration_figure(few, tweezer.calibrate(few, temperature=T))
     drawn = {axes.get_title() for axes in figure.axes}
     assert {"trajectory", "mean squared displacement", "potential, from the histogram"} <= drawn
-    figure.draw_without_rendering()
+    readable.check(figure)

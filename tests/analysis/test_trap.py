@@ -9,6 +9,7 @@ import pytest
 from matplotlib.patches import Circle
 
 import tweezer
+from tests import readable
 from tweezer.optics import light, sampled
 from tweezer.optics.waves.binding import sums
 from tweezer.plots import trap_figure
@@ -537,7 +538,7 @@ def test_figure_shows_the_bead_where_it_is_trapped():
     expected = tweezer.optical_force(scene, [0, 0, curve[100, 0] * 1e-6])[2] + weight(scene)
     assert curve[100, 1] == pytest.approx(expected * 1e12, rel=1e-9)
     assert trap.caveat[1:] in figure.texts[-1].get_text().replace("\n", " ")
-    figure.savefig(Path("/dev/null"), format="png")
+    readable.check(figure)
 
 
 def test_figure_prints_a_description_as_it_stands():
@@ -555,7 +556,7 @@ def test_figure_prints_a_description_as_it_stands():
 def test_figure_of_no_trap(changes):
     scene = silica(**changes)
     figure = trap_figure(scene, tweezer.characterise(scene))
-    figure.savefig(Path("/dev/null"), format="png")
+    readable.check(figure)
     assert figure.axes[0].get_title() == "no stable equilibrium; through the focus"
     assert not [patch for patch in figure.axes[1].patches if isinstance(patch, Circle)]
     assert len(figure.axes) == (4 if scene.lit else 3)  # a bar of colours

@@ -18,9 +18,10 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages
 from tests.benchmarks.brownian import HARMONIC, MILD, STEP, Results, Way, way_of
 from tests.benchmarks.report import rounded
+from tweezer import style
 
 _STYLES = {
-    Way("full", "heun", spring=True): ("#004488", "o", "-"),
+    Way("full", "heun", spring=True): (style.SERIES[0].colour, "o", "-"),
     Way("full", "heun"): ("#6699cc", "o", ":"),
     Way("full", "one-call"): ("#997700", "D", "-"),
     Way("full", "euler-maruyama"): ("#bb5566", "X", "-"),
@@ -149,11 +150,11 @@ def left_out(results: Results) -> list[str]:
     return pages.left_out(grouped, "; steps in trap times")
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Rates; biases in the mild well against step and cost, with their sampling floor."""
-    drawn = Figure(figsize=(13.6, 8.4), layout="constrained")
-    drawn.get_layout_engine().set(w_pad=0.12, h_pad=0.08)  # type: ignore[union-attr]
-    panels = drawn.subplots(2, 3)
+    drawn = style.new(style.PAGE, 7.4)
+    panels = drawn.subplots(3, 2).reshape(2, 3)
     entries = results["wells"][MILD]
     _draw_rates(panels[0, 0], results["rates"])
     for axes, key, what in (
@@ -167,30 +168,29 @@ def figure(results: Results) -> Figure:
     panels[0, 2].set(
         xlabel="time of a trajectory, µs a trap time", ylabel="|relative bias of ⟨x²⟩|"
     )
-    panels[0, 1].set_title(f"well: {MILD}", fontsize=10)
-    panels[0, 2].legend(fontsize=8, loc="lower left")
+    panels[0, 1].set_title(f"well: {MILD}")
+    panels[0, 2].legend(loc="lower left")
     _draw_scaling(panels[1, 2], results)
     handles = [
-        Line2D([], [], color=colour, marker=marker, linestyle=style, linewidth=1, label=way.label)
-        for way, (colour, marker, style) in _STYLES.items()
+        Line2D([], [], color=colour, marker=marker, linestyle=line, linewidth=1, label=way.label)
+        for way, (colour, marker, line) in _STYLES.items()
     ]
     handles += [
         Line2D([], [], color="0.4", marker="o", linestyle="", markerfacecolor="white",
                label="below two standard errors, which is where it is drawn"),
-        Line2D([], [], color="0.4", linestyle="--", linewidth=1,
+        Line2D([], [], color=style.MUTED, linestyle="--", linewidth=0.8,
                label="sampling floor: two standard errors, median"),
     ]  # fmt: skip
-    drawn.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn
 
 
 def _draw_rates(axes: Axes, rates: list[dict[str, Any]]) -> None:
     labels = [f"{each['model']}, {each['method']}" for each in rates]
-    axes.barh(labels, [1e-6 * each["steps_per_s"] for each in rates], color="#6699cc")
+    axes.barh(labels, [1e-6 * each["steps_per_s"] for each in rates], color=style.SERIES[4].colour)
     axes.invert_yaxis()
     axes.set(xlabel="million steps a second, one core, 3-D, table")
-    axes.grid(axis="x", color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(axis="x", visible=True)
 
 
 def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> None:
@@ -199,7 +199,7 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> 
     Dashed: the median of two standard errors of what takes steps longer than tau.
     """
     floor: dict[float, list[float]] = {}
-    for way, (colour, marker, style) in _STYLES.items():
+    for way, (colour, marker, line) in _STYLES.items():
         own = sorted(
             (e for e in entries if way_of(e) == way and f"{key}_bias" in e),
             key=lambda e: e[against],
@@ -211,10 +211,10 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> 
         twice = np.array([2 * e[f"{key}_error"] for e in own])
         lost = bias < twice
         shown = np.where(lost, twice, bias)
-        axes.plot(at, shown, color=colour, linestyle=style, linewidth=1)
+        axes.plot(at, shown, color=colour, linestyle=line, linewidth=1)
         for of, face in ((~lost, colour), (lost, "white")):
             axes.plot(
-                at[of], shown[of], color=colour, marker=marker, linestyle="", markersize=6,
+                at[of], shown[of], color=colour, marker=marker, linestyle="", markersize=3.5,
                 markerfacecolor=face,
             )  # fmt: skip
         if way not in _RESOLVING:
@@ -227,19 +227,18 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str, against: str) -> 
             linewidth=1,
         )  # fmt: skip
     axes.set(xscale="log", yscale="log")
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(visible=True)
 
 
 def _draw_baseline(axes: Axes, results: Results) -> None:
     """Euler and Maruyama's method in a harmonic trap, whose bias is known, as a user writes it."""
-    line, trap = results["baseline"]["euler_maruyama_harmonic"], results["trap"]
-    steps = np.array(line["steps_relaxation_times"]) * trap["relaxation_time_s"]
-    for name, style in (("table", "-"), ("closed form", ":")):
+    bias, trap = results["baseline"]["euler_maruyama_harmonic"], results["trap"]
+    steps = np.array(bias["steps_relaxation_times"]) * trap["relaxation_time_s"]
+    for name, line in (("table", "-"), ("closed form", ":")):
         ns = results["baseline"]["ns_per_step"][name]["numpy"]
         axes.plot(
-            1e-3 * ns * trap["trap_time_s"] / steps, line["x2_bias"], color="black",
-            linewidth=1, linestyle=style, label=f"Euler-Maruyama in NumPy, {name}",
+            1e-3 * ns * trap["trap_time_s"] / steps, bias["x2_bias"], color="black",
+            linewidth=1, linestyle=line, label=f"Euler-Maruyama in NumPy, {name}",
         )  # fmt: skip
 
 
@@ -257,12 +256,12 @@ def _draw_scaling(axes: Axes, results: Results) -> None:
         ),
     ]  # fmt: skip
     table = axes.table(
-        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.46, 0.34, 0.2]
+        cellText=lines, loc="center", cellLoc="left", edges="open", colWidths=[0.47, 0.33, 0.24]
     )
     table.auto_set_font_size(False)
-    table.set_fontsize(8)
-    table.scale(1.0, 1.5)
-    axes.set_title("ensembles of statistics: full, heun", fontsize=10, y=0.85)
+    table.set_fontsize(style.SMALL)
+    table.scale(1.0, 1.3)
+    axes.set_title("ensembles of statistics: full, heun")
 
 
 def block(results: Results) -> str:

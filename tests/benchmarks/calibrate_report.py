@@ -12,6 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.calibrate import Results
+from tweezer import style
 
 METHODS = {
     "power spectrum": "spectrum",
@@ -21,7 +22,6 @@ METHODS = {
     "autocorrelation": "ACF",
     "potential": "potential",
 }
-COLOURS = ("#004488", "#6699cc", "#bb5566", "#228833", "#997700", "#777777")
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -101,9 +101,10 @@ def groups(results: Results) -> dict[str, list[Results]]:
     }
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage of what carries no finding, by method."""
-    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, studies in enumerate(groups(results).values()):
         for j, (method, (unmarked, inside)) in enumerate(pooled(studies).items()):
@@ -112,13 +113,13 @@ def figure(results: Results) -> Figure:
             low, high = binomtest(inside, unmarked).proportion_ci(0.95)
             at = 100 * inside / unmarked
             axes.errorbar(
-                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
-                capsize=2, color=COLOURS[j], label=METHODS[method] if i == 0 else None,
+                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], ms=4,
+                capsize=2, label=METHODS[method] if i == 0 else None, **style.SERIES[j].points,
             )  # fmt: skip
-    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     axes.set_xticks(range(len(groups(results))), list(groups(results)))
     axes.set(ylabel="coverage of the 95 % interval, %", ylim=(80, 100.5))
-    drawn.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    drawn.legend(loc="outside lower center", ncols=6)
     return drawn
 
 

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from scipy.stats import binomtest
 
 from tests.benchmarks import pages
-from tests.benchmarks.calibrate_report import COLOURS, METHODS
+from tests.benchmarks.calibrate_report import METHODS
 from tests.benchmarks.camera import FRAMES, Results
+from tweezer import style
 
 
 def pooled(study: Results) -> dict[str, tuple[int, int]]:
@@ -47,9 +48,10 @@ def tables(results: Results) -> list[list[list[str]]]:
     return [[["frames", *METHODS.values()], *rows]]
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage of what carries no finding, by method."""
-    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, study in enumerate(results["studies"]):
         for method, (count, inside) in pooled(study).items():
@@ -57,14 +59,14 @@ def figure(results: Results) -> Figure:
             low, high = binomtest(inside, count).proportion_ci(0.95)
             at = 100 * inside / count
             axes.errorbar(
-                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
-                capsize=2, color=COLOURS[j], label=METHODS[method] if i == 0 else None,
+                [i + 0.12 * (j - 2.5)], [at], [[at - 100 * low], [100 * high - at]], ms=4,
+                capsize=2, label=METHODS[method] if i == 0 else None, **style.SERIES[j].points,
             )  # fmt: skip
-    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     axes.set_xticks(range(len(results["studies"])), [_named(each) for each in results["studies"]])
     axes.tick_params(axis="x", labelsize=8)
     axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
-    drawn.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8)
+    drawn.legend(loc="outside lower center", ncols=6)
     return drawn
 
 

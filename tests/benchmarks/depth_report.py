@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.depth import WRONG, Results
+from tweezer import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -61,33 +62,33 @@ def _coverage(of: Results) -> str:
     return "{:.1f} ({:.1f} to {:.1f})".format(*values)
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage of each bead; the interval against the noise, for each frame rate."""
-    drawn = Figure(figsize=(11.0, 4.0), layout="constrained")
+    drawn = style.new(style.PAGE, 3.3)
     coverage, length = drawn.subplots(1, 2)
     for i, each in enumerate(results["beads"]):
         at = 100 * each["coverage"]
         ends = [[at - 100 * each["coverage_from"]], [100 * each["coverage_to"] - at]]
-        coverage.errorbar([i], [at], ends, fmt="o", capsize=4, color="#004488")
-    coverage.axhline(95, color="0.4", linestyle="--", linewidth=1)
+        coverage.errorbar([i], [at], ends, fmt="o", capsize=2, color=style.SERIES[0].colour)
+    coverage.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     coverage.axhspan(90, 99, color="0.93", label="asked for")
-    coverage.legend(frameon=False, loc="lower right")
+    coverage.legend(loc="lower right")
     coverage.set_xticks(
-        range(len(results["beads"])),
-        [_motion(e).replace(", ", "\n") for e in results["beads"]],
-        fontsize=6,
-    )
+        range(len(results["beads"])), [_motion(e).replace(", ", "\n") for e in results["beads"]],
+        rotation=40, ha="right", rotation_mode="anchor",
+    )  # fmt: skip
     coverage.set(xlim=(-0.5, len(results["beads"]) - 0.5))
     coverage.set(ylim=(60, 101), ylabel="coverage of the 95 % interval, %")
-    for rate, colour in zip(
+    for rate, mark in zip(
         sorted({each["rate_Hz"] for each in results["cameras"]}),
-        ("#bb5566", "#004488"),
-        strict=True,
+        style.SERIES,
+        strict=False,
     ):
         own = [each for each in results["cameras"] if each["rate_Hz"] == rate]
         intervals = [1e9 * each["median_interval_m"] for each in own]
         length.plot(
-            [1e9 * each["noise_m"] for each in own], intervals, "o-", color=colour,
+            [1e9 * each["noise_m"] for each in own], intervals, **mark.both,
             label=f"{rate:.0f} frames a second",
         )  # fmt: skip
     length.set(
@@ -98,8 +99,8 @@ def figure(results: Results) -> Figure:
     length.minorticks_off()
     length.margins(y=0.2)
     length.set_ylim(bottom=0)
-    length.set_title(results["cameras"][0]["scene"], fontsize=10)
-    length.legend(frameon=False)
+    length.set_title(results["cameras"][0]["scene"])
+    length.legend()
     return drawn
 
 

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.diagram import MATERIALS, TIMES, Results
 from tests.benchmarks.timing import ROOT
+from tweezer import style
 
 PAGE = ROOT / "docs/trapping-diagram.md"
 #: The least powers, one line for each bead and time
@@ -78,27 +79,28 @@ def off(each: Results) -> float:
     return float((each["ensemble_s"] - each["lifetime_s"]) / error)
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Depth of the traps over size and power, and the least powers, of each material."""
-    drawn = Figure(figsize=(9.5, 4.6), layout="constrained")
+    drawn = style.new(style.PAGE, 3.4)
     panels = drawn.subplots(1, 2, sharex=True, sharey=True)
     colours: Any = None
     for panel, (material, found) in zip(panels, results["maps"].items(), strict=True):
         colours = _depths(panel, results, found)
-        for name, style in LINES.items():
+        for name, line in LINES.items():
             points = [
                 (1e6 * each["diameter_m"], each["powers_W"][name])
                 for each in results["least"]
                 if each["material"] == material and each["powers_W"][name] is not None
             ]
             wide = 2.0 if name == "1 h" else 1.0
-            panel.plot(*zip(*points, strict=True), style, color="black", lw=wide, label=name)
+            panel.plot(*zip(*points, strict=True), line, color="black", lw=wide, label=name)
         panel.set(xscale="log", yscale="log", xlabel="diameter (µm)", title=material)
         panel.set_ylim(LOWEST, max(results["powers_W"]))
         panel.set_xticks([0.2, 0.3, 0.5, 1, 2, 3], ["0.2", "0.3", "0.5", "1", "2", "3"])
         panel.minorticks_off()
     panels[0].set_ylabel("power through the pupil (W)")
-    panels[0].legend(title="least power to hold it for", frameon=False, loc="lower left")
+    panels[0].legend(title="least power to hold it for", loc="lower left")
     drawn.colorbar(colours, ax=panels, label="work of the easiest straight way out ($k_BT$)")
     return drawn
 

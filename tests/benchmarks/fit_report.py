@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.fit import Results
+from tweezer import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -31,19 +32,22 @@ def tables(results: Results) -> list[list[list[str]]]:
     return [[headings, *rows]]
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage of each key, with its own 95 % interval."""
-    drawn = Figure(figsize=(8.0, 3.2), layout="constrained")
+    drawn = style.new(style.PAGE, 2.6)
     axes = drawn.subplots()
     names = []
     for study in results["studies"]:
         for key, of in study["keys"].items():
             at = 100 * of["inside"] / study["records"]
             ends = [[at - 100 * of["inside_from"]], [100 * of["inside_to"] - at]]
-            axes.errorbar(at, len(names), xerr=ends, fmt="o", color="#004488", capsize=3)
+            axes.errorbar(
+                at, len(names), xerr=ends, fmt="o", color=style.SERIES[0].colour, capsize=2
+            )
             names.append(f"{study['name']}: {key}")
-    axes.axvline(95, color="0.4", lw=1, ls="--")
-    axes.set_yticks(range(len(names)), names, fontsize=8)
+    axes.axvline(95, color=style.MUTED, lw=0.8, ls="--")
+    axes.set_yticks(range(len(names)), names)
     axes.invert_yaxis()
     axes.set_xlabel("coverage (%)")
     return drawn

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.fluid import Results
 from tests.benchmarks.report import rounded
+from tweezer import style
 
 #: what of the modes is compared, and how
 _QUANTITIES = {
@@ -68,25 +69,28 @@ def tables(results: Results) -> list[list[list[str]]]:
     return [of_modes, captures, calls, steps]
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Errors against the number of poles: of the modes, and of captures."""
-    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    drawn = style.new(style.PAGE, 2.9)
     left, right = drawn.subplots(1, 2, sharex=True)
     poles = [each["poles"] for each in results["modes"]]
-    for (name, label), marker in zip(_QUANTITIES.items(), "osD^v", strict=True):
-        left.semilogy(poles, [each[name] for each in results["modes"]], marker + "-", label=label)
+    for (name, label), mark in zip(_QUANTITIES.items(), style.SERIES, strict=False):
+        values = [each[name] for each in results["modes"]]
+        left.semilogy(poles, values, label=label, **mark.both)
     left.set(xlabel="poles", ylabel="largest error, four beads")
-    left.legend(frameon=False, fontsize=8)
-    for of, marker in zip(results["captures"], "osD", strict=False):
+    style.headroom(left, 0.35)
+    left.legend(loc="upper right")
+    for of, mark in zip(results["captures"], style.SERIES, strict=False):
         each = of["by_poles"]
-        (line,) = right.semilogy(
-            [one["poles"] for one in each], [one["error_um"] for one in each], marker + "-",
-            label=of["bead"],
+        right.semilogy(
+            [one["poles"] for one in each], [one["error_um"] for one in each],
+            label=of["bead"], **mark.both,
         )  # fmt: skip
-        right.axhline(of["without_um"], color=line.get_color(), lw=1, ls="--")
+        right.axhline(of["without_um"], color=mark.colour, lw=0.8, ls="--")
     right.set(xlabel="poles", ylabel="off the exact memory (µm)")
-    right.set_title("captures; dashed: without memory", fontsize=9)
-    right.legend(frameon=False, fontsize=8)
+    right.set_title("captures; dashed: without memory")
+    right.legend(loc="lower left")
     return drawn
 
 

@@ -12,6 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.free import Results
+from tweezer import style
 
 #: What is counted: its key, tracks or axes, and a heading
 COUNTED = (
@@ -19,7 +20,6 @@ COUNTED = (
     ("alone_inside", 2, "one axis"),
     ("by_covariance_inside", 2, "covariances"),
 )
-COLOURS = ("#004488", "#6699cc", "#bb5566")
 
 
 def _named(study: Results) -> str:
@@ -60,9 +60,10 @@ def _shares(study: Results) -> list[tuple[int, int]]:
     return [_share(study, key, each) for key, each, _ in COUNTED]
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage, by study."""
-    drawn = Figure(figsize=(8.0, 4.0), layout="constrained")
+    drawn = style.new(style.PAGE, 3.0)
     axes = drawn.subplots()
     for i, study in enumerate(results["studies"]):
         for j, ((inside, of), (*_, heading)) in enumerate(
@@ -71,15 +72,15 @@ def figure(results: Results) -> Figure:
             low, high = binomtest(inside, of).proportion_ci(0.95)
             at = 100 * inside / of
             axes.errorbar(
-                [i + 0.15 * (j - 1)], [at], [[at - 100 * low], [100 * high - at]], fmt="o", ms=4,
-                capsize=2, color=COLOURS[j], label=heading if i == 0 else None,
+                [i + 0.15 * (j - 1)], [at], [[at - 100 * low], [100 * high - at]], ms=4,
+                capsize=2, label=heading if i == 0 else None, **style.SERIES[j].points,
             )  # fmt: skip
-    axes.axhline(95, color="0.4", linestyle="--", linewidth=1)
+    axes.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
     names = [_named(study).replace(", ", "\n") for study in results["studies"]]
     axes.set_xticks(range(len(names)), names)
     axes.tick_params(axis="x", labelsize=8)
     axes.set(ylabel="coverage of the 95 % interval, %", ylim=(85, 100.5))
-    drawn.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    drawn.legend(loc="outside lower center", ncols=3)
     return drawn
 
 

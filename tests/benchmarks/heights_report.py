@@ -13,9 +13,10 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.heights import RADIUS, Results
+from tweezer import style
 
 #: ways of the figure, with their colours
-WAYS = {"x": "#004488", "z": "#bb5566"}
+WAYS = {"x": style.SERIES[0].colour, "z": style.SERIES[1].colour}
 #: quantities that a calibration gives
 QUANTITIES = ("stiffness", "drag", "m/V")
 
@@ -88,9 +89,10 @@ def pooled(results: Results, kind: str, wanted: Callable[[str, str], bool]) -> t
     return sum(each["numbers"] for each in numbers), sum(each["inside"] for each in numbers)
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Coverage of stiffness, drag and metres a volt against the gap, of x and z."""
-    drawn = Figure(figsize=(9.5, 3.6), layout="constrained")
+    drawn = style.new(style.PAGE, 2.8)
     panels = drawn.subplots(1, 3, sharex=True, sharey=True)
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
         for axis, colour in WAYS.items():
@@ -112,17 +114,17 @@ def figure(results: Results) -> Figure:
                 ]
                 way = "along" if axis == "x" else "across"
                 panel.errorbar(
-                    gaps, inside, bars, fmt=marker, ms=5, capsize=2, color=colour,
+                    gaps, inside, bars, fmt=marker, ms=3.5, capsize=2, color=colour,
                     mfc=colour if filled else "white",
                     label=f"{way}{'' if filled else ', fluid with inertia'}",
                 )  # fmt: skip
-        panel.axhline(95, color="0.4", linestyle="--", linewidth=1)
+        panel.axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
         panel.set(xscale="log", xlabel="gap (radii)", title=_NAMES.get(quantity, quantity))
         panel.set_xticks([0.2, 0.5, 1, 2, 5], ["0.2", "0.5", "1", "2", "5"])
         panel.minorticks_off()
     panels[0].set_ylabel("coverage (%)")
     handles, labels = panels[0].get_legend_handles_labels()
-    drawn.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    drawn.legend(handles, labels, loc="outside lower center", ncols=4)
     return drawn
 
 

@@ -12,12 +12,10 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.hydro import Results
+from tweezer import style
 
-#: ways of the figure, with their colours
-WAYS = {
-    "volts": "#004488", "pylake": "#228833", "pylake, as called": "#997700",
-    "volts, no inertia": "#bb5566", "pylake, no inertia": "#ee8899",
-}  # fmt: skip
+#: ways of the figure
+WAYS = ("volts", "pylake", "pylake, as called", "volts, no inertia", "pylake, no inertia")
 NAMES = {
     "volts": "ours", "volts, no inertia": "ours, no inertia", "diode_frequency": "diode, f3",
     "diode_fraction": "diode, a", "exposure": "blur",
@@ -111,13 +109,14 @@ def pooled(results: Results, kind: str, by: str, quantity: str | None = None) ->
     return sum(each["numbers"] for each in numbers), sum(each["inside"] for each in numbers)
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Bias of stiffness and sensitivity in volts, in standard uncertainties, and coverage."""
-    drawn = Figure(figsize=(9.5, 5.0), layout="constrained")
+    drawn = style.new(style.PAGE, 4.2)
     panels = drawn.subplots(2, 2, sharex=True)
     studies = [study for study in results["studies"] if study["kind"] == "passive"]
     for column, quantity in enumerate(("stiffness", "m/V")):
-        for j, (way, colour) in enumerate(WAYS.items()):
+        for j, (way, mark) in enumerate(zip(WAYS, style.SERIES, strict=False)):
             for i, study in enumerate(studies):
                 found = [
                     each
@@ -130,26 +129,25 @@ def figure(results: Results) -> Figure:
                 at = i + 0.12 * (j - 2)
                 label = NAMES.get(way, way) if i == column == 0 else None
                 panels[0, column].errorbar(
-                    [at], [100 * each["bias"]], [196 * each["uncertainty"]], fmt="o", ms=4,
-                    capsize=2, color=colour, label=label,
+                    [at], [100 * each["bias"]], [196 * each["uncertainty"]],
+                    capsize=2, label=label, **mark.points,
                 )  # fmt: skip
                 low, high = binomtest(each["inside"], each["numbers"]).proportion_ci(0.95)
                 inside = each["inside"] / each["numbers"]
                 panels[1, column].errorbar(
                     [at], [100 * inside], [[100 * (inside - low)], [100 * (high - inside)]],
-                    fmt="o", ms=4, capsize=2, color=colour,
+                    capsize=2, **mark.points,
                 )  # fmt: skip
-        panels[0, column].axhline(0, color="0.4", linestyle="--", linewidth=1)
-        panels[1, column].axhline(95, color="0.4", linestyle="--", linewidth=1)
+        panels[0, column].axhline(0, color=style.MUTED, linestyle="--", linewidth=0.8)
+        panels[1, column].axhline(95, color=style.MUTED, linestyle="--", linewidth=0.8)
         panels[0, column].set_title({"stiffness": "stiffness", "m/V": "metres a volt"}[quantity])
         panels[1, column].set_xticks(
             range(len(studies)),
             [study["name"].replace(", ", "\n") for study in studies],
-            fontsize=8,
         )
     panels[0, 0].set_ylabel("bias, 95 % interval (%)")
     panels[1, 0].set_ylabel("coverage (%)")
-    drawn.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=8)
+    drawn.legend(loc="outside lower center", ncols=5)
     return drawn
 
 

@@ -17,9 +17,10 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages
 from tests.benchmarks.integrate import HEADLINE, Results
 from tests.benchmarks.report import rounded
+from tweezer import style
 
 _STYLES = {
-    ("full", "exponential"): ("#004488", "o", "unscaled, exponential"),
+    ("full", "exponential"): (style.SERIES[0].colour, "o", "unscaled, exponential"),
     ("first-order", "dop853"): ("#228833", "D", "first order, DOP853"),
     ("first-order", "dormand-prince"): ("#66ccaa", "d", "first order, Dormand-Prince"),
     ("overdamped", "dop853"): ("#bbbbbb", "s", "no inertia, DOP853"),
@@ -79,27 +80,28 @@ def _setting(entry: dict[str, Any]) -> str:
     return f"{entry['tolerance']:.0e}"
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Error in the trap against time for each motion, and against force calls for some."""
     motions = {label: of for label, of in results["motions"].items() if "quadrature" not in label}
     by_calls = [label for label, of in motions.items() if "least_force_calls" in of][:_COLUMNS]
     panels = [(label, "ms") for label in motions] + [(label, "force_calls") for label in by_calls]
     rows = -(-len(panels) // _COLUMNS)
-    drawn = Figure(figsize=(3.4 * _COLUMNS, 3.2 * rows + 1.4), layout="constrained")
+    drawn = style.new(style.PAGE, 1.95 * rows + 1.3)
     each = drawn.subplots(rows, _COLUMNS, sharey=True, squeeze=False).ravel()
     for axes in each[len(panels) :]:
         axes.remove()
     for axes, (label, key) in zip(each, panels, strict=False):
         _draw(axes, motions[label]["entries"], key)
-        axes.set_title(label, fontsize=9)
+        axes.set_title(label.replace(", ", ",\n", 1))
         axes.set_xlabel("time, ms" if key == "ms" else "force calls")
     for axes in each[: len(panels) : _COLUMNS]:
         axes.set_ylabel("largest error in the trap, µm")
     handles = [
-        Line2D([], [], color=colour, marker=marker, linewidth=1, markersize=5, label=label)
+        Line2D([], [], color=colour, marker=marker, linewidth=1, markersize=3.5, label=label)
         for colour, marker, label in _STYLES.values()
     ]
-    drawn.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=8)
+    drawn.legend(handles=handles, loc="outside lower center", ncols=3)
     return drawn
 
 
@@ -109,11 +111,10 @@ def _draw(axes: Axes, entries: list[dict[str, Any]], key: str) -> None:
         if named:
             axes.plot(
                 [e[key] for e in named], np.maximum([e["during_um"] for e in named], 1e-10),
-                color=colour, marker=marker, linewidth=1, markersize=5,
+                color=colour, marker=marker, linewidth=1, markersize=3.5,
             )  # fmt: skip
     axes.set(xscale="log", yscale="log")
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(visible=True)
 
 
 def block(results: Results) -> str:

@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from tests.benchmarks.timing import ROOT
+from tweezer import style
 
 BENCHMARKS = ROOT / "docs/benchmarks.md"
 FIGURES = ROOT / "docs/figures"
@@ -87,7 +88,8 @@ def renew(
     """Write a benchmark's block and draw its figure again, from the committed results."""
     results = committed(name)
     quote(name, written(results), page)
-    drawn(results).savefig(FIGURES / f"bench-{name}.png", dpi=150)
+    with (FIGURES / f"bench-{name}.png").open("wb") as file:
+        style.save(drawn(results), file, "png")
 
 
 def _between(name: str) -> re.Pattern[str]:

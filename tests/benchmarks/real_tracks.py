@@ -24,6 +24,7 @@ from tests.benchmarks import pages
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import ROOT
 from tests.reference.free_bead import free
+from tweezer import style
 
 Results = dict[str, Any]
 
@@ -114,20 +115,21 @@ def _ends(value: float, interval: list[float], factor: float, digits: int) -> st
     return f"{factor * value:.{digits}f} ({factor * low:.{digits}f} to {factor * high:.{digits}f})"
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Mean squared displacements over lags, and the interval of the diffusion, by track."""
-    drawn = Figure(figsize=(8.0, 4.2), layout="constrained")
+    drawn = style.new(style.PAGE, 3.0)
     every = drawn.subplots(2, math.ceil(len(results["tracks"]) / 2), sharex=True, sharey="row")
     for axes, each in zip(every.flat, results["tracks"], strict=True):
-        axes.axhspan(*(1e12 * end for end in each["interval"]), color="#6699cc", alpha=0.5)
-        axes.semilogx(LAGS, [1e12 * value for value in each["by_lag"]], "o", ms=4, color="#004488")
-        axes.set_title(each["name"].replace(" brownian ambient light off - use this", ""), size=8)
-        axes.set_xticks(LAGS, [str(lag) for lag in LAGS], size=8)
+        axes.axhspan(*(1e12 * end for end in each["interval"]), color=style.SHADE)
+        axes.semilogx(LAGS, [1e12 * v for v in each["by_lag"]], **style.SERIES[0].points)
+        axes.set_title(each["name"].replace(" brownian ambient light off - use this", ""))
+        axes.set_xticks(LAGS, [str(lag) for lag in LAGS])
         axes.minorticks_off()
     for first in every[:, 0]:
         first.set_ylim(0, None)
-    drawn.supxlabel("lag, frames", size=9)
-    drawn.supylabel("MSD / 2 t along one axis, um²/s", size=9)
+    drawn.supxlabel("lag, frames")
+    drawn.supylabel("MSD / 2 t along one axis, um²/s")
     return drawn
 
 
@@ -137,4 +139,5 @@ if __name__ == "__main__":
         (ROOT / "tests/benchmarks/results/real_tracks.json").write_text(kept, encoding="utf-8")
     found = pages.committed("real_tracks")
     pages.quote("real-tracks", block(found), PAGE)
-    figure(found).savefig(pages.FIGURES / "free-tracks.png", dpi=150)
+    with (pages.FIGURES / "free-tracks.png").open("wb") as file:
+        style.save(figure(found), file, "png")

@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages, waves_report
 from tests.benchmarks.force import BANDS, STARTS, Results
 from tests.benchmarks.waves import FULL
+from tweezer import style
 
 KINDS = ("inside", "edge", "outside", "far", STARTS)
 _ROWS = (
@@ -41,12 +42,12 @@ _ONE_RAY = ("force", "with_gradient", "roots_and_divisions")
 #: errors below this are drawn here
 _FLOOR = 1e-16
 _STYLES = {
-    "numpy": ("#bb5566", "X", "NumPy sum, 7644 rays"),
-    "grid": ("#ddaa33", "o", "grid, 25 to 1600 squares across"),
-    "quadrature": ("#004488", "s", "quadrature, tolerance 1e-2 to 1e-12"),
-    "map": ("#228833", "D", "map, 1e-5 to 1e-8 of the largest force"),
-    "waves": ("#66aadd", "s", "waves by quadrature, 1e-2 to 1e-12"),
-    "waves' map": ("#aacc66", "D", "waves' map, 1e-5 to 1e-8 of the largest force"),
+    "numpy": (style.SERIES[1].colour, "X", "NumPy sum, 7644 rays"),
+    "grid": (style.SERIES[2].colour, "o", "grid, 25 to 1600 squares across"),
+    "quadrature": (style.SERIES[0].colour, "s", "quadrature, tolerance 1e-2 to 1e-12"),
+    "map": (style.SERIES[3].colour, "D", "map, 1e-5 to 1e-8 of the largest force"),
+    "waves": (style.SERIES[4].colour, "v", "waves by quadrature, 1e-2 to 1e-12"),
+    "waves' map": (style.SERIES[5].colour, "P", "waves' map, 1e-5 to 1e-8 of the largest force"),
 }
 
 
@@ -95,16 +96,17 @@ def rounded(value: float) -> str:
     return f"{float(f'{value:.1e}'):g}"
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Largest and median error against time per position, a panel for each kind of place; waves by
     the size of the bead.
     """
-    drawn = Figure(figsize=(11.0, 10.0), layout="constrained")
+    drawn = style.new(style.PAGE, 7.2)
     above, below = drawn.subfigures(2, 1, height_ratios=(2, 1))
     panels = above.subplots(2, 3, sharex=True, sharey=True)
     for axes, kind in zip(panels.flat, results["places"], strict=False):
         _draw(axes, results["places"][kind])
-        axes.set_title(_title(kind), fontsize=10)
+        axes.set_title(_title(kind))
     for axes in panels[:, 0]:
         axes.set_ylabel("error, relative to the force")
     for axes in (*panels[1, :2], panels[0, 2]):
@@ -117,9 +119,9 @@ def figure(results: Results) -> Figure:
 
 def _title(kind: str) -> str:
     if kind == STARTS:
-        return "the thesis's three starting points"
+        return "the thesis's three\nstarting points"
     low, high = BANDS[kind]
-    return f"{kind}: {low:g} to {high:g} radii from the focus"
+    return f"{kind}: {low:g} to {high:g} radii\nfrom the focus"
 
 
 def _draw(axes: Axes, families: dict[str, list[dict[str, Any]]]) -> None:
@@ -130,24 +132,23 @@ def _draw(axes: Axes, families: dict[str, list[dict[str, Any]]]) -> None:
             np.maximum([entry[key] for entry in entries], _FLOOR)
             for key in ("largest_error", "median_error")
         )
-        axes.plot(times, largest, color=colour, marker=marker, markersize=5, linewidth=1.2)
+        axes.plot(times, largest, color=colour, marker=marker, markersize=3.5, linewidth=1.0)
         axes.plot(times, median, color=colour, linewidth=1, linestyle=":")
     axes.set(xscale="log", yscale="log")
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(visible=True)
 
 
 def _explain(axes: Axes) -> None:
     axes.axis("off")
     handles = [
-        Line2D([], [], color=colour, marker=marker, markersize=5, linewidth=1.2, label=label)
+        Line2D([], [], color=colour, marker=marker, markersize=3.5, linewidth=1.0, label=label)
         for colour, marker, label in _STYLES.values()
     ]
     handles += [
-        Line2D([], [], color="0.3", linewidth=1.2, label="largest error of the places"),
+        Line2D([], [], color="0.3", linewidth=1.0, label="largest error of the places"),
         Line2D([], [], color="0.3", linewidth=1, linestyle=":", label="median error"),
     ]
-    axes.legend(handles=handles, loc="center", frameon=False, fontsize=10)
+    axes.legend(handles=handles, loc="center")
 
 
 def block(results: Results) -> str:

@@ -17,10 +17,10 @@ from tests.benchmarks.pages import Results
 from tests.benchmarks.report import rounded
 from tests.benchmarks.scaling import CORES, STATISTICS
 from tests.benchmarks.timing import ROOT
+from tweezer import style
 
 PAGE = ROOT / "docs/scaling.md"
 
-_COLOURS = ("#004488", "#228833", "#ddaa33", "#bb5566", "#555555")
 _UNITS = (("years", 365.25 * 86400.0), ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0))
 
 
@@ -110,22 +110,22 @@ def _checks(results: Results) -> list[list[str]]:
     ]  # fmt: skip
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Time and efficiency against cores, by what is kept."""
-    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    drawn = style.new(style.PAGE, 2.9)
     times, efficiencies = drawn.subplots(1, 2, sharex=True)
-    for colour, each in zip(_COLOURS, results["plan"], strict=True):
+    for mark, each in zip(style.SERIES, results["plan"], strict=False):
         cores = [entry["cores"] for entry in each["cores"]]
         hours = [entry["seconds"] / 3600 for entry in each["cores"]]
         efficiency = [entry["efficiency"] for entry in each["cores"]]
-        line = {"color": colour, "linewidth": 1.3, "marker": "o", "markersize": 3}
-        times.loglog(cores, hours, label=_powers(each["kind"]), **line)
-        efficiencies.semilogx(cores, efficiency, **line)
+        times.loglog(cores, hours, label=_powers(each["kind"]), **mark.both)
+        efficiencies.semilogx(cores, efficiency, **mark.both)
     _finish(times, "time (h)")
     _finish(efficiencies, "efficiency")
-    times.legend(frameon=False, fontsize=8, title="the first curves coincide", title_fontsize=8)
+    times.legend(title="the first curves coincide")
     efficiencies.set_ylim(0, 1.05)
-    drawn.suptitle(f"{_powers('10^15')} steps, full model, heun: modelled", fontsize=10)
+    drawn.suptitle(f"{_powers('10^15')} steps, full model, heun: modelled")
     return drawn
 
 
@@ -136,8 +136,7 @@ def _powers(text: str) -> str:
 
 def _finish(axes: Axes, label: str) -> None:
     axes.set(xlabel="cores", ylabel=label)
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)
+    axes.grid(visible=True)
 
 
 def block(results: Results) -> str:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.sweep import Results
+from tweezer import style
 
 #: load average from which on times are not those of an idle machine
 BUSY = 1.0
@@ -40,12 +41,13 @@ def tables(results: Results) -> list[list[list[str]]]:
     ]  # fmt: skip
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Cases that were done at each kill."""
-    drawn = Figure(figsize=(6.5, 3.2), layout="constrained")
+    drawn = style.new(style.COLUMN, 2.3)
     axes = drawn.subplots()
     done = results["killed"]["cases_done_at_each"]
-    axes.step(range(len(done)), done, where="mid", color="#004488", marker="o", ms=4)
+    axes.step(range(len(done)), done, where="mid", color=style.SERIES[0].colour, marker="o", ms=4)
     axes.axhline(results["whole"]["cases"], color="#777777", lw=0.8, ls="--")
     axes.set(xlabel="kill", ylabel="cases done", xlim=(0, max(len(done) - 1, 1)), ylim=(0, None))
     return drawn

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.wall import OF_INERTIA, Results
+from tweezer import style
 
 #: schemes by how they are called
 _SCHEMES = {
@@ -70,34 +71,37 @@ def _with_error(value: float, error: float) -> str:
     return f"{value:+.1f} ± {error:.1f}"
 
 
+@style.styled
 def figure(results: Results) -> Figure:
     """Biases of the mean gap against the step, and with inertia."""
-    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    drawn = style.new(style.PAGE, 2.9)
     left, right = drawn.subplots(1, 2)
     steps = sorted({each["step"] for each in results["bias"]})
-    for (name, label), marker in zip(_SCHEMES.items(), "osD^v", strict=True):
+    for (name, label), mark in zip(_SCHEMES.items(), style.SERIES, strict=False):
         of = [each for each in results["bias"] if each["scheme"] == name]
         left.errorbar(
             [each["step"] for each in of], [abs(each["mean"]) for each in of],
-            [each["mean_error"] for each in of], marker=marker, label=label,
+            [each["mean_error"] for each in of], label=label, **mark.both,
         )  # fmt: skip
     left.axhline(1, color="grey", lw=1, ls="--")
     left.set(xscale="log", yscale="log", ylim=(1e-2, 100), xlabel="step over T",
              ylabel="bias of the mean gap (%)")  # fmt: skip
     left.set_xticks(steps, [f"{step:g}" for step in steps], minor=False)
     left.set_xticks([], minor=True)
-    left.legend(frameon=False, fontsize=8, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    style.legend_above(left, 3)
     of = results["inertia"]
-    for key, label, marker in (("mean", "mean gap", "o"), ("low", "below a tenth of it", "s")):
+    for mark, (key, label) in zip(
+        style.SERIES, (("mean", "mean gap"), ("low", "below a tenth of it")), strict=False
+    ):
         right.errorbar(
             [each["ratio"] for each in of], [each[key] for each in of],
-            [each[f"{key}_error"] for each in of], marker=marker, label=label,
+            [each[f"{key}_error"] for each in of], label=label, **mark.both,
         )  # fmt: skip
-    right.axhspan(-1, 1, color="grey", alpha=0.2, lw=0)
+    right.axhspan(-1, 1, color=style.SHADE, lw=0, zorder=0)
     right.set(xscale="log", xlabel="step over the relaxation time of the velocity",
               ylabel="bias (%)")  # fmt: skip
-    right.set_title(f"with inertia, steps of {OF_INERTIA:g} T", fontsize=9)
-    right.legend(frameon=False, fontsize=8)
+    right.set_title(f"with inertia, steps of {OF_INERTIA:g} T")
+    right.legend()
     return drawn
 
 

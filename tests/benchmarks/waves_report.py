@@ -5,15 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from tests.benchmarks.waves import BANDS, TOLERANCE
+from tweezer import style
 
 Results = dict[str, Any]
 
 #: (size of the bead in um, longest time in us inside) of the thesis's beads
 _WANTED = {"thesis-500nm": (0.5, 4), "thesis-990nm": (1, 5), "thesis-1950nm": (2, 10)}
-_BAND_STYLES = {"inside": "#004488", "edge": "#bb5566", "outside": "#ddaa33", "far": "#228833"}
+_BAND_STYLES = dict(zip(("inside", "edge", "outside", "far"), style.SERIES, strict=False))
 
 
 def tables(waves: Results) -> list[list[list[str]]]:
@@ -171,7 +173,7 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
     by_tolerance, by_size, of_map = panels
     diameters = [size["diameter_um"] for size in waves["sizes"]]
     for i, size in enumerate(waves["sizes"]):
-        shade = f"C{i}"
+        shade = colormaps["viridis"](0.9 * i / (len(waves["sizes"]) - 1))
         times, errors = (
             [max(entry[key], 1e-16) for entry in size["inside"]] for key in ("us", "largest_error")
         )
@@ -180,38 +182,38 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
             label=f"{size['diameter_um']:g} µm",
         )  # fmt: skip
     by_tolerance.set(xlabel="time per position, µs", ylabel="largest error inside, waves")
-    for band, colour in _BAND_STYLES.items():
+    for band, mark in _BAND_STYLES.items():
         times = [size["bands"][band]["us"] for size in waves["sizes"]]
-        by_size.plot(diameters, times, color=colour, marker="s", markersize=4, label=band)
+        by_size.plot(diameters, times, label=band, **mark.both)
         rays = waves["rays"][band]["us"]
-        by_size.axhline(rays, color=colour, linewidth=1, linestyle=":")
+        by_size.axhline(rays, color=mark.colour, linewidth=0.8, linestyle=":")
     summed = [size for size in waves["sizes"] if size["numpy"]]
-    for key, style in (("us", "-"), ("in_batches_us", "--")):
+    for key, line in (("us", "-"), ("in_batches_us", "--")):
         times = [size["numpy"][key] for size in summed]
         name = "NumPy, one by one" if key == "us" else "NumPy, in batches"
         by_size.plot(
             [size["diameter_um"] for size in summed],
             times,
             color="0.5",
-            linestyle=style,
+            linestyle=line,
             label=name,
         )
     by_size.plot([], [], color="0.3", linewidth=1, linestyle=":", label="rays, of any size")
     by_size.set(xlabel="diameter, µm", ylabel="time at 1e-8, µs")
     mapped = [size for size in waves["sizes"] if size["map"]]
-    for key, factor, label in (
+    for mark, (key, factor, label) in zip(style.SERIES, (
         ("made_s", 1.0, "made"), ("loaded_s", 1.0, "loaded"), ("read_ns", 1e-9, "read"),
         ("with_jacobian_ns", 1e-9, "read with the Jacobian"),
-    ):  # fmt: skip
+    ), strict=False):  # fmt: skip
         times = [factor * size["map"][key] for size in mapped]
         diameters = [size["diameter_um"] for size in mapped]
-        of_map.plot(diameters, times, marker="D", markersize=4, label=label)
+        of_map.plot(diameters, times, label=label, **mark.both)
     of_map.set(xlabel="diameter, µm", ylabel="time of the waves' map, s")
     for axes in (by_tolerance, by_size, of_map):
         axes.set(xscale="log", yscale="log")
-        axes.grid(color="0.9", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.legend(fontsize=7, frameon=False)
+        axes.grid(visible=True)
+        style.headroom(axes, 0.5)
+        axes.legend(loc="upper right", ncols=2 if axes is by_tolerance else 1)
 
 
 def _two(value: float) -> str:

@@ -11,6 +11,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import tweezer
+from tests import readable
 from tweezer import cli, thesis
 from tweezer.errors import ResultError, SceneError
 from tweezer.thesis import figures, lost_bead, verdicts, writing
@@ -94,7 +95,7 @@ def test_figures_draw(by_bead, number):
     """Two panels, each with the motion and its first closest approach, and nothing not finite."""
     bead = thesis.FIGURES[number][1]
     drawn = thesis.figure(number, by_bead[bead])
-    drawn.draw_without_rendering()
+    readable.check(drawn)
     assert len(drawn.axes) == 2
     rings = 0
     for axes in drawn.axes:
@@ -205,7 +206,7 @@ def test_captures_by_waves(by_bead, by_waves, tmp_path):
     assert [path.name for path in written] == ["waves.json", "waves.md"]
     assert written[1].read_text() == (COMMITTED / "waves.md").read_text()
     drawn = figures.captures_figure((by_bead, by_waves))
-    drawn.draw_without_rendering()
+    readable.check(drawn)
     assert all(len(axes.lines) == 3 for axes in drawn.axes)
 
 
@@ -239,7 +240,7 @@ def test_captures_in_a_fluid_with_inertia(by_bead, by_waves, tmp_path):
     written = writing._write_remembered(found, tmp_path)
     assert [path.name for path in written] == ["memory.json", "memory.md"]
     assert written[1].read_text() == (COMMITTED / "memory.md").read_text()
-    figures.memory_figure(by_bead, found).draw_without_rendering()
+    readable.check(figures.memory_figure(by_bead, found))
 
 
 def test_page_says_what_was_computed():

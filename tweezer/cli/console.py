@@ -106,9 +106,10 @@ def write_json(value: object, path: Path) -> None:
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure, as a whole or not at all."""
     from tweezer.io import replacing
+    from tweezer.style import save
 
     with replacing(path) as whole:
-        figure.savefig(whole, format=path.suffix[1:].lower(), dpi=150)
+        save(figure, whole, path.suffix[1:].lower())
 
 
 def complain(text: str) -> None:

@@ -100,7 +100,7 @@ def fit(
         result["keys"] = [dataclasses.asdict(each) for each in found.keys]
         write_json(result, out)
     if plot:
-        from tweezer.fit_figure import fit_figure
+        from tweezer.plots import fit_figure
 
         write_figure(fit_figure(found), plot)
     tell_written(out, plot)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import textwrap
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -13,6 +14,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
 from numpy.typing import NDArray
 
+from tweezer import style
 from tweezer.errors import ResultError
 from tweezer.io import scene_of
 from tweezer.sweeps.quantities import FAILED, MISSING
@@ -41,7 +43,9 @@ _FAMILY = 8
 #: Ratio of the ends of a range from which on its axis is logarithmic, if its values are even so
 _WIDE = 3.0
 #: Colour of what is not trapped, of a case that failed, and of one that is not computed
-_LOST, _BROKEN, _EMPTY = "#d9d9d9", "#cc3311", "#ffffff"
+_LOST, _BROKEN, _EMPTY = "#d9d9d9", style.LIGHT, "#ffffff"
+#: Length of a line of a panel's title
+_TITLE = 46
 
 
 class _Panel(NamedTuple):
@@ -59,6 +63,7 @@ class _Panel(NamedTuple):
     """a value to which larger ones are cut"""
 
 
+@style.styled
 def sweep_figure(result: xr.Dataset) -> Figure:
     """The main quantities of a sweep over one or two of its keys.
 
@@ -72,9 +77,9 @@ def sweep_figure(result: xr.Dataset) -> Figure:
     result = result.squeeze([dim for dim in over if dim not in swept])
     result = result.sortby([dim for dim in swept if dim in result.coords and _numeric(result[dim])])
     panels = _panels(result)
-    columns = min(2, len(panels)) if len(panels) <= 4 else 3
+    columns = min(2, len(panels))
     rows = math.ceil(len(panels) / columns)
-    figure = Figure(figsize=(0.6 + 5.2 * columns, 0.8 + 3.7 * rows), layout="constrained")
+    figure = style.new(style.COLUMN if columns == 1 else style.PAGE, 0.5 + 2.35 * rows)
     every = list(figure.subplots(rows, columns, squeeze=False).flat)
     few = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
     family = sorted(few, key=lambda dim: (_numeric(result[dim]), result.sizes[dim]))
@@ -93,9 +98,9 @@ def sweep_figure(result: xr.Dataset) -> Figure:
             "cross: no number, where nothing holds the bead; triangle down: failed; "
             "triangle up: larger than is drawn; hollow: a caveat"
         )
-        figure.supxlabel(told, fontsize=8, color="#777777")
-    title = f"{scene_of(result).name}: {result.attrs['of']} over {' and '.join(swept)}"
-    figure.suptitle(title, parse_math=False, fontsize=11)
+        style.add_note(figure, told)
+    told = f"{result.attrs['of']} over {' and '.join(swept)}"
+    style.add_title(figure, f"{scene_of(result).name}: {told}")
     return figure
 
 
@@ -198,10 +203,9 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
             _number(axis, at)
     shown = axes.pcolormesh(
         _edges(x, wide=x_wide), _edges(y, wide=y_wide), np.ma.masked_invalid(values), norm=norm,
-        cmap="viridis", rasterized=True,
+        cmap=style.VALUES, rasterized=True,
     )  # fmt: skip
     colorbar = axes.figure.colorbar(shown, ax=axes)
-    colorbar.ax.tick_params(labelsize=8)
     outcome = result["outcome"].transpose(down, along).values
     _mark(axes, x, y, x_wide, y_wide, np.isnan(values), outcome)
     line = panel.line
@@ -210,7 +214,7 @@ def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: s
         axes.contour(x, y, heights, [math.log(line)], colors="white", linewidths=1.4)
         colorbar.ax.axhline(line, color="white", lw=1.4)
     axes.set(xlabel=x_label, ylabel=y_label)
-    axes.set_title(panel.label, fontsize=9, parse_math=False)
+    axes.set_title(textwrap.fill(panel.label, _TITLE), parse_math=False)
 
 
 def _mark(
@@ -228,7 +232,7 @@ def _mark(
         )  # fmt: skip
         legend.append(Patch(facecolor=colour, edgecolor="#999999", label=str(word)))
     if legend:
-        axes.legend(handles=legend, fontsize=8, loc="upper left", framealpha=0.9)
+        axes.legend(handles=legend, loc="upper left")
 
 
 def _one_colour(colour: str) -> Any:
@@ -264,28 +268,26 @@ def _draw_curves(
     outcome = result["outcome"].transpose(*names, along).values.reshape(values.shape)
     told = _told(result, names[0]) if names else [""]
     doubted = result["caveat"].transpose(*names, along).values.reshape(values.shape) != ""
-    colours = _colours(len(values))
-    for row, colour, name in zip(range(len(values)), colours, told, strict=True):
+    marks = _marks(len(values))
+    for row, mark, name in zip(range(len(values)), marks, told, strict=True):
         order = np.argsort(x)
         bars = np.nan_to_num(errors[row][order])
         cut = values[row] == panel.top
         shown = np.where(cut, np.nan, values[row])
         axes.errorbar(
-            x[order], shown[order], bars, fmt=".-", ms=4, lw=1.3, elinewidth=0.8, color=colour,
-            label=name,
+            x[order], shown[order], bars, elinewidth=0.8, label=name, **mark.both,
         )  # fmt: skip
         axes.plot(
-            x[doubted[row]], values[row][doubted[row]], ".", ms=4, color=colour, mfc="white",
-            zorder=4,
+            x[doubted[row]], values[row][doubted[row]], mfc="white", zorder=4, **mark.points,
         )  # fmt: skip
-        axes.plot(x[cut], values[row][cut], "^", ms=6, color=colour)
+        axes.plot(x[cut], values[row][cut], "^", ms=6, color=mark.colour)
         for word, marker in (("", "x"), (FAILED, "v")):
             without = np.isnan(values[row]) & ((outcome[row] == FAILED) == (word == FAILED))
-            (marks,) = axes.plot(
-                x[without], np.zeros(without.sum()), marker, color=colour, ms=6, clip_on=False,
+            (crosses,) = axes.plot(
+                x[without], np.zeros(without.sum()), marker, color=mark.colour, ms=5, clip_on=False,
                 transform=axes.get_xaxis_transform(),
             )  # fmt: skip
-            marks.set_in_layout(False)
+            crosses.set_in_layout(False)
     positive = values[np.isfinite(values)]
     log = panel.log and positive.size and positive.min() > 0
     log = bool(log and (panel.top is not None or positive.max() / positive.min() > _WIDE))
@@ -296,11 +298,11 @@ def _draw_curves(
     if not _numeric(result[along]):
         axes.set_xticks(x, [str(value) for value in result[along].values])
     if panel.line is not None:
-        axes.axhline(panel.line, color="#777777", lw=0.8, ls="--")
-    axes.set_title(panel.label, fontsize=9, parse_math=False)
+        axes.axhline(panel.line, color=style.MUTED, lw=0.8, ls="--")
+    axes.set_title(textwrap.fill(panel.label, _TITLE), parse_math=False)
     if names and axes is axes.figure.axes[0]:
         title = ", ".join(map(str, _keys_of(result, names[0])))
-        axes.legend(frameon=False, fontsize=8, title=title, title_fontsize=8)
+        axes.legend(title=title)
 
 
 def _keys_of(result: xr.Dataset, dimension: str) -> list[str]:
@@ -325,7 +327,15 @@ def _told(result: xr.Dataset, dimension: str) -> list[str]:
     return [", ".join(row) for row in zip(*columns, strict=True)]
 
 
-def _colours(count: int) -> list[Any]:
+def _marks(count: int) -> list[style.Mark]:
+    """Looks of the curves of a family; more than are told apart by colour alone go from dark to
+    light.
+    """
+    if count <= len(style.SERIES):
+        return list(style.SERIES[:count])
     from matplotlib import colormaps
+    from matplotlib.colors import to_hex
 
-    return [colormaps["viridis"](i / max(count, 2)) for i in range(count)]
+    shades = [to_hex(colormaps[style.VALUES](0.9 * i / (count - 1))) for i in range(count)]
+    again = itertools.cycle(style.SERIES)
+    return [style.Mark(shade, *next(again)[1:]) for shade in shades]

@@ -6,6 +6,7 @@ light the same with thermal force and torque. A ring marks the first closest app
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
@@ -13,6 +14,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from tweezer import style
 from tweezer.bead import bead_properties
 from tweezer.errors import SceneError
 from tweezer.io import scene_of
@@ -24,14 +26,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
-_DARK = {"thesis": "#332288", "unscaled": "#117733"}
-_PALE = {"thesis": "#bbb3dd", "unscaled": "#b0d0b8"}
-_TERMINAL, _MUTED = "#cc3311", "#777777"
-_EULER = ("#332288", "#88ccee", "#ddaa33", "#cc6677")
+_DARK = {"thesis": style.SERIES[0].colour, "unscaled": style.SERIES[1].colour}
+_PALE = {"thesis": "#b6c7e2", "unscaled": "#efc7cd"}
+_TERMINAL, _MUTED = style.SERIES[3], style.MUTED
 
 Draw = Callable[["Axes", xr.Dataset, xr.Dataset, str], None]
 
 
+@style.styled
 def figure(number: str, motions: Motions) -> Figure:
     """The counterpart of the thesis's figure of that `number`, "5.1" to "5.15" or "C.1" to "C.12".
 
@@ -40,15 +42,15 @@ def figure(number: str, motions: Motions) -> Figure:
     title, bead, draw, same_scale = FIGURES[number]
     if motions.bead != bead:
         raise SceneError(f"figure {number}: is of the {bead} bead, not {motions.bead}")
-    drawn = Figure(figsize=(10.0, 4.2), layout="constrained")
+    drawn = style.new(style.PAGE, 3.1)
     left, right = drawn.subplots(1, 2, sharey=same_scale, sharex=same_scale)
     for axes, side in ((left, "thesis"), (right, "unscaled")):
         run = getattr(motions, side)
         draw(axes, run, getattr(motions, f"{side}_thermal"), side)
-        axes.set_title(_heading(run, side), fontsize=10)
-    drawn.suptitle(
-        f"Figure {number}: {title}, {bead[:-2]} nm bead; pale: with thermal motion", fontsize=11
-    )
+        axes.set_title(_heading(run, side))
+        axes.tick_params(labelleft=True)  # numbers on both sides
+    told = f"Figure {number}: {title}, {bead[:-2]} nm bead"
+    style.add_title(drawn, told, "pale: with thermal motion; ring: first closest approach")
     return drawn
 
 
@@ -64,12 +66,18 @@ def _time(run: xr.Dataset) -> np.ndarray:
 
 
 def _mark(
-    axes: Axes, x: np.ndarray, y: np.ndarray, run: xr.Dataset, marker: str = "o", of: str = ""
+    axes: Axes,
+    x: np.ndarray,
+    y: np.ndarray,
+    run: xr.Dataset,
+    marker: str = "o",
+    of: str = "",
 ) -> None:
     approach = closest_approach(run)
     if approach is not None:
         axes.plot(
-            x[approach], y[approach], marker, ms=8, mfc="none", mec="black", mew=1.3,
+            x[approach], y[approach], marker, ms=8 if marker == "o" else 4,
+            mfc="none" if marker == "o" else "black", mec="black", mew=1.0, ls="",
             label=f"FCA{of}", zorder=5,
         )  # fmt: skip
 
@@ -79,7 +87,7 @@ def _coordinate(axis: str, name: str) -> Draw:
         noisy = thermal["position"].sel(axis=axis).values * _MICRO
         path = run["position"].sel(axis=axis).values * _MICRO
         axes.plot(_time(thermal), noisy, color=_PALE[side], lw=0.8)
-        axes.plot(_time(run), path, color=_DARK[side], lw=1.5)
+        axes.plot(_time(run), path, color=_DARK[side], lw=1.3)
         _mark(axes, _time(run), path, run)
         axes.axhline(0, color=_MUTED, lw=0.6)
         axes.set(xlabel="time (ms)", ylabel=f"{name} (µm)")
@@ -90,7 +98,7 @@ def _coordinate(axis: str, name: str) -> Draw:
 def _reynolds_time(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
     axes.plot(_time(thermal)[1:], thermal["reynolds_number"][1:], color=_PALE[side], lw=0.6)
     number = run["reynolds_number"].values
-    axes.plot(_time(run)[1:], number[1:], color=_DARK[side], lw=1.5)
+    axes.plot(_time(run)[1:], number[1:], color=_DARK[side], lw=1.3)
     _mark(axes, _time(run), number, run)
     axes.set(xlabel="time (ms)", ylabel="Re (5.1)", yscale="log", ylim=(1e-9, 1e-1))
 
@@ -101,7 +109,7 @@ def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
         color=_PALE[side], ms=2,
     )  # fmt: skip
     speed, number = run["speed"].values * _MILLI, run["reynolds_number"].values
-    axes.plot(speed, number, color=_DARK[side], lw=1.5)
+    axes.plot(speed, number, color=_DARK[side], lw=1.3)
     _mark(axes, speed, number, run)
     axes.set(xlabel="speed (mm/s)", ylabel="Re (5.1)")
 
@@ -146,13 +154,14 @@ def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
     axes.plot(_time(thermal)[1:], thermal["speed"][1:] * _MILLI, color=_PALE[side], lw=0.6)
     actual = run["speed"].values * _MILLI
     terminal = run["terminal_speed"].values * _MILLI
-    axes.plot(_time(run)[1:], actual[1:], color=_DARK[side], lw=1.5, label="actual")
-    axes.plot(_time(run), terminal, color=_TERMINAL, lw=1.1, ls="--", label="terminal (5.2)")
+    axes.plot(_time(run)[1:], actual[1:], color=_DARK[side], lw=2.6, alpha=0.45, label="actual")
+    axes.plot(_time(run), terminal, lw=1.0, label="terminal (5.2)", **_TERMINAL.curve)
     _mark(axes, _time(run), actual, run, of=", actual")
     _mark(axes, _time(run), terminal, run, "*", of=", terminal")
     top = max(actual.max(), terminal.max())
     axes.set(xlabel="time (ms)", ylabel="speed (mm/s)", yscale="log", ylim=(1e-5 * top, 3 * top))
-    axes.legend(frameon=False, fontsize=8)
+    style.headroom(axes, 0.3)
+    axes.legend(ncols=2, loc="upper center")
 
 
 def _energy(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
@@ -170,20 +179,21 @@ def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
         axes.plot(q1, q2, color=colour[side], lw=width)
     q1, q2, _ = run["position"].values.T * _MICRO
     _mark(axes, q1, q2, run)
-    axes.plot(0, 0, "+", color=_TERMINAL, ms=9)
+    axes.plot(0, 0, "+", color=style.LIGHT, ms=7)
     axes.set(xlabel="q1 (µm)", ylabel="q2 (µm)")
 
 
 def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -> None:
-    for i, colour in enumerate(_EULER):
-        axes.plot(_time(thermal), thermal["orientation"][:, i], color=colour, lw=0.8, alpha=0.4)
+    for i, mark in enumerate(style.SERIES[:4]):
+        noisy = thermal["orientation"][:, i]
+        axes.plot(_time(thermal), noisy, color=mark.colour, lw=0.6, alpha=0.4)
         if "orientation" in run:
             values = run["orientation"].values[:, i]
         else:  # it does not rotate
             values = np.full(run.sizes["time"], 1.0 if i == 0 else 0.0)
-        axes.plot(_time(run), values, color=colour, lw=1.5, label=f"e{i}")
-    axes.set(xlabel="time (ms)", ylabel="Euler parameters", ylim=(-1.05, 1.05))
-    axes.legend(frameon=False, ncols=4, fontsize=8)
+        axes.plot(_time(run), values, lw=1.3, label=f"e{i}", **mark.curve)
+    axes.set(xlabel="time (ms)", ylabel="Euler parameters", ylim=(-1.05, 1.4))
+    axes.legend(ncols=4, loc="upper center")
 
 
 _KINDS: tuple[tuple[str, int, str, Draw, bool], ...] = (
@@ -207,49 +217,51 @@ FIGURES: dict[str, tuple[str, str, Draw, bool]] = {
 }
 
 
-_THEORY_LINES = {"rays": ("#cc6677", "--"), "waves": ("#332288", "-")}
+_THEORY_LINES = {"rays": style.SERIES[1], "waves": style.SERIES[0]}
 
 
+@style.styled
 def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
     """q2 and q3 of the three unscaled beads, in the light of rays and as waves; without noise."""
-    drawn = Figure(figsize=(11.0, 6.0), layout="constrained")
+    drawn = style.new(style.PAGE, 4.6)
     panels = drawn.subplots(2, len(BEADS), sharex="col")
     by_theory = list(of_each_theory)
     for bead, (above, below) in zip(BEADS, panels.T, strict=True):
         for motions in (by_bead[bead] for by_bead in by_theory):
             run = motions.unscaled
-            colour, style = _THEORY_LINES[motions.theory]
+            mark = _THEORY_LINES[motions.theory]
             for axes, axis in ((above, "y"), (below, "z")):
                 path = run["position"].sel(axis=axis).values * _MICRO
-                axes.plot(_time(run), path, color=colour, ls=style, lw=1.5, label=motions.theory)
+                axes.plot(_time(run), path, label=motions.theory, **mark.curve)
         for axes in (above, below):
             axes.axhline(0, color=_MUTED, lw=0.6)
         slowest = max(by_bead[bead].summary("unscaled").outcome_time for by_bead in by_theory)
         above.set(title=f"{bead[:-2]} nm", ylabel="q2 (µm)", xlim=(0, 1.3 * slowest * _MILLI))
         below.set(xlabel="time (ms)", ylabel="q3, from the focus (µm)")
-    panels[0, 0].legend(frameon=False)
-    drawn.suptitle("The unscaled beads in the thesis's light: rays, and exact", fontsize=11)
+    panels[0, 0].legend()
+    style.add_title(drawn, "The unscaled beads in the thesis's light: rays, and exact")
     return drawn
 
 
 _READING_LINES = dict(zip(READINGS, ("-", "--", ":"), strict=True))
 
 
+@style.styled
 def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -> Figure:
     """|q2| of the three unscaled beads without and with the fluid's inertia, in the light of rays;
     and q2 with the printed a2, by what it divides.
     """
     of_rays = {each.bead: each for each in found if each.theory == "rays"}
-    drawn = Figure(figsize=(11.0, 6.0), layout="constrained")
+    drawn = style.new(style.PAGE, 4.6)
     panels = drawn.subplots(2, len(BEADS))
     for bead, (above, below) in zip(BEADS, panels.T, strict=True):
         motions, each = by_bead[bead], of_rays[bead]
-        for run, colour, style, name in (
-            (motions.unscaled, _MUTED, "--", "without"),
-            (motions.remembering, _DARK["unscaled"], "-", "with the fluid's inertia"),
+        for run, mark, name in (
+            (motions.unscaled, style.SERIES[1], "without"),
+            (motions.remembering, style.SERIES[0], "with the fluid's inertia"),
         ):
             away = np.abs(run["position"].sel(axis="y").values) / 1e-9
-            above.plot(_time(run), away, color=colour, ls=style, lw=1.5, label=name)
+            above.plot(_time(run), away, label=name, **mark.curve)
         ends = each.within[1] * _MILLI
         above.set(
             title=f"{bead[:-2]} nm", ylabel="|q2| (nm)", yscale="log", ylim=(1e-2, 3e3),
@@ -265,17 +277,18 @@ def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -
             xlabel="time (ms)", ylabel="q2 (µm), printed a₂", ylim=(-0.3, 0.3),
             xlim=(0.9 * ends, 2.1 * ends),
         )  # fmt: skip
-        below.legend(frameon=False, fontsize=7, title="has inertia", title_fontsize=7)
-    panels[0, 0].legend(frameon=False, fontsize=8)
-    drawn.suptitle(
-        "The fluid's inertia: the unscaled beads, and three readings of the scaling", fontsize=11
+        below.legend(title="has inertia", loc="upper center", bbox_to_anchor=(0.5, -0.2))
+    style.legend_below(drawn, 2, handles=panels[0, 0].get_lines())
+    style.add_title(
+        drawn, "The fluid's inertia: the unscaled beads, and three readings of the scaling"
     )
     return drawn
 
 
+@style.styled
 def study_figure(study: Study) -> Figure:
     """Fate of the 500 nm bead: for single changes, and by a2 and power."""
-    drawn = Figure(figsize=(11.0, 8.0), layout="constrained")
+    drawn = style.new(style.PAGE, 8.6)
     axes = drawn.subplot_mosaic([["a2", "power"], ["other", "map"]])
     panels = {
         "a2": ("printed", "a2"),
@@ -284,23 +297,25 @@ def study_figure(study: Study) -> Figure:
     }
     for panel, groups in panels.items():
         shown = [variant for variant in study.variants if variant.group in groups]
-        for variant in shown:
+        for variant, mark in zip(shown, itertools.cycle(style.SERIES[:3] + style.SERIES[4:])):
             first = variant.group == "printed"
             axes[panel].plot(
                 variant.time * _MILLI, variant.q2 * _MICRO,
-                color="black" if first else None, lw=1.6 if first else 1.0,
+                color="black" if first else mark.colour, lw=1.6 if first else 0.9,
+                marker="" if first else mark.marker, ms=3, markevery=max(len(variant.time) // 9, 1),
                 ls="-" if variant.as_claimed or first else "--",
                 label=f"{variant.name}: {variant.outcome}",
             )  # fmt: skip
         axes[panel].set(xlabel="time (ms)", ylabel="q2 (µm)")
-        axes[panel].set_title("solid: trapped and ringing, or as printed (black)", fontsize=9)
-        axes[panel].legend(fontsize=7, framealpha=0.85)
+        axes[panel].set_title("solid: trapped and ringing, or as printed (black)")
+        axes[panel].legend(loc="upper center", bbox_to_anchor=(0.5, -0.17))
     _draw_capture(axes["map"], study)
     low, high = study.kept_interval
-    drawn.suptitle(
-        "The thesis's 500 nm bead, scaled model: what keeps it. With thermal motion, all else as "
-        f"printed,\n{study.kept} of {study.released} stay (95 %: {low:.0%} to {high:.0%})",
-        fontsize=11,
+    style.add_title(
+        drawn,
+        "The thesis's 500 nm bead, scaled model: what keeps it",
+        f"with thermal motion, all else as printed, {study.kept} of {study.released} stay "
+        f"(95 %: {low:.0%} to {high:.0%})",
     )
     return drawn
 
@@ -309,12 +324,13 @@ def _draw_capture(axes: Axes, study: Study) -> None:
     """Overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
     columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
     image = axes.pcolormesh(
-        columns, rows, np.where(study.captured, study.overshoot, np.nan) * _MICRO, cmap="viridis",
+        columns, rows, np.where(study.captured, study.overshoot, np.nan) * _MICRO,
+        cmap=style.VALUES,
     )  # fmt: skip
     axes.figure.colorbar(image, ax=axes, label="overshoot of q2 (µm)")
     lost_rows, lost_columns = np.nonzero(~study.captured)
-    axes.plot(lost_columns, lost_rows, "x", color=_TERMINAL, ms=7)
-    axes.set_xticks(columns, [f"{factor:g}" for factor in study.factors], fontsize=8)
+    axes.plot(lost_columns, lost_rows, "x", color=style.LIGHT, ms=5)
+    axes.set_xticks(columns, [f"{factor:g}" for factor in study.factors], rotation=45)
     axes.set_yticks(rows, [f"{power:g}" for power in study.powers])
     axes.set(xlabel="a2", ylabel="power before the pupil (mW)")
-    axes.set_title("x: not trapped; printed: 3e-05, 156 mW", fontsize=9)
+    axes.set_title("x: not trapped; printed: 3e-05, 156 mW")

@@ -12,6 +12,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from tweezer import style
 from tweezer.arguments import check_seed
 from tweezer.errors import ResultError, SceneError
 from tweezer.io import replacing, write_json
@@ -122,7 +123,7 @@ def reproduce(
 
 def _save(figure: Figure, path: Path) -> Path:
     with replacing(path) as whole:
-        figure.savefig(whole, format="png", dpi=100)
+        style.save(figure, whole, "png")
     return path
 
 

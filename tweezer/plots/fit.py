@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import math
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from tweezer.analysis import SceneFit
+from tweezer import style
 from tweezer.analysis.profile import LEVEL
 from tweezer.units import usual_unit
 
-_LINE, _SHADE = "#004488", "#ddaa33"
+if TYPE_CHECKING:
+    from tweezer.analysis import SceneFit
 
 
+@style.styled
 def fit_figure(found: SceneFit) -> Figure:
     """The least misfit over the other keys against each key; shaded: 95 % confidence."""
-    figure = Figure(figsize=(4.2 * len(found.keys), 3.6), layout="constrained")
-    panels = figure.subplots(1, len(found.keys), squeeze=False)[0]
-    for panel, each in zip(panels, found.keys, strict=True):
+    columns = min(len(found.keys), 3)
+    rows = math.ceil(len(found.keys) / columns)
+    figure = style.new(style.COLUMN if columns == 1 else style.PAGE, 0.4 + 2.3 * rows)
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for panel in panels.flat[len(found.keys) :]:
+        panel.remove()
+    for panel, each in zip(panels.flat, found.keys, strict=False):
         factor, unit = usual_unit(each.value, each.unit)
         values, misfit = np.array(each.profile).T
         near = np.isfinite(misfit)
@@ -25,17 +34,18 @@ def fit_figure(found: SceneFit) -> Figure:
             side = np.where(values[near] < each.value, -1.0, 1.0)
             root = PchipInterpolator(values[near], side * np.sqrt(np.maximum(misfit[near], 0.0)))
             along = np.linspace(values[near][0], values[near][-1], 200)
-            panel.plot(along / factor, root(along) ** 2, lw=1.2, color=_LINE)
-        panel.plot(values[near] / factor, misfit[near], "o", ms=4, color=_LINE)
-        panel.axhline(LEVEL, color="0.4", lw=0.8, ls="--")
+            panel.plot(along / factor, root(along) ** 2, color=style.PATH)
+        panel.plot(values[near] / factor, misfit[near], **style.SERIES[0].points)
+        panel.axhline(LEVEL, color=style.MUTED, lw=0.8, ls="--")
         ends = [
             outermost if end is None else end
             for end, outermost in zip(each.interval, (values[0], values[-1]), strict=True)
         ]
-        panel.axvspan(*(end / factor for end in ends), color=_SHADE, alpha=0.25, lw=0)
+        panel.axvspan(*(end / factor for end in ends), color=style.SHADE, lw=0, zorder=0)
         panel.set(xlabel=f"{each.key} ({unit})" if unit else each.key, ylim=(-0.3, 3 * LEVEL))
         if not each.determined:
-            panel.set_title("not determined", fontsize=9)
-    panels[0].set_ylabel("misfit above the least")
-    figure.suptitle(found.statement, fontsize=9, wrap=True)
+            panel.set_title("not determined")
+    for panel in panels[:, 0]:
+        panel.set_ylabel("misfit above the least")
+    style.add_title(figure, found.statement)
     return figure

@@ -1,0 +1,218 @@
+"""The figure of a calibration: the recording, and what its estimates fit."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.ticker import LogLocator, NullFormatter
+from scipy.constants import Boltzmann
+
+from tweezer import analysis, style
+from tweezer.plots.scene import MICRO, MILLI, NANO
+from tweezer.rounding import with_uncertainty
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+    from tweezer.analysis import Calibration, Finding, Recording
+
+#: Size of the figure, inches
+SIZE = (style.PAGE, 7.0)
+#: Number of samples of a trajectory that a figure can show
+_SHOWN = 6000
+
+
+@style.styled
+def calibration_figure(recording: Recording, calibration: Calibration) -> Figure:
+    """Trajectory, density, power spectrum, mean squared displacement and potential, with fits.
+
+    Bars are standard errors. Spectra are averaged over bins of frequency for the figure only; the
+    fits are those of `calibration`. A record in volts is drawn in metres, one with a drive without
+    the motion that the stage causes.
+    """
+    figure = style.new(*SIZE)
+    draw_calibration(figure, recording, calibration)
+    return figure
+
+
+@style.styled
+def draw_calibration(
+    figure: Figure | SubFigure, recording: Recording, calibration: Calibration
+) -> None:
+    """Draw what `calibration_figure` has."""
+    recording = analysis.in_metres(recording, calibration)
+    axes = figure.subplot_mosaic(
+        [["trajectory", "trajectory"], ["spectrum", "displacement"], ["potential", "density"]],
+        height_ratios=(0.6, 1, 1),
+    )
+    _draw_trajectory(axes["trajectory"], recording)
+    _draw_density(axes["density"], recording)
+    _draw_spectrum(axes["spectrum"], recording, calibration)
+    _draw_displacement(axes["displacement"], recording, calibration)
+    _draw_potential(axes["potential"], recording, calibration)
+    figure.align_ylabels([axes["spectrum"], axes["potential"]])
+    drag = "drag fitted"
+    if calibration.drag is not None:
+        drag = f"drag {calibration.drag * NANO:.3g} nN s/m"
+    if calibration.wall is not None:
+        drag += " far away" if calibration.drag is not None else ""
+        drag += f" · {calibration.wall.distance * MICRO:.4g} µm from a wall"
+    style.add_title(
+        figure, calibration.name,
+        f"{calibration.temperature:.5g} K · {drag} · {calibration.samples} samples, one every "
+        f"{calibration.step * MILLI:.3g} ms",
+    )  # fmt: skip
+
+
+def _draw_trajectory(axes: Axes, recording: Recording) -> None:
+    """A long record thinned to as many samples as a figure can show."""
+    shown = slice(None, None, -(-len(recording.times) // _SHOWN))
+    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
+        about = (positions - positions.mean()) * NANO
+        axes.plot(
+            recording.times[shown], about[shown], color=style.AXES[axis].colour, lw=0.4,
+            label=axis, rasterized=True, zorder=3 - "xyz".index(axis) / 4,
+        )  # fmt: skip
+    axes.margins(x=0)
+    axes.set(xlabel="time (s)", ylabel="from the mean (nm)")
+    legend = axes.legend(ncols=3, loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0.2)
+    style.widen(legend)
+    axes.set_title("trajectory")
+
+
+def _draw_density(axes: Axes, recording: Recording) -> None:
+    if len(recording.axes) < 2:
+        axes.set_axis_off()
+        return
+    x, y = ((recording.positions[:, i] - recording.positions[:, i].mean()) * NANO for i in (0, 1))
+    reach = 4 * max(x.std(), y.std()) * np.array([-1, 1])
+    _, _, _, shown = axes.hist2d(
+        x, y, bins=64, range=[reach, reach], density=True, cmap=style.FROM_ZERO, rasterized=True
+    )
+    axes.figure.colorbar(shown, ax=axes, label="probability density (1/nm²)", fraction=0.05)
+    axes.set(
+        aspect="equal", xlabel=f"{recording.axes[0]} from the mean (nm)",
+        ylabel=f"{recording.axes[1]} from the mean (nm)",
+    )  # fmt: skip
+    axes.set_title("density")
+
+
+def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    """Spectra with their models in the range of the fits, dotted beyond; rings: the corners."""
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        frequencies, density = analysis.power_spectrum(positions, recording.step)
+        edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
+        bins = np.digitize(frequencies, edges)
+        counts = np.bincount(bins)
+        kept = counts >= 4
+        at, mean = (
+            np.bincount(bins, values)[kept] / counts[kept] for values in (frequencies, density)
+        )
+        mark = style.AXES[found.axis]
+        axes.errorbar(
+            at, mean, mean / np.sqrt(counts[kept]), elinewidth=0.6, ms=2.5, alpha=0.6,
+            **mark.points,
+        )  # fmt: skip
+        frequencies = np.geomspace(at[0], frequencies[-1], 400)
+        fitted = frequencies <= found.fit.highest_frequency
+        bead, uncertainty = found.fit.bead, found.fit.corner_frequency_uncertainty
+        curve = bead.sampled_spectrum(frequencies, recording.step)
+        corner = with_uncertainty(bead.corner_frequency, uncertainty, "±")
+        axes.plot(
+            frequencies[fitted], curve[fitted], zorder=3, **mark.curve,
+            label=f"{found.axis}: $f_c$ = {corner} Hz{_mark(found.findings)}",
+        )  # fmt: skip
+        axes.plot(frequencies, curve, color=mark.colour, lw=0.6, ls=":", zorder=3)
+        if at[0] < bead.corner_frequency < frequencies[-1]:
+            height = np.interp(bead.corner_frequency, frequencies, curve)
+            axes.plot(
+                bead.corner_frequency, height, "o", mfc="white", mec=mark.colour, ms=5, zorder=4
+            )
+        for answer in found.answers:
+            axes.axvline(answer.frequency, ymin=0.92, color=mark.colour, lw=1.0)
+    axes.set(xscale="log", yscale="log", xlabel="frequency (Hz)", ylabel="density (m²/Hz)")
+    style.headroom(axes, 0.11 * len(calibration.axes), below=True)
+    axes.legend(loc="lower left")
+    form = "Lorentzian" if calibration.mass is None else "inertial form"
+    if calibration.displaced_mass is not None:
+        form = "hydrodynamic form"
+    if not all(found.fit.bead.seen_as_it_is for found in calibration.axes):
+        form += " as detected"
+    axes.set_title(f"power spectrum; {form} with its aliases")
+
+
+def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    step = recording.step
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
+        lags = np.unique(np.geomspace(1, max(longest, 10), 24).astype(int))
+        values = analysis.mean_squared_displacement(positions)[lags]
+        errors = [
+            analysis.standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags
+        ]
+        mark, estimate = style.AXES[found.axis], found.by("displacement") or found.estimates[0]
+        axes.errorbar(
+            lags * step, values * NANO**2, np.array(errors) * NANO**2, elinewidth=0.7, ms=2.5,
+            alpha=0.7, **mark.points,
+        )  # fmt: skip
+        bead = dataclasses.replace(found.fit.bead, stiffness=estimate.stiffness)
+        times = np.geomspace(lags[0], lags[-1], 200) * step
+        axes.plot(
+            times, bead.mean_squared_displacement(times) * NANO**2, **mark.curve,
+            label=f"{found.axis}: {_stiffness(estimate.stiffness, estimate.uncertainty)}"
+            f"{_mark(estimate.findings)}",
+        )  # fmt: skip
+    axes.set(xscale="log", yscale="log", xlabel="lag (s)", ylabel="displacement² (nm²)")
+    style.headroom(axes, 0.11 * len(calibration.axes))
+    for along in (axes.xaxis, axes.yaxis):
+        _number(along)
+    axes.legend(loc="upper left")
+    axes.set_title("mean squared displacement")
+
+
+def _number(along: Axis) -> None:
+    """Numbers at 1, 2 and 5 on a logarithmic axis that is too short for powers of ten alone."""
+    low, high = along.get_view_interval()
+    if high < 100 * low:
+        short = high < 20 * low
+        along.set_major_locator(LogLocator(subs=(1, 2, 5) if short else (1, 3)))
+        along.set_major_formatter("{x:g}")
+        along.set_minor_formatter(NullFormatter())
+
+
+def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:
+    kT = Boltzmann * calibration.temperature
+    for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
+        well = analysis.potential(positions, calibration.temperature)
+        mark = style.AXES[found.axis]
+        label = "too few independent samples"
+        if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:
+            estimate = found["potential"]
+            label = _stiffness(estimate.stiffness, estimate.uncertainty) + _mark(estimate.findings)
+            reach = math.sqrt(2 * 4.5 * kT / well.stiffness) * np.linspace(-1, 1, 101)
+            axes.plot(
+                (well.minimum - found.centre + reach) * NANO, well.stiffness * reach**2 / 2 / kT,
+                **mark.curve,
+            )  # fmt: skip
+        axes.errorbar(
+            (well.coordinates - found.centre) * NANO, well.energy / kT, well.errors / kT,
+            elinewidth=0.7, ms=2.5, alpha=0.7, label=f"{found.axis}: {label}", **mark.points,
+        )  # fmt: skip
+    axes.set(xlabel="from the mean (nm)", ylabel="potential ($k_B T$)")
+    axes.set_ylim(bottom=-0.3)
+    style.headroom(axes, 0.12 * len(calibration.axes))
+    axes.legend(loc="upper center")
+    axes.set_title("potential, from the histogram")
+
+
+def _stiffness(k: float, uncertainty: float) -> str:
+    return f"k = {with_uncertainty(k * MICRO, uncertainty * MICRO, '±')} pN/µm"
+
+
+def _mark(findings: tuple[Finding, ...]) -> str:
+    return ", not trusted" if findings else ""

@@ -1,0 +1,63 @@
+"""The figure of a fit of the depth from frames of the plane."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tweezer import style
+from tweezer.analysis.profile import LEVEL
+from tweezer.plots.scene import MICRO, MILLI
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from tweezer.analysis import DepthFit, Track
+
+
+@style.styled
+def depth_figure(track: Track, found: DepthFit) -> Figure:
+    """Track and fit, whitened residuals, the depth over time, and the misfit over the start."""
+    figure = style.new(style.PAGE, 5.0)
+    panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
+    time = (track.times - found.start_time) * MILLI
+    path = found.path
+    plane, residuals = panels["plane"], panels["residuals"]
+    for k, axis in enumerate("xy"):
+        mark = style.AXES[axis]
+        seen = track.positions[:, k] * MICRO
+        plane.plot(time, seen, ms=2.5, label=axis, **mark.points)
+        plane.plot(time, path.predicted[:, k] * MICRO, lw=1.0, **mark.curve)
+        residuals.plot(time, path.residuals[:, k], ms=2.5, **mark.points)
+        out = path.weights[:, k] < 0.5
+        for axes, values in ((plane, track.positions * MICRO), (residuals, path.residuals)):
+            axes.plot(time[out], values[out, k], "x", ms=5, color=style.LIGHT)
+    plane.set(xlabel="time (ms)", ylabel="position (µm)")
+    plane.set_title("seen, and as predicted; crosses: outliers")
+    plane.legend(loc="best", ncols=2)
+    for level in (-2, 0, 2):
+        residuals.axhline(level, color=style.MUTED, lw=0.6, ls="-" if level == 0 else ":")
+    residuals.set(xlabel="time (ms)", ylabel="whitened residual", ylim=(-6, 6))
+    residuals.set_title(f"independent if the model holds: p = {found.p_value:.2g}")
+    panels["depth"].plot(time, path.predicted[:, 2] * MICRO, **style.AXES["z"].curve)
+    panels["depth"].set(xlabel="time (ms)", ylabel="z along the light (µm)")
+    panels["depth"].set_title("the coordinate not seen, as the filter has it")
+    _draw_profile(panels["profile"], found)
+    style.add_title(figure, f"{found.name} · {found.scene}", found.statement)
+    return figure
+
+
+def _draw_profile(axes: Axes, found: DepthFit) -> None:
+    """Misfit as a function of the start, with interval and minima."""
+    z, misfit = np.array(found.profile).T
+    axes.plot(z * MICRO, misfit, color=style.PATH)
+    axes.axhline(LEVEL, color=style.MUTED, lw=0.8, ls="--")
+    for low, high in found.intervals:
+        axes.axvspan(low * MICRO, high * MICRO, color=style.SHADE, lw=0, zorder=0)
+    for each in found.minima:
+        axes.plot(each.z * MICRO, each.misfit, **style.SERIES[0].points)
+    axes.set_yscale("symlog", linthresh=2 * LEVEL)
+    axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
+    axes.set_title("profile likelihood; shaded: 95 % confidence")

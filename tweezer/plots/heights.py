@@ -1,0 +1,79 @@
+"""The figure of a trap over the height of its focus above a wall."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from tweezer import style
+from tweezer.io import scene_of
+from tweezer.plots.scene import MICRO, add_caveat
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+@style.styled
+def heights_figure(trap: xr.Dataset) -> Figure:
+    """Stiffness, equilibrium, drag and corner frequency over the height of the focus.
+
+    trap: as `tweezer.trap_over_heights` gives it. Crosses on the axis are heights at which nothing
+    holds the bead.
+    """
+    figure = style.new(style.PAGE, 4.8)
+    panels = figure.subplot_mosaic(
+        [["stiffness", "equilibrium"], ["drag", "corner_frequency"]], sharex=True
+    )
+    height = trap["height"].values * MICRO
+    drawn = {
+        "stiffness": (trap["stiffness"] * MICRO, "stiffness (pN/µm)"),
+        "drag": (trap["drag"] / trap["free_drag"], "drag over that far away"),
+        "corner_frequency": (trap["corner_frequency"], "corner frequency (Hz)"),
+    }
+    for name, (values, label) in drawn.items():
+        for axis, mark in style.AXES.items():
+            panels[name].plot(height, values.sel(axis=axis), label=axis, **mark.both)
+        panels[name].set(ylabel=label)
+        if name == "drag":  # beyond all bounds at contact
+            panels[name].set_yscale("log")
+            panels[name].yaxis.set_major_locator(LogLocator(subs=(1, 1.5, 2, 3, 5)))
+            panels[name].yaxis.set_major_formatter("{x:g}")
+            panels[name].yaxis.set_minor_formatter(NullFormatter())
+        panels[name].set_ylim(bottom=0.95 if name == "drag" else 0)
+    style.legend_above(panels["stiffness"], 3)
+    _draw_equilibria(panels["equilibrium"], trap)
+    lost = trap["state"].values != "held"
+    for axes in panels.values():
+        (crosses,) = axes.plot(
+            height[lost], np.zeros(lost.sum()), "x", color=style.LIGHT, ms=5, clip_on=False,
+            zorder=5, transform=axes.get_xaxis_transform(),
+        )  # fmt: skip
+        crosses.set_in_layout(False)
+    for name in ("drag", "corner_frequency"):
+        panels[name].set(xlabel="height of the focus above the wall (µm)")
+    name, evaluated = scene_of(trap).name, trap.attrs["force_evaluator"]
+    style.add_title(figure, f"{name}, over the height of its focus · {evaluated}")
+    add_caveat(figure, scene_of(trap))
+    return figure
+
+
+def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
+    """Where the bead is held, from the focus; below the line it would be in the wall."""
+    scene = scene_of(trap)
+    normal = scene.wall.normal if scene.wall else 1.0
+    height = trap["height"].values * MICRO
+    z = trap["equilibrium"].sel(axis="z").values * MICRO
+    axes.plot(height, z, zorder=3, **style.AXES["z"].both)
+    axes.axhline(0, color=style.LIGHT, lw=0.6, ls=":")
+    low, high = axes.get_ylim()
+    order = np.argsort(height)
+    touching = normal * (scene.bead.radius * MICRO - height[order])
+    axes.plot(height[order], touching, color=style.MUTED, lw=1.0, label="bead touches the wall")
+    behind = np.minimum(touching, low) if normal > 0 else np.maximum(touching, high)
+    axes.fill_between(height[order], touching, behind, **style.SOLID)
+    axes.set(ylim=(low, high), ylabel="equilibrium, z from the focus (µm)")
+    style.legend_above(axes, 1)

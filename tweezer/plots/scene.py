@@ -1,0 +1,55 @@
+"""What figures of runs and of traps have in common: cones of light, walls, the caveat."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.patches import Polygon
+
+from tweezer import style
+from tweezer.optics import cone, ray_optics_caveat
+from tweezer.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MICRO, MILLI, PICO, NANO = 1e6, 1e3, 1e12, 1e9
+
+
+def add_caveat(figure: Figure, scene: Scene) -> None:
+    """The caveat of ray optics, below all panels."""
+    if caveat := ray_optics_caveat(scene):
+        style.add_note(figure, caveat[0].upper() + caveat[1:] + ".")
+
+
+def planes(scene: Scene) -> list[tuple[float, float]]:
+    """Of each wall its z, um, and the direction along z from it to the bead."""
+    return [(MICRO * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
+
+
+def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
+    """What is solid, in a figure with z upwards to `reach`, um; where the bead's centre stops."""
+    for plane, normal in planes(scene):
+        if abs(plane) < reach:
+            axes.axhspan(plane, -normal * reach, **style.SOLID)
+            touching = plane + normal * scene.bead.radius * MICRO
+            axes.axhline(touching, color=style.MUTED, lw=0.8, ls="--", zorder=2)
+
+
+def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **how: Any) -> None:
+    """Cone of light of each beam before and behind its focus, for a figure that shows `reach`.
+
+    direction: (2,) along the figure's horizontal axis. Lengths in um. Moving beams are drawn at
+    their position at rest.
+    """
+    length = 3 * reach
+    for beam in scene.beams:
+        slope = math.tan(cone(scene.with_one_beam(beam)).half_angle)
+        x, z = MICRO * np.array(beam.position[:2]) @ direction, MICRO * beam.position[2]
+        for side in (-1, 1):
+            end = z + side * length
+            triangle = [(x, z), (x - slope * length, end), (x + slope * length, end)]
+            axes.add_patch(Polygon(triangle, **how))

@@ -1,0 +1,188 @@
+"""The figure of a trap: force along two lines, and its field."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+
+from tweezer import style
+from tweezer.dynamics import bound_once
+from tweezer.plots.scene import MICRO, MILLI, PICO, add_caveat, draw_cones, planes
+from tweezer.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from tweezer.analysis import Escape, Trap
+
+#: Force below which no field lines are drawn, as a part of the largest
+_NO_LINES = 1e-3
+
+
+@style.styled
+def trap_figure(scene: Scene, trap: Trap) -> Figure:
+    """Force along the axis and across it, and the field of force around the trap.
+
+    Forces are the sum of light and weight. Without a stable equilibrium the curves run through the
+    focus.
+    """
+    figure = style.new(style.PAGE, 4.1)
+    axes = figure.subplot_mosaic([["axial", "field"], ["lateral", "field"]], width_ratios=(1, 1.3))
+    _draw_curve(axes["axial"], scene, trap, "z")
+    _draw_curve(axes["lateral"], scene, trap, "x")
+    _draw_field(axes["field"], scene, trap)
+    figure.align_ylabels([axes["axial"], axes["lateral"]])
+    power = f"{trap.power_through_pupil * MILLI:.3g} mW through the pupil"
+    style.add_title(figure, scene.title, f"{power} · light and weight · {trap.evaluator}")
+    add_caveat(figure, scene)
+    return figure
+
+
+def _centre(trap: Trap) -> np.ndarray:
+    return np.array(trap.equilibrium.position if trap.equilibrium else (0.0, 0.0, 0.0))
+
+
+def _reach(scene: Scene, trap: Trap) -> float:
+    """Half the width of the figure, m from the origin."""
+    r = scene.bead.radius
+    shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
+    farthest = max((escape.force_at for escape in trap.escapes), default=0.0)
+    return max(3.5 * r, float(np.abs(shown).max()) + max(2 * r, 1.5 * farthest))
+
+
+def _net_force(scene: Scene, points: np.ndarray) -> np.ndarray:
+    """All forces but drag on a bead at `points` (..., 3) m that touches no wall."""
+    return bound_once(scene).net_force_apart(points.reshape(-1, 3)).reshape(points.shape)
+
+
+def _free(scene: Scene, z: np.ndarray) -> np.ndarray:
+    """Those of z, m, at which the bead is not in a wall."""
+    return z if scene.wall is None else z[scene.room(z) > 0]
+
+
+def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
+    """The largest force that a figure shows, pN, of those there are.
+
+    Beside the force of a wall that of the light would not be seen.
+    """
+    if not scene.forces.dlvo or not trap.escapes:
+        return largest
+    *_, across, _ = sorted(escape.force for escape in trap.escapes)
+    return min(largest, 2 * across * PICO)
+
+
+def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
+    """One component of the force along its own axis, with slope and escape forces."""
+    along = "xyz".index(axis)
+    centre, reach = _centre(trap), _reach(scene, trap)
+    coordinates = np.linspace(-reach, reach, 601)
+    if axis == "z":
+        coordinates = _free(scene, coordinates)
+        for plane, normal in planes(scene):
+            touching = plane + normal * scene.bead.radius * MICRO
+            axes.axvspan(touching, -normal * 3 * MICRO * reach, **style.SOLID)
+    points = np.tile(centre, (coordinates.size, 1))
+    points[:, along] = coordinates
+    force = _net_force(scene, points)[:, along] * PICO
+    colour = style.AXES[axis].colour
+    axes.axhline(0, color=style.MUTED, lw=0.6)
+    axes.axvline(0, color=style.LIGHT, lw=0.6, ls=":")
+    axes.plot(coordinates * MICRO, force, color=colour, zorder=3)
+    extent = _largest_shown(scene, trap, np.abs(force).max()) or 1.0
+    axes.set(
+        xlim=(-reach * MICRO, reach * MICRO), ylim=(-1.75 * extent, 1.75 * extent),
+        xlabel=f"{axis} (µm)", ylabel=f"$F_{axis}$ (pN)",
+    )  # fmt: skip
+    axes.set_title(
+        "no stable equilibrium; through the focus"
+        if not trap.equilibrium
+        else "along the light"
+        if axis == "z"
+        else "across it, through the equilibrium"
+    )
+    if trap.equilibrium is None:
+        return
+    stiffness = trap.equilibrium.stiffness[along][along]
+    escapes = [escape for escape in trap.escapes if escape.direction[1] == axis]
+    way = 0.8 * min(escape.force_at for escape in escapes) * np.array([-1, 1])
+    axes.plot(
+        (centre[along] + way) * MICRO, -stiffness * way * PICO,
+        color=style.MUTED, lw=0.9, ls="--", zorder=2, label=f"{stiffness * MICRO:.3g} pN/µm",
+    )  # fmt: skip
+    axes.plot(centre[along] * MICRO, 0, "o", color=style.PATH, ms=4, zorder=4)
+    for escape in escapes:
+        _mark_escape(axes, escape, float(centre[along]), colour)
+    axes.legend(loc="upper right" if axis == "x" else "lower left")
+
+
+def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None:
+    side = 1 if escape.direction[0] == "+" else -1
+    place = ((centre + side * escape.force_at) * MICRO, -side * escape.force * PICO)
+    axes.plot(*place, "o", mfc="white", mec=colour, ms=4, zorder=5)
+    # on the side away from the trap, unless the axes end there
+    outward = side if abs(place[0]) < 0.6 * axes.get_xlim()[1] else -side
+    axes.annotate(
+        f"{escape.force * PICO:.3g} pN", place, xytext=(6 * outward, -4 * side),
+        textcoords="offset points", ha="left" if outward > 0 else "right",
+        va="top" if side > 0 else "bottom", fontsize=style.SMALL, color=colour,
+    )  # fmt: skip
+
+
+def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
+    """Direction and size of the force on a bead by the position of its centre; bead to scale."""
+    centre, r = _centre(trap), scene.bead.radius
+    x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
+    points = np.zeros((z.size, x.size, 3))
+    points[..., 0], points[..., 2] = np.meshgrid(x, z)
+    held = z if scene.wall is None else np.clip(z, *_free(scene, z)[[0, -1]])
+    points[..., 2] = held[:, None]  # in a wall no force has a meaning
+    force = _net_force(scene, points) * PICO
+    size = np.linalg.norm(force, axis=-1)
+    if np.ptp(size) > 0:
+        most = _largest_shown(scene, trap, size.max())
+        shown = axes.pcolormesh(
+            x * MICRO, z * MICRO, size,
+            vmin=0, vmax=most, cmap=style.FROM_ZERO, shading="gouraud", zorder=0, rasterized=True,
+        )  # fmt: skip
+        axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
+        # unit vectors, or interpolation between samples would follow the larger force
+        strong = size[..., None] > _NO_LINES * size.max()
+        lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
+        axes.streamplot(
+            x * MICRO, z * MICRO, lines[..., 0], lines[..., 2],
+            density=1.3, color="#444444", linewidth=0.6, arrowsize=0.8, zorder=2,
+        )  # fmt: skip
+    else:
+        axes.text(
+            0.5, 0.6, "no force of light", transform=axes.transAxes, ha="center", va="center",
+            color=style.NOTE,
+        )  # fmt: skip
+    reach = _reach(scene, trap) * MICRO
+    if scene.lit:
+        edge: dict[str, Any] = {
+            "ec": style.LIGHT,
+            "fc": "none",
+            "alpha": 0.6,
+            "lw": 0.8,
+            "zorder": 2.7,
+        }
+        draw_cones(axes, scene, reach, np.array([1.0, 0.0]), **edge)
+    for plane, normal in planes(scene):
+        touching = plane + normal * r * MICRO
+        axes.axhspan(touching, -normal * reach, fc="white", lw=0, zorder=2.5)
+        axes.axhspan(plane, -normal * reach, **(style.SOLID | {"zorder": 2.6}))
+    if trap.equilibrium:
+        axes.add_patch(
+            Circle((centre[0] * MICRO, centre[2] * MICRO), r * MICRO, facecolor="none",
+                   edgecolor=style.PATH, lw=1.4, zorder=3)
+        )  # fmt: skip
+    foci = MICRO * np.array([beam.position for beam in scene.beams])
+    axes.plot(foci[:, 0], foci[:, 2], "+", color=style.LIGHT, ms=7, mew=1.2, zorder=4)
+    axes.set(
+        xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",
+        xlabel="x (µm)", ylabel="z along the light (µm)",
+    )  # fmt: skip
+    axes.set_title("force on a bead centred there; to scale; + focus")

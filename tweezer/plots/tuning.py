@@ -1,0 +1,43 @@
+"""The figure of a scaling factor: what it gains in work and loses in accuracy."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from tweezer import style
+from tweezer.plots.scene import MICRO, MILLI
+
+if TYPE_CHECKING:
+    from tweezer.analysis import Tuning
+
+
+@style.styled
+def tuning_figure(tuning: Tuning, name: str) -> Figure:
+    """Deviation and force calls of the scaled bead as functions of its scaling factor."""
+    figure = style.new(style.COLUMN, 3.9)
+    off, work = figure.subplots(2, sharex=True)
+    factors = [entry.scaling_factor for entry in tuning.entries]
+    deviations, errors = (
+        np.array([getattr(entry, key) for entry in tuning.entries], np.float64) * MICRO
+        for key in ("deviation", "deviation_error")
+    )
+    scaled, unscaled = style.SERIES[:2]
+    off.errorbar(factors, deviations, errors, ecolor=style.MUTED, **scaled.both)
+    off.set(xscale="log", yscale="log", ylabel="off the unscaled bead (µm)")
+    off.axvline(tuning.epsilon, color=style.MUTED, lw=0.8, ls=":")
+    off.annotate(
+        "ε", (tuning.epsilon, 0.2), xycoords=("data", "axes fraction"), ha="left", va="top",
+        xytext=(3, 0), textcoords="offset points", color=style.NOTE,
+    )  # fmt: skip
+    calls = [entry.force_calls for entry in tuning.entries]
+    work.loglog(factors, calls, label="scaled", **scaled.both)
+    work.axhline(tuning.unscaled.force_calls, label="unscaled, exponential", **unscaled.curve)
+    work.set(xlabel="scaling factor a₂", ylabel="force calls")
+    style.legend_above(work, 2)
+    figure.align_ylabels([off, work])
+    told = f"{MILLI * tuning.duration:.4g} ms of the scaled model, by {tuning.method}"
+    style.add_title(figure, name, told)
+    return figure
