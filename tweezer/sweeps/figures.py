@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tweezer import style
 from tweezer.errors import ResultError
 from tweezer.io import scene_of
-from tweezer.sweeps.quantities import FAILED, MISSING
+from tweezer.sweeps.quantities import FAILED, MISSING, SHOWN
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,11 +28,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Scale and name of the unit that a figure has in place of the SI unit
-_SHOWN = {
-    "m": (1e6, "µm"), "W": (1e3, "mW"), "N": (1e12, "pN"), "N/m": (1e6, "pN/µm"), "s": (1e3, "ms"),
-    "m^2": (1e18, "nm²"), "m^2/s": (1e12, "µm²/s"), "Pa s": (1e3, "mPa s"),
-}  # fmt: skip
 #: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
 #: 288 (1986))
 _STABLE = 10.0
@@ -171,7 +166,7 @@ def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) 
 
 def _shown(unit: str) -> tuple[float, str]:
     """Factor to the unit of the figure, and that unit in brackets."""
-    scale, name = _SHOWN.get(unit, (1.0, unit))
+    scale, name = SHOWN.get(unit, (1.0, unit))
     return scale, f" ({name})" if name not in ("", "1") else ""
 
 

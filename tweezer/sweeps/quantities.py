@@ -8,7 +8,7 @@ import json
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.constants import Boltzmann
@@ -18,6 +18,9 @@ from tweezer.equilibria import DIRECTIONS
 from tweezer.errors import SceneError, TweezerError
 from tweezer.scene import Scene, with_settings
 from tweezer.theory import largest_wavenumber
+
+if TYPE_CHECKING:
+    from tweezer.analysis import Trap
 
 #: Values of a case by name: numbers, or lists of them along a dimension
 Values = dict[str, Any]
@@ -32,6 +35,11 @@ _Z = 1.0
 
 #: Names along the dimensions of quantities
 DIMENSIONS = {"axis": ["x", "y", "z"], "direction": list(DIRECTIONS)}
+#: Scale and name of the unit in which a quantity is shown, in place of the SI unit
+SHOWN = {
+    "m": (1e6, "µm"), "W": (1e3, "mW"), "N": (1e12, "pN"), "N/m": (1e6, "pN/µm"), "s": (1e3, "ms"),
+    "m^2": (1e18, "nm²"), "m^2/s": (1e12, "µm²/s"), "Pa s": (1e3, "mPa s"),
+}  # fmt: skip
 
 
 class Quantity(NamedTuple):
@@ -43,6 +51,11 @@ class Quantity(NamedTuple):
     about: str
     error: bool = True
     """whether it has one"""
+
+    @property
+    def along(self) -> list[str]:
+        """Names of its numbers; of one number alone an empty one."""
+        return DIMENSIONS[self.dimension] if self.dimension else [""]
 
 
 QUANTITIES: dict[str, dict[str, Quantity]] = {
@@ -130,10 +143,15 @@ class Asked:
 
 def _of_trap(scene: Scene, _: Asked) -> Values:
     from tweezer.analysis import characterise
+
+    return values_of_trap(characterise(scene))
+
+
+def values_of_trap(trap: Trap) -> Values:
+    """The values of a trap, with its outcome and caveat."""
     from tweezer.analysis.heights import HELD, LOST, RESTS
 
-    trap = characterise(scene)
-    place, error = trap.equilibrium, trap.force_error
+    scene, place, error = trap.scene, trap.equilibrium, trap.force_error
     of_lifetime = trap.lifetime_caveat
     caveats = [trap.caveat, of_lifetime and f"lifetime: {of_lifetime}"]
     values: Values = {"force_error": error, "caveat": "; ".join(filter(None, caveats))}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,13 @@ from tweezer.analysis.summary import Summary, summary_of
 from tweezer.bead import bead_properties
 from tweezer.dynamics import Problem, bound_once
 from tweezer.io import scene_of
-from tweezer.optics import Beams, cone, ray_optics_caveat
-from tweezer.rounding import rounded
+from tweezer.optics import Beams, ray_optics_caveat
 from tweezer.run import Run
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
+from tweezer.viewing.rows import computed_by, of_number, si
+from tweezer.viewing.setting import of_the_picture, scene_facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,30 +70,6 @@ def content(dataset: xr.Dataset) -> Content:
 
 #: How a run ended that does not show what was asked for
 _ENDED = {"interrupted": "was stopped early", "failed": "failed"}
-
-
-def scene_facts(scene: Scene) -> dict[str, Any]:
-    """What a picture needs of a scene: bead, cones of light, walls. SI."""
-    cover = scene.lens.cover
-    return {
-        "shells": [radius for radius, _ in scene.bead.shells],
-        "beams": [
-            {
-                "focus": list(beam.position),
-                "half_angle": cone(alone).half_angle,
-                "down": beam.direction == "down",
-                "wavelength": beam.wavelength / scene.medium.refractive_index,
-                "vacuum_wavelength": beam.wavelength,
-            }
-            for beam in scene.beams
-            if (alone := scene.with_one_beam(beam)).lit
-        ],
-        "walls": [
-            {"z": z, "normal": normal} for z, normal in (scene.wall.planes if scene.wall else ())
-        ],
-        "cover": None if cover is None else {"z": -cover.depth, "index": cover.refractive_index},
-        "temperature": scene.medium.temperature,
-    }
 
 
 def _moving_light(problem: Problem, times: Array) -> dict[str, Packed]:
@@ -199,7 +176,7 @@ def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
     times = run["time"]
     if len(times) < 2:
         return ["The run has one sample alone."]
-    apart = _si(float(times[1] - times[0]), "s")
+    apart = si(float(times[1] - times[0]), "s")
     if not close:
         return [
             f"Samples are {apart} apart, longer than the bead takes to relax in the trap: they are "
@@ -214,33 +191,10 @@ def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
     return [f"Samples are {apart} apart. Between them the page draws straight lines."]
 
 
-def of_the_picture(scene: Scene) -> list[str]:
-    """How the picture of a scene is to be read."""
-    turns = (
-        "Its pattern is there to show how it turns."
-        if scene.rotates
-        else "Its pattern does not turn, as nothing turns this bead, or its turning was not "
-        "computed."
-    )
-    notes = [
-        f"Bead and light are to scale. {turns} The light ends at the angle of the outermost rays "
-        "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
-        "is no intensity."
-    ]
-    if caveat := ray_optics_caveat(scene):
-        notes.append(f"{caveat[0].upper()}{caveat[1:]}.")
-    return notes
-
-
 def _origin(run: Run, scene: Scene) -> list[str]:
     attributes = run.attributes
-    libraries = ", ".join(
-        f"{name.removesuffix('_version')} {attributes[name]}"
-        for name in ("tweezer_version", "numpy_version", "scipy_version", "numba_version")
-        if name in attributes
-    )
     drawn = f" Seed {attributes['seed']}." if scene.draws and "seed" in attributes else ""
-    return [f"Computed by {libraries}.{drawn}"]
+    return [f"{computed_by(attributes)}{drawn}"]
 
 
 def _summary(run: Run, scene: Scene) -> list[Row]:
@@ -249,12 +203,12 @@ def _summary(run: Run, scene: Scene) -> list[Row]:
     bead = bead_properties(scene)
     rows = [
         _row("outcome", summary.outcome, trusted=ended),
-        _number("at the time", summary.outcome_time, summary.outcome_time_error, "s"),
+        of_number("at the time", summary.outcome_time, summary.outcome_time_error, "s"),
         _row("end (x, y, z)", ", ".join(f"{1e6 * x:z.4f}" for x in summary.end) + " µm"),
     ]
     if summary.smallest_gap is not None:
         error = summary.smallest_gap_error
-        rows.append(_number("smallest gap to the wall", summary.smallest_gap, error, "m"))
+        rows.append(of_number("smallest gap to the wall", summary.smallest_gap, error, "m"))
     if not thermal:
         rows += _approach(summary)
     model = attributes["model"]
@@ -266,31 +220,31 @@ def _summary(run: Run, scene: Scene) -> list[Row]:
         _row("inertia of the fluid", attributes["fluid_inertia"]),
         _row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
         _row("force by", attributes["force_evaluator"], trusted=not ray_optics_caveat(scene)),
-        _row("largest force of the light", _si(summary.largest_force, "N")),
+        _row("largest force of the light", si(summary.largest_force, "N")),
         _row(
             "error of the force",
             "not known" if math.isnan(summary.force_error) else
-            f"up to {_si(summary.force_error, 'N', 1)}" + (
+            f"up to {si(summary.force_error, 'N', 1)}" + (
                 "" if math.isnan(share) else f", {100 * share:.1g} % of the largest"
             ),
         ),
     ]  # fmt: skip
     if thermal:
-        rows.append(_row("step", _si(attributes["step"], "s")))
+        rows.append(_row("step", si(attributes["step"], "s")))
     else:
         for name, key in (
             ("error of the integration", "integration_error"),
             ("off the motion with all inertia", "model_error"),
         ):
             error = attributes[key]
-            value = "not known" if math.isnan(error) else f"up to {_si(error, 'm', 1)}"
+            value = "not known" if math.isnan(error) else f"up to {si(error, 'm', 1)}"
             if error != 0 or key == "integration_error":
                 rows.append(_row(name, value, trusted=not math.isnan(error)))
     if scene.draws:
         rows.append(_row("seed", str(attributes["seed"])))
     rows += [
-        _row("radius of the bead", _si(scene.bead.radius, "m", 4)),
-        _row("weight less buoyancy", _si(-bead.weight[2], "N")),
+        _row("radius of the bead", si(scene.bead.radius, "m", 4)),
+        _row("weight less buoyancy", si(-bead.weight[2], "N")),
         _row("samples", f"{len(run['time'])}"),
     ]
     return rows
@@ -298,46 +252,24 @@ def _summary(run: Run, scene: Scene) -> list[Row]:
 
 def _approach(summary: Summary) -> list[Row]:
     rows = [
-        _number("overshoot past the axis", summary.overshoot, summary.overshoot_error, "m"),
+        of_number("overshoot past the axis", summary.overshoot, summary.overshoot_error, "m"),
     ]
     if summary.closest_approach is not None and summary.closest_approach_time is not None:
         rows += [
-            _number(
+            of_number(
                 "first closest approach to the focus",
                 summary.closest_approach, summary.closest_approach_error, "m",
             ),
-            _number(
+            of_number(
                 "its time", summary.closest_approach_time, summary.closest_approach_time_error, "s"
             ),
         ]  # fmt: skip
     number, error = summary.largest_reynolds_number, summary.largest_reynolds_number_error
-    return [*rows, *([] if number is None else [_number("largest Reynolds number", number, error)])]
+    return [
+        *rows,
+        *([] if number is None else [of_number("largest Reynolds number", number, error)]),
+    ]
 
 
 def _row(name: str, value: str, *, trusted: bool = True) -> Row:
     return Row(name, value, "", trusted)
-
-
-def _number(name: str, value: float, error: float | None, unit: str = "") -> Row:
-    """A number in the prefix that suits it, with as many digits as its error leaves."""
-    factor, prefixed = _prefix(value, unit)
-    if error is None or not error > 0:
-        return Row(name, f"{factor * value:.4g} {prefixed}".rstrip())
-    number, uncertainty = rounded(factor * value, factor * error)
-    return Row(name, f"{number} {prefixed}".rstrip(), f"{uncertainty} {prefixed}".rstrip())
-
-
-#: Powers of ten and their prefixes, from the largest
-_PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -21: "z"}
-
-
-def _prefix(value: float, unit: str) -> tuple[float, str]:
-    if not unit or value == 0 or not math.isfinite(value):
-        return 1.0, unit
-    power = next((each for each in _PREFIXES if abs(value) >= 10.0**each), -21)
-    return 10.0**-power, _PREFIXES[power] + unit
-
-
-def _si(value: float, unit: str, digits: int = 3) -> str:
-    factor, prefixed = _prefix(value, unit)
-    return f"{factor * value:.{digits}g} {prefixed}"

@@ -22,10 +22,10 @@ _MODULES = {
     "three": _THREE,
     **{
         f"tweezer/{name}": f"{name}.js"
-        for name in ("shell", "stage", "flat", "clock", "plot", "arrays")
+        for name in ("shell", "stage", "flat", "clock", "plot", "chart", "field", "arrays")
     },
 }
-_STYLES = ("page.css",)
+_STYLES = ("page.css", "chart.css")
 #: Height of a page within a notebook, pixels
 _HEIGHT = 760
 

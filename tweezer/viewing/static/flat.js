@@ -172,4 +172,49 @@ export class Flat {
     });
     return { group, set: (position, force) => { [from, vector] = [position, force]; } };
   }
+
+  // Words at a position, um.
+  label(words, position) {
+    this.add((pen) => {
+      pen.fillStyle = this.shell.colour("soft");
+      pen.font = "13px system-ui, sans-serif";
+      pen.fillText(words, ...this.place(position));
+    });
+  }
+
+  // A colour of the style sheet `n` times, as paths take them.
+  colours(name, n) {
+    const hex = this.shell.colour(name), parts = [1, 3, 5].map((k) => (parseInt(hex.slice(k, k + 2), 16) / 255) ** 2.2);
+    return Float32Array.from({ length: 3 * n }, (_, i) => parts[i % 3]);
+  }
+
+  cloud(n, colour, size, ring = false) {
+    const places = new Float32Array(3 * n);
+    let drawn = 0;
+    const group = this.add((pen) => {
+      pen.fillStyle = pen.strokeStyle = this.shell.colour(colour);
+      for (let i = 0; i < drawn; i++) {
+        const [x, y] = this.place([places[3 * i], places[3 * i + 1], places[3 * i + 2]]);
+        if (ring) { pen.beginPath(); pen.arc(x, y, size / 2, 0, 7); pen.stroke(); } else pen.fillRect(x - size / 2, y - size / 2, size, size);
+      }
+    });
+    return { group, places, set: (count) => { drawn = count; } };
+  }
+
+  // The half axes of shells about a place, as crosses.
+  shells(colour, opacities) {
+    let at = [0, 0, 0], lengths = [0, 0, 0];
+    const group = this.add((pen) => {
+      opacities.forEach((_, k) => at.forEach((__, i) => this.line(pen,
+        [-1, 1].map((side) => at.map((x, j) => x + (i === j ? side * (k + 1) * lengths[j] : 0))), colour, 3 - k)));
+    });
+    return { group, set: (place, given) => { [at, lengths] = [place, given]; } };
+  }
+
+  // The edge of a slice; its colours are beside the picture.
+  sheet() {
+    let corners = [];
+    const group = this.add((pen) => this.line(pen, [...corners, ...corners.slice(0, 1)], "soft"));
+    return { group, set: (given) => { corners = given; } };
+  }
 }

@@ -6,8 +6,8 @@ import { nice } from "tweezer/clock";
 const LEFT = 58, RIGHT = 12, TOP = 8, BOTTOM = 30;
 
 export class Plot {
-  // x: {values, name, unit}, ascending. curves: [{name, values, colour, dash, points}], colour a name
-  // of the style sheet. options: {title, unit, log, even, range, jumps,
+  // x: {values, name, unit}, ascending. curves: [{name, values, errors, colour, dash, points}], colour
+  // a name of the style sheet. options: {title, unit, log, even, range, jumps,
   // onpick(x)}.
   constructor(shell, host, x, curves, options) {
     Object.assign(this, { shell, x, curves, options });
@@ -148,8 +148,9 @@ export class Plot {
     this.move(this.cursor);
   }
 
-  curve(pen, { values, colour, dash, points, width }) {
+  curve(pen, { values, errors, colour, dash, points, width }) {
     pen.strokeStyle = pen.fillStyle = this.shell.colour(colour);
+    if (errors) this.band(pen, values, errors);
     pen.lineWidth = width ?? 1.7;
     pen.setLineDash(dash ?? []);
     const n = values.length, per = n / (this.width - LEFT - RIGHT);
@@ -179,6 +180,18 @@ export class Plot {
     }
     pen.stroke();
     pen.setLineDash([]);
+  }
+
+  // What lies within the errors on either side.
+  band(pen, values, errors) {
+    const known = [...values.keys()].filter((i) => Number.isFinite(values[i]) && Number.isFinite(errors[i]));
+    const corner = (i, side) => [this.across(this.x.values[i]), this.up(values[i] + side * errors[i])];
+    pen.globalAlpha = 0.25;
+    pen.beginPath();
+    for (const i of known) pen.lineTo(...corner(i, 1));
+    for (const i of known.reverse()) pen.lineTo(...corner(i, -1));
+    pen.fill();
+    pen.globalAlpha = 1;
   }
 
   ticks() {

@@ -93,16 +93,16 @@ export class Shell {
   }
 
   get dark() {
-    const chosen = document.documentElement.dataset.theme;
-    return chosen ? chosen === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    return this.theme ? this.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
   }
 
   turnTheme() {
-    document.documentElement.dataset.theme = this.dark ? "light" : "dark";
+    this.theme = this.dark ? "light" : "dark";
     this.retheme();
   }
 
   retheme() {
+    document.documentElement.dataset.theme = this.dark ? "dark" : "light";
     this.themeButton.textContent = this.dark ? "Light" : "Dark";
     for (const act of this.themed) act();
   }

@@ -1,9 +1,9 @@
 // The picture: three.js draws bead, light, walls, paths and arrows, in micrometres, z up.
 import {
-  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DoubleSide, FrontSide, Group,
-  LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, Scene,
-  ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DataTexture, DoubleSide,
+  FrontSide, Group, LineBasicMaterial, LineSegments, LinearFilter, Matrix4, Mesh, MeshBasicMaterial,
+  OrbitControls, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, RGBAFormat,
+  Scene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { scaled, text } from "tweezer/arrays";
 import { nice } from "tweezer/clock";
@@ -184,6 +184,12 @@ export class Stage {
 
   colour(name) {
     return new Color(this.shell.colour(name));
+  }
+
+  // A colour of the style sheet `n` times, as paths take them.
+  colours(name, n) {
+    const { r, g, b } = this.colour(name);
+    return Float32Array.from({ length: 3 * n }, (_, i) => [r, g, b][i % 3]);
   }
 
   // ---- words over the picture
@@ -427,6 +433,73 @@ export class Stage {
     };
   }
 
+  // A cloud: a disc for each of `n` beads, or a ring, `size` pixels across, colour of the style sheet.
+  cloud(n, colour, size, ring = false) {
+    const shape = geometry({ position: [new Float32Array(3 * n), 3] }), places = shape.getAttribute("position");
+    const uniforms = { colour: { value: new Color() }, size: { value: size }, ring: { value: ring ? 1 : 0 } };
+    this.onTheme(() => { uniforms.colour.value = this.colour(colour); });
+    const points = new Points(shape, new ShaderMaterial({
+      uniforms, vertexShader: CLOUD_VERTEX, fragmentShader: CLOUD, transparent: true, depthWrite: false,
+    }));
+    points.renderOrder = 5;
+    points.frustumCulled = false;
+    this.scene.add(points);
+    return {
+      group: points,
+      places: places.array,
+      // Draw the first `count` places, which have changed.
+      set: (count) => {
+        shape.setDrawRange(0, count);
+        uniforms.size.value = size * this.renderer.getPixelRatio();
+        places.needsUpdate = true;
+      },
+    };
+  }
+
+  // Shells about a place along the axes, half as long as `lengths`.
+  shells(colour, opacities) {
+    const group = new Group();
+    for (const [k, opacity] of opacities.entries()) {
+      const material = new MeshBasicMaterial({ transparent: true, opacity, depthWrite: false });
+      this.onTheme(() => { material.color = this.colour(colour); });
+      const shell = new Mesh(new SphereGeometry(k + 1, 40, 24), material);
+      shell.renderOrder = 5 - k;
+      group.add(shell);
+    }
+    this.scene.add(group);
+    return {
+      group,
+      set: (place, lengths) => {
+        group.position.set(...place);
+        group.scale.set(...lengths.map((x) => Math.max(x, 1e-6)));
+      },
+    };
+  }
+
+  // A slice: colours on a rectangle.
+  sheet() {
+    const shape = geometry({ position: [new Float32Array(12), 3], uv: [[0, 0, 1, 0, 1, 1, 0, 1], 2] });
+    shape.setIndex([0, 1, 2, 0, 2, 3]);
+    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.78, side: DoubleSide, depthWrite: false });
+    const mesh = new Mesh(shape, material);
+    mesh.renderOrder = 0;
+    mesh.frustumCulled = false;
+    this.scene.add(mesh);
+    return {
+      group: mesh,
+      // corners, um; colours (4 wide tall), 0 to 255, by rows from the first corner on.
+      set: (corners, colours, wide, tall) => {
+        shape.setAttribute("position", new BufferAttribute(Float32Array.from(corners.flat()), 3));
+        material.map?.dispose();
+        const texture = new DataTexture(new Uint8Array(colours), wide, tall, RGBAFormat);
+        Object.assign(texture, { colorSpace: "srgb", magFilter: LinearFilter, minFilter: LinearFilter, needsUpdate: true });
+        material.map = texture;
+        material.needsUpdate = true;
+        this.request();
+      },
+    };
+  }
+
   // An arrow in a colour of the style sheet.
   arrow(colour) {
     const uniforms = { colour: { value: new Color() } };
@@ -545,6 +618,17 @@ void main() {
   float edge = 1.0 - abs(dot(normalize(facing), normalize(towards)));
   float fade = pow(1.0 - abs(part), 1.3);
   gl_FragColor = vec4(colour, full * strength * fade * (0.28 + 0.72 * edge));
+  #include <colorspace_fragment>
+}`;
+const CLOUD_VERTEX = `
+uniform float size;
+void main() { gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0); gl_PointSize = size; }`;
+const CLOUD = `
+uniform vec3 colour; uniform float ring;
+void main() {
+  float away = length(gl_PointCoord - 0.5);
+  if (away > 0.5 || (ring > 0.5 && away < 0.28)) discard;
+  gl_FragColor = vec4(colour, ring > 0.5 ? 1.0 : 0.5);
   #include <colorspace_fragment>
 }`;
 const SOLID_VERTEX = `

@@ -1,0 +1,266 @@
+"""The page of an ensemble: its beads as a cloud in motion, or the statistics of one."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics import bound_once
+from tweezer.ensembles.statistics import joined, moments
+from tweezer.io import scene_of
+from tweezer.scene import Scene
+from tweezer.viewing.arrays import Packed, float32, uint16
+from tweezer.viewing.content import Content, Row
+from tweezer.viewing.rows import computed_by, shown
+from tweezer.viewing.setting import of_the_picture, scene_facts
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: Largest number of positions in a page, 6 bytes each
+_MOST = 2_000_000
+#: Number of times that are kept where there are too many positions, before beads are left out
+_TIMES = 200
+#: Largest number of times of a page of statistics
+_MOST_TIMES = 2000
+#: Largest number of bins of a density
+_BINS = 500
+#: Number of positions read at once
+_READ = 2_000_000
+
+
+class _Course(NamedTuple):
+    """What all beads do together, over the times."""
+
+    mean: Array
+    """(times, 3) m"""
+    mean_error: Array
+    spread: Array
+    """standard deviation, (times, 3) m"""
+    spread_error: Array
+    left: Array
+    """(times,) number of beads that are not lost"""
+    near: Array | None
+    """(times,) number of beads within a radius of the equilibrium; None if there is none"""
+
+
+def content(dataset: xr.Dataset) -> Content:
+    """What the page of an ensemble shows: of trajectories, or of statistics.
+
+    Raises `ResultError` if its scene is none.
+    """
+    scene = scene_of(dataset)
+    return (_of_trajectories if "position" in dataset else _of_statistics)(dataset, scene)
+
+
+def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
+    times, lost_time = dataset["time"].values, dataset["lost_time"].values
+    computed = ~np.isnan(lost_time)
+    lost_time = lost_time[computed]
+    every, beads, taken = _thinned(len(times), len(lost_time))
+    place = bound_once(scene).equilibrium if scene.lit else None
+    centre = None if place is None else np.array(place.position)
+    course, positions = _read(dataset, computed, every, taken, centre, scene.bead.radius)
+    lost = lost_time[taken]
+    arrays = {name: uint16(positions[:, :, k].T, "m") for k, name in enumerate("xyz")}
+    arrays |= _packed(times[::every], course)
+    arrays["lost_time"] = float32(lost, "s")
+    total = len(lost_time)
+    return Content(
+        kind="ensemble",
+        title=dataset.attrs["title"],
+        facts={
+            **scene_facts(scene),
+            "beads": total,
+            "drawn": beads,
+            "centre": None if centre is None else centre.tolist(),
+            "trajectories": True,
+        },
+        arrays=arrays,
+        summary=_summary(dataset, scene, course, total, int(np.isfinite(lost_time).sum())),
+        notes=[
+            *_of_thinning(len(times), total, every, beads), *_of_the_cloud(centre is not None),
+            *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
+        ],
+        warning="" if computed.all() else (
+            f"This ensemble was stopped early: {np.count_nonzero(~computed)} of its "
+            f"{computed.size} trajectories are not computed, and left out."
+        ),
+    )  # fmt: skip
+
+
+def _thinned(times: int, trajectories: int) -> tuple[int, int, NDArray[np.int64]]:
+    """Every how many times are kept, how many beads, and which: evenly spread over all."""
+    every = 1
+    if times * trajectories > _MOST:
+        needed = math.ceil(times * trajectories / _MOST)
+        every = max(1, min(needed, (times - 1) // (_TIMES - 1)))
+    kept = -(-times // every)
+    beads = min(trajectories, _MOST // kept)
+    return every, beads, np.linspace(0, trajectories - 1, beads).round().astype(np.int64)
+
+
+def _read(
+    dataset: xr.Dataset, computed: NDArray[np.bool_], every: int, taken: NDArray[np.int64],
+    centre: Array | None, radius: float,
+) -> tuple[_Course, Array]:  # fmt: skip
+    """What all beads do together at the times kept, and the positions of those taken."""
+    numbers = np.flatnonzero(computed)
+    times = dataset["time"].values[::every]
+    at_once = max(1, _READ // dataset.sizes["time"])
+    found = np.zeros((5, times.size * 3))
+    near = np.zeros(times.size)
+    positions = np.empty((taken.size, times.size, 3))
+    for first in range(0, numbers.size, at_once):
+        some = numbers[first : first + at_once]
+        block = dataset["position"][some[0] : some[-1] + 1].values[some - some[0], ::every]
+        found = joined(found, moments(block.reshape(len(some), -1), 4))
+        if centre is not None:
+            near += (np.linalg.norm(block - centre, axis=2) < radius).sum(axis=0)
+        within = (taken >= first) & (taken < first + len(some))
+        positions[within] = block[taken[within] - first]
+    count, mean, m2, _, m4 = found.reshape(5, times.size, 3)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variance = np.where(count > 1, m2 / (count - 1), np.nan)
+        of_variance = np.sqrt((m4 / count - variance**2 * (count - 3) / (count - 1)) / count)
+        course = _Course(
+            np.where(count > 0, mean, np.nan), np.sqrt(variance / count), np.sqrt(variance),
+            of_variance / (2 * np.sqrt(variance)), count[:, 0], None if centre is None else near,
+        )  # fmt: skip
+    return course, positions
+
+
+def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
+    every = -(-dataset.sizes["time"] // _MOST_TIMES)
+    thin = dataset.isel(time=slice(None, None, every))
+    spread = np.sqrt(thin["position_variance"].values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        spread_error = thin["position_variance_error"].values / (2 * spread)
+    course = _Course(
+        thin["position_mean"].values, thin["position_mean_error"].values, spread, spread_error,
+        thin["trajectories_left"].values, None,
+    )  # fmt: skip
+    arrays = _packed(thin["time"].values, course)
+    density = dataset[["density"]].coarsen(bin=_together(dataset), boundary="trim").mean()
+    arrays |= {
+        "bin": float32(density["bin"].values, "m"),
+        "density": float32(density["density"].transpose("axis", "bin").values, "1/m"),
+    }
+    total = int(dataset["trajectories"])
+    return Content(
+        kind="ensemble",
+        title=dataset.attrs["title"],
+        facts={
+            **scene_facts(scene), "beads": total, "drawn": 0, "centre": None, "trajectories": False,
+        },
+        arrays=arrays,
+        summary=[
+            *_summary(dataset, scene, course, total, int(dataset["trajectories_lost"])),
+            *_stationary(dataset),
+        ],
+        notes=[
+            "This ensemble has kept statistics and no trajectory: the shells are one and two "
+            "standard deviations about the mean along each axis, over the beads at a time.",
+            *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
+        ],
+    )  # fmt: skip
+
+
+def _together(dataset: xr.Dataset) -> int:
+    """Number of bins that are joined to one."""
+    return max(1, -(-dataset.sizes["bin"] // _BINS))
+
+
+def _packed(times: Array, course: _Course) -> dict[str, Packed]:
+    arrays = {
+        "time": float32(times, "s"),
+        "mean": float32(course.mean, "m"),
+        "mean_error": float32(course.mean_error, "m"),
+        "spread": float32(course.spread, "m"),
+        "spread_error": float32(course.spread_error, "m"),
+        "left": float32(course.left, "1"),
+    }
+    return arrays if course.near is None else arrays | {"near": float32(course.near, "1")}
+
+
+def _summary(
+    dataset: xr.Dataset, scene: Scene, course: _Course, total: int, lost: int
+) -> list[Row]:
+    last = int(np.flatnonzero(course.left)[-1]) if course.left.any() else 0
+    rows = [
+        Row("beads", f"{total}"),
+        Row("lost before the end", *_share(lost, total)),
+        shown("time simulated", float(dataset["time"][-1]), math.nan, "s"),
+    ]
+    if course.near is not None:
+        words = "within a radius of the equilibrium at the end"
+        rows.append(Row(words, *_share(int(course.near[-1]), total)))
+    for name, values, errors in (
+        ("mean", course.mean, course.mean_error), ("spread", course.spread, course.spread_error),
+    ):  # fmt: skip
+        for k, axis in enumerate("xyz"):
+            about = f"{name} of {axis} over the beads that are left at the end"
+            rows.append(shown(about, float(values[last, k]), float(errors[last, k]), "m"))
+    model, method = dataset.attrs["model"], dataset.attrs["method"]
+    return [
+        *rows,
+        Row("model, method", f"{model}; {method}"),
+        shown("step", float(dataset.attrs["step"]), math.nan, "s"),
+        Row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
+        Row("seed", f"{dataset.attrs['seed']}"),
+    ]
+
+
+def _share(number: int, total: int) -> tuple[str, str]:
+    """A number of beads and its part, and half of Wilson's interval of one standard deviation."""
+    if not total:
+        return "0", ""
+    part = number / total
+    width = math.sqrt(part * (1 - part) / total + 1 / (4 * total**2)) / (1 + 1 / total)
+    return f"{number}, {100 * part:.4g} %", f"{100 * width:.2g} %"
+
+
+def _stationary(dataset: xr.Dataset) -> list[Row]:
+    """Mean and variance over beads and time."""
+    return [
+        shown(
+            f"{name} of {axis} over beads and time",
+            float(dataset[f"stationary_{name}"][k]), float(dataset[f"stationary_{name}_error"][k]),
+            unit,
+        )
+        for name, unit in (("mean", "m"), ("variance", "m^2"))
+        for k, axis in enumerate("xyz")
+    ]  # fmt: skip
+
+
+def _of_thinning(times: int, total: int, every: int, beads: int) -> list[str]:
+    notes = []
+    if every > 1:
+        notes.append(f"Of {times} times the page has every {every}th: all would be too large.")
+    if beads < total:
+        notes.append(
+            f"Of {total} beads the page draws {beads}, evenly chosen. Means, spreads and shares "
+            "are of all of them."
+        )
+    return notes
+
+
+def _of_the_cloud(near: bool) -> list[str]:
+    notes = [
+        "Every point is the centre of a bead, at the last sample before the time shown. A bead "
+        "that is lost stays as a ring where it was last seen; means and spreads leave it out.",
+        "The density counts the points in cells of a plane at the time shown, over all that lies "
+        "before and behind the plane.",
+        "Beads do not feel each other: each was alone in the light.",
+    ]
+    if near:
+        notes.append(
+            "Near the equilibrium means within a radius of the bead of the stable one nearest the "
+            "focus, at the time 0 of light that changes."
+        )
+    return notes

@@ -1,0 +1,148 @@
+"""The page of a sweep: its cases over what was varied, each with its numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.io import scene_of
+from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, SHOWN
+from tweezer.viewing.arrays import Packed, float32
+from tweezer.viewing.content import Content, Row
+from tweezer.viewing.rows import computed_by
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Number that stands for one that is infinite, such as a lifetime too long to be told
+_ENDLESS = 1e30
+#: Ratio of the ends of values from which on their axis is logarithmic, if their ratios are even
+_WIDE = 3.0
+#: Quantities whose sizes differ by orders of magnitude
+_BY_RATIO = ("lifetime", "stiffness", "corner_frequency", "escape_energy", "escape_force")
+
+#: Quantities in SI units
+_IN_SI = ("lifetime",)
+
+
+def content(dataset: xr.Dataset) -> Content:
+    """What the page of a sweep shows. Raises `ResultError` if its scene is none."""
+    of, scene = dataset.attrs["of"], scene_of(dataset)
+    over = [str(dim) for dim in dataset["outcome"].dims]
+    # of all that has an order the page shows rising values
+    dataset = dataset.sortby(
+        [dim for dim in over if dim in dataset.coords and dataset[dim].dtype.kind in "if"]
+    )
+    words = {name: _words(dataset[name].values) for name in ("outcome", "reason", "caveat")}
+    arrays = {name: numbers for name, (_, numbers) in words.items()}
+    quantities = []
+    for name, quantity in QUANTITIES[of].items():
+        scale, unit = _unit(quantity.unit, apart=name in _IN_SI)
+        along = DIMENSIONS[quantity.dimension] if quantity.dimension else []
+        for each in (name, f"{name}_error"):
+            if each in dataset:
+                arrays[each] = _packed(dataset[each].transpose(*over, ...).values * scale, unit)
+        quantities.append({
+            "name": name, "about": quantity.about, "unit": unit, "along": along,
+            "least": quantity.dimension == "direction",
+            "log": name in _BY_RATIO, "error": f"{name}_error" in dataset,
+        })  # fmt: skip
+    outcomes, numbers = np.unique(dataset["outcome"].values, return_counts=True)
+    counts = dict(zip(outcomes.tolist(), numbers.tolist(), strict=True))
+    unfinished = dataset.attrs["status"] != "complete"
+    return Content(
+        kind="sweep",
+        title=f"{scene.name}: {of} over {' and '.join(over)}",
+        facts={
+            "of": of,
+            "scene": scene.name,
+            "axes": [_axis(dataset, dim) for dim in over],
+            "words": {name: list(found) for name, (found, _) in words.items()},
+            "unknown": [FAILED, MISSING],
+            "quantities": quantities,
+            "endless": _ENDLESS,
+        },
+        arrays=arrays,
+        summary=_summary(dataset, over, counts),
+        notes=_notes(dataset, of),
+        warning=f"This sweep was stopped early: {counts.get(MISSING, 0)} of its cases are not "
+        "computed." if unfinished else "",
+    )  # fmt: skip
+
+
+def _unit(unit: str, *, apart: bool = False) -> tuple[float, str]:
+    """Scale and name of the unit in which a quantity is shown; apart: in SI."""
+    plain = 1.0, "" if unit == "1" else unit
+    return plain if apart else SHOWN.get(unit, plain)
+
+
+def _packed(values: NDArray[np.float64], unit: str) -> Packed:
+    return float32(np.where(np.isinf(values), _ENDLESS, values), unit or "1")
+
+
+def _words(values: NDArray[Any]) -> tuple[list[str], Packed]:
+    """The different words, and the number of each case's."""
+    found, numbers = np.unique(values.astype(str), return_inverse=True)
+    return found.tolist(), float32(numbers.reshape(values.shape), "1")
+
+
+def _axis(dataset: xr.Dataset, dim: str) -> dict[str, Any]:
+    """A dimension of the cases with its keys, several of a table of cases."""
+    keys = [dim] if dim in dataset.coords else [
+        str(name) for name, of in dataset.coords.items() if of.dims == (dim,)
+    ]  # fmt: skip
+    described = []
+    for key in keys:
+        values, unit = dataset[key].values, str(dataset[key].attrs.get("units", ""))
+        scale, shown = _unit(unit)
+        numeric = values.dtype.kind in "if"
+        described.append({
+            "key": key,
+            "about": str(dataset[key].attrs.get("long_name", "")),
+            "unit": shown,
+            "si": unit,
+            "values": (values * scale).tolist() if numeric else values.astype(str).tolist(),
+            "given": values.tolist() if numeric else values.astype(str).tolist(),
+            "numeric": numeric,
+            "log": numeric and _wide(values),
+        })  # fmt: skip
+    return {"name": dim, "keys": described}
+
+
+def _wide(values: NDArray[Any]) -> bool:
+    """Whether the ratios of ascending values are more even than their distances."""
+    if values.size < 3 or values[0] <= 0 or values[-1] / values[0] <= _WIDE:
+        return False
+    return bool(np.ptp(np.diff(np.log(values))) < np.ptp(np.diff(values)) / values[-1])
+
+
+def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> list[Row]:
+    shape = " x ".join(f"{dataset.sizes[dim]} {dim}" for dim in over)
+    return [
+        Row("computed of each case", dataset.attrs["of"]),
+        Row("cases", f"{dataset.attrs['cases']}: {shape}"),
+        *(Row(outcome, f"{number}", "", outcome not in (FAILED, MISSING))
+          for outcome, number in counts.items()),
+        Row("with a caveat", f"{int((dataset['caveat'].values != '').sum())}"),
+    ]  # fmt: skip
+
+
+def _notes(dataset: xr.Dataset, of: str) -> list[str]:
+    notes = [
+        "Each cell is one case, as wide as the way to the middle between its neighbours. Hatched "
+        "cells have no number: their outcome says why.",
+    ]
+    if of == "trap":
+        notes.append(
+            "The least over the directions is that of the easiest straight way out. Work on a way "
+            "is no height of a barrier: the force of light has no potential."
+        )
+        notes.append("A lifetime that is infinite is longer than 10²⁰ s.")
+    if of in ("ensemble", "calibrate"):
+        notes.append(
+            "Thermal motion has the same random numbers in every case, so that differences of "
+            "neighbours are those of the scenes."
+        )
+    return [*notes, computed_by(dataset.attrs)]

@@ -1,0 +1,377 @@
+"""The page of a trap: the force on its bead in slices that can be moved, and the ways out of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.constants import Boltzmann
+from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
+
+from tweezer.analysis import Escape, Trap
+from tweezer.dynamics import Problem, bound_once
+from tweezer.optics import Beams
+from tweezer.optics.light import LightForce
+from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
+from tweezer.viewing.arrays import float32
+from tweezer.viewing.content import Content, Row
+from tweezer.viewing.rows import shown, si
+from tweezer.viewing.setting import of_the_picture, scene_facts
+
+Array = NDArray[np.float64]
+
+#: Number of nodes of a table of one light, for each angle
+_NODES = 10_000
+#: Nodes computed beyond the ends of a table, so that what is not known there has no weight within
+_BEYOND = 8
+#: Angles about the axis at which a light that is not round is computed
+_ANGLES = (0.0, math.pi / 3, 2 * math.pi / 3)
+#: An angle between these, at which it is computed once more, rad
+_BETWEEN = 0.4
+#: Number of places at which the tables are compared with the force that they stand for
+_COMPARED = 2000
+#: Largest distance from the origin that is shown, in radii of the bead and over the largest focus
+_WIDEST = 20.0
+#: Heights at which forces of walls are tabulated, evenly, and as many next to each wall
+_HEIGHTS = 400
+#: Smallest gap to a wall in such a table, m
+_CLOSEST = 1e-10
+
+
+@dataclass(frozen=True)
+class _Box:
+    """What is shown: |x|, |y| <= across, low <= z <= high, m from the origin."""
+
+    across: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class _Table:
+    """The force of the light of one beam about its own focus, as cubic B-splines.
+
+    The force is quadratic in the light's Jones vector, which is a sum of two circular ones. Each of
+    these alone gives a force that is the same all around the axis, and both together one that
+    turns twice: with the angle phi F_rho, F_phi and F_z are each a + b cos(2 phi) + c sin(2 phi).
+    Round light has a alone.
+    """
+
+    coefficients: Array
+    """(1 or 3, component, z, rho), N: of a, and of b and c if there are any"""
+    step: float
+    """distance of nodes, m"""
+    low: float
+    """z of the first, m; rho of the first is `-step`"""
+    errors: Array
+    """(z, rho), N: how far the splines are off between nodes, the largest of nine neighbouring
+    cells; the first cell begins at rho = 0 and `low + step`"""
+
+    def force(self, places: Array) -> Array:
+        """The force at places (n, 3) m from the focus, (n, 3) N."""
+        rho, angle = np.hypot(places[:, 0], places[:, 1]), np.arctan2(places[:, 1], places[:, 0])
+        at = np.array([(places[:, 2] - self.low) / self.step, rho / self.step + 1])
+        turns = np.array([np.ones_like(angle), np.cos(2 * angle), np.sin(2 * angle)])
+        about = [
+            sum(
+                turn * map_coordinates(part[component], at, order=3, prefilter=False)
+                for turn, part in zip(turns, self.coefficients, strict=False)
+            )
+            for component in range(3)
+        ]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        return np.stack(
+            [cosine * about[0] - sine * about[1], sine * about[0] + cosine * about[1], about[2]],
+            axis=1,
+        )
+
+
+@dataclass(frozen=True)
+class _Placed:
+    """The light of one beam where it is."""
+
+    focus: Array
+    factor: float
+    """of its force"""
+    down: bool
+    """whether it is turned by 180 degrees about x"""
+    light: LightForce
+
+    @property
+    def turn(self) -> Array:
+        """Signs of the axes of the beam in those of the scene."""
+        return np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
+
+    def within(self, places: Array) -> Array:
+        """Places (n, 3) m as this beam has them."""
+        return self.turn * (places - self.focus)
+
+
+def content(trap: Trap) -> Content:
+    """What the page of a trap shows.
+
+    The page computes forces anywhere in a box about the trap from tables, which are computed here.
+    """
+    scene, problem = trap.scene, bound_once(trap.scene)
+    box = _box(trap, problem)
+    lights = _placed(problem)
+    tables = _tables(lights, box)
+    numbers = {identity: i for i, identity in enumerate(tables)}
+    heights, of_walls = _of_walls(problem, box)
+    compared = _compared(problem, box, lights, tables, (heights, of_walls))
+    centre = trap.equilibrium.position if trap.equilibrium else (0.0, 0.0, 0.0)
+    arrays = {}
+    for i, each in enumerate(tables.values()):
+        arrays[f"table_{i}"] = float32(each.coefficients, "N")
+        arrays[f"errors_{i}"] = float32(each.errors, "N")
+    if heights.size:
+        arrays |= {"heights": float32(heights, "m"), "wall_force": float32(of_walls, "N")}
+    return Content(
+        kind="trap",
+        title=scene.title,
+        facts={
+            **scene_facts(scene),
+            "box": {"across": box.across, "low": box.low, "high": box.high},
+            "lights": [
+                {"focus": each.focus.tolist(), "factor": each.factor, "down": each.down,
+                 "table": numbers[id(each.light)]}
+                for each in lights
+            ],
+            "tables": [{"step": each.step, "low": each.low} for each in tables.values()],
+            "weight": list(problem.bead.weight),
+            "centre": list(centre),
+            "held": trap.equilibrium is not None,
+            "equilibria": [
+                {"position": list(each.position), "stable": each.stable}
+                for each in trap.equilibria
+            ],
+            "escapes": [_escape(each) for each in trap.escapes],
+            "thermal": Boltzmann * scene.medium.temperature,
+            "off": compared.tables,
+            "evaluator_off": compared.evaluator,
+            "force_error": trap.force_error,
+            "largest": compared.largest,
+        },
+        arrays=arrays,
+        summary=_summary(trap),
+        notes=[*_notes(trap, compared), *of_the_picture(scene)],
+    )  # fmt: skip
+
+
+def _escape(escape: Escape) -> dict[str, Any]:
+    return {
+        "direction": escape.direction,
+        "force": escape.force,
+        "force_at": escape.force_at,
+        "range": escape.range,
+        "wall_at": escape.wall_at,
+        "energy_kT": escape.energy_kT,
+    }
+
+
+def _box(trap: Trap, problem: Problem) -> _Box:
+    """Three radii and a half about every focus, and farther if the trap is wider."""
+    scene, r = trap.scene, trap.scene.bead.radius
+    foci = problem.foci()
+    centre = np.array(trap.equilibrium.position if trap.equilibrium else foci[0])
+    shown = np.vstack([foci, centre])
+    pulls = {way: [each.force_at for each in trap.escapes if each.direction[1] in way]
+             for way in ("xy", "z")}  # fmt: skip
+    margin = {way: max(3.5 * r, 2.0 * max(found, default=0.0)) for way, found in pulls.items()}
+    across = float(np.abs(shown[:, :2]).max()) + margin["xy"]
+    ends = [z for each in trap.equilibria if abs(z := each.position[2]) < _WIDEST * r]
+    ends += [centre[2] + (1 if each.direction == "+z" else -1) * each.range
+             for each in trap.escapes if each.range and each.direction[1] == "z"]  # fmt: skip
+    ends = [1.15 * z for z in ends if abs(z) < max(_WIDEST * r, margin["z"])]
+    low = min(*shown[:, 2] - margin["z"], *ends)
+    high = max(*shown[:, 2] + margin["z"], *ends)
+    if scene.wall is not None:
+        for plane, normal in scene.wall.planes:
+            touching = plane + normal * r
+            low, high = (max(low, touching), high) if normal > 0 else (low, min(high, touching))
+    return _Box(across, float(low), float(high))
+
+
+def _placed(problem: Problem) -> list[_Placed]:
+    """The lights of the scene at the time 0, each by an evaluator that is smooth."""
+    light = problem.light
+    if not problem.scene.lit:
+        return []
+    if not isinstance(light, Beams):
+        return [_Placed(np.zeros(3), 1.0, down=False, light=light.certain())]
+    smooth = {id(each): each.certain() for each in light.lights}
+    return [
+        _Placed(each.place.at(0.0), float(each.strength.at(0.0)[0]), each.down, smooth[id(own)])
+        for each, own in zip(light.forces, light.lights, strict=True)
+    ]
+
+
+def _tables(lights: list[_Placed], box: _Box) -> dict[int, _Table]:
+    """The tables by the identity of the light: beams that are alike share one."""
+    if not lights:
+        return {}
+    reach = math.sqrt(2) * box.across + max(float(np.hypot(*each.focus[:2])) for each in lights)
+    corners = np.array([[0.0, 0.0, box.low], [0.0, 0.0, box.high]])
+    ends = np.array([each.within(corners)[:, 2] for each in lights])
+    return {
+        id(light): _table(light, reach, float(ends.min()), float(ends.max()))
+        for light in {id(each.light): each.light for each in lights}.values()
+    }
+
+
+def _table(light: LightForce, reach: float, low: float, high: float) -> _Table:
+    """The table of a light up to `reach` from its axis, and from `low` to `high` along it, m."""
+    step = math.sqrt(reach * (high - low) / _NODES)
+    rho = step * np.arange(math.ceil(reach / step) + 1 + _BEYOND)
+    z = low + step * np.arange(-_BEYOND, math.ceil((high - low) / step) + 1 + _BEYOND)
+    angles = np.array(_ANGLES[:1] if light.symmetric else _ANGLES)
+    along, across = np.meshgrid(z, rho, indexing="ij")
+    turned = []
+    for angle in angles:
+        cosine, sine = math.cos(angle), math.sin(angle)
+        places = np.stack([cosine * across, sine * across, along], axis=-1).reshape(-1, 3)
+        force = light.field(places).force.reshape(z.size, rho.size, 3)
+        x, y = force[..., 0], force[..., 1]
+        turned.append([cosine * x + sine * y, cosine * y - sine * x, force[..., 2]])
+    at_angles = np.array(turned)
+    parts = [at_angles.mean(axis=0)]
+    if angles.size > 1:
+        parts += [2 * np.tensordot(turn(2 * angles), at_angles, 1) / angles.size
+                  for turn in (np.cos, np.sin)]  # fmt: skip
+    values = np.array(parts)
+    # beyond the axis the force goes on as half a turn about it has it
+    sign = np.array([-1.0, -1.0, 1.0])[:, None, None]
+    whole = np.concatenate([sign * values[..., :0:-1], values], axis=-1)
+    for axis in (-2, -1):
+        whole = spline_filter1d(whole, order=3, axis=axis, mode="mirror")
+    kept = slice(_BEYOND - 1, 3 - _BEYOND), slice(rho.size - 2, 3 - _BEYOND)
+    table = _Table(whole[..., *kept], step, float(z[_BEYOND - 1]), np.zeros(0))
+    cells = [step * (np.arange(size - 3) + 0.5) for size in table.coefficients.shape[2:]]
+    along, across = np.meshgrid(table.low + step + cells[0], cells[1], indexing="ij")
+    cosine, sine = math.cos(_BETWEEN), math.sin(_BETWEEN)
+    places = np.stack([cosine * across, sine * across, along], axis=-1).reshape(-1, 3)
+    off = np.linalg.norm(table.force(places) - light.field(places).force, axis=1)
+    return dataclasses.replace(table, errors=maximum_filter(off.reshape(along.shape), 3))
+
+
+def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
+    """Heights, m, and the force of walls on a bead that touches none there, (n,) N; or none."""
+    every = problem.beside_the_light_apart
+    wall = problem.scene.wall
+    if not every or wall is None:
+        return np.zeros(0), np.zeros(0)
+    gaps = np.geomspace(_CLOSEST, box.high - box.low, _HEIGHTS)
+    near = [plane + normal * (problem.scene.bead.radius + gaps) for plane, normal in wall.planes]
+    heights = np.unique(np.concatenate([np.linspace(box.low, box.high, _HEIGHTS), *near]))
+    heights = heights[(heights >= box.low) & (heights <= box.high)]
+    places = np.outer(heights, [0.0, 0.0, 1.0])
+    return heights, np.asarray(sum(each.field(places).force for each in every))[:, 2]
+
+
+class _Compared(NamedTuple):
+    """Differences of forces at places drawn at random, N."""
+
+    usual: float
+    """of the page's force from what its tables stand for: in half of the places"""
+    tables: float
+    """the largest"""
+    evaluator: float
+    """largest difference of the page's force from that of the scene's evaluator"""
+    largest: float
+    """the largest force of the light there"""
+
+
+def _compared(
+    problem: Problem, box: _Box, lights: list[_Placed], tables: dict[int, _Table],
+    walls: tuple[Array, Array],
+) -> _Compared:  # fmt: skip
+    """The page's force beside those that it stands for.
+
+    Half of the places are about the foci, where most of the force is.
+    """
+    rng = np.random.default_rng(0)
+    low, high = [-box.across, -box.across, box.low], [box.across, box.across, box.high]
+    places = rng.uniform(low, high, (_COMPARED, 3))
+    foci = problem.foci()
+    about = foci[rng.integers(len(foci), size=_COMPARED // 2)]
+    spread = 1.5 * problem.scene.bead.radius
+    places[: len(about)] = np.clip(about + rng.normal(0, spread, about.shape), low, high)
+    shown, exact = np.zeros_like(places), np.zeros_like(places)
+    for each in lights:
+        within = each.within(places)
+        shown += each.factor * each.turn * tables[id(each.light)].force(within)
+        exact += each.factor * each.turn * each.light.field(within).force
+    of_walls = np.zeros(len(places))
+    if walls[0].size:
+        every = problem.beside_the_light_apart
+        known = np.asarray(sum(force.field(places).force for force in every))[:, 2]
+        of_walls = np.abs(np.interp(places[:, 2], *walls) - known)
+    off, scene_off = (
+        np.linalg.norm(shown - force, axis=1) + of_walls
+        for force in (exact, problem.light.field(places).force)
+    )
+    largest = np.linalg.norm(exact, axis=1).max()
+    return _Compared(*map(float, (np.median(off), off.max(), scene_off.max(), largest)))
+
+
+def _summary(trap: Trap) -> list[Row]:
+    """What is known of the trap, each with its error."""
+    sound = trap.ray_optics is None or trap.ray_optics.trusted
+    values = values_of_trap(trap)
+    rows = [Row("outcome", values["outcome"])]
+    for name, quantity in QUANTITIES["trap"].items():
+        if name not in values or name == "lifetime":
+            continue
+        found, errors = (
+            np.atleast_1d(values.get(each, math.nan)) for each in (name, f"{name}_error")
+        )
+        errors = np.broadcast_to(errors, found.shape)
+        for at, value, error in zip(quantity.along, found, errors, strict=True):
+            about = f"{quantity.about}, {at}" if at else quantity.about
+            rows.append(shown(about, float(value), float(error), quantity.unit, trusted=sound))
+    told = {"error of the force", "stable equilibrium", "stiffness (x, y, z)", "corner frequencies"}
+    rows += [
+        Row(row.name.strip(), row.told, "", not row.caveat)
+        for row in trap.card().rows
+        if row.name not in told
+    ]
+    return rows
+
+
+def _notes(trap: Trap, compared: _Compared) -> list[str]:
+    usual, most = (si(each, "N") for each in (compared.usual, compared.tables))
+    largest = si(compared.largest, "N")
+    centre = "equilibrium" if trap.equilibrium else "focus"
+    notes = [
+        "Shown is the force of light, weight and walls on a bead whose centre is at a place, at "
+        "the time 0. Drag, contact with a wall and thermal motion play no part.",
+        f"The page computes the force from tables by cubic splines. At {_COMPARED} places drawn at "
+        f"random half of the differences from what the tables stand for were below {usual}, and "
+        f"the largest was {most}; the largest force of the light there was {largest}. Beside each "
+        "number stands the difference found in the cells of the table next to it.",
+        "The force of light has no potential: the work between two places depends on the way. "
+        "The map of work is that against the force on the straight line from the "
+        f"{centre} to each place, in kT. For the place pointed at, two other ways, along the axes, "
+        "tell how much the way matters.",
+        "Ways out are straight lines from the equilibrium; a square stands where the bead is "
+        "pulled back most, and a bar where the pull ends.",
+    ]
+    if trap.scene.theory == "rays" and trap.scene.lit:
+        notes.append(
+            "The force of rays changes at once where the focus is at the bead's surface. There the "
+            "tables smooth it, and their differences are largest."
+        )
+    if compared.evaluator > 2 * compared.tables or trap.evaluator == "grid":
+        notes.append(
+            f"The scene's evaluator, {trap.evaluator}, has jumps. Drawn is the smooth force that "
+            f"it approximates; at the same places it is up to {si(compared.evaluator, 'N')} off."
+        )
+    if trap.lifetime_caveat:
+        notes.append(f"Of the time for which the bead is held: {trap.lifetime_caveat}.")
+    if trap.equilibrium is None:
+        notes.append("No stable equilibrium was found, so that there is nothing to escape from.")
+    return notes

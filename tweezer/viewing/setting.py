@@ -1,0 +1,50 @@
+"""What the picture of any scene needs: bead, light, walls, and how they are to be read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from tweezer.optics import cone, ray_optics_caveat
+from tweezer.scene import Scene
+
+
+def scene_facts(scene: Scene) -> dict[str, Any]:
+    """What a picture needs of a scene: bead, cones of light, walls. SI."""
+    cover = scene.lens.cover
+    return {
+        "shells": [radius for radius, _ in scene.bead.shells],
+        "beams": [
+            {
+                "focus": list(beam.position),
+                "half_angle": cone(alone).half_angle,
+                "down": beam.direction == "down",
+                "wavelength": beam.wavelength / scene.medium.refractive_index,
+                "vacuum_wavelength": beam.wavelength,
+            }
+            for beam in scene.beams
+            if (alone := scene.with_one_beam(beam)).lit
+        ],
+        "walls": [
+            {"z": z, "normal": normal} for z, normal in (scene.wall.planes if scene.wall else ())
+        ],
+        "cover": None if cover is None else {"z": -cover.depth, "index": cover.refractive_index},
+        "temperature": scene.medium.temperature,
+    }
+
+
+def of_the_picture(scene: Scene) -> list[str]:
+    """How the picture of a scene is to be read."""
+    turns = (
+        "Its pattern is there to show how it turns."
+        if scene.rotates
+        else "Its pattern does not turn, as nothing turns this bead, or its turning was not "
+        "computed."
+    )
+    notes = [
+        f"Bead and light are to scale. {turns} The light ends at the angle of the outermost rays "
+        "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
+        "is no intensity."
+    ]
+    if caveat := ray_optics_caveat(scene):
+        notes.append(f"{caveat[0].upper()}{caveat[1:]}.")
+    return notes

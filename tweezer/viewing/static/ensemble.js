@@ -1,0 +1,194 @@
+// The page of an ensemble: its beads as a cloud in motion, or the spread that statistics tell.
+import { column, locate, text } from "tweezer/arrays";
+import { Chart, VIRIDIS, choice, colourBar, css, shade } from "tweezer/chart";
+import { Clock } from "tweezer/clock";
+import { Flat } from "tweezer/flat";
+import { Plot } from "tweezer/plot";
+import { make } from "tweezer/shell";
+import { Stage, drawing } from "tweezer/stage";
+
+// Planes by name: the axes to the right and up
+const PLANES = { "x–z": [0, 2], "y–z": [1, 2], "x–y": [0, 1] };
+const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };
+const AXES = ["x", "y", "z"];
+// Cells of the density along an axis, and standard deviations on either side that are shown
+const CELLS = 48, SPREADS = 4;
+// Pixels across the disc of a bead, and the ring of one that is lost
+const DISC = 3, RING = 7;
+
+export function start(content, shell) {
+  const { facts } = content, times = shell.array("time"), radius = 1e6 * facts.shells.at(-1);
+  const mean = shell.array("mean"), spread = shell.array("spread"), left = shell.array("left"), near = shell.array("near");
+  const { low, high } = extent(mean, spread);
+  const middle = low.map((x, k) => (x + high[k]) / 2);
+  const reach = 0.55 * Math.hypot(...high.map((x, k) => x - low[k])) || radius;
+  const beads = facts.trajectories ? facts.drawn : 0;
+  const label = facts.trajectories
+    ? `${beads} beads as points in the light; plots and the table below have the numbers.`
+    : "The mean of the beads, with one and two standard deviations, in the light; plots and the table below have the numbers.";
+  const flat = !drawing().possible;
+  const stage = new (flat ? Flat : Stage)(shell, { center: middle, reach, label });
+  stage.floor(low[2]);
+  for (const { z, normal } of facts.walls)
+    if (1e6 * z > low[2] - reach && 1e6 * z < high[2] + reach) stage.wall(1e6 * z, normal, "wall");
+  for (const beam of facts.beams) stage.beam(beam, 1.5 * Math.max(reach, radius)).place(beam.focus.map(micro));
+  const bead = stage.bead(facts.shells.map(micro));
+  const way = stage.path(mean.map((x) => (Number.isFinite(x) ? 1e6 * x : 0)), true);
+  shell.onTheme(() => way.colour(stage.colours("speed", times.length)));
+  const cloud = stage.cloud(Math.max(beads, 1), "bead-dark", DISC), rings = stage.cloud(Math.max(beads, 1), "light-ink", RING, true);
+  const shells = facts.trajectories ? null : stage.shells("bead-dark", [0.35, 0.16]);
+  const clock = new Clock(shell, times);
+
+  // ---- how many, and the bead to scale
+  const counts = make("p", { class: "counts" });
+  const sized = make("input", { type: "checkbox", checked: radius < 0.7 * reach, onchange: () => show(clock.time) });
+  stage.over.append(make("div", { class: "forces" }, counts,
+    make("label", {}, sized, " a bead to scale, at the mean")));
+
+  // ---- the density
+  const place = facts.trajectories ? AXES.map((name) => shell.array(name)) : null;
+  const lost = facts.trajectories ? shell.array("lost_time") : null;
+  let plane = "x–z", density = null;
+  if (facts.trajectories) {
+    const caption = make("p", { class: "caption" });
+    const bar = colourBar();
+    const holder = make("div", { class: "density" });
+    const list = choice("Plane of the density", Object.keys(PLANES).map((name) => [name, name]), (name) => { plane = name; axes(); show(clock.time); });
+    shell.plots.prepend(holder);
+    holder.append(make("div", { class: "tools" }, make("h3", {}, "Density"), list, caption));
+    const chart = new Chart(shell, holder, { equal: true, label: "Density of the beads", paint: (pen) => paint(pen) });
+    holder.append(bar.element);
+    const counted = new Int32Array(CELLS * CELLS);
+    const axes = () => {
+      const of = (k) => ({ low: low[k], high: high[k], name: AXES[k], unit: "µm" });
+      chart.axes(of(PLANES[plane][0]), of(PLANES[plane][1]));
+    };
+    axes();
+    let most = 1;
+    const paint = (pen) => {
+      const { left: x0, right, top, bottom } = chart.frame, wide = (right - x0) / CELLS, tall = (bottom - top) / CELLS;
+      pen.fillStyle = css(VIRIDIS[0]);
+      pen.fillRect(x0, top, right - x0, bottom - top);
+      for (let k = 0; k < counted.length; k++) {
+        if (!counted[k]) continue;
+        pen.fillStyle = css(shade(VIRIDIS, counted[k] / most));
+        pen.fillRect(x0 + (k % CELLS) * wide, bottom - (Math.floor(k / CELLS) + 1) * tall, wide + 0.5, tall + 0.5);
+      }
+    };
+    density = (index) => {
+      const [a, b] = PLANES[plane];
+      counted.fill(0);
+      let within = 0, there = 0;
+      for (let n = 0; n < beads; n++) {
+        const x = place[a][index * beads + n], y = place[b][index * beads + n];
+        if (Number.isNaN(x)) continue;
+        there++;
+        const i = Math.floor(((1e6 * x - low[a]) / (high[a] - low[a])) * CELLS), j = Math.floor(((1e6 * y - low[b]) / (high[b] - low[b])) * CELLS);
+        if (i < 0 || j < 0 || i >= CELLS || j >= CELLS) continue;
+        counted[j * CELLS + i]++;
+        within++;
+      }
+      most = counted.reduce((x, y) => Math.max(x, y), 1);
+      const area = ((high[a] - low[a]) / CELLS) * ((high[b] - low[b]) / CELLS);
+      caption.textContent = `${there - within} of ${there} beads outside`;
+      bar.set([0, 0.5, 1].map((part) => `${text((part * most) / (there || 1) / area, 2)}${part === 1 ? " /µm²" : ""}`));
+      chart.canvas.setAttribute("aria-label", `Density of ${there} beads in the plane ${plane}, at most ${text(most / (there || 1) / area, 2)} per square micrometre`);
+      chart.draw();
+    };
+  }
+
+  // ---- plots
+  const plots = plotted(content, shell, clock, { mean, spread, left, near });
+
+  // ---- what is shown at a time
+  let before = -1;
+  const show = (time) => {
+    const [index] = locate(times, time);
+    const here = [0, 1, 2].map((k) => micro(mean[3 * index + k]));
+    bead.group.visible = sized.checked;
+    bead.place(here);
+    way.upTo(index);
+    if (place) {
+      let drawn = 0, gone = 0;
+      for (let n = 0; n < beads; n++) {
+        let at = index;
+        const away = Number.isNaN(place[0][at * beads + n]);
+        // where it was seen last
+        if (away) while (at > 0 && Number.isNaN(place[0][at * beads + n])) at--;
+        const [into, to] = away ? [rings.places, 3 * gone++] : [cloud.places, 3 * drawn++];
+        for (let k = 0; k < 3; k++) into[to + k] = 1e6 * place[k][at * beads + n];
+      }
+      cloud.set(drawn);
+      rings.set(gone);
+      if (index !== before) density(index);
+    } else shells.set(here, [0, 1, 2].map((k) => micro(spread[3 * index + k])));
+    const there = left[index];
+    const words = [`${there} of ${facts.beads} beads are left, ${facts.beads - there} lost`];
+    if (near) words.push(`${near[index]} within a radius of the equilibrium`);
+    counts.replaceChildren(...words.flatMap((line, i) => (i ? [make("br"), line] : [line])));
+    for (const plot of plots) plot.move(plot.x.factor * time);
+    before = index;
+    stage.request();
+  };
+  clock.listen(show);
+  if (density) shell.onTheme(() => density(locate(times, clock.time)[0]));
+  Object.assign(window.tweezer, {
+    seek: (time) => { clock.seek(time); stage.draw(); },
+    time: () => clock.time, play: () => clock.play(), pause: () => clock.pause(),
+    duration: [clock.first, clock.last],
+    // Places of the points that are drawn, um: for tests.
+    drawn: () => Array.from(cloud.places),
+    show: (name, on) => { ({ bead, cloud })[name].group.visible = on; stage.draw(); },
+    lost: () => lost && Array.from(lost),
+  });
+  if (!matchMedia("(prefers-reduced-motion: reduce)").matches && times.length > 1) clock.play();
+}
+
+const micro = (x) => 1e6 * x;
+
+// What is shown: all means and some spreads on either side, um.
+function extent(mean, spread) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < mean.length; i++) {
+    if (!Number.isFinite(mean[i])) continue;
+    const room = SPREADS * (spread[i] || 0);
+    low[i % 3] = Math.min(low[i % 3], 1e6 * (mean[i] - room));
+    high[i % 3] = Math.max(high[i % 3], 1e6 * (mean[i] + room));
+  }
+  const widest = Math.max(...high.map((x, k) => x - low[k]), 1e-6);
+  // a cell has a size along every axis
+  for (let k = 0; k < 3; k++) if (high[k] - low[k] < 0.01 * widest) { low[k] -= 0.05 * widest; high[k] += 0.05 * widest; }
+  return { low, high };
+}
+
+function plotted(content, shell, clock, { mean, spread, left, near }) {
+  const { facts } = content, { factor, unit } = clock.shown, times = shell.array("time");
+  const x = { values: times.map((t) => factor * t), name: "time", unit, factor };
+  const options = { jumps: true, onpick: (value) => clock.seek(value / factor) };
+  const of = (values, name, size) => AXES.map((axis, k) => ({
+    name: axis, values: column(values, k, 3, size), errors: column(shell.array(name), k, 3, size), colour: axis, dash: DASHES[axis],
+  }));
+  const plots = [
+    new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm", digits: 4 }),
+    new Plot(shell, shell.plots, x, of(spread, "spread_error", 1e9), { ...options, title: "Spread", unit: "nm", digits: 4 }),
+  ];
+  const share = (values) => values.map((n) => (100 * n) / facts.beads);
+  // of a part p of n, half of Wilson's interval of one standard deviation
+  const errors = (values) => values.map((n) => {
+    const total = facts.beads, p = n / total;
+    return (100 * Math.sqrt((p * (1 - p)) / total + 1 / (4 * total * total))) / (1 + 1 / total);
+  });
+  const lost = left.map((n) => facts.beads - n);
+  const shares = [{ name: "lost", values: share(lost), errors: errors(lost), colour: "light-ink", dash: [6, 4] }];
+  if (near) shares.unshift({ name: "near the equilibrium", values: share(near), errors: errors(near), colour: "speed" });
+  if (near || lost.some((n) => n > 0))
+    plots.push(new Plot(shell, shell.plots, x, shares, { ...options, title: "Share of the beads", unit: "%" }));
+  const bins = shell.array("bin");
+  if (bins) {
+    const densities = shell.array("density"), n = bins.length;
+    new Plot(shell, shell.plots, { values: bins.map(micro), name: "x, y, z", unit: "µm" },
+      AXES.map((axis, k) => ({ name: axis, values: densities.slice(k * n, (k + 1) * n).map((d) => 1e-6 * d), colour: axis, dash: DASHES[axis] })),
+      { title: "Density over beads and time", unit: "1/µm" }).move(1e6 * bins[Math.floor(n / 2)]);
+  }
+  return plots;
+}
