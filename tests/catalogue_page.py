@@ -10,7 +10,7 @@ from tweezer.materials import Material, materials
 
 PAGE = Path(__file__).parents[1] / "docs" / "materials.md"
 #: Wavelengths of the table, nm
-SHOWN = (532, 633, 785, 1064)
+SHOWN = (532, 633, 1064)
 FORMULAS = {
     "sellmeier": "Sellmeier's formula: ",
     "powers": "powers of the wavelength: ",
@@ -47,8 +47,7 @@ def _of_indices() -> list[str]:
         low, high = each.used
         indices = " | ".join(_index(each, nm) for nm in SHOWN)
         rows.append(
-            f"| `{each.name}` | {indices} | {low:g}, {high:g} | {each.error:g} | {each.density:g}, "
-            f"{each.density_source} |"
+            f"| `{each.name}` | {indices} | {low:g}, {high:g} | {each.error:g} | {each.density:g} |"
         )
     return rows
 
@@ -58,7 +57,7 @@ def _index(material: Material, nm: float) -> str:
         index = material.refractive_index(1e-9 * nm)
     except ValueError:
         return ""
-    return f"{index.real:.4f}" if index.imag == 0 else f"{index.real:.3f} + {index.imag:.3g}j"
+    return f"{index.real:.4f}" if index.imag == 0 else f"{index.real:.2f}+{index.imag:.3g}j"
 
 
 def _of_sources() -> list[str]:
@@ -67,7 +66,10 @@ def _of_sources() -> list[str]:
         low, high = each.measured
         span = f"measured from {low:g} to {high:g} µm" if high > low else f"measured at {low:g} µm"
         formula = f"{FORMULAS[each.formula]}{_terms(each)}"
-        lines.append(f"- **{each.name}**: {each.source}; {span}; {formula}. {each.note}")
+        lines.append(
+            f"- **{each.name}**: {each.source}; {span}; {formula}. {each.note} "
+            f"Density: {each.density_source}."
+        )
     return lines
 
 

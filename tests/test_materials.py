@@ -75,7 +75,8 @@ def test_a_material_gives_index_and_density_at_the_wavelength():
     kept = green.model_dump(exclude_none=True)
     assert kept["bead"] == {"material": "silica", "radius": 5e-7}
     assert load_scene(kept) == green
-    assert "density" not in repr(scene)
+    assert "um of silica, index 1.4496, 2000 kg" in repr(scene)
+    assert "bead.density" not in repr(scene)
 
 
 def test_own_numbers_stand_beside_a_material_and_it_takes_the_place_of_others():

@@ -109,8 +109,9 @@ class Scene(Section):
         acting = [name for name, on in self.forces if on is True]
         start = ", ".join(f"{round(1e6 * each, 9) + 0.0:.4g}" for each in self.start_position)
         run = f"{1e3 * motion.duration:.4g} ms, {motion.samples} samples"
+        made_of = f" of {bead.material}" if bead.material else ""
         rows = [
-            Row("bead", f"{2e6 * bead.radius:.4g} um, index {index:.5g}, "
+            Row("bead", f"{2e6 * bead.radius:.4g} um{made_of}, index {index:.5g}, "
                 f"{bead.density:.5g} kg/m^3"),
             Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
                 f"{medium.temperature:.5g} K"),
@@ -133,6 +134,7 @@ class Scene(Section):
         here = by_key(self.model_dump())
         there = by_key(load_scene(shipped[self.name]).model_dump())
         filled = {f"medium.{key}" for key in self.medium.filled}
+        filled |= {f"bead.{key}" for key in self.bead.filled}
         keys = sorted((here.keys() | there.keys()) - filled)
         changed = [key for key in keys if here.get(key) != there.get(key)]
         told = []

@@ -29,6 +29,8 @@ Answer = TypeVar("Answer")
 
 #: Diameter of a bead of which larger ones are hardly trapped, by material; of others 1 um
 _DIAMETERS = {"gold": "100 nm", "silicon": "150 nm"}
+#: Power that heats a bead that absorbs by less than some 20 K; of others that of the laser
+_POWERS = {"gold": "10 mW"}
 #: Diameter below which Stokes' drag needs the mean free path of a liquid, m
 _SMALL = 0.3e-6
 
@@ -96,8 +98,9 @@ def new(
     wavelength = _answer(
         "laser", laser, next(iter(LASERS)), lambda text: _wavelength(text, material), _of_lasers
     )
-    usual = (each.power for each in LASERS.values() if each.wavelength == wavelength)
-    power_in_watts = _answer("power", power, next(usual, "20 mW"), _power)
+    of_laser = (each.power for each in LASERS.values() if each.wavelength == wavelength)
+    usual = _POWERS.get(material.name) or next(of_laser, "20 mW")
+    power_in_watts = _answer("power", power, usual, _power)
     far = "none" if lens.immersion != "oil" else _length(max(5e-6, 3 * size / 2))
     behind = _answer("depth", depth, far, lambda text: _depth(text, lens, size))
     experiment = _Experiment(material, size, lens, wavelength, power_in_watts, behind)
@@ -277,9 +280,10 @@ def scene_text(of: _Experiment) -> str:
     lens, size, light = of.objective, _length(of.diameter), f"{1e9 * of.wavelength:.6g} nm"
     index, pupil = of.material.refractive_index(of.wavelength), _millimetres(lens.pupil_radius)
     tube = f"{1e3 * lens.tube_lens:g} mm/{lens.magnification:g}"
-    scale = max(of.diameter / 2, 0.25e-6)
+    scale = min(max(of.diameter / 2, 0.25e-6), 1e-5)
     start = ", ".join(f'"{_length(part * scale)}"' for part in (0.6, 0.4)), _length(-0.6 * scale)
     duration = 10 * max(1.0, (of.diameter / 1e-6) ** 2) * max(1.0, 0.02 / max(of.power, 2e-4))
+    duration = min(duration, 1e4)  # ms
     digits = 10.0 ** (math.floor(math.log10(duration)) - 1)
     made_of = f"{of.material.cited}), {of.material.density:g} kg/m^3"
     own = f'refractive_index = {_in_toml(index)} and density = "{of.material.density:g} kg/m^3"'
