@@ -38,7 +38,6 @@ NOT_RUN = {
     ".venv/bin/python -m pip install --editable .": "make demo",
     ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
     "pip install .": "make demo, tests/environments.py",
-    "tweezer view silica-1um": "opens a browser; the same with --out is run for mine.toml",
     "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
     "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "
