@@ -27,6 +27,7 @@ from .analysis import (
     tune,
 )
 from .bead import BeadProperties, bead_properties
+from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen
 from .ensembles import ensemble
 from .errors import (
@@ -50,6 +51,7 @@ from .viewing import view
 __all__ = [
     "BeadProperties",
     "Calibration",
+    "Comparison",
     "DepthFit",
     "Event",
     "FittedKey",
@@ -78,6 +80,7 @@ __all__ = [
     "capture",
     "characterise",
     "chosen",
+    "compare",
     "ensemble",
     "escape_times",
     "find_wall",

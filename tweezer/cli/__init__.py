@@ -26,6 +26,7 @@ for _group in (
     "trap",
     "ensemble",
     "sweep",
+    "compare",
     "calibrate",
     "fit",
     "depth",

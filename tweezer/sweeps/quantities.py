@@ -158,7 +158,7 @@ def values_of_trap(trap: Trap) -> Values:
     if place is None or trap.corner_frequencies is None:
         return values | {"outcome": RESTS if trap.rests else LOST}
     stiffness = np.diag(place.stiffness)
-    stiffness_error = error * _gradient(scene)
+    stiffness_error = error * gradient_of_errors(scene)
     corner = np.array(trap.corner_frequencies)
     lengths = [each.range or each.wall_at or trap.reach for each in trap.escapes]
     thermal = Boltzmann * scene.medium.temperature
@@ -183,7 +183,7 @@ def values_of_trap(trap: Trap) -> Values:
     }
 
 
-def _gradient(scene: Scene) -> float:
+def gradient_of_errors(scene: Scene) -> float:
     """Largest gradient of an error of the force that is nowhere larger than 1, 1/m.
 
     A force of waves of the wavenumber k holds wavenumbers up to 2k, and so does its error: the

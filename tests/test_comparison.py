@@ -1,0 +1,218 @@
+"""Two results side by side: whether they agree within their errors, and where not."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tweezer
+from tweezer.io import write_json
+
+SCENE = tweezer.load_scene("thesis-990nm").replace(
+    start={"frame": "focus", "position": [1e-7, 0, 1e-7]}, beam={"divisions": 20},
+    simulation={"model": "overdamped", "method": "auto", "duration": 1e-3, "samples": 101,
+                "scaling_factor": None},
+)  # fmt: skip
+THERMAL = SCENE.replace(forces={"brownian": True})
+STEP = 1e-3
+
+
+def described(variables: dict, coordinates: dict, scene=THERMAL, **attributes) -> xr.Dataset:
+    attributes = {"scene": scene.model_dump_json(exclude_none=True), "model": "m"} | attributes
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def walk(draw, samples: int, size: float = 1e-8) -> np.ndarray:
+    """Draw positions (samples, 3) m that forget themselves in ten samples, from equilibrium on."""
+    kept, new = np.exp(-0.1), np.sqrt(-np.expm1(-0.2))
+    x = np.empty((samples, 3))
+    x[0] = draw.standard_normal(3)
+    for i, noise in enumerate(draw.standard_normal((samples - 1, 3))):
+        x[i + 1] = kept * x[i] + new * noise
+    return size * x
+
+
+def thermal(places: np.ndarray) -> xr.Dataset:
+    return described(
+        {"position": (("time", "axis"), places)}, {"time": STEP * np.arange(len(places))}
+    )
+
+
+def ensemble(places: np.ndarray, lost: int = 0) -> xr.Dataset:
+    times = np.where(np.arange(len(places)) < lost, 0.01, np.inf)
+    return described(
+        {"position": (("trajectory", "time", "axis"), places), "lost_time": ("trajectory", times)},
+        {"time": STEP * np.arange(places.shape[1])},
+    )
+
+
+def straight(speed: float, times: np.ndarray, error: float, **attributes) -> xr.Dataset:
+    """Move a bead along x at that speed, with an error of its integration."""
+    places = np.outer(times, [speed, 0.0, 0.0])
+    about = {"integration_error": error, "model_error": 1e-9, "status": "complete"}
+    return described(
+        {"position": (("time", "axis"), places)}, {"time": times}, SCENE, **about | attributes
+    )
+
+
+def test_runs_differ_where_they_are_farther_apart_than_their_errors():
+    times = np.linspace(0, 1e-3, 11)
+    a = straight(1e-3, times, 2e-10)
+    near = tweezer.compare(a, straight(1e-3 + 2.9e-7, times, 1e-10))  # 0.29 nm at the end
+    assert near.agrees
+    assert not near.same
+    (distance,) = near.quantities
+    assert (distance.count, distance.where) == (10, "at 1 ms")
+    assert distance.difference == pytest.approx(2.9e-10, rel=1e-6)
+    assert distance.allowed == pytest.approx(3e-10, rel=1e-6)
+    far = tweezer.compare(a, straight(1e-3 + 3.1e-7, times, 1e-10))
+    assert not far.agrees
+    assert "differs at 1 ms" in repr(far)
+    # of another model: the errors of both models count too
+    assert tweezer.compare(a, straight(1e-3 + 2.2e-6, times, 1e-10, model="n")).agrees
+    assert not tweezer.compare(a, straight(1e-3 + 2.4e-6, times, 1e-10, model="n")).agrees
+    assert not tweezer.compare(a, straight(1e-3, times, 1e-10, status="lost")).agrees
+
+
+def test_only_times_that_both_have_are_compared():
+    fine, coarse = np.linspace(0, 1e-3, 31), np.linspace(0, 1e-3, 11)
+    found = tweezer.compare(straight(1e-3, fine, 1e-10), straight(1e-3, coarse, 1e-10))
+    assert found.agrees
+    assert found.quantities[0].count == 10
+    shifted = straight(1e-3, np.linspace(0, 1.1e-3, 8), 1e-10)
+    with pytest.raises(tweezer.ResultError, match="no time in common after the release"):
+        tweezer.compare(straight(1e-3, coarse, 1e-10), shifted)
+    with pytest.raises(tweezer.ResultError, match="error of its integration is not known"):
+        tweezer.compare(straight(1e-3, fine, 1e-10), straight(1e-3, fine, np.nan))
+
+
+def test_two_methods_agree_on_a_run_and_two_powers_do_not(tmp_path, command_line):
+    run = tweezer.simulate(SCENE)
+    other = tweezer.simulate(SCENE, method="dormand-prince", tolerance=1e-5)
+    weaker = tweezer.simulate(SCENE.replace(beam={"power": "155 mW"}))
+    for name, each in (("a", run), ("b", other), ("c", weaker)):
+        tweezer.save_run(each, tmp_path / f"{name}.nc")
+    assert tweezer.compare(run, tmp_path / "a.nc").same
+    agreed = command_line("compare", "a.nc", "b.nc")
+    assert agreed.code == 0
+    assert "agree within their errors" in agreed.out
+    assert "simulation.method" in agreed.out
+    apart = np.linalg.norm(run["position"] - weaker["position"], axis=1)
+    found = tweezer.compare(run, weaker)
+    assert found.quantities[0].difference == pytest.approx(apart.max(), rel=1e-3)
+    assert found.differing == (("beam.power", "0.156", "0.155"),)
+    assert command_line("compare", "a.nc", "c.nc").code == 1
+    refused = command_line("compare", "a.nc", "none.nc")
+    assert (refused.code, refused.err) == (2, "none.nc: no such file\n")
+
+
+def test_thermal_motion_is_compared_by_its_statistics():
+    draw = np.random.default_rng(7)
+    places = walk(draw, 4000)
+    assert tweezer.compare(thermal(places), thermal(places.copy())).same
+    alike = tweezer.compare(thermal(places), thermal(walk(draw, 4000)))
+    assert alike.agrees
+    assert not alike.same
+    assert {each.name for each in alike.quantities} == {"mean over time", "variance over time"}
+    wider = tweezer.compare(thermal(places), thermal(walk(draw, 4000, 1.5e-8)))
+    assert [each.agrees for each in wider.quantities] == [True, False]
+    shifted = tweezer.compare(thermal(places), thermal(walk(draw, 4000) + np.array([0, 5e-9, 0])))
+    assert [each.agrees for each in shifted.quantities] == [False, True]
+    assert shifted.quantities[0].where == "along y"
+    with pytest.raises(tweezer.ResultError, match="independent samples"):
+        tweezer.compare(thermal(places), thermal(places[:150]))
+    with pytest.raises(
+        tweezer.ResultError, match="of the kind thermal run, second of the kind run"
+    ):
+        tweezer.compare(thermal(places), straight(1e-3, np.arange(5.0), 1e-9))
+
+
+def test_false_alarms_are_as_rare_as_is_said():
+    """Of 300 comparisons of ensembles of 25 Gaussian trajectories at 8 times."""
+    draw = np.random.default_rng(11)
+    alarms = sum(
+        not tweezer.compare(*(ensemble(draw.standard_normal((25, 8, 3))) for _ in range(2))).agrees
+        for _ in range(300)
+    )
+    assert alarms <= 9  # more of 300 with one in a hundred: 0.1 %
+
+
+def test_ensembles_differ_by_mean_spread_and_losses():
+    draw = np.random.default_rng(3)
+    places = draw.standard_normal((400, 6, 3))
+    others = draw.standard_normal((400, 6, 3))
+    assert tweezer.compare(ensemble(places), ensemble(places)).same
+    assert tweezer.compare(ensemble(places), ensemble(others)).agrees
+    moved = tweezer.compare(ensemble(places), ensemble(others + np.array([0, 0, 0.5])))
+    assert [each.agrees for each in moved.quantities] == [False, True, True]
+    assert moved.quantities[0].where.endswith("along z")
+    lost = tweezer.compare(ensemble(places), ensemble(others, lost=40))
+    assert [each.agrees for each in lost.quantities] == [True, True, False]
+
+
+def test_statistics_by_the_errors_they_have():
+    values = {"units": "m", "ancillary_variables": "position_mean_error"}
+
+    def gathered(shift: float) -> xr.Dataset:
+        mean = np.zeros((5, 3)) + shift
+        return described(
+            {"position_mean": (("time", "axis"), mean, values),
+             "position_mean_error": (("time", "axis"), np.full((5, 3), 1e-9), {"units": "m"}),
+             "stationary_mean": ("axis", np.zeros(3), {"units": "m"}),
+             "trajectories": 1000.0, "windows": 5.0},
+            {"time": np.arange(5.0)},
+        )  # fmt: skip
+
+    (same,) = tweezer.compare(gathered(0.0), gathered(3e-9)).quantities
+    # 2.12 standard errors of the difference, among 12 numbers
+    assert same.p_value == pytest.approx(12 * 0.0339, rel=0.03)
+    assert not tweezer.compare(gathered(0.0), gathered(8e-9)).agrees
+
+
+def test_traps_and_calibrations(tmp_path):
+    trap = tweezer.characterise(tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}))
+    scene = trap.scene.model_dump(mode="json", exclude_none=True)
+    told = dataclasses.asdict(trap) | {"scene": None}
+    made = {"tweezer_version": "1", "scene": scene, "trap": told}
+    write_json(made, tmp_path / "trap.json")
+    assert tweezer.compare(trap, tmp_path / "trap.json").same
+    told["escapes"][2]["force"] += 2.1 * trap.force_error
+    write_json(made, tmp_path / "trap.json")
+    other = tweezer.compare(trap, tmp_path / "trap.json")
+    assert [each.name for each in other.quantities if not each.agrees] == ["escape force"]
+    assert "differs on the way to +y" in repr(other)
+
+    draw = np.random.default_rng(5)
+    found = [
+        tweezer.calibrate(
+            tweezer.Recording("mine", STEP * np.arange(4000), walk(draw, 4000, size), "xyz"),
+            temperature=293,
+        )
+        for size in (1e-8, 1e-8, 1.3e-8)
+    ]
+    (tmp_path / "c.json").write_text(json.dumps(dataclasses.asdict(found[1]), default=str))
+    assert tweezer.compare(found[0], found[1]).agrees
+    assert not tweezer.compare(found[0], found[2]).agrees
+    with pytest.raises(tweezer.ResultError, match="they cannot be compared"):
+        tweezer.compare(trap, found[0])
+    for text in ("{}", "[]", "no json", '{"trap": 1, "scene": 2}'):
+        (tmp_path / "bad.json").write_text(text)
+        with pytest.raises(tweezer.ResultError, match=r"bad.json: "):
+            tweezer.compare(tmp_path / "bad.json", trap)
+
+
+def test_sweeps_case_by_case(tmp_path):
+    dark = SCENE.replace(forces={"optical": False})
+    over = {"beam.power": ["20 mW", "30 mW"]}
+    first = tweezer.sweep(dark, over, of="run", workers=1, out=tmp_path / "a.zarr")
+    second = first.copy(deep=True)
+    second["end"][1, 2] += 3 * float(first["end_error"][1, 2])
+    assert tweezer.compare(first, tmp_path / "a.zarr").same
+    found = tweezer.compare(first, second)
+    assert [each.name for each in found.quantities if not each.agrees] == ["end"]
+    assert "differs beam.power 0.03, axis z" in repr(found)
+    second.attrs["over"] = "{}"
+    with pytest.raises(tweezer.ResultError, match="swept over other keys or values"):
+        tweezer.compare(first, second)

@@ -1,0 +1,589 @@
+"""Whether two results agree within their errors, and where they do not."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from pydantic import ValidationError
+from scipy.special import ndtr, stdtr
+
+from tweezer.analysis.calibration import Calibration
+from tweezer.analysis.spectra import statistical_inefficiency
+from tweezer.analysis.trap import Trap
+from tweezer.errors import ResultError
+from tweezer.io import load_run, scene_of
+from tweezer.scene import Scene, by_key
+from tweezer.shown import Card, Row, Shown, Table, clipped
+from tweezer.sweeps.quantities import gradient_of_errors
+from tweezer.units import usual_unit
+
+Array = NDArray[np.float64]
+
+#: Probability with which two results of the same statistics are taken to differ
+FALSE_ALARM = 0.01
+#: Largest number of times at which ensembles are compared
+_TIMES = 20
+#: Smallest number of independent samples, or of trajectories, of a statistical comparison
+_INDEPENDENT = 20
+#: Rounding of a number, relative
+_ROUNDING = 1e-12
+#: Attributes that are compared beside the keys of the scene
+_ATTRIBUTES = (
+    "model", "method", "fluid_inertia", "theory", "force_evaluator", "step", "seed",
+    "trajectories", "of", "tweezer_version", "numpy_version", "scipy_version", "numba_version",
+)  # fmt: skip
+
+
+class Numbers(NamedTuple):
+    """One quantity of a result."""
+
+    unit: str
+    values: Array
+    """of any shape; of vectors the last axis is theirs"""
+    errors: Array
+    """of each number, or of each vector: bounds, or standard errors"""
+    where: Callable[[tuple[int, ...]], str]
+    """the place of an error, in words"""
+    freedom: float = math.inf
+    """degrees of freedom of a standard error"""
+
+    @property
+    def vectors(self) -> bool:
+        """Whether the errors are of vectors."""
+        return self.values.ndim > self.errors.ndim
+
+
+class Found(NamedTuple):
+    """What a result has to compare."""
+
+    numbers: dict[str, Numbers]
+    words: dict[str, str] | None = None
+    """such as an outcome"""
+    path: Array | None = None
+    """of thermal motion: what is the same where the random numbers are"""
+
+
+class Source(NamedTuple):
+    """A result, of which nothing is computed or read yet."""
+
+    name: str
+    kind: str
+    statistical: bool
+    """whether errors are standard errors, not bounds"""
+    about: dict[str, Any]
+    """keys of the scene, and attributes"""
+    times: Array | None
+    """at which it may be compared; None if it has none"""
+    found: Callable[[NDArray[np.int64]], Found]
+    """what it has, at times of these numbers"""
+    model_error: float = 0.0
+    """m, of the positions of a run: it counts where the other is of another model"""
+    over: str = ""
+    """the keys and values of a sweep"""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One quantity of both results."""
+
+    name: str
+    unit: str
+    count: int
+    """numbers compared"""
+    difference: float
+    """of the two that are farthest apart, measured by their errors"""
+    allowed: float
+    """the sum of both errors there; of a statistical comparison the standard error"""
+    where: str
+    """where that is; "" for one number"""
+    p_value: float | None
+    """probability of standardised differences as large or larger among so many numbers, of
+    results of the same statistics; None if errors are bounds"""
+    agrees: bool
+
+    @property
+    def told(self) -> str:
+        """In words."""
+        factor, unit = usual_unit(max(abs(self.difference), self.allowed), self.unit)
+        sizes = f"{self.difference / factor:.3g} of {self.allowed / factor:.3g} {unit}".rstrip()
+        if self.p_value is not None:
+            return f"{sizes}, p = {self.p_value:.2g}"
+        return sizes
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(Shown):
+    """Two results side by side."""
+
+    names: tuple[str, str]
+    kind: str
+    """such as "run", "thermal run", "ensemble", "statistics", "sweep of trap", "trap" """
+    agrees: bool
+    """whether all that was compared agrees"""
+    same: bool
+    """whether the numbers are the same, bit for bit"""
+    quantities: tuple[Compared, ...]
+    """what was compared"""
+    differing: tuple[tuple[str, str, str], ...]
+    """keys of the scene, versions, methods and words that differ, with both values"""
+    notes: tuple[str, ...]
+    """how it was compared, and what was not"""
+
+    def card(self) -> Card:
+        """The verdict, a row for each quantity, and what differs in how they were made."""
+        verdict = "agree within their errors" if self.agrees else "differ"
+        rows = [Row("verdict", "the same numbers" if self.same else verdict)]
+        rows += [
+            Row(each.name, each.told, "" if each.agrees else f"differs {each.where}".rstrip())
+            for each in self.quantities
+        ]
+        if self.differing:
+            keys = ", ".join(key for key, *_ in self.differing)
+            rows.append(Row("made with other", keys))
+        table = Table(("made with other", *self.names), self.differing)
+        of = " and ".join(self.names)
+        tables = (table,) if self.differing else ()
+        return Card("Comparison", of, tuple(rows), tables, self.notes)
+
+
+Result = xr.Dataset | Trap | Calibration | str | Path
+
+
+def compare(a: Result, b: Result) -> Comparison:
+    """Whether two results agree within their errors, and where they do not.
+
+    a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps or two
+    calibrations; or their files: .nc, .zarr, and the .json of `tweezer trap --out` and `tweezer
+    calibrate --out`.
+
+    Runs without thermal motion: the positions at the times that both have, whose distance must be
+    at most the sum of both errors of integration, and of runs by different models of both errors of
+    the model too, which runs by one model share; nothing is interpolated. The error of the force
+    plays no part. Sweeps of these, and traps, are compared
+    by the sums of their errors too.
+
+    With thermal motion, numbers differ by chance. Of two runs the mean and the variance along each
+    axis are compared, with standard errors by their statistical inefficiency; of ensembles the
+    mean and the variance of the position over the trajectories, at up to 20 times, and the part
+    that is lost; of statistics the means and variances that they hold; of calibrations the
+    stiffnesses that nothing speaks against. Each difference over its standard error is a number of
+    Student's distribution, and the probability of the largest of n is taken as n times its own
+    (C. E. Bonferroni), so that all comparisons together call two results of the same statistics
+    different with a probability of at most about 1 %. Of the same seed and steps the numbers
+    themselves are the same.
+
+    Raises `ResultError` for what is no result, of another kind, without a common time, or without
+    known errors.
+    """
+    first, second = _source(a, "first"), _source(b, "second")
+    names = first.name, second.name
+    if first.kind != second.kind:
+        raise ResultError(
+            f"{names[0]} is of the kind {first.kind}, {names[1]} of the kind {second.kind}: they "
+            "cannot be compared"
+        )
+    if first.over != second.over:
+        raise ResultError(f"{names[0]} and {names[1]}: are swept over other keys or values")
+    at = _common_times(first, second)
+    here, there = first.found(at[0]), second.found(at[1])
+    if _model(first) != _model(second):
+        here, there = (_off(*each) for each in ((here, first), (there, second)))
+    common = [name for name in here.numbers if name in there.numbers]
+    if not common:
+        raise ResultError(f"{names[0]} and {names[1]}: have no trusted quantity in common")
+    count = sum(here.numbers[name].errors.size for name in common)
+    quantities = tuple(
+        _compared(name, here.numbers[name], there.numbers[name], first.statistical, count)
+        for name in common
+    )
+    outcomes = tuple(_differing(here.words or {}, there.words or {}))
+    same = _same(here, there)
+    agrees = same or (all(each.agrees for each in quantities) and not outcomes)
+    notes = [] if same else _notes(first, here, there, len(at[0]))
+    return Comparison(
+        names, first.kind, agrees, same, quantities,
+        (*outcomes, *_differing(first.about, second.about)), tuple(notes),
+    )  # fmt: skip
+
+
+def _model(of: Source) -> tuple[Any, ...]:
+    return of.about.get("model"), of.about.get("fluid_inertia")
+
+
+def _off(found: Found, source: Source) -> Found:
+    """The same with the error of the model among the errors."""
+    numbers = {
+        name: each._replace(errors=each.errors + source.model_error)
+        for name, each in found.numbers.items()
+    }
+    return found._replace(numbers=numbers)
+
+
+def _common_times(a: Source, b: Source) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Numbers of the times that both have after the first; of statistics a few of them."""
+    if a.times is None or b.times is None:
+        none = np.zeros(0, np.int64)
+        return none, none
+    near = np.clip(np.searchsorted(b.times, a.times), 1, len(b.times) - 1)
+    near -= a.times - b.times[near - 1] < b.times[near] - a.times
+    here = np.flatnonzero(np.abs(b.times[near] - a.times) <= _ROUNDING * a.times)
+    if not len(here := here[here > 0]):
+        raise ResultError(
+            f"{a.name} and {b.name}: have no time in common after the release; sample both alike"
+        )
+    if a.statistical:
+        last = len(here) - 1
+        here = here[np.unique(np.linspace(0, last, min(_TIMES, last + 1)).round().astype(int))]
+    return here, near[here]
+
+
+def _notes(of: Source, a: Found, b: Found, times: int) -> Iterator[str]:
+    if of.statistical:
+        yield (
+            "the largest difference of each quantity, and its standard error; results of the same "
+            f"statistics are told to differ in at most {100 * FALSE_ALARM:g} % of such comparisons"
+        )
+    else:
+        yield "the largest difference of each quantity, and the sum of both errors there"
+    if times and not of.statistical:
+        yield f"at {times} times that both have"
+    if lacking := sorted(a.numbers.keys() ^ b.numbers.keys()):
+        yield f"not compared, for only one of them has it: {', '.join(lacking)}"
+
+
+def _compared(name: str, a: Numbers, b: Numbers, statistical: bool, count: int) -> Compared:
+    if a.values.shape != b.values.shape:
+        raise ResultError(
+            f"{name}: is of the shape {a.values.shape} in one, {b.values.shape} in the other"
+        )
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(a.values - b.values)
+    apart[(a.values == b.values) | (np.isnan(a.values) & np.isnan(b.values))] = 0.0
+    size = np.maximum(np.abs(a.values), np.abs(b.values))
+    if a.vectors:
+        apart, size = np.linalg.norm(apart, axis=-1), np.linalg.norm(size, axis=-1)
+    alike = apart == 0.0
+    errors = np.hypot(a.errors, b.errors) if statistical else a.errors + b.errors
+    if not statistical and (np.isnan(errors) & ~alike).any():
+        raise ResultError(f"{name}: its error is not known")
+    allowed = np.where(np.isfinite(errors), errors, 0.0) + _ROUNDING * np.where(alike, 0.0, size)
+    ratio = np.zeros_like(apart)
+    if statistical:  # what only one of them has, or without an error, is not compared
+        known = ~(np.isnan(apart) | np.isnan(errors))
+    else:  # a number that only one of them has is a difference
+        known = np.ones_like(alike)
+        apart = np.where(np.isnan(apart), math.inf, apart)
+    np.divide(apart, allowed, out=ratio, where=known & ~alike)
+    at = tuple(int(i) for i in np.unravel_index(int(ratio.argmax()), ratio.shape))
+    p_value = None
+    agrees = bool(ratio[at] <= 1)
+    if statistical:
+        freedom = min(a.freedom, b.freedom)
+        one = ndtr(-ratio[at]) if math.isinf(freedom) else stdtr(freedom, -ratio[at])
+        p_value = float(min(1.0, 2 * one * count))
+        agrees = p_value >= FALSE_ALARM
+    return Compared(
+        name, a.unit, int(known.sum()), float(apart[at]), float(allowed[at]), a.where(at), p_value,
+        agrees,
+    )  # fmt: skip
+
+
+def _same(a: Found, b: Found) -> bool:
+    """Whether both are the same, bit for bit."""
+    if a.path is not None and b.path is not None:
+        return np.array_equal(a.path, b.path, equal_nan=True)
+    return (
+        a.numbers.keys() == b.numbers.keys()
+        and a.words == b.words
+        and all(
+            np.array_equal(a.numbers[name].values, b.numbers[name].values, equal_nan=True)
+            for name in a.numbers
+        )
+    )
+
+
+def _differing(a: dict[str, Any], b: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    for key in dict.fromkeys([*a, *b]):
+        here, there = (clipped(str(each.get(key, "none"))) for each in (a, b))
+        if here != there:
+            yield key, here, there
+
+
+# --- what each kind of result has -----------------------------------------------------------------
+
+
+def _source(of: Result, name: str) -> Source:
+    if isinstance(of, str | Path):
+        path = Path(of)
+        name = path.name
+        if path.suffix == ".json":
+            return _of_json(path)
+        of = _opened(path)
+    if isinstance(of, Trap):
+        scene = of.scene.model_dump(mode="json", exclude_none=True)
+        return _of_trap(name, dataclasses.asdict(of), scene, {})
+    if isinstance(of, Calibration):
+        return _of_calibration(name, dataclasses.asdict(of))
+    if isinstance(of, xr.Dataset) and "scene" in of.attrs:
+        about = _about(of.attrs)
+        if "over" in of.attrs and "outcome" in of:
+            return _of_sweep(name, of, about)
+        if "stationary_mean" in of:
+            return _of_statistics(name, of, about)
+        if "position" in of:
+            if "trajectory" in of["position"].dims:
+                return _of_ensemble(name, of, about)
+            return _of_run(name, of, about)
+    raise ResultError(f"{name}: no run, ensemble, sweep, trap or calibration")
+
+
+def _opened(path: Path) -> xr.Dataset:
+    if path.suffix != ".zarr":
+        return load_run(path)
+    if not path.is_dir():
+        raise ResultError(f"{path}: no such folder")
+    try:
+        return xr.open_zarr(path, chunks=None)
+    except Exception as error:  # Zarr raises of any kind where a file is damaged
+        raise ResultError(f"{path}: cannot be read: {' '.join(str(error).split())}") from None
+
+
+def _of_json(path: Path) -> Source:
+    try:
+        made = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except (OSError, ValueError) as error:
+        raise ResultError(f"{path}: cannot be read: {error}") from None
+    try:
+        if "trap" in made:
+            about = {"tweezer_version": made["tweezer_version"]}
+            return _of_trap(path.name, made["trap"], made["scene"], about)
+        if "axes" in made:
+            return _of_calibration(path.name, made)
+    except (TypeError, KeyError, ValidationError):
+        pass
+    raise ResultError(f"{path}: no trap and no calibration")
+
+
+def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys of the scene as it was given, and attributes that say how it was computed."""
+    scene = json.loads(attributes.get("scene_as_given", attributes["scene"]))
+    return _keys(scene) | {name: attributes[name] for name in _ATTRIBUTES if name in attributes}
+
+
+def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:
+    return by_key({key: value for key, value in scene.items() if isinstance(value, dict | list)})
+
+
+def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
+    times, places = run["time"].values, run["position"].values
+    if scene_of(run).forces.brownian:
+
+        def by_chance(_: NDArray[np.int64]) -> Found:
+            held = places[np.isfinite(places).all(axis=1)]
+            return Found(_moments_in_time(name, held), path=places)
+
+        return Source(name, "thermal run", True, about, None, by_chance)
+    bound, of_model = (float(run.attrs[f"{of}_error"]) for of in ("integration", "model"))
+    if not math.isfinite(bound):
+        raise ResultError(f"{name}: the error of its integration is not known")
+
+    def certain(at: NDArray[np.int64]) -> Found:
+        position = Numbers(
+            "m", places[at], np.full(len(at), bound), lambda i: f"at {_ms(times[at[i[0]]])}"
+        )
+        return Found({"distance of the positions": position}, {"status": run.attrs["status"]})
+
+    return Source(name, "run", False, about, times, certain, of_model)
+
+
+def _ms(time: float) -> str:
+    return f"{1e3 * time:.6g} ms"
+
+
+def _moments_in_time(name: str, places: Array) -> dict[str, Numbers]:
+    """Mean and variance along each axis over the time of a run."""
+    found: dict[str, list[tuple[float, float, float]]] = {"mean": [], "variance": []}
+    for x in places.T:
+        for quantity, series in (("mean", x), ("variance", (x - x.mean()) ** 2)):
+            independent = len(series) / statistical_inefficiency(series)
+            if independent < _INDEPENDENT:
+                raise ResultError(
+                    f"{name}: has {independent:.2g} independent samples; a comparison needs "
+                    f"{_INDEPENDENT}"
+                )
+            error = math.sqrt(series.var() / independent)
+            found[quantity].append((float(series.mean()), error, independent - 1))
+    return {
+        f"{quantity} over time": Numbers(
+            unit,
+            np.array([each[0] for each in rows]),
+            np.array([each[1] for each in rows]),
+            _along,
+            min(each[2] for each in rows),
+        )
+        for (quantity, rows), unit in zip(found.items(), ("m", "m^2"), strict=True)
+    }
+
+
+def _along(at: tuple[int, ...]) -> str:
+    return f"along {'xyz'[at[-1]]}"
+
+
+def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
+    times, lost = runs["time"].values, np.isfinite(runs["lost_time"].values)
+    if np.isnan(runs["lost_time"].values).any():
+        raise ResultError(f"{name}: is not complete")
+    if (n := len(lost)) < _INDEPENDENT:
+        raise ResultError(f"{name}: has {n} trajectories; a comparison needs {_INDEPENDENT}")
+
+    def found(at: NDArray[np.int64]) -> Found:
+        places = runs["position"].isel(time=at).values
+        left = np.isfinite(places).sum(axis=0)
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # none is left
+            mean = np.nanmean(places, axis=0)
+            off = (places - mean) ** 2
+            variance = off.mean(axis=0, where=np.isfinite(off)) * left / (left - 1)
+            fourth = np.nanmean(off**2, axis=0)
+            of_variance = np.sqrt((fourth - variance**2 * (left - 3) / (left - 1)) / left)
+        few = left < _INDEPENDENT
+        errors = (np.where(few, np.nan, each) for each in (np.sqrt(variance / left), of_variance))
+
+        def where(i: tuple[int, ...]) -> str:
+            return f"at {_ms(times[at[i[0]]])} {_along(i)}"
+
+        share = lost.mean()
+        part = np.array([math.sqrt((share * (1 - share) + 0.25 / n) / n)])
+        numbers = {
+            "mean over trajectories": Numbers("m", mean, next(errors), where, n - 1),
+            "variance over trajectories": Numbers("m^2", variance, next(errors), where, n - 1),
+            "part that is lost": Numbers("", np.array([share]), part, lambda _: "", n - 1),
+        }
+        return Found(numbers, path=places)
+
+    return Source(name, "ensemble", True, about, times, found)
+
+
+def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> Source:
+    times = gathered["time"].values
+
+    def found(at: NDArray[np.int64]) -> Found:
+        numbers = {}
+        for key, each in gathered.data_vars.items():
+            if not str(key).endswith(("_mean", "_variance")) or f"{key}_error" not in gathered:
+                continue
+            parts = gathered["trajectories" if "time" in each.dims else "windows"]
+            error = gathered[f"{key}_error"]
+            timed = {"time": at} if "time" in each.dims else {}
+
+            def where(i: tuple[int, ...], timed: bool = bool(timed)) -> str:
+                return f"at {_ms(times[at[i[0]]])} {_along(i)}" if timed else _along(i)
+
+            if float(parts) >= _INDEPENDENT:
+                numbers[str(key).replace("_", " ")] = Numbers(
+                    each.attrs["units"],
+                    each.isel(timed).values,
+                    error.isel(timed).values,
+                    where,
+                    float(parts) - 1,
+                )
+        return Found(numbers)
+
+    return Source(name, "statistics", True, about, times, found)
+
+
+def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
+    of = swept.attrs["of"]
+    statistical = of in ("ensemble", "calibrate")
+    freedom = math.inf
+    if of == "ensemble":
+        freedom = float(swept.attrs["trajectories"]) - 1
+
+    def found(_: NDArray[np.int64]) -> Found:
+        numbers = {}
+        for key, each in swept.data_vars.items():
+            error = each.attrs.get("ancillary_variables")
+            if error in swept:
+
+                def where(i: tuple[int, ...], dims: tuple[Any, ...] = each.dims) -> str:
+                    named = zip(dims, i, strict=True)
+                    return ", ".join(f"{dim} {_value(swept, dim, k)}" for dim, k in named)
+
+                numbers[str(key).replace("_", " ")] = Numbers(
+                    each.attrs["units"], each.values, swept[error].values, where, freedom
+                )
+        outcomes = swept["outcome"].values.ravel()
+        told = {} if statistical else {f"outcome of case {i}": w for i, w in enumerate(outcomes)}
+        return Found(numbers, {case: str(word) for case, word in told.items()})
+
+    over = swept.attrs["over"]
+    return Source(name, f"sweep of {of}", statistical, about, None, found, over=over)
+
+
+def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
+    value = swept[dimension].values[index] if dimension in swept.coords else index
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _of_trap(
+    name: str, trap: Mapping[str, Any], scene: Mapping[str, Any], about: dict[str, Any]
+) -> Source:
+    place, error = trap["equilibrium"], trap["force_error"]
+    slope = error * gradient_of_errors(Scene.model_validate(scene))
+    words = {"held": str(place is not None)}
+    numbers = {}
+    if place is not None:
+        off = error / min(place["eigenvalues"])
+        ways = [each["direction"] for each in trap["escapes"]]
+        lengths = (each["range"] or each["wall_at"] or trap["reach"] for each in trap["escapes"])
+
+        def outwards(i: tuple[int, ...]) -> str:
+            return f"on the way to {ways[i[0]]}"
+
+        numbers = {
+            "equilibrium": Numbers("m", np.array([place["position"]]), np.array([off]), _nowhere),
+            "stiffness": Numbers("N/m", np.diag(place["stiffness"]), np.full(3, slope), _along),
+            "escape force": Numbers(
+                "N", np.array([each["force"] for each in trap["escapes"]]),
+                np.full(len(ways), error), outwards,
+            ),
+            "escape energy": Numbers(
+                "J", np.array([each["energy"] for each in trap["escapes"]]),
+                np.array([each["energy_error"] + error * length
+                          for each, length in zip(trap["escapes"], lengths, strict=True)]),
+                outwards,
+            ),
+        }  # fmt: skip
+    keys = _keys(scene) | {"theory": trap["theory"], "evaluator": trap["evaluator"]}
+    numbers["power through the pupil"] = Numbers(
+        "W", np.array([trap["power_through_pupil"]]), np.zeros(1), _nowhere
+    )
+    return Source(name, "trap", False, keys | about, None, lambda _: Found(numbers, words))
+
+
+def _nowhere(_: tuple[int, ...]) -> str:
+    return ""
+
+
+def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
+    numbers = {
+        f"stiffness {axis['axis']}, {each['method']}": Numbers(
+            "N/m", np.array([each["stiffness"]]), np.array([each["uncertainty"]]), _nowhere
+        )
+        for axis in found["axes"]
+        for each in axis["estimates"]
+        if not each["findings"]
+    }
+    about = {key: found[key] for key in ("temperature", "drag", "mass", "exposure", "samples")}
+    return Source(name, "calibration", True, about, None, lambda _: Found(numbers))
