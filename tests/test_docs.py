@@ -30,7 +30,6 @@ PAGES = [
 ]
 #: lines that are not run here: what runs them, or why nothing does
 NOT_RUN = {
-    "tweezer view silica-1um": "opens a browser",
     "tweezer view silica-1um.nc --movie silica-1um.mp4 --seconds 6": "wants ffmpeg and a minute",
     "make demo": "the first thing that .ci/run does",
     "make test": "this is it",
