@@ -48,6 +48,7 @@ def content(dataset: xr.Dataset) -> Content:
     arrays |= {f"energy_{name}": float32(values, "kT") for name, values in energies.items()}
     arrays |= _moving_light(problem, run["time"])
     status, message = run.attributes["status"], run.attributes["message"]
+    rows = _summary(run, scene)
     return Content(
         kind="run",
         title=run.attributes["title"],
@@ -57,9 +58,10 @@ def content(dataset: xr.Dataset) -> Content:
             "resolved": close,
             "terminal_speed": not thermal,
             "status": status,
+            "subtitle": f"{rows[0].value}, {rows[1].value}",
         },
         arrays=arrays,
-        summary=_summary(run, scene),
+        summary=rows,
         notes=[
             *_of_the_path(run, scene, close=close), *about_forces, *about_energies,
             *of_the_picture(scene), *_origin(run, scene),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import json
+import re
 import tempfile
 import webbrowser
 from dataclasses import dataclass
@@ -48,7 +49,7 @@ class Page:
         environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
         template = environment.from_string(_text(_STATIC / "page.html"))
         return template.render(
-            title=self.content.title,
+            title=_typeset(self.content.title),
             version=__version__,
             styles="\n".join(_text(_STATIC / name) for name in styles),
             imports=_in_script({"imports": imports}),
@@ -83,7 +84,7 @@ class Page:
 def _as_json(content: Content) -> dict[str, Any]:
     return {
         "kind": content.kind,
-        "title": content.title,
+        "title": _typeset(content.title),
         "warning": content.warning,
         "facts": content.facts,
         "arrays": {name: packed.as_json() for name, packed in content.arrays.items()},
@@ -91,6 +92,11 @@ def _as_json(content: Content) -> dict[str, Any]:
         "notes": content.notes,
         "version": __version__,
     }
+
+
+def _typeset(title: str) -> str:
+    """With the sign of print for micro: scenes say um."""
+    return re.sub(r"\bum\b", "µm", title)
 
 
 def _in_script(value: object) -> str:

@@ -239,7 +239,7 @@ export function swatch({ colour, dash, points }) {
 }
 
 function label(value, log, step) {
-  if (log) return text(value, 1);
+  if (log) return text(value, 1).replace("1·", "");
   if (Math.abs(value) < 1e-9 * step) return "0";
   if (Math.abs(value) >= 1e5 || step < 1e-4) return text(value, 2);
   return value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9))).replace("-", "−");

@@ -26,15 +26,16 @@ export class Shell {
     this.clock = make("section", { class: "clock", "aria-label": "Time" });
     this.board = make("div", { class: "board" }, this.picture, this.plots, this.clock);
     this.help = make("dialog", { "aria-labelledby": "keys" });
+    this.themeButton = make("button", { type: "button", onclick: () => this.turnTheme() });
     document.body.append(
-      make("header", {},
-        make("div", {}, make("h1", {}, content.title), this.sub()),
-        make("div", { class: "buttons" },
-          make("button", { type: "button", onclick: () => this.showHelp() }, "Keys"),
-          this.themeButton = make("button", { type: "button", onclick: () => this.turnTheme() }),
-        )),
-      ...(content.warning ? [make("p", { class: "warning", role: "alert" }, content.warning)] : []),
-      make("main", {}, this.board,
+      make("main", {},
+        make("div", { class: "screen" },
+          make("header", {},
+            make("div", {}, make("h1", {}, content.title), this.sub()),
+            make("div", { class: "buttons" },
+              make("button", { type: "button", onclick: () => this.showHelp() }, "Keys"), this.themeButton)),
+          ...(content.warning ? [make("p", { class: "warning", role: "alert" }, content.warning)] : []),
+          this.board),
         make("div", { class: "words" }, this.summary(), this.notes())),
       this.sayer, this.help,
     );
@@ -54,7 +55,8 @@ export class Shell {
   }
 
   sub() {
-    return make("p", { class: "sub" }, `tweezer ${this.content.version} · ${KINDS[this.content.kind] ?? ""}`);
+    return make("p", { class: "sub" }, [KINDS[this.content.kind], this.content.facts.subtitle].filter(Boolean).join(": ") +
+      ` · tweezer ${this.content.version}`);
   }
 
   // What a key does, listed in the help. `key` as of a KeyboardEvent, or several of them.

@@ -355,7 +355,7 @@ export class Stage {
   // A plane that ends the fluid at z; `normal` leads along z from it to the bead, 1 or -1.
   wall(z, normal, words) {
     const size = 1.5 * this.reach, thick = 0.12 * this.reach;
-    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.22, depthWrite: false, side: DoubleSide });
+    const material = new MeshBasicMaterial({ transparent: true, opacity: 0.15, depthWrite: false, side: DoubleSide });
     const edges = new LineBasicMaterial();
     this.onTheme(() => { material.color = this.colour("wall"); edges.color = this.colour("wall"); });
     const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) => [this.home.x + size * x, this.home.y + size * y]);
@@ -371,7 +371,7 @@ export class Stage {
       this.scene.add(plane);
     }
     this.scene.add(new LineSegments(geometry({ position: [lines, 3] }), edges));
-    this.label(words, [corners[0][0], corners[0][1], z]);
+    this.label(words, [this.home.x - 0.9 * this.reach, this.home.y - 0.5 * this.reach, z]);
   }
 
   // A path through positions (3 n) um, or its points, with colours (3 n) by `colour`.
@@ -577,6 +577,7 @@ void main() {
 }`;
 // eight fields in two tones, and the three great circles between them
 const BEAD = `
+const vec3 LAMP = vec3(-0.398, 0.697, 0.597), HALFWAY = vec3(-0.223, 0.390, 0.893);
 uniform vec3 light, dark, rim;
 varying vec3 place; varying vec3 facing; varying vec3 towards;
 void main() {
@@ -586,10 +587,11 @@ void main() {
   vec3 edges = 1.0 - smoothstep(vec3(0.0), width + 0.006, abs(place));
   float circle = max(edges.x, max(edges.y, edges.z));
   float edge = 1.0 - abs(dot(n, v));
-  float glow = 0.72 + 0.28 * max(dot(n, normalize(vec3(-0.4, 0.7, 0.6))), 0.0);
-  vec3 colour = mix(mix(dark, light, field) * glow, rim, max(0.55 * circle, pow(edge, 4.0)));
-  float shine = pow(max(dot(reflect(-normalize(vec3(-0.4, 0.7, 0.6)), n), v), 0.0), 40.0);
-  gl_FragColor = vec4(colour + 0.35 * shine, min(0.5 + 0.25 * circle + 0.45 * edge * edge, 0.95));
+  float glow = 0.72 + 0.28 * max(dot(n, LAMP), 0.0);
+  float far = edge * edge;
+  vec3 colour = mix(mix(dark, light, field) * glow, rim, max(0.55 * circle, far * far));
+  float shine = smoothstep(0.97, 1.0, dot(n, HALFWAY));
+  gl_FragColor = vec4(colour + 0.35 * shine, min(0.5 + 0.25 * circle + 0.45 * far, 0.95));
   #include <colorspace_fragment>
 }`;
 const CORE = `
@@ -616,7 +618,7 @@ uniform vec3 colour; uniform float strength, full;
 varying vec3 facing; varying vec3 towards; varying float part;
 void main() {
   float edge = 1.0 - abs(dot(normalize(facing), normalize(towards)));
-  float fade = pow(1.0 - abs(part), 1.3);
+  float fade = (1.0 - abs(part)) * (1.0 - 0.4 * abs(part));
   gl_FragColor = vec4(colour, full * strength * fade * (0.28 + 0.72 * edge));
   #include <colorspace_fragment>
 }`;
