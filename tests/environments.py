@@ -32,6 +32,8 @@ COMMANDS = (
     "tweezer --help",
     "tweezer run --help",
     "tweezer scenes",
+    "tweezer new",
+    "tweezer info",
     "tweezer map silica-1um",
     WARMUP,
     f"tweezer run silica-1um {THERMAL} --duration '100 ms' --seed 1 --out thermal.nc",
@@ -39,6 +41,7 @@ COMMANDS = (
     f"tweezer ensemble silica-1um {THERMAL} --duration '1 ms' --trajectories 3 --out e.zarr",
     f"tweezer ensemble silica-1um {THERMAL} --duration '1 ms' --trajectories 3 --statistics",
     "tweezer trap silica-1um --plot trap.png --out trap.json",
+    "tweezer trap mine.toml",
     "tweezer sweep silica-1um --over bead.diameter=0.5um,1um --out s.zarr --plot s.png",
     "tweezer run thesis-990nm --plot thesis-990nm.png",
     "tweezer tune thesis-990nm --factor 0.1 --duration '1 ms' --plot tune.png",
@@ -47,6 +50,7 @@ COMMANDS = (
     "tweezer reproduce 5.1 --out figures",
     # the folder of the user's own modules is not looked into first
     "python -P -m tweezer.derivation --check",
+    "tweezer cache --clear",
 )
 
 SCRIPT = """
