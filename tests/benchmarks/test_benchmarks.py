@@ -49,6 +49,7 @@ from tests.benchmarks import (
     scaling_report,
     sweep,
     sweep_report,
+    view_report,
     wall_report,
 )
 from tests.benchmarks.timing import Call, in_fresh_process, per_item
@@ -260,7 +261,8 @@ def test_peers_integrate_our_equations(changes):
      ("depth", depth_report), ("calibrate", calibrate_report), ("hydro", hydro_report),
      ("heights", heights_report), ("camera", camera_report),
      ("free", free_report),
-     ("diagram", diagram_report), ("sweep", sweep_report), ("fit", fit_report)],
+     ("diagram", diagram_report), ("sweep", sweep_report), ("fit", fit_report),
+     ("view", view_report)],
 )  # fmt: skip
 def test_tables_can_be_read(name, report, terminal, monkeypatch, capsys):
     """Words are whole in a window of 80 columns, and in a pipe each row is a line."""
@@ -491,6 +493,17 @@ def test_page_quotes_the_committed_sweep():
     assert not committed["quick"]
     assert committed["killed"]["same_bytes"]
     assert committed["killed"]["kills"] == sweep.KILLS
+
+
+def test_page_quotes_the_committed_pages():
+    """A run under 3 MB and a second, an ensemble under 20 MB and 5 s, and nothing in the console."""
+    committed = pages.committed("view")
+    assert pages.quoted("view") == view_report.block(committed)
+    assert not committed["quick"]
+    for each, megabytes, seconds in zip(committed["pages"], (3, 20), (1, 5), strict=True):
+        assert each["megabytes"] < megabytes
+        assert each["written_s"] < seconds
+        assert each["console_messages"] == 0
 
 
 def test_page_quotes_the_committed_scaling():

@@ -116,6 +116,12 @@ _add_benchmark(
 
 
 _add_benchmark(
+    "view", "view_report",
+    "Pages: size, time to write, frames a second. Of a run and an ensemble, in Chromium.",
+)  # fmt: skip
+
+
+_add_benchmark(
     "heights", "heights_report",
     "Calibration beside a wall: coverage. At given heights, and where the wall is found.",
 )  # fmt: skip

@@ -48,7 +48,7 @@ def content(dataset: xr.Dataset) -> Content:
     arrays |= {f"energy_{name}": float32(values, "kT") for name, values in energies.items()}
     arrays |= _moving_light(problem, run["time"])
     status, message = run.attributes["status"], run.attributes["message"]
-    rows = _summary(run, scene)
+    summary = summary_of(run)
     return Content(
         kind="run",
         title=run.attributes["title"],
@@ -58,10 +58,10 @@ def content(dataset: xr.Dataset) -> Content:
             "resolved": close,
             "terminal_speed": not thermal,
             "status": status,
-            "subtitle": f"{rows[0].value}, {rows[1].value}",
+            "subtitle": f"{summary.outcome} after {si(summary.outcome_time, 's')}",
         },
         arrays=arrays,
-        summary=rows,
+        summary=_rows(run, scene, summary),
         notes=[
             *_of_the_path(run, scene, close=close), *about_forces, *about_energies,
             *of_the_picture(scene), *_origin(run, scene),
@@ -199,8 +199,8 @@ def _origin(run: Run, scene: Scene) -> list[str]:
     return [f"{computed_by(attributes)}{drawn}"]
 
 
-def _summary(run: Run, scene: Scene) -> list[Row]:
-    summary, attributes = summary_of(run), run.attributes
+def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
+    attributes = run.attributes
     thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
     bead = bead_properties(scene)
     rows = [

@@ -34,7 +34,7 @@ def _prefix(value: float, unit: str) -> tuple[float, str]:
 def si(value: float, unit: str, digits: int = 3) -> str:
     """A number in the prefix that suits it."""
     factor, prefixed = _prefix(value, unit)
-    return f"{factor * value:.{digits}g} {prefixed}"
+    return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixed}"  # 300, not 3e+02
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:

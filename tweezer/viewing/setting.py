@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from tweezer.optics import cone, ray_optics_caveat
@@ -16,7 +17,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "beams": [
             {
                 "focus": list(beam.position),
-                "half_angle": cone(alone).half_angle,
+                "half_angle": _half_angle(alone),
                 "down": beam.direction == "down",
                 "wavelength": beam.wavelength / scene.medium.refractive_index,
                 "vacuum_wavelength": beam.wavelength,
@@ -30,6 +31,22 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "cover": None if cover is None else {"z": -cover.depth, "index": cover.refractive_index},
         "temperature": scene.medium.temperature,
     }
+
+
+#: Largest sine of the angle at which light is drawn
+_STEEPEST = 0.999
+
+
+def _half_angle(scene: Scene) -> float:
+    """Angle of the outermost rays to the axis about the bead, behind a cover as it refracts them.
+
+    rad; rays that a cover does not let through at all are left out.
+    """
+    angle, cover = cone(scene).half_angle, scene.lens.cover
+    if cover is None:
+        return angle
+    sine = math.sin(angle) * cover.refractive_index / scene.medium.refractive_index
+    return math.asin(min(sine, _STEEPEST))
 
 
 def of_the_picture(scene: Scene) -> list[str]:

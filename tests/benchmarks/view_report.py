@@ -1,0 +1,70 @@
+"""The results of the benchmark of pages as a table, as a figure, and on their page.
+
+`python -m tests.benchmarks.view_report` writes block and figure from the committed results.
+"""
+
+from __future__ import annotations
+
+import textwrap
+
+from matplotlib.figure import Figure
+
+from tests.benchmarks import pages
+from tests.benchmarks.view import Results
+
+#: Load average from which on times are not those of an idle machine
+BUSY = 1.0
+#: Frames a second that look like motion
+SMOOTH = 30
+
+
+def tables(results: Results) -> list[list[list[str]]]:
+    """What was measured; the first row is that of the headings."""
+    rows = [
+        [each["page"], f"{each['megabytes']:.3g}", f"{each['written_s']:.2g}",
+         f"{each['frames_per_s']:.3g}", f"{each['frame_cpu_ms']:.3g}",
+         f"{each['console_messages']}"]
+        for each in results["pages"]
+    ]  # fmt: skip
+    return [
+        [["page of", "size, MB", "written in, s", "frames a second", "CPU of a frame, ms",
+          "messages in the console"], *rows],
+    ]  # fmt: skip
+
+
+def figure(results: Results) -> Figure:
+    """Frames a second of each page."""
+    drawn = Figure(figsize=(6.5, 1.8), layout="constrained")
+    axes = drawn.subplots()
+    shown = results["pages"][::-1]
+    rows = range(len(shown))
+    axes.barh(rows, [each["frames_per_s"] for each in shown], height=0.5, color="#004488")
+    axes.axvline(SMOOTH, color="#777777", lw=0.8, ls="--")
+    axes.set_yticks(rows, [each["page"] for each in shown])
+    axes.set(xlabel="frames a second, without a graphics card")
+    return drawn
+
+
+def block(results: Results) -> str:
+    """Its part of the page, between its markers."""
+    width, height = results["window"]
+    explained = (
+        f"Pages of {results['scene']} in Chromium without a graphics card, in a window of {width} "
+        f"times {height} pixels. Written is from the file of the result to that of the page, all "
+        "modules being loaded; the processor time of a frame is that of all processes of the "
+        "browser, on all cores."
+    )
+    if results["load_before"] > BUSY:
+        explained += (
+            " Other programs used the machine at the time (load average "
+            f"{results['load_before']:.0f}): the processor time tells more than the frames."
+        )
+    lines = [
+        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        "![Frames a second](figures/bench-view.png)",
+    ]  # fmt: skip
+    return pages.block("view", lines, results["machine"])
+
+
+if __name__ == "__main__":
+    pages.renew("view", block, figure)
