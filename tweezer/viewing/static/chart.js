@@ -65,7 +65,7 @@ export class Chart {
   // Each axis: {low, high, log, name, unit, ticks}; ticks, [[value, words], ...], in place of numbers.
   axes(x, y) {
     Object.assign(this, { x, y });
-    this.fit();
+    if (this.width) this.fit(); else this.resize();
   }
 
   resize() {

@@ -63,7 +63,6 @@ export function start(content, shell) {
       const of = (k) => ({ low: low[k], high: high[k], name: AXES[k], unit: "µm" });
       chart.axes(of(PLANES[plane][0]), of(PLANES[plane][1]));
     };
-    axes();
     let most = 1;
     const paint = (pen) => {
       const { left: x0, right, top, bottom } = chart.frame, wide = (right - x0) / CELLS, tall = (bottom - top) / CELLS;
@@ -75,6 +74,7 @@ export function start(content, shell) {
         pen.fillRect(x0 + (k % CELLS) * wide, bottom - (Math.floor(k / CELLS) + 1) * tall, wide + 0.5, tall + 0.5);
       }
     };
+    axes();
     density = (index) => {
       const [a, b] = PLANES[plane];
       counted.fill(0);

@@ -303,13 +303,13 @@ export function start(content, shell) {
       ...Array.from({ length: sizes[along] }, (__, i) => make("td", {}, found[`${i},${j}`]))));
     holder.replaceChildren(make("table", {}, make("caption", {}, caption.textContent), make("thead", {}, head), make("tbody", {}, ...body)));
   };
-  const renewTable = renew;
   shell.clock.remove();
-  renewTable();
+  renew();
   new MutationObserver(tabulate).observe(caption, { childList: true });
   Object.assign(window.tweezer, {
     // The middle of a cell, or of a point, in the window, pixels of the style sheet: for tests.
     cell: (i, j = 0) => {
+      chart.resize();
       const { left, top } = chart.canvas.getBoundingClientRect();
       const y = flat ? (chart.frame.top + chart.frame.bottom) / 2 : chart.up(chart.y.centres[j]);
       return [left + chart.across(chart.x.centres[i]), top + y];

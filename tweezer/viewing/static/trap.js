@@ -93,7 +93,7 @@ export function start(content, shell) {
         p[b] = low[b] + ((j + 0.5) / tall) * (high[b] - low[b]);
         values[j * wide + i] = shows === "force" ? Math.hypot(...field.force(p)) : field.work(centre, p, 16) / facts.thermal;
       }
-    const most = shows === "force" ? facts.largest : values.reduce((x, y) => Math.max(x, y), 0) || 1;
+    const most = shows === "force" ? facts.largest || 1e-15 : values.reduce((x, y) => Math.max(x, y), 0) || 1;
     const pixels = new Uint8ClampedArray(4 * values.length);
     values.forEach((x, k) => {
       // square roots: weak forces are seen beside strong ones
@@ -237,7 +237,7 @@ export function start(content, shell) {
   const numbers = () => {
     const force = field.force(place), off = field.off(place);
     const of = (values, factor, digits) => values.map((x) => fixed(factor * x, digits)).join(", ");
-    const digits = Math.min(Math.max(0, 3 - Math.floor(Math.log10(1e12 * facts.largest))), 8);
+    const digits = Math.min(Math.max(0, 4 - Math.floor(Math.log10(1e12 * facts.largest || 1))), 8);
     cells.place.textContent = `${of(place, 1e6, 4)} µm`;
     cells.force.textContent = `${of(force, 1e12, digits)} pN`;
     cells.size.textContent = `${text(1e12 * Math.hypot(...force), 4)} pN`;
@@ -265,7 +265,7 @@ export function start(content, shell) {
       plot.describe();
       if (plot.width) plot.draw(); else plot.move(plot.cursor);
     }
-    const scale = (0.8 * reach) / facts.largest;
+    const scale = (0.8 * reach) / (facts.largest || 1);
     here.set(place.map(micro), force.map((x) => x * scale));
     stage.request();
   };
@@ -302,6 +302,7 @@ export function start(content, shell) {
     place: () => place, move: (p) => move(p),
     // Where a place of the slice is in the window, pixels of the style sheet: for tests.
     spot: (p) => {
+      chart.resize();
       const [a, b] = PLANES[across], { left, top } = chart.canvas.getBoundingClientRect();
       return [left + chart.across(micro(p[a])), top + chart.up(micro(p[b]))];
     },

@@ -1,0 +1,117 @@
+"""What the pages of an ensemble, a trap and a sweep have: the numbers of what they show."""
+
+import math
+
+import numpy as np
+import pytest
+
+from tweezer.viewing import of_ensemble, of_sweep, of_trap
+
+
+@pytest.fixture(scope="module")
+def ensemble(cloud):
+    return of_ensemble.content(cloud)
+
+
+def test_beads_are_where_the_ensemble_has_them(ensemble, cloud):
+    for k, axis in enumerate("xyz"):
+        packed = ensemble.arrays[axis]
+        values, given = packed.values(), cloud["position"].values[:, :, k].T
+        assert packed.type == "uint16"
+        assert np.array_equal(np.isnan(values), np.isnan(given))
+        assert np.nanmax(np.abs(values - given)) <= packed.rounding * (1 + 1e-9)
+        assert packed.rounding <= np.ptp(given[~np.isnan(given)]) / 131068 * (1 + 1e-6)
+
+
+def test_means_and_spreads_are_of_the_beads_left(ensemble, cloud):
+    position = cloud["position"].values
+    left = (~np.isnan(position[:, :, 0])).sum(axis=0)
+    assert ensemble.arrays["left"].values() == pytest.approx(left)
+    assert left[-1] < left[0]
+    spread = np.nanstd(position, axis=0, ddof=1)
+    for name, expected in (
+        ("mean", np.nanmean(position, axis=0)),
+        ("spread", spread),
+        ("mean_error", spread / np.sqrt(left)[:, None]),
+    ):
+        size = np.abs(expected).max()
+        assert ensemble.arrays[name].values() == pytest.approx(expected, rel=1e-6, abs=1e-7 * size)
+    # of normal values the error of a spread is s/sqrt(2 (n - 1))
+    normal = np.random.default_rng(3).normal(0, 2e-8, (4000, 3, 3))
+    data = cloud.isel(trajectory=np.zeros(4000, int), time=slice(3)).copy()
+    data["position"] = data["position"].dims, normal
+    data["lost_time"] = data["lost_time"].dims, np.full(4000, np.inf)
+    error = of_ensemble.content(data).arrays["spread_error"].values()
+    assert error == pytest.approx(2e-8 / math.sqrt(2 * 3999), rel=0.06)
+
+
+def test_too_many_positions_are_thinned_and_it_is_said(cloud, monkeypatch):
+    monkeypatch.setattr(of_ensemble, "_MOST", 40)
+    monkeypatch.setattr(of_ensemble, "_TIMES", 6)
+    monkeypatch.setattr(of_ensemble, "_READ", 50)
+    content = of_ensemble.content(cloud)
+    every, times = 2, cloud.sizes["time"]
+    drawn = content.facts["drawn"]
+    assert content.arrays["x"].shape == (-(-times // every), drawn)
+    assert drawn * content.arrays["x"].shape[0] <= 40
+    taken = np.linspace(0, cloud.sizes["trajectory"] - 1, drawn).round().astype(int)
+    expected = cloud["position"].values[taken, ::every, 2].T
+    assert content.arrays["z"].values() == pytest.approx(expected, abs=1e-10, nan_ok=True)
+    mean = np.nanmean(cloud["position"].values[:, ::every], axis=0)
+    assert content.arrays["mean"].values() == pytest.approx(mean, rel=1e-5, abs=1e-13)
+    assert f"Of {cloud.sizes['trajectory']} beads the page draws {drawn}" in " ".join(content.notes)
+
+
+def test_trajectories_that_are_not_computed_are_left_out(cloud):
+    stopped = cloud.copy(deep=True)
+    stopped["lost_time"][2] = np.nan
+    stopped["position"][2] = np.nan
+    content = of_ensemble.content(stopped)
+    assert content.facts["beads"] == cloud.sizes["trajectory"] - 1
+    assert "1 of its" in content.warning
+    others = np.delete(cloud["position"].values[:, 4, 0], 2)
+    assert content.arrays["x"].values()[4] == pytest.approx(others, abs=1e-10, nan_ok=True)
+
+
+def test_statistics_alone_have_a_page(gathered):
+    found, content = gathered, of_ensemble.content(gathered)
+    expected = np.sqrt(found["position_variance"].values)
+    assert content.arrays["spread"].values() == pytest.approx(expected, rel=1e-6, nan_ok=True)
+    density, bins = (content.arrays[name].values() for name in ("density", "bin"))
+    for axis, values in zip("xyz", density, strict=True):
+        counted = float(found["density"].sel(axis=axis).sum())
+        width = float(found["bin"][1] - found["bin"][0])
+        # bins at the end that fill no joined one are left out
+        assert values.sum() * (bins[1] - bins[0]) == pytest.approx(counted * width, rel=0.01)
+
+
+def test_numbers_of_a_sweep_are_those_of_its_cases(diagram):
+    content = of_sweep.content(diagram)
+    given = diagram.sortby("bead.diameter")
+    for name, factor in (("stiffness", 1e6), ("escape_energy", 1.0), ("stiffness_error", 1e6)):
+        values = content.arrays[name].values()
+        assert values == pytest.approx(factor * given[name].values, rel=1e-7, nan_ok=True)
+    lifetime = content.arrays["lifetime"].values()
+    assert (lifetime[np.isinf(given["lifetime"].values)] >= 0.99 * content.facts["endless"]).all()
+    for name in ("outcome", "reason"):
+        numbers = content.arrays[name].values().astype(int)
+        assert np.array_equal(
+            np.array(content.facts["words"][name])[numbers], given[name].values.astype(str)
+        )
+    (across,), (down,) = (axis["keys"] for axis in content.facts["axes"])
+    assert across["values"] == pytest.approx([0.5, 0.8, 1.2])
+    assert (across["unit"], down["unit"]) == ("µm", "mW")
+    assert (across["log"], down["log"]) == (False, True)
+
+
+def test_tables_of_a_trap_reach_over_what_is_shown(trap):
+    content = of_trap.content(trap)
+    table, box = content.facts["tables"][0], content.facts["box"]
+    _, _, tall, wide = content.arrays["table_0"].shape
+    assert content.arrays["table_0"].shape[0] == 3  # light that is not round
+    # the first node of either is one before the first that is used, and the last one after
+    assert table["low"] + table["step"] <= box["low"]
+    assert table["low"] + table["step"] * (tall - 2) >= box["high"]
+    assert table["step"] * (wide - 3) >= math.hypot(box["across"], box["across"])
+    assert content.facts["off"] < 1e-4 * content.facts["largest"]
+    assert [row.value for row in content.summary if row.name == "outcome"] == ["held"]

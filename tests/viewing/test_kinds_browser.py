@@ -1,0 +1,200 @@
+"""Pages of an ensemble, a trap and a sweep in a browser."""
+
+import base64
+import io
+import re
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.wait import WebDriverWait
+
+import tweezer
+
+#: Before numbers on a page
+MINUS = "\N{MINUS SIGN}"
+
+
+@pytest.fixture(scope="module")
+def pages(cloud, gathered, trap, diagram, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pages")
+    given = {"cloud": cloud, "gathered": gathered, "trap": trap, "diagram": diagram,
+             "curve": diagram.isel({"beam.power_through_pupil": [1]})}  # fmt: skip
+    return {
+        name: tweezer.view(each).save(folder / f"{name}.html").as_uri()
+        for name, each in given.items()
+    }
+
+
+@pytest.fixture
+def show(browser, pages):
+    """Open a page, which says nothing in the console while it is open."""
+
+    def opened(name, width=1280, height=800):
+        screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+        calm = [{"name": "prefers-reduced-motion", "value": "reduce"}]
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": calm})
+        browser.get(pages[name])
+        ready = {"trap": "place", "diagram": "picked", "curve": "picked"}.get(name, "duration")
+        WebDriverWait(browser, 30).until(
+            lambda driver: driver.execute_script(f"return !!window.tweezer?.{ready}")
+        )
+        return browser
+
+    yield opened
+    assert browser.get_log("browser") == []
+
+
+def picture(browser):
+    taken = browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+    return imread(io.BytesIO(base64.b64decode(taken["data"])))[:, :, :3]
+
+
+def click(browser, spot):
+    chain = ActionChains(browser)
+    chain.w3c_actions.pointer_action.move_to_location(*(round(x) for x in spot))
+    chain.w3c_actions.pointer_action.click()
+    chain.perform()
+
+
+def projected(browser, position):
+    """Where positions (n, 3) um are in the window, pixels (n, 2), by the camera alone."""
+    camera = browser.execute_script("return tweezer.camera()")
+    projection, view = (np.array(camera[name]).reshape(4, 4).T for name in ("projection", "view"))
+    x, y, _, w = projection @ view @ np.column_stack([position, np.ones(len(position))]).T
+    return np.column_stack([
+        camera["left"] + (1 + x / w) / 2 * camera["width"],
+        camera["top"] + (1 - y / w) / 2 * camera["height"],
+    ])  # fmt: skip
+
+
+def test_beads_are_seen_where_the_ensemble_has_them(show, cloud):
+    """Ten beads drawn at random: the middle of the pixels that change with the cloud."""
+    browser, sample = show("cloud"), 7
+    time = float(cloud["time"][sample])
+    browser.execute_script("tweezer.seek(arguments[0]); tweezer.show('bead', false)", time)
+    with_it = picture(browser)
+    browser.execute_script("tweezer.show('cloud', false)")
+    changed = np.abs(with_it - picture(browser)).max(axis=2) > 0.05
+    position = 1e6 * cloud["position"].values[:, sample]
+    there = position[~np.isnan(position[:, 0])]
+    assert len(there) == 14
+    drawn = np.random.default_rng(24).permutation(there)[:10]
+    row, column = np.nonzero(changed)
+    for spot in projected(browser, drawn):
+        near = np.hypot(column + 0.5 - spot[0], row + 0.5 - spot[1]) < 4
+        middle = np.array([column[near].mean() + 0.5, row[near].mean() + 0.5])
+        assert np.abs(middle - spot).max() < 1
+    words = browser.find_element("css selector", ".counts").text
+    assert words.startswith("14 of 15 beads are left, 1 lost")
+
+
+def test_a_page_of_statistics_shows_mean_and_spread(show, gathered):
+    browser = show("gathered", 400, 800)
+    browser.execute_script("tweezer.seek(arguments[0])", float(gathered["time"][20]))
+    shown = browser.find_element("css selector", ".plot .entry .number").text
+    assert float(shown.replace(MINUS, "-")) == pytest.approx(
+        1e6 * float(gathered["position_mean"][20, 0]), abs=2e-3
+    )
+    assert browser.execute_script("return document.documentElement.scrollWidth") <= 400
+
+
+def test_the_page_of_a_trap_has_its_force(show, trap):
+    """Anywhere in the box, against the evaluator, within what the page says itself."""
+    browser, scene = show("trap"), trap.scene
+    box = browser.execute_script("return tweezer.content.facts.box")
+    rng, across = np.random.default_rng(24), box["across"]
+    low, high = [-across, -across, box["low"]], [across, across, box["high"]]
+    places = np.vstack([rng.uniform(low, high, (20, 3)), rng.normal(0, 2e-7, (20, 3))])
+    shown, off = (
+        np.array(
+            browser.execute_script(f"return arguments[0].map(tweezer.{name})", places.tolist())
+        )
+        for name in ("force", "off")
+    )
+    force = tweezer.optical_force(scene, places) + np.array(tweezer.bead_properties(scene).weight)
+    assert (np.linalg.norm(shown - force, axis=1) <= 2 * off + 1e-20).all()
+    assert off.max() < 1e-3 * np.linalg.norm(force, axis=1).max()
+    found = browser.execute_script("return tweezer.work([3e-7, 1e-7, -2e-7])")
+    centre = np.array(trap.equilibrium.position)
+    way = centre + np.linspace(0, 1, 2001)[:, None] * ([3e-7, 1e-7, -2e-7] - centre)
+    along = tweezer.optical_force(scene, way) + np.array(tweezer.bead_properties(scene).weight)
+    work = -np.trapezoid(along @ ([3e-7, 1e-7, -2e-7] - centre), dx=1 / 2000)
+    assert found == pytest.approx(work, rel=1e-4)
+
+
+def test_moving_the_slice_changes_the_numbers(show, trap):
+    browser, weight = show("trap"), np.array(tweezer.bead_properties(trap.scene).weight)
+
+    def told(name):
+        words = browser.find_element("css selector", f"[data-name={name}]").text.replace(MINUS, "-")
+        return np.array([float(x) for x in re.findall(r"-?[\d.]+", words)])
+
+    wanted = [2e-7, 0.0, -1e-7]
+    click(browser, browser.execute_script("return tweezer.spot(arguments[0])", wanted))
+    first = browser.execute_script("return tweezer.place()")
+    assert first == pytest.approx(wanted, abs=1e-8)  # about a pixel
+    canvas = browser.find_element("css selector", ".slice canvas")
+    canvas.send_keys(Keys.SHIFT, Keys.PAGE_UP)
+    canvas.send_keys(Keys.SHIFT, Keys.ARROW_LEFT)
+    second = browser.execute_script("return tweezer.place()")
+    across = browser.execute_script("return tweezer.content.facts.box.across")
+    step = 0.2 * across
+    assert second == pytest.approx([first[0] - step, first[1] + step, first[2]], abs=1e-12)
+    assert 1e-6 * told("place") == pytest.approx(second, abs=1e-10)
+    force = tweezer.optical_force(trap.scene, second) + weight
+    assert told("force") == pytest.approx(1e12 * force, abs=6e-4)
+    before = tweezer.optical_force(trap.scene, first) + weight
+    assert np.abs(1e12 * before - told("force")).max() > 0.1
+
+
+def test_a_click_opens_the_case(show, diagram):
+    browser = show("diagram")
+    given = diagram.sortby("bead.diameter")
+    # bead diameter goes up, and the power across
+    click(browser, browser.execute_script("return tweezer.cell(2, 1)"))
+    case = given.isel({"bead.diameter": 1, "beam.power_through_pupil": 2})
+
+    def cells(name):
+        row = browser.find_element("css selector", f'[data-name="{name}"]')
+        return [cell.text for cell in row.find_elements("css selector", "td")]
+
+    for name, at, factor in (("stiffness", "z", 1e6), ("escape_force", "-z", 1e12)):
+        along = "axis" if name == "stiffness" else "direction"
+        value, error, _ = cells(f"{name} {at}")
+        expected = factor * float(case[name].sel({along: at}))
+        uncertainty = factor * float(case[f"{name}_error"].sel({along: at}))
+        assert float(error.strip("± ")) == pytest.approx(uncertainty, rel=0.06)
+        assert float(value) == pytest.approx(expected, abs=0.06 * uncertainty)
+    assert browser.find_element("css selector", ".case .outcome").text == "held"
+    browser.find_element("css selector", ".chart canvas").send_keys(
+        Keys.ARROW_RIGHT, Keys.ARROW_DOWN
+    )
+    assert browser.execute_script("return tweezer.picked()") == [0, 3]
+    assert "longer than" in cells("lifetime")[0]
+
+
+def test_cells_without_a_number_are_named(show):
+    browser = show("diagram", 400, 800)
+    words = browser.find_element("css selector", ".kinds").text
+    for word in ("not held", "failed", "not computed"):
+        assert f"no number: {word}" in words
+    click(browser, browser.execute_script("return tweezer.cell(2, 2)"))
+    assert "bead.diameter: of no use" in browser.find_element("css selector", ".case").text
+    browser.execute_script("document.querySelector('.table details').open = true")
+    WebDriverWait(browser, 10).until(
+        lambda driver: len(driver.find_elements("css selector", ".table td")) == 12
+    )
+    assert browser.execute_script("return document.documentElement.scrollWidth") <= 400
+
+
+def test_one_key_gives_a_curve(show, diagram):
+    browser = show("curve")
+    click(browser, browser.execute_script("return tweezer.cell(0)"))
+    row = browser.find_element("css selector", '[data-name="stiffness x"] td')
+    smallest = diagram.sortby("bead.diameter")["stiffness"][0, 1]
+    expected = 1e6 * float(smallest.sel(axis="x"))
+    assert float(row.text) == pytest.approx(expected, rel=0.01)
