@@ -130,13 +130,13 @@ def test_thermal_motion_is_compared_by_its_statistics():
 
 
 def test_false_alarms_are_as_rare_as_is_said():
-    """Of 300 comparisons of ensembles of 25 Gaussian trajectories at 8 times."""
+    """Of 150 comparisons of ensembles of 25 Gaussian trajectories at 8 times."""
     draw = np.random.default_rng(11)
     alarms = sum(
         not tweezer.compare(*(ensemble(draw.standard_normal((25, 8, 3))) for _ in range(2))).agrees
-        for _ in range(300)
+        for _ in range(150)
     )
-    assert alarms <= 9  # more of 300 with one in a hundred: 0.1 %
+    assert alarms <= 6  # more of 150 with one in a hundred: 0.1 %
 
 
 def test_ensembles_differ_by_mean_spread_and_losses():

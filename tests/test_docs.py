@@ -31,6 +31,9 @@ PAGES = [
 #: lines that are not run here: what runs them, or why nothing does
 NOT_RUN = {
     "tweezer view silica-1um.nc --movie silica-1um.mp4 --seconds 6": "wants ffmpeg and a minute",
+    'tweezer run silica-1um --duration "1 ms" --out a.nc': "tests/test_comparison.py",
+    'tweezer run silica-1um --duration "1 ms" --method dop853 --out b.nc': "the same",
+    "tweezer compare a.nc b.nc": "the same",
     "make demo": "the first thing that .ci/run does",
     "make test": "this is it",
     "python3 -m venv .venv": "make demo",

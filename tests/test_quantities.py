@@ -114,8 +114,8 @@ def test_recordings_of_quantities():
 
 def test_calibration_by_quantities():
     draw = np.random.default_rng(5)
-    x = 1e-8 * draw.standard_normal(1000)
-    record = tweezer.Recording("mine", 1e-3 * np.arange(1000), x, ("x",))
+    x = 1e-8 * draw.standard_normal(400)
+    record = tweezer.Recording("mine", 1e-3 * np.arange(400), x, ("x",))
     by = {"temperature": "20 degC", "drag": 9e-9, "noise": "1 nm", "diode": "14 kHz"}
     of = {
         "temperature": unit.Quantity(20.0, "degC"), "drag": unit("9e-9 kg/s"),
@@ -143,3 +143,17 @@ def test_sweeps_over_quantities():
         cases_of({key: powers[0]}, None)
     with pytest.raises(tweezer.SceneError, match="wrong unit"):
         cases_of({key: unit.Quantity([1.0], "m")}, None)
+
+
+def test_the_error_of_the_force_is_that_of_its_evaluator():
+    """Of the quadrature within its tolerance of one that is far more exact."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        optics={"theory": "rays", "evaluator": "quadrature", "tolerance": 1e-5}
+    )
+    places = np.array([[[2e-7, 0, 1e-7], [0, 3e-7, -4e-7]]])
+    error = tweezer.optical_force_error(scene, unit.Quantity(places * 1e6, "um"))
+    exact = tweezer.optical_force(scene.replace(optics={"tolerance": 1e-13}), places)
+    apart = np.linalg.norm(tweezer.optical_force(scene, places) - exact, axis=-1)
+    assert error.shape == (1, 2)
+    assert (apart <= error).all()
+    assert (error <= 1e-5 * np.linalg.norm(exact, axis=-1)).all()

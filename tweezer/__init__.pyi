@@ -40,7 +40,13 @@ from .errors import (
 )
 from .fluid import wall_mobilities
 from .io import load_run, save_run, scene_of
-from .optics import absorbed_power, optical_force, optical_jacobian, optical_torque
+from .optics import (
+    absorbed_power,
+    optical_force,
+    optical_force_error,
+    optical_jacobian,
+    optical_torque,
+)
 from .report import write_report
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
@@ -92,6 +98,7 @@ __all__ = [
     "load_scene",
     "load_track",
     "optical_force",
+    "optical_force_error",
     "optical_jacobian",
     "optical_torque",
     "potential",

@@ -14,6 +14,7 @@ from tweezer.optics.binding import (
     light,
     light_of_one_beam,
     optical_force,
+    optical_force_error,
     optical_jacobian,
     optical_torque,
 )
@@ -44,6 +45,7 @@ __all__ = [
     "light",
     "light_of_one_beam",
     "optical_force",
+    "optical_force_error",
     "optical_jacobian",
     "optical_torque",
     "ray_optics_caveat",

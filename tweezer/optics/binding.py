@@ -204,10 +204,23 @@ def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> A
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
     Returns (..., 3).
     Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
-    if the quadrature misses its tolerance; `light(scene).field` has the estimated errors.
+    if the quadrature misses its tolerance; `optical_force_error` has the errors.
     """
     field, shape = _field(scene, positions, time)
     return field.force.reshape(shape)
+
+
+def optical_force_error(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+    """Error of the force of the light on the bead, N.
+
+    positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
+    map, or for the thesis's grid the distance to the quadrature. What the theory of light leaves
+    out is not in it. Raises `ValueError` as `optical_force`.
+    """
+    places, shape = _places(positions)
+    force, time = light(checked_scene(scene)), to_si(time, "s")
+    field = force.field(places, time=time)
+    return force.error_of(places, field, time).reshape(shape[:-1])
 
 
 def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
