@@ -51,7 +51,6 @@ def content(dataset: xr.Dataset) -> Content:
         })  # fmt: skip
     outcomes, numbers = np.unique(dataset["outcome"].values, return_counts=True)
     counts = dict(zip(outcomes.tolist(), numbers.tolist(), strict=True))
-    unfinished = dataset.attrs["status"] != "complete"
     return Content(
         kind="sweep",
         title=f"{scene.name}: {of} over {' and '.join(over)}",
@@ -68,7 +67,7 @@ def content(dataset: xr.Dataset) -> Content:
         summary=_summary(dataset, over, counts),
         notes=_notes(dataset, of),
         warning=f"This sweep was stopped early: {counts.get(MISSING, 0)} of its cases are not "
-        "computed." if unfinished else "",
+        "computed." if MISSING in counts else "",
     )  # fmt: skip
 
 

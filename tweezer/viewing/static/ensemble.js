@@ -12,9 +12,11 @@ const PLANES = { "x–z": [0, 2], "y–z": [1, 2], "x–y": [0, 1] };
 const DASHES = { x: [], y: [7, 3], z: [2, 2.5] };
 const AXES = ["x", "y", "z"];
 // Cells of the density along an axis, and standard deviations on either side that are shown
-const CELLS = 48, SPREADS = 4;
+const CELLS = 48, SPREADS = 3.5;
 // Pixels across the disc of a bead, and the ring of one that is lost
-const DISC = 3, RING = 7;
+const DISC = 3, LARGE = 6, RING = 8;
+// Number of beads above which discs are small
+const MANY = 500;
 
 export function start(content, shell) {
   const { facts } = content, times = shell.array("time"), radius = 1e6 * facts.shells.at(-1);
@@ -35,7 +37,7 @@ export function start(content, shell) {
   const bead = stage.bead(facts.shells.map(micro));
   const way = stage.path(mean.map((x) => (Number.isFinite(x) ? 1e6 * x : 0)), true);
   shell.onTheme(() => way.colour(stage.colours("speed", times.length)));
-  const cloud = stage.cloud(Math.max(beads, 1), "bead-dark", DISC), rings = stage.cloud(Math.max(beads, 1), "light-ink", RING, true);
+  const cloud = stage.cloud(Math.max(beads, 1), "bead-dark", beads > MANY ? DISC : LARGE), rings = stage.cloud(Math.max(beads, 1), "light-ink", RING, true);
   const shells = facts.trajectories ? null : stage.shells("bead-dark", [0.35, 0.16]);
   const clock = new Clock(shell, times);
 

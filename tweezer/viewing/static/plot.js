@@ -54,11 +54,12 @@ export class Plot {
 
   extent() {
     let low = Infinity, high = -Infinity, least = Infinity;
-    for (const { values } of this.curves) {
-      for (const value of values) {
+    for (const { values, errors } of this.curves) {
+      for (const [i, value] of values.entries()) {
         if (!Number.isFinite(value)) continue;
-        if (value < low) low = value;
-        if (value > high) high = value;
+        const error = errors?.[i] || 0;
+        if (value - error < low) low = value - error;
+        if (value + error > high) high = value + error;
         if (value > 0 && value < least) least = value;
       }
     }

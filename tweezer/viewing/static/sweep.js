@@ -134,11 +134,11 @@ export function start(content, shell) {
       bar.set([norm.low, middle, norm.high].map((x) => text(x, 3)));
     }
     const without = new Set(), endless = !show.outcome && every.some(({ index }) => value(index, show) >= 0.99 * facts.endless);
-    for (const { index } of every) if (show.outcome || !Number.isFinite(value(index, show))) without.add(outcomeOf(index));
+    for (const { index } of every) if ((show.outcome && !flat) || !Number.isFinite(value(index, show))) without.add(outcomeOf(index));
     legend.replaceChildren(...[...without].map((word) => make("span", { class: "entry" },
-      patch(show.outcome ? outcomeColour(word) : null, word), ` ${show.outcome ? word : `no number: ${word}`}`)),
+      flat ? "cross:" : patch(show.outcome ? outcomeColour(word) : null, word), ` ${show.outcome ? word : `no number: ${word}`}`)),
     ...(endless && !flat ? [make("span", { class: "entry" }, "brightest: longer than 10²⁰ s too")] : []),
-    ...(flat && every.some(({ index }) => doubted(index)) ? [make("span", { class: "entry" }, "hollow: with a caveat")] : []));
+    ...(every.some(({ index }) => doubted(index)) ? [make("span", { class: "entry" }, `${flat ? "hollow" : "dot"}: with a caveat`)] : []));
   };
   const outcomeColour = (word) => OUTCOMES[words.outcome.indexOf(word) % OUTCOMES.length];
   const patch = (colour, word) => {

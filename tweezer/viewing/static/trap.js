@@ -11,7 +11,7 @@ import { Stage, drawing } from "tweezer/stage";
 const PLANES = { y: [0, 2, 1], x: [1, 2, 0], z: [0, 1, 2] };
 const AXES = ["x", "y", "z"];
 // Pixels of the screen for a cell of a map of the force, and of the work
-const FINE = 4, COARSE = 9;
+const FINE = 4, COARSE = 5;
 // Distance of arrows, pixels
 const ARROWS = 30;
 // Number of steps of colour of the work, so that their edges are lines of equal work
@@ -91,7 +91,7 @@ export function start(content, shell) {
       for (let i = 0; i < wide; i++) {
         p[a] = low[a] + ((i + 0.5) / wide) * (high[a] - low[a]);
         p[b] = low[b] + ((j + 0.5) / tall) * (high[b] - low[b]);
-        values[j * wide + i] = shows === "force" ? Math.hypot(...field.force(p)) : field.work(centre, p, 16) / facts.thermal;
+        values[j * wide + i] = shows === "force" ? Math.hypot(...field.force(p)) : field.work(centre, p, 10) / facts.thermal;
       }
     const most = shows === "force" ? facts.largest || 1e-15 : values.reduce((x, y) => Math.max(x, y), 0) || 1;
     const pixels = new Uint8ClampedArray(4 * values.length);
@@ -225,9 +225,9 @@ export function start(content, shell) {
   const cells = {};
   const row = (name, words) => make("tr", {}, make("th", { scope: "row" }, words), (cells[name] = make("td", { "data-name": name })));
   shell.plots.append(make("table", { class: "here" }, make("caption", {}, "A bead whose centre is at the place chosen"),
-    make("tbody", {}, row("place", "place (x, y, z)"), row("force", "force (x, y, z)"), row("size", "its size"),
-      row("off", "off the tables' force"), row("straight", "work, straight"),
-      row("across", "across, then along"), row("along", "along, then across"))));
+    make("tbody", {}, row("place", "place (x, y, z)"), row("force", "force (x, y, z)"), row("size", "size of the force"),
+      row("off", "error of the tables"), row("straight", `work from the ${facts.held ? "equilibrium" : "focus"}, straight`),
+      row("across", "  across, then along z"), row("along", "  along z, then across"))));
   const plots = AXES.map((name, k) => {
     const values = new Float64Array(POINTS).map((_, i) => micro(low[k]) + (i / (POINTS - 1)) * micro(high[k] - low[k]));
     return new Plot(shell, shell.plots, { values, name, unit: "µm" },
