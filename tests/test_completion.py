@@ -1,8 +1,5 @@
 """What shells complete: scenes, keys of `--set` and their values, names."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -77,20 +74,23 @@ def test_commands_that_take_scenes_and_settings_complete_them():
         assert {"scene", "set"} <= custom, name
 
 
-def test_a_shell_is_answered(tmp_path):
-    asked = {
-        "_TWEEZER_COMPLETE": "complete_bash",
-        "COMP_WORDS": "tweezer run silica-1um --set optics.eval",
-        "COMP_CWORD": "4",
-    }
-    program = [sys.executable, "-c", "import sys; sys.argv = ['tweezer']\n"
-               "from tweezer.cli import main; main()"]  # fmt: skip
-    told = subprocess.run(
-        program, cwd=tmp_path, env=os.environ | asked, capture_output=True, text=True, check=True
-    )
-    values = ("auto", "grid", "quadrature", "map")
-    assert told.stdout.split() == [f"optics.evaluator={value}" for value in values]
-    assert not told.stderr
+@pytest.mark.parametrize(
+    ("words", "values"),  # as Bash parts them
+    [
+        ("run x --set forces.brownian =", ["true", "false"]),
+        ("run x --set optics.theory = w", ["waves"]),
+        ("run x --set optics.th", [f"optics.theory={each}" for each in ("auto", "rays", "waves")]),
+        ("run silica-", ["silica-1um"]),
+        ("new --bead si", ["silica", "silicon"]),
+    ],
+)
+def test_what_bash_asks(words, values, monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("_TWEEZER_COMPLETE", "complete_bash")
+    monkeypatch.setenv("COMP_WORDS", "\n".join(["tweezer", *words.split()]))
+    monkeypatch.setenv("COMP_CWORD", f"{len(words.split())}")
+    cli.main()
+    assert capsys.readouterr().out.splitlines() == values
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from tweezer.cli.app import app
+from tweezer.cli.completion import answer_bash
 from tweezer.cli.console import BAD_INPUT, FAILED, OUT, complain, show_warning
 from tweezer.errors import TweezerError
 
@@ -49,6 +50,8 @@ def main() -> None:
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
+    if os.environ.get("_TWEEZER_COMPLETE") == "complete_bash":
+        return answer_bash(app)
     try:
         app()
     except TweezerError as error:

@@ -5,6 +5,11 @@ A shell asks at each press of a key, so that only the keys of scenes load what s
 
 from __future__ import annotations
 
+import contextlib
+import io
+import os
+import re
+import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -25,6 +30,24 @@ def complete_scene(incomplete: str) -> list[str]:
     files = [f"{before}{path.name}" for path in here if path.suffix == ".toml"]
     folders = [f"{before}{path.name}/" for path in here if path.is_dir() and path.name[0] != "."]
     return [name for name in (*shipped, *files, *folders) if name.startswith(incomplete)]
+
+
+def answer_bash(app: Callable[..., None]) -> None:
+    """Let the application print its completions; those of KEY=VALUE without the KEY=.
+
+    Bash parts the word at the cursor into KEY = VALUE, and replaces what is behind the = alone.
+    """
+    asked, before = os.environ.get("COMP_WORDS", ""), ""
+    if parted := re.search(r"(\S+)\s=(?:\s(\S*))?$", asked):
+        before = f"{parted[1]}="
+        os.environ["COMP_WORDS"] = f"{asked[: parted.start()]}{before}{parted[2] or ''}"
+        word = int(os.environ["COMP_CWORD"]) - (1 if parted[2] is None else 2)
+        os.environ["COMP_CWORD"] = f"{word}"
+    printed = io.StringIO()
+    with contextlib.redirect_stdout(printed), contextlib.suppress(SystemExit):
+        app(prog_name="tweezer")
+    for line in printed.getvalue().splitlines():
+        sys.stdout.write(f"{line.removeprefix(before)}\n")
 
 
 def complete_setting(incomplete: str) -> list[str]:
