@@ -496,7 +496,7 @@ def test_page_quotes_the_committed_sweep():
 
 
 def test_page_quotes_the_committed_pages():
-    """A run under 3 MB and a second, an ensemble under 20 MB and 5 s, and nothing in the console."""
+    """A run under 3 MB and 1 s, an ensemble under 20 MB and 5 s, nothing in the console."""
     committed = pages.committed("view")
     assert pages.quoted("view") == view_report.block(committed)
     assert not committed["quick"]
