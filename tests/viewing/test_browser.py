@@ -181,6 +181,9 @@ def test_a_click_in_a_plot_and_keys_move_it(shown, turning_run):
     ActionChains(shown).send_keys("\ue012").perform()  # left
     before = float(turning_run["time"][-2])
     assert shown.execute_script("return tweezer.time()") == pytest.approx(before, rel=1e-6)
+    seen = camera(shown)["view"]
+    ActionChains(shown).send_keys("a").perform()  # turns the view
+    assert np.abs(camera(shown)["view"] - seen).max() > 0.01
     ActionChains(shown).send_keys("\ue011 ").perform()  # Home, and space plays
     WebDriverWait(shown, 30).until(
         lambda driver: driver.execute_script("return tweezer.time()") > first

@@ -4,7 +4,10 @@ import hashlib
 import html
 import json
 import re
+import shutil
+import subprocess
 from html.parser import HTMLParser
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +15,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from matplotlib.image import imsave
 
 import tweezer
 from tweezer import viewing
+from tweezer.viewing import movie
 from tweezer.viewing.arrays import float32, uint16
 
 VENDOR = Path(viewing.__file__).parent / "static" / "vendor"
@@ -211,6 +216,26 @@ def test_a_film_names_the_programs_that_are_missing(command_line, monkeypatch):
     assert outcome.code == 2
     needed = "a film needs Chromium and chromedriver and ffmpeg, not on this machine\n"
     assert outcome.err == needed
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg on this machine")
+@pytest.mark.parametrize("ending", ["mp4", "gif"])
+def test_a_film_has_the_pictures_in_their_order(page, ending, tmp_path, monkeypatch):
+    """Of a browser that gives a dark picture and then light ones."""
+    png = []
+    for shade in np.linspace(0, 1, 5):
+        png.append(BytesIO())
+        imsave(png[-1], np.full((20, 40, 3), shade), format="png")
+    monkeypatch.setattr(movie, "programs", lambda: {"ffmpeg": shutil.which("ffmpeg")})
+    monkeypatch.setattr(movie, "_pictures", lambda *_: (each.getvalue() for each in png))
+    path = movie.film(page, tmp_path / f"film.{ending}", 1.0)
+    assert list(tmp_path.iterdir()) == [path]
+    raw = subprocess.run(
+        ["ffmpeg", "-loglevel", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "gray", "-"],
+        capture_output=True, check=True,
+    )  # fmt: skip
+    shades = np.frombuffer(raw.stdout, np.uint8).reshape(-1, 20, 40).mean(axis=(1, 2))
+    assert shades == pytest.approx(255 * np.linspace(0, 1, 5), abs=6)
 
 
 def test_what_no_page_shows_is_refused():

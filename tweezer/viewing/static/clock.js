@@ -36,7 +36,7 @@ export class Clock {
       type: "range", min: 0, max: 1, step: "any", value: 0, "aria-label": "Time",
       oninput: () => this.seek(this.first + this.slider.value * (this.last - this.first)),
     });
-    this.output = make("output", { class: "now", "aria-label": "Time shown" });
+    this.output = make("output", { class: "now", "aria-label": "Time shown", "aria-live": "off" });
     this.select = make("select", {
       "aria-label": "Speed: time shown in a second", onchange: () => { this.speed = Number(this.select.value); },
     }, ...this.speeds.map((speed) => {

@@ -15,7 +15,7 @@ const VIEWS = {
 export class Flat {
   constructor(shell, { center, reach, label }) {
     Object.assign(this, { shell, center, reach, things: [], frames: 0 });
-    this.canvas = make("canvas", { role: "img", "aria-label": label, tabindex: "0" });
+    this.canvas = make("canvas", { role: "img", "aria-label": label });
     this.over = make("div", { class: "over" });
     this.host = make("div", { class: "stage" }, this.canvas, this.over);
     shell.picture.append(this.host);

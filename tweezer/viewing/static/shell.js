@@ -40,7 +40,7 @@ export class Shell {
       this.sayer, this.help,
     );
     this.key("?", "this list of keys", () => this.showHelp());
-    this.key("d", "light or dark", () => this.turnTheme());
+    this.key("t", "light or dark", () => this.turnTheme());
     document.addEventListener("keydown", (event) => this.pressed(event));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.retheme());
     this.retheme();

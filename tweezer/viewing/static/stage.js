@@ -15,6 +15,8 @@ const ANGLE = 24;
 const RATIO = 1.5;
 // Time of a frame, ms, above which frames in motion have fewer pixels, and the fewest, as of RATIO
 const SLOW = 30, COARSEST = 0.6;
+// Part of what is seen at first below which a move on a path is not drawn by itself
+const UNSEEN = 5e-4;
 // Directions from which views look, and their names
 const VIEWS = {
   1: { name: "at an angle", from: [0.62, -1, 0.42] },
@@ -45,7 +47,6 @@ export class Stage {
     this.canvas = this.renderer.domElement;
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", label);
-    this.canvas.tabIndex = 0;
     this.over = make("div", { class: "over" });
     this.host = make("div", { class: "stage" }, this.canvas, this.over);
     shell.picture.append(this.host);
@@ -60,6 +61,7 @@ export class Stage {
     this.controls.addEventListener("change", () => this.request());
     this.buildScale();
     this.buildViews();
+    this.buildTurns();
     new ResizeObserver(() => this.resize()).observe(this.host);
     this.themed = [];
     shell.onTheme(() => this.retheme());
@@ -83,6 +85,17 @@ export class Stage {
     this.controls.update();
     this.buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k + 1 === Number(view))));
     this.shell.say(`Seen ${name}`);
+    this.request();
+  }
+
+  // Turn the camera about the vertical and up, rad, and come nearer by a factor.
+  turn(around, over, nearer = 1) {
+    const way = this.camera.position.clone().sub(this.controls.target), length = way.length();
+    const height = Math.asin(way.z / length) + over, heading = Math.atan2(way.y, way.x) + around;
+    const flat = Math.min(Math.max(height, -1.57), 1.57);
+    way.set(Math.cos(flat) * Math.cos(heading), Math.cos(flat) * Math.sin(heading), Math.sin(flat));
+    this.camera.position.copy(this.controls.target).addScaledVector(way, length / nearer);
+    this.controls.update();
     this.request();
   }
 
@@ -203,6 +216,13 @@ export class Stage {
     this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons));
   }
 
+  buildTurns() {
+    const { shell } = this, step = Math.PI / 18;
+    shell.key(["a", "d"], "turn it left, right", (event) => this.turn(event.key === "a" ? -step : step, 0));
+    shell.key(["e", "c"], "tilt it", (event) => this.turn(0, event.key === "e" ? step : -step));
+    shell.key(["i", "o"], "nearer, farther", (event) => this.turn(0, 0, event.key === "i" ? 1.15 : 1 / 1.15));
+  }
+
   buildScale() {
     this.bar = make("span", { class: "bar" });
     this.barText = make("span");
@@ -277,7 +297,7 @@ export class Stage {
     const material = new ShaderMaterial({
       uniforms, vertexShader: BEAD_VERTEX, fragmentShader: BEAD, transparent: true, depthWrite: false, side: FrontSide,
     });
-    const sphere = new Mesh(new SphereGeometry(outer, 48, 32), material);
+    const sphere = new Mesh(new SphereGeometry(outer, 40, 26), material);
     sphere.renderOrder = 4;
     group.add(sphere);
     for (const radius of shells.slice(0, -1)) {
@@ -303,7 +323,7 @@ export class Stage {
   // The light of a beam about its focus, to a distance `length` from it, um.
   beam({ half_angle, wavelength, down }, length) {
     const waist = wavelength * 1e6 / (2 * Math.sin(half_angle));
-    const rows = 33, columns = 64, points = [], normals = [], along = [], faces = [];
+    const rows = 19, columns = 48, points = [], normals = [], along = [], faces = [];
     const end = Math.max(length * Math.cos(half_angle), 1e-3 * length);
     for (let i = 0; i < rows; i++) {
       const part = (2 * i) / (rows - 1) - 1;
@@ -380,18 +400,25 @@ export class Stage {
   }
 
   // Four corners for each piece of the way, which the shader moves apart on the screen. What is
-  // still to come is thin and pale.
+  // still to come is thin and pale. Moves that would not be seen are parts of the next piece.
   joined(positions) {
     const n = positions.length / 3, near = [], far = [], corner = [], order = [], faces = [];
-    for (let i = 0; i + 1 < n; i++) {
-      const here = positions.slice(3 * i, 3 * i + 3), there = positions.slice(3 * i + 3, 3 * i + 6);
+    const at = (i) => Array.from(positions.subarray(3 * i, 3 * i + 3)), kept = [0];
+    for (let i = 1; i < n; i++) {
+      const from = kept.at(-1);
+      const moved = Math.hypot(...[0, 1, 2].map((k) => positions[3 * i + k] - positions[3 * from + k]));
+      if (moved > this.reach * UNSEEN || i === n - 1) kept.push(i);
+    }
+    const pieces = kept.length - 1;
+    for (let j = 0; j < pieces; j++) {
+      const here = at(kept[j]), there = at(kept[j + 1]);
       for (const [end, side] of [[0, -1], [0, 1], [1, -1], [1, 1]]) {
         near.push(...(end ? there : here));
         far.push(...(end ? here : there));
         corner.push(end, side);
-        order.push(i);
+        order.push(kept[j]);
       }
-      faces.push(4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 2, 4 * i + 1, 4 * i + 3);
+      faces.push(4 * j, 4 * j + 1, 4 * j + 2, 4 * j + 2, 4 * j + 1, 4 * j + 3);
     }
     const shape = geometry({ position: [near, 3], other: [far, 3], corner: [corner, 2], order: [order, 1] });
     shape.setIndex(faces);
@@ -405,9 +432,9 @@ export class Stage {
     return {
       group: line,
       colour: (colours) => {
-        const each = new Float32Array(12 * Math.max(n - 1, 0));
-        for (let i = 0; i + 1 < n; i++)
-          for (let k = 0; k < 12; k++) each[12 * i + k] = colours[3 * i + (k < 6 ? 0 : 3) + (k % 3)];
+        const each = new Float32Array(12 * pieces);
+        for (let j = 0; j < pieces; j++)
+          for (let k = 0; k < 12; k++) each[12 * j + k] = colours[3 * kept[j + (k < 6 ? 0 : 1)] + (k % 3)];
         shape.setAttribute("colour", new BufferAttribute(each, 3));
       },
       upTo: (index) => { uniforms.now.value = index; },
