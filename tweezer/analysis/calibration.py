@@ -117,6 +117,23 @@ class Estimate:
         """The findings in words."""
         return "; ".join(finding.text for finding in self.findings)
 
+    @property
+    def undetermined(self) -> bool:
+        """Whether the record does not tell the stiffness."""
+        return any(finding.name == "undetermined" for finding in self.findings)
+
+    @property
+    def told(self) -> str:
+        """The stiffness with its uncertainty and unit."""
+        if self.undetermined:
+            return "not determined"
+        return f"{with_uncertainty(1e6 * self.stiffness, 1e6 * self.uncertainty)} pN/um"
+
+    @property
+    def doubt(self) -> str:
+        """Why it is not to be trusted; "" if nothing speaks against it."""
+        return f"not to be trusted: {self.caveat}" if self.caveat else ""
+
 
 @dataclass(frozen=True)
 class SpectrumFit:
@@ -194,29 +211,27 @@ class AxisCalibration(Shown):
         numbers = ", ".join(str(listed.index(each) + 1) for each in against if each in listed)
         return numbers and f"not trusted: {numbers}"
 
-    def table(self) -> Table:
-        """A row for each method, with the numbers of the notes that speak against it."""
+    def table(self, *, in_words: bool = False) -> Table:
+        """A row for each method, with what speaks against it: the numbers of notes, or in words."""
         rows = []
         for each in self.estimates:
             k, error = rounded(1e6 * each.stiffness, 1e6 * each.uncertainty)
             judgement = self.mark(each.findings)
-            if any(finding.name == "undetermined" for finding in each.findings):
+            if each.undetermined:
                 k = error = "-"
                 judgement = "; ".join(filter(None, ["not determined", judgement]))
+            if in_words:
+                judgement = each.doubt
             rows.append((each.method, k, error, judgement))
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
 
     def card(self) -> Card:
-        """A row for each method."""
+        """A row for each method, and numbered notes on what speaks against them."""
         rows = tuple(
-            Row(
-                each.method,
-                f"{with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty)} pN/um",
-                f"not to be trusted: {each.caveat}" if each.caveat else "",
-            )
-            for each in self.estimates
+            Row(each.method, each.told, self.mark(each.findings)) for each in self.estimates
         )
-        return Card("Stiffness", f"the {self.axis} axis", rows)
+        notes = tuple(f"{i}  {each.text}" for i, each in enumerate(self.listed, start=1))
+        return Card("Stiffness", f"the {self.axis} axis", rows, notes=notes)
 
     def by(self, method: str) -> Estimate | None:
         """The estimate by a method, if there is one."""
@@ -271,9 +286,8 @@ class Calibration(Shown):
                 rows.append(Row(f"stiffness, {axis.axis}", "no trap is seen"))
                 continue
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
-            value = f"{with_uncertainty(1e6 * best.stiffness, 1e6 * best.uncertainty)} pN/um"
-            told = f"not to be trusted: {best.caveat}" if best.caveat else ""
-            rows.append(Row(f"stiffness, {axis.axis}", f"{value}, by {best.method}", told))
+            told = f"{best.told}, by {best.method}"
+            rows.append(Row(f"stiffness, {axis.axis}", told, best.doubt))
         if self.free is not None:
             factor, unit = (1e12, "um^2/s") if self.unit == "m" else (1.0, "V^2/s")
             errors = factor * self.free.diffusion, factor * self.free.uncertainty
@@ -285,7 +299,7 @@ class Calibration(Shown):
             Row("drag", "fitted" if self.drag is None else f"{1e9 * self.drag:.4g} nN s/m"),
             Row("samples", f"{self.samples}, {1 / self.step:.5g} Hz"),
         ]
-        tables = tuple(axis.table() for axis in self.axes if axis.axis not in free)
+        tables = tuple(axis.table(in_words=True) for axis in self.axes if axis.axis not in free)
         notes = [self.note] if self.note else []
         return Card("Calibration", self.name, tuple(rows), tables, tuple(notes))
 
