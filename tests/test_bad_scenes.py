@@ -156,9 +156,11 @@ BAD_SCENES = {
     "date for a number": ({"bead.radius": "2024-01-01"}, f"(2024, 1, 1): {LENGTH}"),
     "time for a duration": ({"simulation.duration": "00:00:01"},
                             'must be a number in s, or text with a unit such as "20 ms"'),
-    "number for a boolean": ({"forces.gravity": "1"}, "forces.gravity = 1: must be true or false"),
+    "number for a boolean": (
+        {"forces.gravity": "1"}, "forces.gravity = 1: must be true or false; did you mean true?"
+    ),
     "text for a boolean": ({"forces.optical": '"no"'},
-                           "forces.optical = 'no': must be true or false"),
+                           "forces.optical = 'no': must be true or false; did you mean false?"),
     "number for a name": ({"name": "7"}, "name = 7: must be text"),
     "list for a description": ({"description": '["a"]'}, "description = ['a']: must be text"),
     "number for a vector": ({"start.position": "0"}, "start.position = 0: must be a list"),
@@ -615,7 +617,7 @@ def never_simulated(monkeypatch):
     def accepted(scene: Scene) -> None:
         pytest.fail(f"accepted: {scene!r}")
 
-    monkeypatch.setattr(cli.runs, "_followed_with_progress", accepted)
+    monkeypatch.setattr(cli.runs, "followed_with_progress", accepted)
 
 
 def assert_refused(command_line, arguments: list[str], expected: str) -> None:

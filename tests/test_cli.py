@@ -296,13 +296,13 @@ def test_a_file_that_is_no_run_is_not_replaced(command_line):
 
 
 def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, monkeypatch):
-    sound = cli.runs._followed_with_progress
+    sound = cli.runs.followed_with_progress
 
     def while_another_runs(scene, seed):
         Path("a.nc").write_text("of another process")
         return sound(scene, seed)
 
-    monkeypatch.setattr(cli.runs, "_followed_with_progress", while_another_runs)
+    monkeypatch.setattr(cli.runs, "followed_with_progress", while_another_runs)
     outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")
     assert outcome.code == 0
     assert outcome.out.splitlines()[-2:] == ["wrote a-2.nc", "wrote a-2.png"]
@@ -388,7 +388,7 @@ def test_an_interrupt_before_the_first_step_writes_nothing(command_line, monkeyp
     def interrupted(scene, seed):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.runs, "_followed_with_progress", interrupted)
+    monkeypatch.setattr(cli.runs, "followed_with_progress", interrupted)
     outcome = command_line("run", *SHORT)
     assert (outcome.code, outcome.out, outcome.err) == (130, "", "")
     assert not list(Path().iterdir())

@@ -6,7 +6,13 @@ import pytest
 import typer
 
 from tweezer import cli
-from tweezer.cli.completion import among, complete_key, complete_scene, complete_setting
+from tweezer.cli.completion import (
+    among,
+    complete_key,
+    complete_scene,
+    complete_setting,
+    complete_shown,
+)
 from tweezer.cli.new import OBJECTIVES, _objective
 from tweezer.errors import SceneError
 from tweezer.scene import SHIPPED, load_scene, settable, shipped_scenes, with_settings
@@ -19,6 +25,8 @@ def test_scenes_are_the_shipped_ones_and_files_here(tmp_path, monkeypatch):
         Path(name).parent.mkdir(exist_ok=True)
         Path(name).touch()
     assert complete_scene("sil") == ["silica-1um", "silica-mine.toml", "silicas/"]
+    assert complete_shown("silica.") == ["silica.nc"]
+    assert complete_shown("silica-1") == ["silica-1um"]
     assert complete_scene("silicas/") == ["silicas/a.toml"]
     assert complete_scene(f"{tmp_path}/silica-") == [f"{tmp_path}/silica-mine.toml"]
     assert complete_scene("nowhere/") == []

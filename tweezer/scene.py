@@ -64,6 +64,12 @@ _MOST_FRAMES = 10_000_000
 #: One of several beams, counted from 1
 _NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
 
+#: Words and numbers that mean true or false, as a scene file does not have them
+_SWITCHES = {
+    **dict.fromkeys(("true", "yes", "on", "1"), "true"),
+    **dict.fromkeys(("false", "no", "off", "0"), "false"),
+}
+
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
 
@@ -1130,7 +1136,8 @@ def _allowed(details: ErrorDetails, key: str) -> str:
         case "less_than_equal":
             return f"must be at most {context['le']:g}"
         case "bool_type":
-            return "must be true or false"
+            meant = _SWITCHES.get(str(details["input"]).lower())
+            return f"must be true or false{f'; did you mean {meant}?' if meant else ''}"
         case "int_type" | "int_from_float":
             return "must be a whole number"
         case "tuple_type":

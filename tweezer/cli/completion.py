@@ -19,17 +19,30 @@ _SHIPPED = Path(__file__).parents[1] / "scenes"
 
 def complete_scene(incomplete: str) -> list[str]:
     """Shipped scenes, TOML files here, and folders, which may have some."""
-    shipped = sorted(path.stem for path in _SHIPPED.glob("*.toml"))
-    typed = Path(incomplete)
-    folder = typed if incomplete.endswith("/") else typed.parent
+    return [*_shipped(incomplete), *_files(incomplete, (".toml",))]
+
+
+def complete_shown(incomplete: str) -> list[str]:
+    """Scenes, and files of results."""
+    return [*_shipped(incomplete), *_files(incomplete, (".toml", ".nc", ".zarr"))]
+
+
+def _shipped(incomplete: str) -> list[str]:
+    return sorted(path.stem for path in _SHIPPED.glob("*.toml") if path.stem.startswith(incomplete))
+
+
+def _files(incomplete: str, suffixes: tuple[str, ...]) -> list[str]:
+    """Files of these types in the folder that is typed, and then its folders."""
     before = incomplete.rpartition("/")[0] + "/" if "/" in incomplete else ""
     try:
-        here = sorted(folder.iterdir())
+        here = sorted(path for path in Path(before).iterdir() if path.name[0] != ".")
     except OSError:
-        here = []
-    files = [f"{before}{path.name}" for path in here if path.suffix == ".toml"]
-    folders = [f"{before}{path.name}/" for path in here if path.is_dir() and path.name[0] != "."]
-    return [name for name in (*shipped, *files, *folders) if name.startswith(incomplete)]
+        return []
+    files = [f"{before}{path.name}" for path in here if path.suffix in suffixes]
+    folders = [
+        f"{before}{path.name}/" for path in here if path.is_dir() and path.suffix not in suffixes
+    ]
+    return [name for name in (*files, *folders) if name.startswith(incomplete)]
 
 
 def answer_bash(app: Callable[..., None]) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tweezer.cli.app import Changes, app, bind_light, scene_with, settings_of
+from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
     FAILED,
     INTERRUPTED,
@@ -39,6 +40,7 @@ def view(
             help="File of a run, an ensemble or a sweep (.nc, .zarr); or a scene, by name or file, "
             "which is run first.",
             metavar="RUN",
+            autocompletion=complete_shown,
         ),
     ],
     trap: Annotated[
