@@ -2,7 +2,7 @@
 
 What a notebook claims it asserts, in the cell that shows it. Outputs are compared as well, for
 the site shows those that are committed. `python tests/test_notebooks.py` executes all and saves
-their outputs, `python tests/test_notebooks.py 03 04b` those two.
+their outputs, `python tests/test_notebooks.py 03 05` those two.
 """
 
 from __future__ import annotations

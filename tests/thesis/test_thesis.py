@@ -335,7 +335,7 @@ def test_the_a2_that_keeps_the_bead_by_another_solver(factor, kept):
 
 
 def test_study_as_documented(tmp_path, monkeypatch):
-    """What the page and the fifth notebook say of it, and that it is what is found today.
+    """What the page and notebook 6 say of it, and that it is what is found today.
 
     Of the map of a2 and power, the cells about the border of what is captured; of the trajectories
     with thermal motion a quarter, which are among the documented ones.
