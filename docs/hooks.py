@@ -38,9 +38,10 @@ _CODE = (
     r"<(?P<tag>pre|code|script|style)\b.*?</(?P=tag)>"
     r'|<div class="clipboard-copy-txt".*?</div>'
 )
-#: a cell that answers an exercise, which is folded, up to the next cell
+#: a cell that answers an exercise, which is folded, up to the text that follows it
 _ANSWER = re.compile(
-    r'(<div class="jp-Cell [^"]*celltag_answer.*?)(?=<div class="jp-Cell )', flags=re.DOTALL
+    r'(<div class="jp-Cell [^"]*celltag_answer[^"]*">.*?)(?=<div class="jp-Cell jp-MarkdownCell)',
+    flags=re.DOTALL,
 )
 #: code as it is; formulas of pages, between brackets by arithmatex; of notebooks, between dollars
 _FORMULA = re.compile(
@@ -108,7 +109,8 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
         formula = formula.replace("<math", f'<math alttext="{html.escape(latex)}"', 1)
         return f'<div class="formula">{formula}</div>' if display else formula
 
-    content = _ANSWER.sub(r'<details><summary>Answer, computed</summary>\1</details>', content)
+    content = re.sub(r'href="(\w+)\.ipynb"', r'href="\1.html"', content)  # to the next notebook
+    content = _ANSWER.sub(r"<details><summary>Answer, computed</summary>\1</details>", content)
     content = _FORMULA.sub(drawn, content)
     for dollar in re.finditer(r".{0,40}\$.{0,40}", _DRAWN.sub("", content)):
         _log.warning("%s: a formula without its end: %s", page.file.src_uri, dollar[0])

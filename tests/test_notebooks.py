@@ -69,8 +69,20 @@ __import__("gc").set_threshold(100_000, 50, 100)
 """
 
 
-def test_all_notebooks_are_found():
-    assert len(PATHS) >= 8
+def test_notebooks_are_in_order():
+    """Each has its number in name and title, a picture, and two exercises with computed answers."""
+    assert len(PATHS) >= 12
+    for number, path in enumerate(PATHS, start=1):
+        assert path.stem.startswith(f"{number:02d}_")
+        cells = nbformat.read(path, as_version=4).cells
+        assert cells[0].source.startswith(f"# {number} · ")
+        answers = [cell for cell in cells if "answer" in cell.metadata.get("tags", [])]
+        assert [("assert " in cell.source, bool(cell.outputs)) for cell in answers] == 2 * [
+            (True, True)
+        ]
+        assert "".join(cell.source for cell in cells).count("<summary>Answer</summary>") == 2
+        outputs = [output for cell in cells for output in cell.get("outputs", [])]
+        assert any("image/png" in output.get("data", {}) for output in outputs)
 
 
 @pytest.mark.parametrize("path", PATHS, ids=lambda path: path.stem)

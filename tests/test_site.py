@@ -86,6 +86,20 @@ def formulas(source):
     ]
 
 
+def test_computed_answers_are_folded(site):
+    """Each in one folded part, with its code and what it printed."""
+    for page in (site / "notebooks").glob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        folded = re.findall(
+            "<details><summary>Answer, computed</summary>(.*?)</details>", text, re.S
+        )
+        assert len(folded) == 2
+        for part in folded:
+            assert "celltag_answer" in part
+            assert "jp-OutputArea" in part
+            assert part.count("<div") == part.count("</div")
+
+
 def test_every_formula_arrives_whole(site):
     """As one formula each, in their order, with the LaTeX that the source has."""
     sources = [*PAGES, *(ROOT / "notebooks").glob("*.ipynb")]
