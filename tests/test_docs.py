@@ -30,6 +30,8 @@ PAGES = [
 ]
 #: lines that are not run here: what runs them, or why nothing does
 NOT_RUN = {
+    "tweezer view silica-1um": "opens a browser",
+    "tweezer view mine.toml": "opens a browser",
     "tweezer view silica-1um.nc --movie silica-1um.mp4 --seconds 6": "wants ffmpeg and a minute",
     'tweezer run silica-1um --duration "1 ms" --out a.nc': "tests/test_comparison.py",
     'tweezer run silica-1um --duration "1 ms" --method dop853 --out b.nc': "the same",
