@@ -219,7 +219,7 @@ export class Stage {
   buildTurns() {
     const { shell } = this, step = Math.PI / 18;
     shell.key(["a", "d"], "turn it left, right", (event) => this.turn(event.key === "a" ? -step : step, 0));
-    shell.key(["e", "c"], "tilt it", (event) => this.turn(0, event.key === "e" ? step : -step));
+    shell.key(["v", "b"], "tilt it up, down", (event) => this.turn(0, event.key === "v" ? step : -step));
     shell.key(["i", "o"], "nearer, farther", (event) => this.turn(0, 0, event.key === "i" ? 1.15 : 1 / 1.15));
   }
 
