@@ -36,7 +36,6 @@ NOT_RUN = {
     'tweezer run silica-1um --duration "1 ms" --out a.nc': "tests/test_comparison.py",
     'tweezer run silica-1um --duration "1 ms" --method dop853 --out b.nc': "the same",
     "tweezer compare a.nc b.nc": "the same",
-    "tweezer view silica-1um": "opens a browser; the same with --out is run for mine.toml",
     "make demo": "the first thing that .ci/run does",
     "make test": "this is it",
     "python3 -m venv .venv": "make demo",
