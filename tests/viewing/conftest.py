@@ -90,6 +90,8 @@ def diagram() -> xr.Dataset:
 
 @pytest.fixture(scope="session")
 def trap() -> tweezer.Trap:
-    """A bead in elliptical light, which is not the same all around."""
+    """A bead in two beams of elliptical light, not the same all around; one comes from above."""
     scene = tweezer.load_scene("polystyrene-500nm")
-    return tweezer.characterise(scene.replace(beam={"jones": [[0.6, 0.0], [0.3, 0.7]]}))
+    up = scene.beam.model_dump(mode="json", exclude_none=True) | {"jones": [[0.6, 0.0], [0.3, 0.7]]}
+    above = {"direction": "down", "position": [1e-7, 2e-7, 3e-7], "power_through_pupil": 0.02}
+    return tweezer.characterise(scene.replace(beam=[up, up | above]))

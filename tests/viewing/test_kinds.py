@@ -114,4 +114,5 @@ def test_tables_of_a_trap_reach_over_what_is_shown(trap):
     assert table["low"] + table["step"] * (tall - 2) >= box["high"]
     assert table["step"] * (wide - 3) >= math.hypot(box["across"], box["across"])
     assert content.facts["off"] < 1e-4 * content.facts["largest"]
+    assert "inf" not in " ".join(row.value for row in content.summary)
     assert [row.value for row in content.summary if row.name == "outcome"] == ["held"]

@@ -152,8 +152,6 @@ def content(trap: Trap) -> Content:
             "escapes": [_escape(each) for each in trap.escapes],
             "thermal": Boltzmann * scene.medium.temperature,
             "off": compared.tables,
-            "evaluator_off": compared.evaluator,
-            "force_error": trap.force_error,
             "largest": compared.largest,
         },
         arrays=arrays,

@@ -48,9 +48,9 @@ def computed_by(attributes: Mapping[str, Any]) -> str:
 
 
 def shown(name: str, value: float, error: float, unit: str, *, trusted: bool = True) -> Row:
-    """A number in the unit in which figures and tables have it; NaN is "not known"."""
+    """A number in the unit in which figures and tables have it; one not finite is "not known"."""
     scale, unit = SHOWN.get(unit, (1.0, "" if unit == "1" else unit))
-    if math.isnan(value):
+    if not math.isfinite(value):
         return Row(name, "not known", "", trusted=False)
     if not 0 < error < math.inf:
         return Row(name, f"{scale * value:.4g} {unit}".rstrip(), "", trusted)
