@@ -548,7 +548,7 @@ BAD_ARGUMENTS = {
     "--set without =": (["silica-1um", "--set", "beam.power"],
                         "--set 'beam.power': must be key=value, such as beam.power=80 mW"),
     "--set without a section": (["silica-1um", "--set", "power=1"],
-                                "'power': must be section.key, such as beam.power"),
+                                "'power': must be section.key; did you mean beam.power?"),
     "--set without a key": (["silica-1um", "--set", "=1"], "'': must be section.key, such as"),
     "--set of an unknown key": (["silica-1um", "--set", "beam.pwer=1"],
                                 "beam.pwer = 1: unknown key; did you mean power?"),
