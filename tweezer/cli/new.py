@@ -282,7 +282,7 @@ def scene_text(of: _Experiment) -> str:
     tube = f"{1e3 * lens.tube_lens:g} mm/{lens.magnification:g}"
     scale = min(max(of.diameter / 2, 0.25e-6), 1e-5)
     start = ", ".join(f'"{_length(part * scale)}"' for part in (0.6, 0.4)), _length(-0.6 * scale)
-    duration = 10 * max(1.0, (of.diameter / 1e-6) ** 2) * max(1.0, 0.02 / max(of.power, 2e-4))
+    duration = 2 * max(1.0, (of.diameter / 1e-6) ** 2) * max(1.0, 0.05 / max(of.power, 5e-4))
     duration = min(duration, 1e4)  # ms
     digits = 10.0 ** (math.floor(math.log10(duration)) - 1)
     made_of = f"{of.material.cited}), {of.material.density:g} kg/m^3"
