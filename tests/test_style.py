@@ -8,6 +8,7 @@ import itertools
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from tests import readable
 from tests.benchmarks import fit_report, hydro_report, pages, wall_report
@@ -74,6 +75,7 @@ def test_colours_are_told_apart_in_grey_and_looks_without_colour():
 @style.styled
 def drawn():
     figure = style.new(style.COLUMN, 3.5)
+    FigureCanvasAgg(figure)
     axes = figure.subplots()
     for i, mark in enumerate(style.SERIES):
         axes.plot([1, 2, 3], [i, 1, i], label=f"{i}: $f_c$", **mark.both)
@@ -99,6 +101,15 @@ def test_a_figure_is_the_same_whatever_the_style_of_the_session(kind):
     assert dict(mpl.rcParams) == before
     assert b"CreationDate" not in expected
     assert b"<dc:date>" not in expected
+
+
+def test_a_figure_is_shown_as_it_is_written():
+    """What a notebook draws: numbers of axes are made only then."""
+    expected, shown = drawn(), drawn()
+    expected.canvas.draw()
+    with mpl.rc_context({"xtick.labelsize": 3, "xtick.major.size": 20}):
+        shown.canvas.draw()
+    assert np.array_equal(expected.canvas.buffer_rgba(), shown.canvas.buffer_rgba())
 
 
 def test_text_of_a_drawing_is_text_with_its_fonts():
