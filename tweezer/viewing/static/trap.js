@@ -23,6 +23,8 @@ const POINTS = 241;
 export function start(content, shell) {
   const { facts } = content, { box, centre } = facts;
   const field = new Field(content, shell);
+  // the force of the brightest colour, N; in the dark it is the weight
+  const full = facts.largest || Math.hypot(...facts.weight) || 1e-15;
   const radius = facts.shells.at(-1), low = [-box.across, -box.across, box.low], high = [box.across, box.across, box.high];
   let across = "y", shows = "force", place = [...centre];
   const held = (p) => p.map((x, k) => Math.min(Math.max(x, low[k]), high[k]));
@@ -93,7 +95,7 @@ export function start(content, shell) {
         p[b] = low[b] + ((j + 0.5) / tall) * (high[b] - low[b]);
         values[j * wide + i] = shows === "force" ? Math.hypot(...field.force(p)) : field.work(centre, p, 10) / facts.thermal;
       }
-    const most = shows === "force" ? facts.largest || 1e-15 : values.reduce((x, y) => Math.max(x, y), 0) || 1;
+    const most = shows === "force" ? full : values.reduce((x, y) => Math.max(x, y), 0) || 1;
     const pixels = new Uint8ClampedArray(4 * values.length);
     values.forEach((x, k) => {
       // square roots: weak forces are seen beside strong ones
@@ -134,7 +136,7 @@ export function start(content, shell) {
       for (let y = bottom - ARROWS / 2; y > top; y -= ARROWS) {
         p[a] = 1e-6 * chart.xAt(x); p[b] = 1e-6 * chart.yAt(y);
         const force = field.force(p), size = Math.hypot(...force);
-        if (size < 2e-3 * facts.largest) continue;
+        if (size < 2e-3 * full) continue;
         const u = (0.36 * ARROWS * force[a]) / size, v = (-0.36 * ARROWS * force[b]) / size;
         lines.moveTo(x - u, y - v); lines.lineTo(x + u, y + v);
         lines.lineTo(x + 0.35 * u - 0.4 * v, y + 0.35 * v + 0.4 * u);
@@ -191,6 +193,7 @@ export function start(content, shell) {
     const cut = radius ** 2 - (place[c] - centre[c]) ** 2;
     if (cut > 0) outlined(() => pen.arc(...at(centre), scale * micro(Math.sqrt(cut)), 0, 7), [6, 4]);
     const within = (p) => Math.abs(p[c] - place[c]) < NEAR * radius;
+    const said = [];
     if (within(centre)) for (const escape of facts.escapes) {
       const k = AXES.indexOf(escape.direction[1]), side = Number(`${escape.direction[0]}1`);
       if (k === c) continue;
@@ -203,11 +206,14 @@ export function start(content, shell) {
         const [u, v] = point(end), flatBar = k === b ? [7, 0] : [0, 7];
         outlined(() => { pen.moveTo(u - flatBar[0], v - flatBar[1]); pen.lineTo(u + flatBar[0], v + flatBar[1]); });
       }
-      pen.font = "600 12px system-ui, sans-serif"; pen.textBaseline = "middle";
-      pen.textAlign = k === b || side > 0 ? "left" : "right";
-      const words = `${text(1e12 * escape.force, 3)} pN`, spot = k === b ? [x + 9, y] : [x - 4 * side, y - 13];
-      pen.strokeStyle = "#000c"; pen.lineWidth = 3.5; pen.strokeText(words, ...spot);
-      pen.fillStyle = "#fff"; pen.fillText(words, ...spot);
+      // beside the slice there is room for them, where it is narrow
+      said.push(() => {
+        pen.font = "600 12px system-ui, sans-serif"; pen.textBaseline = "middle";
+        pen.textAlign = k === b || side > 0 ? "left" : "right";
+        const words = `${text(1e12 * escape.force, 3)} pN`, spot = k === b ? [x + 9, y] : [x - 4 * side, y - 13];
+        pen.strokeStyle = "#000c"; pen.lineWidth = 3.5; pen.strokeText(words, ...spot);
+        pen.fillStyle = "#fff"; pen.fillText(words, ...spot);
+      });
     }
     for (const { position, stable } of facts.equilibria) {
       if (!within(position)) continue;
@@ -218,6 +224,7 @@ export function start(content, shell) {
     const [x, y] = at(place);
     outlined(() => { pen.moveTo(x - 14, y); pen.lineTo(x - 5, y); pen.moveTo(x + 5, y); pen.lineTo(x + 14, y); pen.moveTo(x, y - 14); pen.lineTo(x, y - 5); pen.moveTo(x, y + 5); pen.lineTo(x, y + 14); });
     pen.restore();
+    for (const say of said) say();
   };
 
   // ---- the numbers and the curves at the place
@@ -237,7 +244,7 @@ export function start(content, shell) {
   const numbers = () => {
     const force = field.force(place), off = field.off(place);
     const of = (values, factor, digits) => values.map((x) => fixed(factor * x, digits)).join(", ");
-    const digits = Math.min(Math.max(0, 4 - Math.floor(Math.log10(1e12 * facts.largest || 1))), 8);
+    const digits = Math.min(Math.max(0, 4 - Math.floor(Math.log10(1e12 * full))), 8);
     cells.place.textContent = `${of(place, 1e6, 4)} µm`;
     cells.force.textContent = `${of(force, 1e12, digits)} pN`;
     cells.size.textContent = `${text(1e12 * Math.hypot(...force), 4)} pN`;
@@ -256,16 +263,16 @@ export function start(content, shell) {
       for (let i = 0; i < POINTS; i++) {
         xs[i] = i === own ? micro(place[k]) : first + (i / (POINTS - 1)) * (last - first);
         const found = 1e12 * field.force(place.with(k, 1e-6 * xs[i]))[k];
-        curve[i] = Math.abs(found) < 1e3 * facts.largest ? 0 : found;
+        curve[i] = Math.abs(found) < 1e4 * full ? 0 : found;
       }
       // beside the force of a wall that of the light would not be seen
-      const most = Math.min(Math.max(...curve.map(Math.abs)), 2e12 * facts.largest) || 1;
+      const most = Math.min(Math.max(...curve.map(Math.abs)), 2e12 * full) || 1;
       plot.range = [-1.12 * most, 1.12 * most];
       plot.cursor = micro(place[k]);
       plot.describe();
       if (plot.width) plot.draw(); else plot.move(plot.cursor);
     }
-    const scale = (0.8 * reach) / (facts.largest || 1);
+    const scale = (0.8 * reach) / full;
     here.set(place.map(micro), force.map((x) => x * scale));
     stage.request();
   };
