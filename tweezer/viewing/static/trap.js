@@ -210,7 +210,7 @@ export function start(content, shell) {
       said.push(() => {
         pen.font = "600 12px system-ui, sans-serif"; pen.textBaseline = "middle";
         pen.textAlign = k === b || side > 0 ? "left" : "right";
-        const words = `${text(1e12 * escape.force, 3)} pN`, spot = k === b ? [x + 9, y] : [x - 4 * side, y - 13];
+        const words = `${text(1e12 * escape.force, 3)} pN`, spot = k === b ? [x + 9, y] : [x + 6 * side, y - 13];
         pen.strokeStyle = "#000c"; pen.lineWidth = 3.5; pen.strokeText(words, ...spot);
         pen.fillStyle = "#fff"; pen.fillText(words, ...spot);
       });
