@@ -5,10 +5,10 @@ PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
 
 BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera free hydro heights sweep diagram fit commands view
 # draw and quote what was measured
-REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report commands_report view_report
+REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report commands_report view_report choosing_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done; $(BIN)/python -m tests.catalogue_page
 
-.PHONY: demo test lint bench figures docs stress environments derivation notebooks vendor clean
+.PHONY: demo test lint bench figures docs stress package environments derivation notebooks vendor clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm --plot thesis-990nm.png
@@ -28,6 +28,8 @@ bench: .venv/.bench  ## measure again: results, figures and what the documentati
 	$(QUOTE)
 
 figures: .venv/.dev  ## every figure and number of the documentation again
+	set -e; for each in tweezer/scenes/*.toml; do name=$$(basename $$each .toml); \
+		$(BIN)/tweezer run $$name --plot docs/figures/gallery/$$name.png --overwrite; done
 	$(BIN)/tweezer run thesis-990nm --plot docs/figures/thesis-990nm.png --overwrite
 	$(BIN)/tweezer trap silica-1um --plot docs/figures/trap-silica-1um.png
 	$(BIN)/python -m tests.pictures
@@ -59,6 +61,9 @@ docs: .venv/.dev  ## the site, into site/
 stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, 1,000 beside walls, and faults from outside
 	$(BIN)/python -m tests.stress 10000
 	$(BIN)/python -m tests.stress_faults
+
+package: .venv/.dev  ## wheel and sdist, each installed in a fresh environment and run there
+	$(BIN)/python -m tests.package
 
 environments: .venv/.dev  ## every command with the lowest and newest dependencies, and each Python found
 	$(BIN)/python -m tests.environments

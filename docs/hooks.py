@@ -1,15 +1,22 @@
 """What the site takes from elsewhere: notebooks, scene schema, commands; formulas as MathML.
 
+Figures of notebooks become files, with a text in their place for those who do not see them. The
+gallery has each shipped scene, with its page that plays, which `plays.py` makes meanwhile.
+
 Called by mkdocs (`hooks` in mkdocs.yml).
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
 import html
+import itertools
 import logging
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -25,13 +32,21 @@ from tweezer.sections import ALTERNATIVES, BELONGING
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted(f"notebooks/{path.name}" for path in (ROOT / "notebooks").glob("*.ipynb"))
+#: shipped scenes; those of the thesis, which come first by their names otherwise, last
+SCENES = sorted(
+    (ROOT / "tweezer/scenes").glob("*.toml"), key=lambda path: ("thesis" in path.stem, path)
+)
+#: the folder of their pages, in the site
+PLAYS = "plays"
 #: pages that are no files of docs/
 ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
 #: pages that are made from a source; links of docs/ lead to what the repository has
-MADE = {"tweezer/scene.py": "scenes.md", "tweezer/cli/": "commands.md"}
+MADE = {
+    "tweezer/scene.py": "scenes.md", "tweezer/cli/": "commands.md", "tweezer/scenes/": "gallery.md",
+}  # fmt: skip
 
 #: code, and its copy that a button takes
 _CODE = (
@@ -61,6 +76,15 @@ _SPACING = (
 #: browsers draw its letters, not the attribute
 _BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F]);')
 
+#: figures within a notebook, and headings, which say what a figure without a text is of
+_FIGURE = re.compile(
+    r"<h[1-6][^>]*>(?P<heading>.*?)(?:<a\b[^>]*>[^<]*</a>)?</h[1-6]>"
+    r'|<img alt="(?P<alt>[^"]*)"(?P<between>[^>]*?) src="data:image/png;base64,(?P<data>[^"]*)"',
+    re.DOTALL,
+)
+#: what nbconvert writes where the metadata of a cell have no `alt`
+_NO_TEXT = "No description has been provided for this image"
+
 
 def on_config(config: MkDocsConfig) -> None:
     """Put the notebooks into the navigation."""
@@ -68,12 +92,23 @@ def on_config(config: MkDocsConfig) -> None:
     section["Notebooks"] = NOTEBOOKS
 
 
+def on_post_build(config: MkDocsConfig) -> None:
+    """Wait for the pages that play."""
+    if config.extra["plays"].wait():
+        _log.warning("pages that play could not be made")
+
+
 @event_priority(50)  # before mkdocs-jupyter looks for notebooks
 def on_files(files: Files, config: MkDocsConfig) -> None:
     """Add the pages that stand elsewhere and those that are made here."""
     for path in ELSEWHERE:
         files.append(File(path, str(ROOT), config.site_dir, config.use_directory_urls))
-    for uri, text in (("scenes.md", scene_reference()), ("commands.md", command_reference())):
+    plays = [sys.executable, str(ROOT / "docs/plays.py"), str(Path(config.site_dir, PLAYS))]
+    config.extra["plays"] = subprocess.Popen([*plays, *(path.stem for path in SCENES)], cwd=ROOT)
+    for uri, text in (
+        ("gallery.md", gallery()), ("scenes.md", scene_reference()),
+        ("commands.md", command_reference()),
+    ):  # fmt: skip
         files.append(File.generated(config, uri, content=text))
 
 
@@ -87,8 +122,11 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     return markdown if outside else re.sub(r"\]\(\.\./([^)#]+)(#.*?)?\)", on_the_site, markdown)
 
 
-def on_page_content(content: str, page: Page, **_: Any) -> str:
-    """LaTeX of pages and notebooks as MathML, which browsers draw by themselves."""
+@event_priority(50)  # before figures are made to enlarge
+def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """LaTeX of pages and notebooks as MathML, which browsers draw by themselves; figures apart."""
+    if page.file.src_uri in NOTEBOOKS:
+        content = _of_a_notebook(content, page, config, files)
 
     def drawn(found: re.Match[str]) -> str:
         if found["code"]:
@@ -117,6 +155,41 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
     return content
 
 
+def _of_a_notebook(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """A notebook with figures and styles in files of the site, and how to open it.
+
+    No cell is a stop of the keyboard, as nbconvert makes it.
+    """
+    name, heading, drawn = Path(page.file.src_uri).stem, "", 0
+
+    def apart(found: re.Match[str]) -> str:
+        nonlocal heading, drawn
+        if found["data"] is None:
+            heading = re.sub(r"<[^>]*>|[¶$]", "", found["heading"]).strip().replace('"', "&quot;")
+            return found[0]
+        drawn += 1
+        uri = f"notebooks/figures/{name}-{drawn}.png"
+        files.append(File.generated(config, uri, content=base64.b64decode(found["data"])))
+        alt = found["alt"] if found["alt"] != _NO_TEXT else f"Figure {drawn}: {heading}"
+        address = f"figures/{name}-{drawn}.png"
+        return f'<img loading="lazy" alt="{alt}"{found["between"]} src="{address}"'
+
+    def shared(found: re.Match[str]) -> str:
+        # each notebook brings half a megabyte of the same
+        uri = f"assets/notebook-{hashlib.sha256(found[1].encode()).hexdigest()[:12]}.css"
+        if files.get_file_from_path(uri) is None:
+            files.append(File.generated(config, uri, content=found[1]))
+        return f'<link rel="stylesheet" href="../{uri}">'
+
+    content = re.sub(r'<style type="text/css">(.*?)</style>', shared, content, flags=re.DOTALL)
+    content = _FIGURE.sub(apart, content).replace(' tabindex="0"', "")
+    opened = (
+        f'<p><a href="{name}.ipynb" download>{name}.ipynb</a> runs in Jupyter: '
+        '<a href="../index.html#the-notebooks">how to open it</a>.</p>'
+    )
+    return re.sub(r"(</h1>)", rf"\1{opened}", content, count=1)
+
+
 def _understood(formula: str) -> bool:
     """Whether all LaTeX became MathML: what latex2mathml does not know, it leaves as it is."""
     try:
@@ -124,6 +197,34 @@ def _understood(formula: str) -> bool:
     except ET.ParseError:
         return False
     return "\\" not in formula
+
+
+def gallery() -> str:
+    """Each shipped scene: what it is, its figure, how it is made, its page that plays."""
+    lines = [
+        "# Gallery",
+        "",
+        "The scenes that tweezer comes with, each as it is: copy one, and change what differs for "
+        "your bead. `tweezer scenes` prints where their files are, and [Scene files](scenes.md) "
+        "has every key. Each figure has a page that plays: turn it, drag the time.",
+    ]
+    for path in SCENES:
+        name, text = path.stem, path.read_text(encoding="utf-8")
+        why = " ".join(line.removeprefix("#").strip() for line in _opening(text))
+        what = tomllib.loads(text)["description"]
+        lines += [
+            "", f"## {name}", "", f"{what[0].upper()}{what[1:]}. {why}", "",
+            f"![{what}: its path, and position and speed in time](figures/gallery/{name}.png)"
+            "{ loading=lazy }",
+            "", f'<a href="{PLAYS}/{name}.html">See it play</a>, on a page of its own', "",
+            "```sh", f"tweezer run {name} --plot {name}.png", f"tweezer view {name}.nc", "```",
+        ]  # fmt: skip
+    return "\n".join(lines) + "\n"
+
+
+def _opening(text: str) -> list[str]:
+    """The comments that a scene begins with."""
+    return list(itertools.takewhile(lambda line: line.startswith("#"), text.splitlines()))
 
 
 def command_reference() -> str:

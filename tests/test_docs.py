@@ -42,6 +42,8 @@ NOT_RUN = {
     ".venv/bin/python -m pip install --editable .": "make demo",
     ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
     "pip install .": "make demo, tests/environments.py",
+    '.venv/bin/python -m pip install --editable ".[notebooks]" jupyterlab': "wants the network",
+    ".venv/bin/jupyter lab notebooks": "opens a browser and goes on",
     "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
     "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "

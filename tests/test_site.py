@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import get_args
@@ -14,6 +15,7 @@ from urllib.parse import unquote, urlsplit
 import nbformat
 import pytest
 import typer
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
@@ -148,6 +150,8 @@ def test_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site):
                 assert unquote(place.fragment) in links[target].anchors, (page.name, address)
 
 
+#: what keeps a reader from a page: a function, and of nothing if it is called
+ACCESSIBLE = "(" + (ROOT / "tests/accessible.js").read_text().partition("*/")[2].strip() + ")"
 #: of the page and of the window, in pixels
 WIDTHS = "return [document.documentElement.scrollWidth, window.innerWidth]"
 #: formulas that are not drawn; matrices, and those whose bracket is lower than they are; the font
@@ -167,26 +171,82 @@ return {
 
 
 def test_pages_opened_from_a_folder(site, browser):
-    """On a wide screen and on a phone's: none is wider, and formulas are drawn in their font."""
-    matrices = 0
+    """On a wide screen in the light and on a phone's in the dark: none is wider than the screen,
+    formulas are drawn in their font, and nothing keeps a reader or a keyboard out.
+    """
+    matrices, complaints = 0, {}
     for page in sorted(site.rglob("*.html")):
         if page.name == "404.html":  # for a server: its addresses begin at the root
             continue
-        browser.get(page.as_uri())
-        browser.execute_async_script("document.fonts.ready.then(arguments[0])")
-        for width in (1280, 400):
+        plays = page.parent.name == "plays"
+        if plays and page.stem != "silica-1um":  # one is as the others
+            continue
+        for width, scheme in ((1280, "light"), (400, "dark")):
             screen = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+            media = [{"name": "prefers-color-scheme", "value": scheme}]
             browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-            WebDriverWait(browser, 30).until(  # sidebars move in and out
+            browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
+            if width == 1280:
+                browser.get(page.as_uri())
+                browser.execute_async_script("document.fonts.ready.then(arguments[0])")
+            WebDriverWait(browser, 30, poll_frequency=0.02).until(  # sidebars move in and out
                 lambda driver, width=width: driver.execute_script(WIDTHS) == [width, width],
                 f"{page.name} is not {width} pixels wide",
             )
             layout = browser.execute_script(LAYOUT)
             assert (layout["empty"], layout["low"]) == (0, 0), page.name
-        assert layout["font"] or "<math" not in page.read_text(), page.name
+            for complaint in browser.execute_script(f"return {ACCESSIBLE}()"):
+                complaints.setdefault(complaint, []).append((page.name, scheme))
+        assert plays or layout["font"] or "<math" not in page.read_text(), page.name
         assert browser.get_log("browser") == [], page.name
         matrices += layout["matrices"]
+    assert complaints == {}
     assert matrices > 20
+
+
+def test_what_keeps_a_reader_out_is_found(tmp_path, browser):
+    page = tmp_path / "page.html"
+    page.write_text(
+        """<!doctype html><title>x</title><body style="background: #fff; color: #777">
+        <h1>one</h1><p>grey on white</p><h3>three</h3><img src="data:,"><button></button><input>
+        <p style="background: #ddd">grey on grey</p><p style="color: #0000">not there</p>
+        <a href="#" style="outline: none">no outline</a></body>"""
+    )
+    browser.get(page.as_uri())
+    found = browser.execute_script(f"return {ACCESSIBLE}()")
+    for what in (
+        "no language", "no description", "no viewport", "h1 before h3: three", "no main part",
+        "no alt text: data:,", "no name: button", "no name: input",
+        'contrast 4.48: p "grey on white', 'contrast 3.30: p "grey on grey',
+        'contrast 1.00: p "not there"', 'focus not seen: a "no outline"',
+    ):  # fmt: skip
+        assert any(line.startswith(what) for line in found), (what, found)
+    assert not any('h1 "one' in line for line in found)  # of large text 3 is enough
+
+
+def test_a_figure_enlarges_by_the_keyboard(site, browser):
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    browser.get((site / "gallery.html").as_uri())
+    link = browser.find_element("css selector", "a.glightbox")
+    browser.execute_script("arguments[0].focus()", link)
+    link.send_keys(Keys.ENTER)
+    wait = WebDriverWait(browser, 30, poll_frequency=0.02)
+    shown = wait.until(lambda driver: driver.find_elements("css selector", ".gslide.current img"))
+    wait.until(lambda driver: driver.execute_script("return arguments[0].naturalWidth", shown[0]))
+    assert shown[0].get_attribute("src") == link.get_attribute("href")
+    browser.switch_to.active_element.send_keys(Keys.ESCAPE)
+    wait.until(lambda driver: not driver.find_elements("css selector", ".gslide"))
+
+
+def test_gallery_has_every_scene(site):
+    page = (site / "gallery.html").read_text()
+    for path in (ROOT / "tweezer/scenes").glob("*.toml"):
+        assert f'id="{path.stem}"' in page
+        assert f'src="figures/gallery/{path.stem}.png"' in page
+        assert f'href="plays/{path.stem}.html"' in page
+        description = tomllib.loads(path.read_text())["description"]
+        assert description in html.unescape((site / f"plays/{path.stem}.html").read_text())
+        assert description[1:] in html.unescape(page)
 
 
 def test_search_from_a_folder(site, browser):
@@ -205,12 +265,14 @@ def test_search_from_a_folder(site, browser):
 
 def test_what_is_broken_fails(tmp_path):
     """A link to nothing, a name that is not there, and formulas that are none."""
-    for name in ("docs", "notebooks", "derivation"):
-        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("*.ipynb"))
-    for name in ("mkdocs.yml", "CONTRIBUTING.md"):
-        shutil.copy(ROOT / name, tmp_path)
-    (tmp_path / "tweezer").symlink_to(ROOT / "tweezer")
-    with (tmp_path / "docs/models.md").open("a") as page:
+    for name in ("docs", "derivation", "notebooks", "tweezer"):
+        (tmp_path / name).mkdir()
+    for name in (  # a page is enough
+        "mkdocs.yml", "CONTRIBUTING.md", "derivation/README.md", "docs/hooks.py", "docs/plays.py",
+        "docs/index.md",
+    ):  # fmt: skip
+        shutil.copy(ROOT / name, tmp_path / name)
+    with (tmp_path / "docs/index.md").open("a") as page:
         page.write("\n[one](nowhere.md) [two][tweezer.nothing] \\(\\nonsense\\)\n")
     broken = nbformat.v4.new_notebook(
         cells=[

@@ -18,7 +18,7 @@ export class Plot {
     this.told = 0;
     this.legend = make("div", { class: "legend" });
     this.shown = curves.map((curve) => make("span", { class: "number" }));
-    this.legend.append(make("h3", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
+    this.legend.append(make("h2", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
       make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
     this.area = make("div", { class: "area" }, this.back,
       make("div", { "aria-hidden": "true" }, this.line, ...this.dots));
