@@ -17,7 +17,7 @@ import pytest
 import typer
 
 import tweezer
-from tests.benchmarks import pages, summary_report
+from tests.benchmarks import choosing_report, pages, summary_report
 from tweezer import cli
 from tweezer.scene import Scene
 
@@ -41,11 +41,10 @@ NOT_RUN = {
     "python3 -m venv .venv": "make demo",
     ".venv/bin/python -m pip install --editable .": "make demo",
     ".venv/bin/tweezer run thesis-990nm --plot thesis-990nm.png": "make demo",
+    "tweezer view silica-1um": "opens a browser; tests/viewing",
     "pip install .": "make demo, tests/environments.py",
     '.venv/bin/python -m pip install --editable ".[notebooks]" jupyterlab': "wants the network",
     ".venv/bin/jupyter lab notebooks": "opens a browser and goes on",
-    "tweezer fit-depth track.csv --scene thesis-990nm --set simulation.model=full "
-    "--plot depth.png": "wants a track of the reader's; docs/first-minutes.md makes one",
     "tweezer sweep silica-1um --over bead.diameter=0.2um..3um:40:log "
     "--over beam.power_through_pupil=1mW..1W:60:log --out diagram.zarr "
     "--plot diagram.png": "takes a minute; `make figures` runs it, and tests/benchmarks/sweep.py",
@@ -188,3 +187,31 @@ def test_models_are_quoted_from_the_committed_results():
             if each["model"] in ("first-order", "overdamped") and each["tolerance"] == 1e-11:
                 # its own error, which runs converge to
                 assert errors[each["model"]] == pytest.approx(each["during_um"], rel=0.1)
+
+
+def test_the_page_that_helps_to_choose_quotes_the_committed_results():
+    page = choosing_report.PAGE
+    for name, block in choosing_report.blocks().items():
+        assert pages.quoted(f"choosing-{name}", page) == block, name
+    motion = pages.quoted("choosing-motion", page)
+    off = {
+        row[0]: float(row[1].split()[0])
+        for row in re.findall(r"\| (\S+) \| .*? \| (.*?) \|", motion)
+    }
+    entries = pages.committed("integrate")["motions"]
+    worst = max(
+        each["during_um"]
+        for bead in summary_report.BEADS
+        for each in entries[f"{bead}, rays, map"]["entries"]
+        if (each["model"], each["tolerance"]) == ("overdamped", 1e-11)
+    )
+    assert off["overdamped"] == pytest.approx(worst, rel=0.1)
+    by_map = re.search(
+        r"waves, `map` .*\| (.*) s \| (.*) \|", pages.quoted("choosing-evaluator", page)
+    )
+    force = pages.committed("force")["headline"]["by_place"]["inside"]
+    saved = 1e-6 * force["waves_us"] - 1e-9 * force["waves_map_ns"]  # s
+    assert float(by_map[2].replace(",", "")) == pytest.approx(float(by_map[1]) / saved, rel=0.05)
+    near = re.search(r"\| 0.1 radii \| (\d+) % \| (\d+) %", pages.quoted("choosing-wall", page))
+    # docs/walls.md has the drag at a tenth of a radius
+    assert [float(each) for each in near.groups()] == pytest.approx([125.7, 1046], rel=0.06)

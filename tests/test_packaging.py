@@ -1,12 +1,15 @@
 """The wheel brings one package, which does not look for its modules among the user's."""
 
 import os
+import re
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
+import yaml
 from hatchling.builders.wheel import WheelBuilder
 
 ROOT = Path(__file__).parents[1]
@@ -21,6 +24,22 @@ from tweezer.optics.rays import ray_sum
 module = bind(tweezer.load_scene("thesis-990nm")).module
 print(tweezer.__file__, module.__file__, ray_sum.ray.__file__, GENERATED / "ray.py", sep="\\n")
 """
+
+
+def test_citation_and_changelog_are_of_this_version():
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    # what version 1.2.0 of the format asks for
+    assert {"authors", "cff-version", "message", "title"} <= set(citation)
+    assert (citation["version"], citation["license"]) == (version, "MIT")
+    newest = re.search(r"^## (.*)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1]
+    assert version in newest
+
+
+def test_forms_for_issues_ask_for_scene_and_versions():
+    form = yaml.safe_load((ROOT / ".github/ISSUE_TEMPLATE/wrong.yml").read_text())
+    asked = {of["id"]: of["validations"]["required"] for of in form["body"] if "id" in of}
+    assert asked == dict.fromkeys(("command", "scene", "happened", "expected", "info"), True)
 
 
 @pytest.fixture(scope="module")
