@@ -7,7 +7,6 @@ import json
 import os
 import platform
 import re
-import shutil
 import sys
 import time
 from importlib import metadata
@@ -19,6 +18,7 @@ import typer
 from tweezer.cli.app import app
 from tweezer.cli.console import ERR, FAILED, OUT, complain
 from tweezer.cli.tables import table_of
+from tweezer.errors import ResultError
 
 #: Packages whose versions matter for what goes wrong
 _PACKAGES = (
@@ -169,8 +169,8 @@ def _facts() -> dict[str, Any]:
             for name, value in sorted(os.environ.items())
             if name.startswith("NUMBA_") or name in ("OMP_NUM_THREADS", "XDG_CACHE_HOME")
         },
-        "browser": _browser() or False,
-        "ffmpeg": shutil.which("ffmpeg") is not None,
+        "pages open in": _browser() or "no browser with a window found",
+        "films": _films(),
         **caches,
     }
 
@@ -226,6 +226,17 @@ def _browser() -> str | None:
     except webbrowser.Error:
         return None
     return Path(getattr(found, "name", type(found).__name__)).name
+
+
+def _films() -> str:
+    """Whether `tweezer view --movie` finds what it needs."""
+    from tweezer.viewing.movie import programs
+
+    try:
+        programs()
+    except ResultError as error:
+        return str(error)
+    return "yes"
 
 
 def _without_user(path: Path) -> str:
