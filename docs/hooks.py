@@ -39,7 +39,7 @@ SCENES = sorted(
 #: the folder of their pages, in the site
 PLAYS = "plays"
 #: pages that are no files of docs/
-ELSEWHERE = ("CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
+ELSEWHERE = ("CHANGELOG.md", "CONTRIBUTING.md", "derivation/README.md", *NOTEBOOKS)
 
 _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict build
 
