@@ -156,6 +156,14 @@ def test_links_lead_somewhere_in_the_repository():
                 assert (page.parent / place.path).exists(), (page.name, address)
 
 
+def test_rows_of_tables_are_as_long_as_their_headings():
+    for page in PAGES:
+        text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+        for table in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE):
+            cells = [len(re.findall(r"(?<!\\)\|", row)) - 1 for row in table.splitlines()]
+            assert len(set(cells)) == 1, (page.name, table)
+
+
 def test_readme_quotes_the_committed_results():
     force, integrate, brownian = map(pages.committed, ("force", "integrate", "brownian"))
     quoted = pages.quoted("headline", summary_report.README)

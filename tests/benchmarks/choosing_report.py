@@ -186,7 +186,7 @@ def thermal(brownian: Results) -> list[str]:
         f"{rounded(min(fewer))} to {rounded(max(fewer))} times as many steps."
     )
     headings = (
-        "model, method: for", "forces a step", "steps a second", "⟨x²⟩ off by up to",
+        "model, method", "for", "forces a step", "steps a second", "⟨x²⟩ off by up to",
         "corner frequency off by",
     )  # fmt: skip
     return [*pages.markdown(headings, rows), "", told]

@@ -27,9 +27,15 @@ def committed(name: str) -> Results:
 
 
 def markdown(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """The lines of a table, numbers to the right."""
+    """The lines of a table, numbers to the right; `ValueError` if a row is not as long as the
+    headings.
+    """
     rule = ["---", *["---:"] * (len(headings) - 1)]
-    return ["| " + " | ".join(cells) + " |" for cells in (headings, rule, *rows)]
+    whole = [headings, rule, *rows]
+    for cells in whole:
+        if len(cells) != len(headings):
+            raise ValueError(f"{len(headings)} headings, {len(cells)} cells: {cells}")
+    return ["| " + " | ".join(cells) + " |" for cells in whole]
 
 
 def tables(each: Iterable[Sequence[Sequence[str]]]) -> list[str]:
