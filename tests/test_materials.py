@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from tests import catalogue_page
@@ -17,9 +18,14 @@ PRINTED = {
     # Johnson and Christy (1972) at 2.38, 2.26, 1.88 and 1.14 eV, and what is usually quoted of them
     "gold": {520.94: 0.62 + 2.081j, 548.60: 0.43 + 2.455j, 659.49: 0.14 + 3.697j,
              1087.58: 0.27 + 7.150j, 532: 0.5439 + 2.2309j, 1064: 0.2585 + 6.9654j},
+    # Green (2008): rows that are in the catalogue, and rows between them
+    "silicon": {600: 3.940 + 1.9934e-2j, 750: 3.717 + 7.8185e-3j, 800: 3.675 + 5.4113e-3j,
+                850: 3.641 + 3.612e-3j, 990: 3.575 + 6.2238e-4j, 1000: 3.572 + 5.0930e-4j,
+                1050: 3.556 + 1.362e-4j, 1060: 3.553 + 9.3631e-5j, 1070: 3.550 + 6.8118e-5j,
+                1190: 3.522 + 3.4091e-7j},
 }  # fmt: skip
 #: rounded as they are printed; the energies of gold are
-CLOSE = {"silica": 6e-6, "gold": 4e-3}
+CLOSE = {"silica": 6e-6, "gold": 4e-3, "silicon": 8e-4}
 
 
 @pytest.mark.parametrize(("name", "nm"), [(name, nm) for name in PRINTED for nm in PRINTED[name]])
@@ -50,6 +56,16 @@ def test_polystyrene_in_the_infrared_is_within_its_error_of_other_measurements()
     assert max(abs(found.real - other) for other in others) < polystyrene.error + 1e-4
 
 
+def test_pmma_between_its_absorptions_is_as_one_oscillator_has_it():
+    """1/(n^2 - 1) of an undamped oscillator is a straight line in 1/l^2 (Sellmeier's equation with
+    one term), as the other plastic here is given.
+    """
+    um = np.linspace(0.42, 1.62, 25)
+    index = np.array([materials()["pmma"].refractive_index(1e-6 * each).real for each in um])
+    line = np.polyval(np.polyfit(um**-2, 1 / (index**2 - 1), 1), um**-2)
+    assert np.sqrt(1 + 1 / line) == pytest.approx(index, abs=9e-4)
+
+
 def test_gold_between_its_points_is_near_what_free_electrons_have():
     """n k' of a Drude metal goes with the wavelength, which a straight line keeps."""
     gold = materials()["gold"]
@@ -58,6 +74,27 @@ def test_gold_between_its_points_is_near_what_free_electrons_have():
         assert gold.refractive_index(1e-9 * nm).imag / nm == pytest.approx(
             math.sqrt(low * high), rel=0.02
         )
+
+
+@pytest.mark.parametrize(
+    # how far a row may be off the cubic through its four neighbours: twice the farthest is
+    ("name", "column", "used", "off"),
+    [("silicon", 1, slice(1, -1), 1.4e-3), ("silicon", 2, slice(0, 33), 0.15),
+     ("gold", 1, slice(1, -1), 0.2), ("gold", 2, slice(1, -1), 0.12)],
+)  # fmt: skip
+def test_rows_of_a_table_lie_on_a_smooth_curve(name, column, used, off):
+    """A wrong digit stands out: of silicon, the second last of its index, the first of what it
+    absorbs, of which the logarithm is taken; of gold, the first.
+    """
+    rows = np.array(materials()[name].numbers)
+    along = 1 / rows[:, 0] if name == "gold" else rows[:, 0]
+    value = np.log(rows[:, column]) if (name, column) == ("silicon", 2) else rows[:, column]
+    found = []
+    for i in range(len(rows)):
+        first = min(max(i - 2, 0), len(rows) - 5)
+        near = [j for j in range(first, first + 5) if j != i]
+        found.append(np.polyfit(along[near] - along[i], value[near], 3)[-1] - value[i])
+    assert np.abs(found[used]).max() < off
 
 
 def of(bead, **beam):
