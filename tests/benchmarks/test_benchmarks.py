@@ -94,6 +94,11 @@ def here(monkeypatch):
     monkeypatch.setattr(brownian, "in_fresh_process", timed)
 
 
+def test_a_row_that_is_not_as_long_as_its_headings_is_no_table():
+    with pytest.raises(ValueError, match="2 headings, 3 cells"):
+        pages.markdown(("model", "for"), [("full", "spectra"), ("full", "heun", "spectra")])
+
+
 def test_a_fresh_process_is_timed_from_before_its_start():
     program = "import json, os, time; print(json.dumps({'at': time.time(), 'is': os.getpid()}))"
     started = time.time()

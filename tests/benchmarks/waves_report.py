@@ -173,7 +173,7 @@ def draw(panels: Iterable[Axes], waves: Results) -> None:
     by_tolerance, by_size, of_map = panels
     diameters = [size["diameter_um"] for size in waves["sizes"]]
     for i, size in enumerate(waves["sizes"]):
-        shade = colormaps["viridis"](0.9 * i / (len(waves["sizes"]) - 1))
+        shade = colormaps["viridis"](0.9 * i / max(len(waves["sizes"]) - 1, 1))
         times, errors = (
             [max(entry[key], 1e-16) for entry in size["inside"]] for key in ("us", "largest_error")
         )
