@@ -55,7 +55,7 @@ def test_the_folders_are_those_that_numba_chose():
         Path(each.stats.cache_path)
         for each in gc.get_objects()
         if issubclass(type(each), Dispatcher)
-        and each.py_func.__module__.startswith(("tweezer.", "generated."))
+        and (each.py_func.__module__ or "").startswith(("tweezer.", "generated."))
         and each.stats.cache_path is not None
     }
     chosen = {path for path in chosen if path.is_dir() and any(path.glob("*.nb?"))}
