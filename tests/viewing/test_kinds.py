@@ -50,16 +50,35 @@ def test_too_many_positions_are_thinned_and_it_is_said(cloud, monkeypatch):
     monkeypatch.setattr(of_ensemble, "_TIMES", 6)
     monkeypatch.setattr(of_ensemble, "_READ", 50)
     content = of_ensemble.content(cloud)
-    every, times = 2, cloud.sizes["time"]
+    kept = [0, 2, 4, 6, 8, 10, 11]
     drawn = content.facts["drawn"]
-    assert content.arrays["x"].shape == (-(-times // every), drawn)
+    assert content.arrays["x"].shape == (len(kept), drawn)
     assert drawn * content.arrays["x"].shape[0] <= 40
     taken = np.linspace(0, cloud.sizes["trajectory"] - 1, drawn).round().astype(int)
-    expected = cloud["position"].values[taken, ::every, 2].T
+    expected = cloud["position"].values[taken][:, kept, 2].T
     assert content.arrays["z"].values() == pytest.approx(expected, abs=1e-10, nan_ok=True)
-    mean = np.nanmean(cloud["position"].values[:, ::every], axis=0)
+    assert content.arrays["time"].values() == pytest.approx(cloud["time"].values[kept])
+    mean = np.nanmean(cloud["position"].values[:, kept], axis=0)
     assert content.arrays["mean"].values() == pytest.approx(mean, rel=1e-5, abs=1e-13)
     assert f"Of {cloud.sizes['trajectory']} beads the page draws {drawn}" in " ".join(content.notes)
+    assert "Of 12 times the page has one in 2, and the last" in " ".join(content.notes)
+
+
+def test_at_the_end_is_at_the_end(cloud):
+    """Also where no bead is left by then, or one, which has no spread."""
+    gone = cloud.copy(deep=True)
+    gone["position"][1:, 6:], gone["lost_time"][1:] = np.nan, 1e-3
+    rows = {row.name: row for row in of_ensemble.content(gone).summary}
+    row = rows["spread of x over the beads that are left at the end"]
+    assert (row.value, row.trusted) == ("not known", False)
+    last = 1e6 * float(gone["position"][0, -1, 0])
+    row = rows["mean of x over the beads that are left at the end"]
+    assert float(row.value.removesuffix(" µm")) == pytest.approx(last, rel=1e-3)
+    assert row.error == "not known"
+    gone["position"][0, 6:], gone["lost_time"][0] = np.nan, 1e-3
+    rows = [row for row in of_ensemble.content(gone).summary if "left at the end" in row.name]
+    assert len(rows) == 6
+    assert {row.value for row in rows} == {"none left"}
 
 
 def test_trajectories_that_are_not_computed_are_left_out(cloud):

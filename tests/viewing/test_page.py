@@ -3,6 +3,7 @@
 import hashlib
 import html
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -21,6 +22,7 @@ import tweezer
 from tweezer import viewing
 from tweezer.viewing import movie
 from tweezer.viewing.arrays import float32, uint16
+from tweezer.viewing.rows import of_number
 
 VENDOR = Path(viewing.__file__).parent / "static" / "vendor"
 KT = 1.380649e-23 * 293.15
@@ -81,6 +83,45 @@ def test_forces_are_those_of_the_equation_of_motion(page, turning_run):
     assert weight[3] == pytest.approx(bead.weight, rel=1e-6)
     assert shown(page, "force_sum") == pytest.approx(light + weight + drag, abs=1e-17)
     assert "force_wall" not in page.content.arrays
+
+
+def test_without_inertia_the_sum_of_forces_is_zero(turning_run):
+    """The force would be that of the run: a model without inertia has its velocity from it."""
+    content = tweezer.view(turning_run.assign_attrs(model="overdamped")).content
+    net = turning_run["net_force"].values
+    assert (content.arrays["force_sum"].values() == 0).all()
+    assert content.arrays["force_drag"].values() == pytest.approx(-net, rel=1e-6)
+    assert any("no inertia" in note and "sum is zero" in note for note in content.notes)
+
+
+def test_a_part_of_a_run_is_told_by_its_samples(turning_run):
+    part = tweezer.view(turning_run.isel(time=slice(0, 4))).content
+    rows = {row.name: row for row in part.summary}
+    for name in ("at the time", "overshoot past the axis"):
+        assert (rows[name].error, rows[name].trusted) == ("not known", False)
+    assert not rows["outcome"].trusted
+    assert any("by the samples" in note for note in part.notes)
+    whole = tweezer.view(turning_run).content
+    assert not any("by the samples" in note for note in whole.notes)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [((math.nan, 1e-9, "m"), ("not known", "", False)),
+     ((math.inf, None, "m"), ("not known", "", False)),
+     ((3e-6, None, "m"), ("3 µm", "", True)),
+     ((3e-6, 0.0, "m"), ("3 µm", "", True)),
+     ((3e-6, math.nan, "m"), ("3 µm", "not known", True)),
+     ((3e-6, math.inf, "m"), ("3 µm", "not known", True)),
+     ((3e-6, 2.34e-8, "m"), ("3.000 µm", "± 0.023 µm", True)),
+     ((0.0, 4.44e-11, "m"), ("0 pm", "± 44 pm", True)),
+     ((2.5, 0.25), ("2.50", "± 0.25", True))],
+)  # fmt: skip
+def test_a_number_is_told_with_its_error(given, told):
+    assert of_number("a number", *given) == ("a number", *told)
+    value, error, trusted = told
+    if given[0] == 3e-6:  # the unit of tables is the same
+        assert of_number("", *given, in_tables=True) == ("", value, error, trusted)
 
 
 def test_what_the_water_is_given_is_what_drag_takes(page, turning_run):

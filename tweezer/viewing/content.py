@@ -14,7 +14,7 @@ class Row(NamedTuple):
     name: str
     value: str
     error: str = ""
-    """as text; "" where none is known"""
+    """as text: "± 2 nm", or "not known"; "" of what has none"""
     trusted: bool = True
 
 

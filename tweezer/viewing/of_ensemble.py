@@ -14,13 +14,14 @@ from tweezer.io import scene_of
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.rows import computed_by, shown
+from tweezer.viewing.rows import computed_by, of_number
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 #: Largest number of positions in a page, 6 bytes each
 _MOST = 2_000_000
@@ -62,13 +63,13 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     times, lost_time = dataset["time"].values, dataset["lost_time"].values
     computed = ~np.isnan(lost_time)
     lost_time = lost_time[computed]
-    every, beads, taken = _thinned(len(times), len(lost_time))
+    kept, beads, taken = _thinned(len(times), len(lost_time))
     place = bound_once(scene).equilibrium if scene.lit else None
     centre = None if place is None else np.array(place.position)
-    course, positions = _read(dataset, computed, every, taken, centre, scene.bead.radius)
+    course, positions = _read(dataset, computed, kept, taken, centre, scene.bead.radius)
     lost = lost_time[taken]
     arrays = {name: uint16(positions[:, :, k].T, "m") for k, name in enumerate("xyz")}
-    arrays |= _packed(times[::every], course)
+    arrays |= _packed(times[kept], course)
     arrays["lost_time"] = float32(lost, "s")
     total = len(lost_time)
     return Content(
@@ -84,7 +85,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
         arrays=arrays,
         summary=_summary(dataset, scene, course, total, int(np.isfinite(lost_time).sum())),
         notes=[
-            *_of_thinning(len(times), total, every, beads), *_of_the_cloud(centre is not None),
+            *_of_thinning(len(times), total, kept, beads), *_of_the_cloud(centre is not None),
             *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
         warning="" if computed.all() else (
@@ -94,31 +95,37 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     )  # fmt: skip
 
 
-def _thinned(times: int, trajectories: int) -> tuple[int, int, NDArray[np.int64]]:
-    """Every how many times are kept, how many beads, and which: evenly spread over all."""
+def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
+    """Which times are kept, how many beads, and which: evenly spread over all."""
     every = 1
     if times * trajectories > _MOST:
         needed = math.ceil(times * trajectories / _MOST)
         every = max(1, min(needed, (times - 1) // (_TIMES - 1)))
-    kept = -(-times // every)
-    beads = min(trajectories, _MOST // kept)
-    return every, beads, np.linspace(0, trajectories - 1, beads).round().astype(np.int64)
+    kept = _one_in(every, times)
+    beads = min(trajectories, _MOST // kept.size)
+    return kept, beads, np.linspace(0, trajectories - 1, beads).round().astype(np.int64)
+
+
+def _one_in(every: int, times: int) -> Numbers:
+    """Which times are kept, where one in `every` is; always the last."""
+    return np.unique([*range(0, times, every), times - 1])
 
 
 def _read(
-    dataset: xr.Dataset, computed: NDArray[np.bool_], every: int, taken: NDArray[np.int64],
+    dataset: xr.Dataset, computed: NDArray[np.bool_], kept: Numbers, taken: Numbers,
     centre: Array | None, radius: float,
 ) -> tuple[_Course, Array]:  # fmt: skip
     """What all beads do together at the times kept, and the positions of those taken."""
     numbers = np.flatnonzero(computed)
-    times = dataset["time"].values[::every]
+    times = dataset["time"].values[kept]
     at_once = max(1, _READ // dataset.sizes["time"])
     found = np.zeros((5, times.size * 3))
     near = np.zeros(times.size)
     positions = np.empty((taken.size, times.size, 3))
     for first in range(0, numbers.size, at_once):
         some = numbers[first : first + at_once]
-        block = dataset["position"][some[0] : some[-1] + 1].values[some - some[0], ::every]
+        block = dataset["position"][some[0] : some[-1] + 1].values
+        block = block[some - some[0]][:, kept]
         found = joined(found, moments(block.reshape(len(some), -1), 4))
         if centre is not None:
             near += (np.linalg.norm(block - centre, axis=2) < radius).sum(axis=0)
@@ -137,7 +144,8 @@ def _read(
 
 def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
     every = -(-dataset.sizes["time"] // _MOST_TIMES)
-    thin = dataset.isel(time=slice(None, None, every))
+    kept = _one_in(every, dataset.sizes["time"])
+    thin = dataset.isel(time=kept)
     spread = np.sqrt(thin["position_variance"].values)
     with np.errstate(divide="ignore", invalid="ignore"):
         spread_error = thin["position_variance_error"].values / (2 * spread)
@@ -166,6 +174,7 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
         notes=[
             "This ensemble has kept statistics and no trajectory: the shells are one and two "
             "standard deviations about the mean along each axis, over the beads at a time.",
+            *_of_times(dataset.sizes["time"], kept),
             *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
     )  # fmt: skip
@@ -191,11 +200,10 @@ def _packed(times: Array, course: _Course) -> dict[str, Packed]:
 def _summary(
     dataset: xr.Dataset, scene: Scene, course: _Course, total: int, lost: int
 ) -> list[Row]:
-    last = int(np.flatnonzero(course.left)[-1]) if course.left.any() else 0
     rows = [
         Row("beads", f"{total}"),
         Row("lost before the end", *_share(lost, total)),
-        shown("time simulated", float(dataset["time"][-1]), math.nan, "s"),
+        of_number("time simulated", float(dataset["time"][-1]), None, "s", in_tables=True),
     ]
     if course.near is not None:
         words = "within a radius of the equilibrium at the end"
@@ -205,12 +213,17 @@ def _summary(
     ):  # fmt: skip
         for k, axis in enumerate("xyz"):
             about = f"{name} of {axis} over the beads that are left at the end"
-            rows.append(shown(about, float(values[last, k]), float(errors[last, k]), "m"))
+            value, error = float(values[-1, k]), float(errors[-1, k])
+            rows.append(
+                of_number(about, value, error, "m", in_tables=True)
+                if course.left[-1]
+                else Row(about, "none left")
+            )
     model, method = dataset.attrs["model"], dataset.attrs["method"]
     return [
         *rows,
         Row("model, method", f"{model}; {method}"),
-        shown("step", float(dataset.attrs["step"]), math.nan, "s"),
+        of_number("step", float(dataset.attrs["step"]), None, "s", in_tables=True),
         Row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
         Row("seed", f"{dataset.attrs['seed']}"),
     ]
@@ -222,26 +235,32 @@ def _share(number: int, total: int) -> tuple[str, str]:
         return "0", ""
     part = number / total
     width = math.sqrt(part * (1 - part) / total + 1 / (4 * total**2)) / (1 + 1 / total)
-    return f"{number}, {100 * part:.4g} %", f"{100 * width:.2g} %"
+    return f"{number}, {100 * part:.4g} %", f"± {100 * width:.2g} %"
 
 
 def _stationary(dataset: xr.Dataset) -> list[Row]:
     """Mean and variance over beads and time."""
     return [
-        shown(
+        of_number(
             f"{name} of {axis} over beads and time",
             float(dataset[f"stationary_{name}"][k]), float(dataset[f"stationary_{name}_error"][k]),
-            unit,
+            unit, in_tables=True,
         )
         for name, unit in (("mean", "m"), ("variance", "m^2"))
         for k, axis in enumerate("xyz")
     ]  # fmt: skip
 
 
-def _of_thinning(times: int, total: int, every: int, beads: int) -> list[str]:
-    notes = []
-    if every > 1:
-        notes.append(f"Of {times} times the page has every {every}th: all would be too large.")
+def _of_times(times: int, kept: Numbers) -> list[str]:
+    if kept.size == times:
+        return []
+    return [
+        f"Of {times} times the page has one in {kept[1]}, and the last: all would be too large."
+    ]
+
+
+def _of_thinning(times: int, total: int, kept: Numbers, beads: int) -> list[str]:
+    notes = _of_times(times, kept)
     if beads < total:
         notes.append(
             f"Of {total} beads the page draws {beads}, evenly chosen. Means, spreads and shares "

@@ -19,7 +19,7 @@ from tweezer.run import Run
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.rows import computed_by, of_number, si
+from tweezer.viewing.rows import NOT_KNOWN, computed_by, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 if TYPE_CHECKING:
@@ -63,8 +63,8 @@ def content(dataset: xr.Dataset) -> Content:
         arrays=arrays,
         summary=_rows(run, scene, summary),
         notes=[
-            *_of_the_path(run, scene, close=close), *about_forces, *about_energies,
-            *of_the_picture(scene), *_origin(run, scene),
+            *_of_the_summary(summary), *_of_the_path(run, scene, close=close), *about_forces,
+            *about_energies, *of_the_picture(scene), *_origin(run, scene),
         ],
         warning=f"This run {_ENDED[status]}: {message}." if status in _ENDED else "",
     )  # fmt: skip
@@ -106,7 +106,7 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
             "thermal motion these two change within the relaxation time of the velocity, far "
             "shorter than the time between samples, and have no value to draw."
         ]
-    if "velocity" not in run:
+    if run.attributes["model"] == "overdamped":
         forces |= {"drag": -net, "sum": np.zeros_like(net)}
         return forces, [
             "This model has no inertia: drag balances all other forces, and the sum is zero."
@@ -119,6 +119,8 @@ def _forces(run: Run, problem: Problem) -> tuple[dict[str, Array], list[str]]:
             f"mass times acceleration over a2 = {scene.simulation.scaling_factor:g}: the scaled "
             "model divides the mass by it"
         )
+    elif run.attributes["model"] == "first-order":
+        means = "mass times acceleration of the bead, to the first order of its relaxation time"
     elif run.attributes["fluid_inertia"] == "none":
         means = "mass times acceleration of the bead"
     else:
@@ -174,6 +176,15 @@ def _work(force: Array, position: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
+def _of_the_summary(summary: Summary) -> list[str]:
+    if not summary.by_samples:
+        return []
+    return [
+        "The summary is by the samples: what happens between them is not seen, and is no part of "
+        "its numbers or their errors."
+    ]
+
+
 def _of_the_path(run: Run, scene: Scene, *, close: bool) -> list[str]:
     times = run["time"]
     if len(times) < 2:
@@ -202,17 +213,18 @@ def _origin(run: Run, scene: Scene) -> list[str]:
 def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     attributes = run.attributes
     thermal, ended = scene.forces.brownian, attributes["status"] not in _ENDED
+    seen = thermal or not summary.by_samples
     bead = bead_properties(scene)
     rows = [
-        _row("outcome", summary.outcome, trusted=ended),
-        of_number("at the time", summary.outcome_time, summary.outcome_time_error, "s"),
+        _row("outcome", summary.outcome, trusted=ended and seen),
+        _found("at the time", summary.outcome_time, summary.outcome_time_error, "s", seen=seen),
         _row("end (x, y, z)", ", ".join(f"{1e6 * x:z.4f}" for x in summary.end) + " µm"),
     ]
     if summary.smallest_gap is not None:
         error = summary.smallest_gap_error
-        rows.append(of_number("smallest gap to the wall", summary.smallest_gap, error, "m"))
+        rows.append(_found("smallest gap to the wall", summary.smallest_gap, error, "m", seen=seen))
     if not thermal:
-        rows += _approach(summary)
+        rows += _approach(summary, seen=seen)
     model = attributes["model"]
     if model == "scaled":
         model += f", a₂ = {scene.simulation.scaling_factor:g}"
@@ -222,13 +234,10 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
         _row("inertia of the fluid", attributes["fluid_inertia"]),
         _row("light", f"{scene.theory} ({scene.theory_reason})" if scene.lit else "none"),
         _row("force by", attributes["force_evaluator"], trusted=not ray_optics_caveat(scene)),
-        _row("largest force of the light", si(summary.largest_force, "N")),
-        _row(
-            "error of the force",
-            "not known" if math.isnan(summary.force_error) else
-            f"up to {si(summary.force_error, 'N', 1)}" + (
-                "" if math.isnan(share) else f", {100 * share:.1g} % of the largest"
-            ),
+        of_number("largest force of the light", summary.largest_force, summary.force_error, "N"),
+        _up_to(
+            "error of the force", summary.force_error, "N",
+            "" if math.isnan(share) else f", {100 * share:.1g} % of the largest",
         ),
     ]  # fmt: skip
     if thermal:
@@ -239,9 +248,8 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
             ("off the motion with all inertia", "model_error"),
         ):
             error = attributes[key]
-            value = "not known" if math.isnan(error) else f"up to {si(error, 'm', 1)}"
             if error != 0 or key == "integration_error":
-                rows.append(_row(name, value, trusted=not math.isnan(error)))
+                rows.append(_up_to(name, error, "m"))
     if scene.draws:
         rows.append(_row("seed", str(attributes["seed"])))
     rows += [
@@ -252,25 +260,38 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     return rows
 
 
-def _approach(summary: Summary) -> list[Row]:
+def _approach(summary: Summary, *, seen: bool) -> list[Row]:
     rows = [
-        of_number("overshoot past the axis", summary.overshoot, summary.overshoot_error, "m"),
+        _found(
+            "overshoot past the axis", summary.overshoot, summary.overshoot_error, "m", seen=seen
+        )
     ]
     if summary.closest_approach is not None and summary.closest_approach_time is not None:
         rows += [
-            of_number(
+            _found(
                 "first closest approach to the focus",
-                summary.closest_approach, summary.closest_approach_error, "m",
+                summary.closest_approach, summary.closest_approach_error, "m", seen=seen,
             ),
-            of_number(
-                "its time", summary.closest_approach_time, summary.closest_approach_time_error, "s"
+            _found(
+                "its time", summary.closest_approach_time, summary.closest_approach_time_error,
+                "s", seen=seen,
             ),
         ]  # fmt: skip
     number, error = summary.largest_reynolds_number, summary.largest_reynolds_number_error
-    return [
-        *rows,
-        *([] if number is None else [of_number("largest Reynolds number", number, error)]),
-    ]
+    if number is not None:
+        rows.append(_found("largest Reynolds number", number, error, seen=seen))
+    return rows
+
+
+def _found(name: str, value: float, error: float | None, unit: str = "", *, seen: bool) -> Row:
+    """A number of the summary, whose error is None if it is not known; seen: to be trusted."""
+    return of_number(name, value, math.nan if error is None else error, unit, trusted=seen)
+
+
+def _up_to(name: str, error: float, unit: str, more: str = "") -> Row:
+    if not math.isfinite(error):
+        return _row(name, NOT_KNOWN, trusted=False)
+    return _row(name, f"up to {si(error, unit, 1)}{more}")
 
 
 def _row(name: str, value: str, *, trusted: bool = True) -> Row:

@@ -19,7 +19,7 @@ from tweezer.optics.light import LightForce
 from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.rows import shown, si
+from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 Array = NDArray[np.float64]
@@ -324,13 +324,13 @@ def _summary(trap: Trap) -> list[Row]:
     for name, quantity in QUANTITIES["trap"].items():
         if name not in values or name == "lifetime":
             continue
-        found, errors = (
-            np.atleast_1d(values.get(each, math.nan)) for each in (name, f"{name}_error")
-        )
-        errors = np.broadcast_to(errors, found.shape)
+        found = np.atleast_1d(values[name])
+        errors = np.broadcast_to(values.get(f"{name}_error", math.nan), found.shape)
         for at, value, error in zip(quantity.along, found, errors, strict=True):
             about = f"{quantity.about}, {at}" if at else quantity.about
-            rows.append(shown(about, float(value), float(error), quantity.unit, trusted=sound))
+            known = float(error) if quantity.error else None
+            unit = quantity.unit
+            rows.append(of_number(about, float(value), known, unit, in_tables=True, trusted=sound))
     told = {"error of the force", "stable equilibrium", "stiffness (x, y, z)", "corner frequencies"}
     rows += [
         Row(row.name.strip(), row.told, "", not row.caveat)

@@ -10,14 +10,31 @@ from tweezer.rounding import rounded
 from tweezer.sweeps.quantities import SHOWN
 from tweezer.viewing.content import Row
 
+#: In place of a number, or of its error, where there is none
+NOT_KNOWN = "not known"
 
-def of_number(name: str, value: float, error: float | None, unit: str = "") -> Row:
-    """A number in the prefix that suits it, with as many digits as its error leaves."""
-    factor, prefixed = _prefix(value, unit)
-    if error is None or not error > 0:
-        return Row(name, f"{factor * value:.4g} {prefixed}".rstrip())
+
+def of_number(
+    name: str, value: float, error: float | None = None, unit: str = "", *,
+    in_tables: bool = False, trusted: bool = True,
+) -> Row:  # fmt: skip
+    """A number with as many digits as its error leaves; one that is not finite is not known.
+
+    error: None of what has none, such as a number that was given; NaN or infinite if it is not
+    known. in_tables: in the unit that figures and tables have, otherwise in the prefix that suits.
+    """
+    if not math.isfinite(value):
+        return Row(name, NOT_KNOWN, "", trusted=False)
+    known = error is not None and 0 < error < math.inf
+    size = value if value or not known or error is None else error
+    factor, shown = _in_tables(unit) if in_tables else _prefix(size, unit)
+    if error is None or not known:
+        told = "" if error is None or error == 0 else NOT_KNOWN
+        return Row(name, f"{factor * value:.4g} {shown}".rstrip(), told, trusted)
     number, uncertainty = rounded(factor * value, factor * error)
-    return Row(name, f"{number} {prefixed}".rstrip(), f"{uncertainty} {prefixed}".rstrip())
+    if value == 0:
+        number, uncertainty = "0", f"{factor * error:.2g}"
+    return Row(name, f"{number} {shown}".rstrip(), f"± {uncertainty} {shown}".rstrip(), trusted)
 
 
 #: Powers of ten and their prefixes, from the largest
@@ -25,14 +42,20 @@ _PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -2
 
 
 def _prefix(value: float, unit: str) -> tuple[float, str]:
-    if not unit or value == 0 or not math.isfinite(value):
+    if not unit or value == 0:
         return 1.0, unit
     power = next((each for each in _PREFIXES if abs(value) >= 10.0**each), -21)
     return 10.0**-power, _PREFIXES[power] + unit
 
 
+def _in_tables(unit: str) -> tuple[float, str]:
+    return SHOWN.get(unit, (1.0, "" if unit == "1" else unit))
+
+
 def si(value: float, unit: str, digits: int = 3) -> str:
-    """A number in the prefix that suits it."""
+    """A number in the prefix that suits it; one that is not finite is not known."""
+    if not math.isfinite(value):
+        return NOT_KNOWN
     factor, prefixed = _prefix(value, unit)
     return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixed}"  # 300, not 3e+02
 
@@ -45,16 +68,3 @@ def computed_by(attributes: Mapping[str, Any]) -> str:
         if name in attributes
     )
     return f"Computed by {libraries}."
-
-
-def shown(name: str, value: float, error: float, unit: str, *, trusted: bool = True) -> Row:
-    """A number in the unit in which figures and tables have it; one not finite is "not known"."""
-    scale, unit = SHOWN.get(unit, (1.0, "" if unit == "1" else unit))
-    if not math.isfinite(value):
-        return Row(name, "not known", "", trusted=False)
-    if not 0 < error < math.inf:
-        return Row(name, f"{scale * value:.4g} {unit}".rstrip(), "", trusted)
-    number, uncertainty = rounded(scale * value, scale * error)
-    if value == 0:
-        number, uncertainty = "0", f"{scale * error:.2g}"
-    return Row(name, f"{number} {unit}".rstrip(), f"{uncertainty} {unit}".rstrip(), trusted)

@@ -124,7 +124,7 @@ export class Shell {
     const rows = this.content.summary.map(({ name, value, error, trusted }) =>
       make("tr", trusted ? {} : { class: "doubtful" },
         make("th", { scope: "row" }, name), make("td", {}, value),
-        make("td", {}, error ? `± ${error}` : ""),
+        make("td", {}, error),
         make("td", {}, trusted ? "" : "not to be trusted")));
     return make("section", { "aria-labelledby": "summary" },
       make("h2", { id: "summary" }, "Summary"),
