@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from typing import TYPE_CHECKING
 
-from tweezer.viewing.movie import OPTIONS
+from tweezer.viewing.movie import options_of_browser
 
 if TYPE_CHECKING:
     from selenium.webdriver import Chrome
@@ -20,7 +20,7 @@ def chromium() -> Chrome | None:
         return None
     options = webdriver.ChromeOptions()
     options.binary_location = browser
-    for argument in OPTIONS:
+    for argument in options_of_browser():
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(options, webdriver.ChromeService(driver))

@@ -20,11 +20,10 @@ THREE, ESBUILD = "0.180.0", "0.28.2"
 #: what the modules of a page import
 ENTRY = """
 export {
-  BackSide, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DataTexture,
-  DoubleSide, DynamicDrawUsage, FloatType, FrontSide, Group, InstancedBufferAttribute,
-  InstancedMesh, LinearFilter, LineBasicMaterial, LineSegments, Matrix4, Mesh,
-  MeshBasicMaterial, NearestFilter, PerspectiveCamera, PlaneGeometry, Points, PointsMaterial,
-  Quaternion, RGBAFormat, Scene, ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
+  BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DataTexture, DoubleSide,
+  FrontSide, Group, LinearFilter, LineBasicMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
+  PerspectiveCamera, PlaneGeometry, Points, PointsMaterial, Quaternion, RGBAFormat, Scene,
+  ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 """

@@ -11,6 +11,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+#: Endings of files of runs, ensembles and sweeps
+RESULTS = (".nc", ".zarr")
+
 
 @dataclass(frozen=True)
 class Model:

@@ -79,6 +79,7 @@ def diagram() -> xr.Dataset:
         done[case]["lifetime"] = math.inf if endless else 10.0 ** rng.uniform(-2, 9)
         done[case]["lifetime_error"] = 0.0 if endless else 0.01
         done[case]["force_error"] = 1e-15
+    done[5]["escape_energy"][:3] = [2.0, 9.0, math.nan]
     done[1] = {"outcome": "not held", "force_error": 1e-15}
     done[2] = {"outcome": "failed", "reason": "bead.diameter: of no use"}
     attributes = {

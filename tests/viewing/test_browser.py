@@ -15,10 +15,28 @@ from tests.reference.rigid_body import rotation_matrix
 
 #: fields of the camera that are matrices, by columns
 MATRICES = ("projection", "view")
+#: before numbers on a page
+MINUS = "\N{MINUS SIGN}"
 
 
 #: where the bead is and how it is turned, at a time
 BEAD = "tweezer.seek(arguments[0]); return tweezer.bead()"
+#: times, numbers beside the first curve, and words for screen readers of ten frames, while a clock
+#: by which words are held back stands still
+PLAYED = """
+const done = arguments[0], found = [];
+performance.now = () => 1e9;
+tweezer.play();
+const look = () => {
+  found.push([
+    tweezer.time(), document.querySelector(".plot .number").textContent,
+    document.querySelector("input[type=range]").getAttribute("aria-valuetext")]);
+  if (found.length < 11) return requestAnimationFrame(look);
+  tweezer.pause();
+  done([found.slice(1), document.querySelector("input[type=range]").getAttribute("aria-valuetext"),
+        document.querySelector("output").textContent]);
+};
+requestAnimationFrame(look);"""
 #: a browser whose canvas gives no context of WebGL
 WITHOUT = """
 const { getContext } = HTMLCanvasElement.prototype;
@@ -104,6 +122,17 @@ def test_it_plays(browser, address):
     )  # fmt: skip
     assert browser.execute_script("return document.querySelector('.play').textContent") == "Pause"
     assert browser.get_log("browser") == []
+
+
+def test_numbers_go_with_the_marker_and_words_do_not(shown, turning_run):
+    found, told, words = shown.execute_async_script(PLAYED)
+    times = [each[0] for each in found]
+    assert times[-1] > times[0]
+    for time, number, _ in found:
+        x = at(turning_run, time)[0]
+        assert float(number.replace(MINUS, "-")) == pytest.approx(x, abs=1e-3 * abs(x) + 1e-4)
+    assert len({each[2] for each in found}) == 1
+    assert told == words
 
 
 def test_it_stays_still_for_who_wants_that(browser, address):
@@ -197,6 +226,7 @@ def test_words_for_who_does_not_see_it(shown, turning_run):
     said = shown.execute_script("""
       return {
         title: document.querySelector("h1").textContent,
+        sub: document.querySelector(".sub").textContent,
         rows: [...document.querySelectorAll("#summary ~ * tbody tr")].map(
           (row) => [...row.children].slice(0, 2).map((cell) => cell.textContent)),
         pictures: [...document.querySelectorAll("canvas")].map(
@@ -208,6 +238,7 @@ def test_words_for_who_does_not_see_it(shown, turning_run):
       };""")
     content = tweezer.view(turning_run).content
     assert said["title"] == content.title
+    assert said["sub"].startswith("a run: ")
     assert said["rows"] == [[row.name, row.value] for row in content.summary]
     assert len(said["pictures"]) == 4
     assert all(role == "img" and words > 20 for role, words in said["pictures"])

@@ -110,8 +110,10 @@ def test_numbers_of_a_sweep_are_those_of_its_cases(diagram):
     for name, factor in (("stiffness", 1e6), ("escape_energy", 1.0), ("stiffness_error", 1e6)):
         values = content.arrays[name].values()
         assert values == pytest.approx(factor * given[name].values, rel=1e-7, nan_ok=True)
-    lifetime = content.arrays["lifetime"].values()
-    assert (lifetime[np.isinf(given["lifetime"].values)] >= 0.99 * content.facts["endless"]).all()
+    # one that is infinite has no part in what rounding changes
+    lifetime, endless = given["lifetime"].values, content.arrays["lifetime_endless"].values()
+    assert np.array_equal(endless, np.isinf(lifetime))
+    assert content.arrays["lifetime"].largest == lifetime[np.isfinite(lifetime)].max()
     for name in ("outcome", "reason"):
         numbers = content.arrays[name].values().astype(int)
         assert np.array_equal(
@@ -132,6 +134,6 @@ def test_tables_of_a_trap_reach_over_what_is_shown(trap):
     assert table["low"] + table["step"] <= box["low"]
     assert table["low"] + table["step"] * (tall - 2) >= box["high"]
     assert table["step"] * (wide - 3) >= math.hypot(box["across"], box["across"])
-    assert content.facts["off"] < 1e-4 * content.facts["largest"]
+    assert content.arrays["errors_0"].values().max() < 1e-3 * content.facts["largest"]
     assert "inf" not in " ".join(row.value for row in content.summary)
     assert [row.value for row in content.summary if row.name == "outcome"] == ["held"]

@@ -53,6 +53,18 @@ def picture(browser):
     return imread(io.BytesIO(base64.b64decode(taken["data"])))[:, :, :3]
 
 
+def taken(browser, key):
+    """Whether the page takes a key from the browser, which scrolls by it, where none has focus."""
+    return browser.execute_script(
+        """
+      const how = {key: arguments[0], bubbles: true, cancelable: true};
+      const event = new KeyboardEvent("keydown", how);
+      document.body.dispatchEvent(event);
+      return event.defaultPrevented;""",
+        key,
+    )
+
+
 def click(browser, spot):
     chain = ActionChains(browser)
     chain.w3c_actions.pointer_action.move_to_location(*(round(x) for x in spot))
@@ -90,6 +102,15 @@ def test_beads_are_seen_where_the_ensemble_has_them(show, cloud):
         assert np.abs(middle - spot).max() < 1
     words = browser.find_element("css selector", ".counts").text
     assert words.startswith("14 of 15 beads are left, 1 lost")
+
+
+def test_a_lost_bead_is_a_ring_where_it_was_last(show, cloud):
+    browser = show("cloud")
+    browser.execute_script("tweezer.seek(arguments[0])", float(cloud["time"][-1]))
+    rings = np.array(browser.execute_script("return tweezer.rings()")).reshape(-1, 3)
+    position = 1e6 * cloud["position"].values
+    assert rings[:2] == pytest.approx(position[[3, 8], [4, 8]], abs=1e-4)
+    assert (rings[2:] == 0).all()
 
 
 def test_a_page_of_statistics_shows_mean_and_spread(show, gathered):
@@ -137,6 +158,8 @@ def test_moving_the_slice_changes_the_numbers(show, trap):
     click(browser, browser.execute_script("return tweezer.spot(arguments[0])", wanted))
     first = browser.execute_script("return tweezer.place()")
     assert first == pytest.approx(wanted, abs=1e-8)  # about a pixel
+    assert not any(taken(browser, name) for name in ("PageDown", "ArrowDown", "Home"))
+    assert browser.execute_script("return tweezer.place()") == first
     canvas = browser.find_element("css selector", ".slice canvas")
     canvas.send_keys(Keys.SHIFT, Keys.PAGE_UP)
     canvas.send_keys(Keys.SHIFT, Keys.ARROW_LEFT)
@@ -170,6 +193,7 @@ def test_a_click_opens_the_case(show, diagram):
         assert float(error.strip("± ")) == pytest.approx(uncertainty, rel=0.06)
         assert float(value) == pytest.approx(expected, abs=0.06 * uncertainty)
     assert browser.find_element("css selector", ".case .outcome").text == "held"
+    assert not taken(browser, "ArrowDown")
     browser.find_element("css selector", ".chart canvas").send_keys(
         Keys.ARROW_RIGHT, Keys.ARROW_DOWN
     )
@@ -188,6 +212,8 @@ def test_cells_without_a_number_are_named(show):
     WebDriverWait(browser, 10).until(
         lambda driver: len(driver.find_elements("css selector", ".table td")) == 12
     )
+    # the least of the directions that are known
+    assert "2.000" in [cell.text for cell in browser.find_elements("css selector", ".table td")]
     assert browser.execute_script("return document.documentElement.scrollWidth") <= 400
 
 

@@ -19,6 +19,7 @@ from hypothesis.extra.numpy import arrays
 from matplotlib.image import imsave
 
 import tweezer
+from tests import vendored
 from tweezer import viewing
 from tweezer.viewing import movie
 from tweezer.viewing.arrays import float32, uint16
@@ -184,6 +185,7 @@ def test_a_page_is_whole_and_loads_nothing(page, turning_run):
     parts = Parts(page.html)
     imports, content, program = parts.scripts
     assert parts.addresses == ["data:,"]
+    assert (VENDOR / "LICENSE").read_text().strip() in page.html
     assert all(address.startswith("data:") for address in json.loads(imports)["imports"].values())
     assert json.loads(content)["title"] == turning_run.attrs["title"]
     assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]*", "", page.html)
@@ -217,6 +219,15 @@ def test_three_is_what_its_note_says():
     digest = hashlib.sha256((VENDOR / "three.module.min.js").read_bytes()).hexdigest()
     assert f"| SHA-256 | {digest} |" in note
     assert (VENDOR / "LICENSE").read_text().startswith("The MIT License")
+    scripts = "".join(path.read_text() for path in VENDOR.parent.glob("*.js"))
+    names = re.findall(r"\b[A-Z]\w+", vendored.ENTRY)
+    assert [name for name in names if not re.search(rf"\b{name}\b", scripts)] == []
+
+
+def test_a_browser_has_its_sandbox_but_for_root(monkeypatch):
+    for user in (0, 1000):
+        monkeypatch.setattr("os.geteuid", lambda user=user: user)
+        assert ("--no-sandbox" in movie.options_of_browser()) == (user == 0)
 
 
 def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tweezer.choices import RESULTS
 from tweezer.cli.app import Changes, app, bind_light, scene_with, settings_of
 from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
@@ -24,10 +25,6 @@ from tweezer.errors import ResultError, SceneError
 if TYPE_CHECKING:
     from tweezer.viewing import Page
 
-#: Endings of files of results; of those with anything else, a scene is read
-_RESULTS = (".nc", ".zarr")
-#: Formats of a film
-_FILMS = ("mp4", "gif")
 #: Time that a film takes, s
 _SECONDS = 8.0
 
@@ -64,9 +61,9 @@ def view(
     """
     out = out and writable(out, ("html",))
     if movie is not None:
-        from tweezer.viewing.movie import programs
+        from tweezer.viewing.movie import FORMATS, programs
 
-        writable(movie, _FILMS)
+        writable(movie, tuple(FORMATS))
         if not 0 < seconds <= 600:
             raise ResultError(f"--seconds {seconds:g}: must be above 0, and at most 600")
         programs()
@@ -87,7 +84,7 @@ def view(
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     """The page of a result or a scene, and the exit code: of a run that ended early its own."""
-    if Path(name).suffix in _RESULTS:
+    if Path(name).suffix in RESULTS:
         if changes or trap:
             given = "--trap" if trap else "--set"
             raise SceneError(f"{given}: is for a scene; {name} is a result")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from tweezer.choices import RESULTS
 from tweezer.scene import Scene
 from tweezer.viewing.kinds import content_of
 from tweezer.viewing.page import Page
@@ -13,9 +14,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from tweezer.analysis import Trap
-
-#: Endings of results that are read
-RESULTS = (".nc", ".zarr")
 
 
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:

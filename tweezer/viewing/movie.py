@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import importlib.util
+import os
 import shutil
 import subprocess
 import tempfile
@@ -19,17 +20,23 @@ if TYPE_CHECKING:
 #: Size of a film, pixels
 _WIDTH, _HEIGHT = 1280, 800
 #: Frames a second, and what ffmpeg does beside, by format
-_FORMATS: dict[str, tuple[int, list[str]]] = {
+FORMATS: dict[str, tuple[int, list[str]]] = {
     "mp4": (25, ["-pix_fmt", "yuv420p"]),
     "gif": (12, ["-vf", "split[a][b];[a]palettegen[p];[b][p]paletteuse"]),
 }
 #: What a browser is called on one system or another
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 #: How the browser draws: without a window, and in 3-D without a graphics card
-OPTIONS = (
-    "--headless=new", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
+_OPTIONS = (
+    "--headless=new", "--hide-scrollbars", "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
 )  # fmt: skip
+
+
+def options_of_browser() -> tuple[str, ...]:
+    """How the browser is started; it has no sandbox for root alone, whom it refuses one."""
+    root = hasattr(os, "geteuid") and os.geteuid() == 0
+    return (*_OPTIONS, *("--no-sandbox",) * root)
 
 
 def programs() -> dict[str, str]:
@@ -56,7 +63,7 @@ def film(
     fails, and for a page without time.
     """
     where = programs()
-    rate, how = _FORMATS[path.suffix[1:].lower()]
+    rate, how = FORMATS[path.suffix[1:].lower()]
     count = max(2, round(rate * seconds))
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=".filming-") as name:
         folder = Path(name)
@@ -91,7 +98,7 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> An
 
     options = webdriver.ChromeOptions()
     options.binary_location = where["Chromium"]
-    for argument in OPTIONS:
+    for argument in options_of_browser():
         options.add_argument(argument)
     source = page.save(folder / "page.html")
     try:

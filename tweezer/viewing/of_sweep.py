@@ -16,8 +16,6 @@ from tweezer.viewing.rows import computed_by
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Number that stands for one that is infinite, such as a lifetime too long to be told
-_ENDLESS = 1e30
 #: Ratio of the ends of values from which on their axis is logarithmic, if their ratios are even
 _WIDE = 3.0
 #: Quantities whose sizes differ by orders of magnitude
@@ -43,7 +41,11 @@ def content(dataset: xr.Dataset) -> Content:
         along = DIMENSIONS[quantity.dimension] if quantity.dimension else []
         for each in (name, f"{name}_error"):
             if each in dataset:
-                arrays[each] = _packed(dataset[each].transpose(*over, ...).values * scale, unit)
+                values = dataset[each].transpose(*over, ...).values * scale
+                arrays[each] = float32(values, unit or "1")
+                # such as a lifetime too long to be told
+                if np.isinf(values).any():
+                    arrays[f"{each}_endless"] = float32(np.isinf(values), "1")
         quantities.append({
             "name": name, "about": quantity.about, "unit": unit, "along": along,
             "least": quantity.dimension == "direction",
@@ -61,7 +63,6 @@ def content(dataset: xr.Dataset) -> Content:
             "words": {name: list(found) for name, (found, _) in words.items()},
             "unknown": [FAILED, MISSING],
             "quantities": quantities,
-            "endless": _ENDLESS,
         },
         arrays=arrays,
         summary=_summary(dataset, over, counts),
@@ -75,10 +76,6 @@ def _unit(unit: str, *, apart: bool = False) -> tuple[float, str]:
     """Scale and name of the unit in which a quantity is shown; apart: in SI."""
     plain = 1.0, "" if unit == "1" else unit
     return plain if apart else SHOWN.get(unit, plain)
-
-
-def _packed(values: NDArray[np.float64], unit: str) -> Packed:
-    return float32(np.where(np.isinf(values), _ENDLESS, values), unit or "1")
 
 
 def _words(values: NDArray[Any]) -> tuple[list[str], Packed]:

@@ -151,7 +151,6 @@ def content(trap: Trap) -> Content:
             ],
             "escapes": [_escape(each) for each in trap.escapes],
             "thermal": Boltzmann * scene.medium.temperature,
-            "off": compared.tables,
             "largest": compared.largest,
         },
         arrays=arrays,

@@ -15,6 +15,7 @@ from typing import Any
 from tweezer.io import replacing
 from tweezer.version import __version__
 from tweezer.viewing.content import Content
+from tweezer.viewing.kinds import KINDS
 
 _STATIC = Path(__file__).with_name("static")
 _THREE = "vendor/three.module.min.js"
@@ -51,6 +52,7 @@ class Page:
         return template.render(
             title=_typeset(self.content.title),
             version=__version__,
+            licence=_text(_STATIC / "vendor/LICENSE").strip(),
             styles="\n".join(_text(_STATIC / name) for name in styles),
             imports=_in_script({"imports": imports}),
             content=_in_script(_as_json(self.content)),
@@ -84,6 +86,7 @@ class Page:
 def _as_json(content: Content) -> dict[str, Any]:
     return {
         "kind": content.kind,
+        "shows": next(kind.shows for kind in KINDS if kind.name == content.kind),
         "title": _typeset(content.title),
         "warning": content.warning,
         "facts": content.facts,

@@ -4,6 +4,8 @@ import { make } from "tweezer/shell";
 
 // Seconds that a run plays for at the speed the page begins with, about
 const PLAYS = 10;
+// Time between words for screen readers while it plays, ms
+const TELLS = 1000;
 
 export class Clock {
   // times: ascending, s.
@@ -16,6 +18,7 @@ export class Clock {
     this.playing = false;
     this.loop = true;
     this.listeners = [];
+    this.told = -TELLS;
     const length = this.last - this.first || 1;
     this.shown = scaled(Math.max(Math.abs(this.first), Math.abs(this.last)) || 1, "s");
     this.speeds = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10].map((part) => nice(length / PLAYS) * part);
@@ -49,10 +52,13 @@ export class Clock {
       this.button, this.slider, this.output, this.select,
       make("label", { class: "loop" }, this.looped, " loop"));
     shell.key([" ", "k"], "play or pause", () => this.toggle());
-    shell.key("ArrowLeft", "one sample back; with shift fifty", (event) => this.step(event.shiftKey ? -50 : -1));
-    shell.key("ArrowRight", "one sample on; with shift fifty", (event) => this.step(event.shiftKey ? 50 : 1));
-    shell.key("Home", "to the start", () => this.seek(this.first, true));
-    shell.key("End", "to the end", () => this.seek(this.last, true));
+    const within = [shell.clock, shell.plots];
+    for (const [key, does, act] of [
+      ["ArrowLeft", "one sample back; with shift fifty", (event) => this.step(event.shiftKey ? -50 : -1)],
+      ["ArrowRight", "one sample on; with shift fifty", (event) => this.step(event.shiftKey ? 50 : 1)],
+      ["Home", "to the start", () => this.seek(this.first, true)],
+      ["End", "to the end", () => this.seek(this.last, true)],
+    ]) shell.key(key, `${does} (clock or plot in focus)`, act, within);
     shell.key(["-", "+"], "slower, faster", (event) => this.faster(event.key === "+" ? 1 : -1));
     shell.key("l", "loop or not", () => { this.loop = this.looped.checked = !this.loop; });
     this.label();
@@ -101,6 +107,7 @@ export class Clock {
   pause() {
     this.playing = false;
     this.label();
+    this.show();
     this.shell.say(`Paused at ${this.words()}`);
   }
 
@@ -131,8 +138,10 @@ export class Clock {
   show() {
     const words = this.words();
     this.output.textContent = words;
-    if (document.activeElement !== this.slider || this.playing)
-      this.slider.value = (this.time - this.first) / (this.last - this.first || 1);
+    this.slider.value = (this.time - this.first) / (this.last - this.first || 1);
+    // while it plays a screen reader is not to be told every frame
+    if (this.playing && performance.now() < this.told + TELLS) return;
+    this.told = performance.now();
     this.slider.setAttribute("aria-valuetext", words);
   }
 }

@@ -49,7 +49,10 @@ export function start(content, shell) {
 
   // ---- the density
   const place = facts.trajectories ? AXES.map((name) => shell.array(name)) : null;
-  const lost = facts.trajectories ? shell.array("lost_time") : null;
+  // the sample at which each bead was seen last
+  const seen = new Int32Array(beads);
+  for (let n = 0; n < beads; n++)
+    for (let i = times.length - 1; i > 0 && !seen[n]; i--) if (!Number.isNaN(place[0][i * beads + n])) seen[n] = i;
   let plane = "x–z", density = null;
   if (facts.trajectories) {
     const caption = make("p", { class: "caption" });
@@ -113,10 +116,7 @@ export function start(content, shell) {
     if (place) {
       let drawn = 0, gone = 0;
       for (let n = 0; n < beads; n++) {
-        let at = index;
-        const away = Number.isNaN(place[0][at * beads + n]);
-        // where it was seen last
-        if (away) while (at > 0 && Number.isNaN(place[0][at * beads + n])) at--;
+        const away = Number.isNaN(place[0][index * beads + n]), at = away ? seen[n] : index;
         const [into, to] = away ? [rings.places, 3 * gone++] : [cloud.places, 3 * drawn++];
         for (let k = 0; k < 3; k++) into[to + k] = 1e6 * place[k][at * beads + n];
       }
@@ -138,10 +138,9 @@ export function start(content, shell) {
     seek: (time) => { clock.seek(time); stage.draw(); },
     time: () => clock.time, play: () => clock.play(), pause: () => clock.pause(),
     duration: [clock.first, clock.last],
-    // Places of the points that are drawn, um: for tests.
-    drawn: () => Array.from(cloud.places),
+    // Places of the rings of the lost, um: for tests.
+    rings: () => Array.from(rings.places),
     show: (name, on) => { ({ bead, cloud })[name].group.visible = on; stage.draw(); },
-    lost: () => lost && Array.from(lost),
   });
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches && times.length > 1) clock.play();
 }
@@ -171,8 +170,8 @@ function plotted(content, shell, clock, { mean, spread, left, near }) {
     name: axis, values: column(values, k, 3, size), errors: column(shell.array(name), k, 3, size), colour: axis, dash: DASHES[axis],
   }));
   const plots = [
-    new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm", digits: 4 }),
-    new Plot(shell, shell.plots, x, of(spread, "spread_error", 1e9), { ...options, title: "Spread", unit: "nm", digits: 4 }),
+    new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm" }),
+    new Plot(shell, shell.plots, x, of(spread, "spread_error", 1e9), { ...options, title: "Spread", unit: "nm" }),
   ];
   const share = (values) => values.map((n) => (100 * n) / facts.beads);
   // of a part p of n, half of Wilson's interval of one standard deviation

@@ -3,14 +3,16 @@
 import { scaled, text } from "tweezer/arrays";
 import { nice } from "tweezer/clock";
 import { make } from "tweezer/shell";
+import { VIEWS } from "tweezer/stage";
 
-// Directions of the screen's axes by view, and their names
-const VIEWS = {
-  1: { name: "at an angle", short: "3-D", right: [0.85, 0.527, 0], up: [-0.187, 0.302, 0.935] },
-  2: { name: "from the side, x to the right", short: "x–z", right: [1, 0, 0], up: [0, 0, 1] },
-  3: { name: "from the side, y to the right", short: "y–z", right: [0, 1, 0], up: [0, 0, 1] },
-  4: { name: "against the light, x to the right", short: "x–y", right: [1, 0, 0], up: [0, 1, 0] },
-};
+// Directions of the screen's axes, to the right and up, seen from a direction
+function axes([x, y, z]) {
+  const across = Math.hypot(x, y), far = Math.hypot(x, y, z);
+  return {
+    right: [-y / across, x / across, 0],
+    up: [(-z * x) / across / far, (-z * y) / across / far, across / far],
+  };
+}
 
 export class Flat {
   constructor(shell, { center, reach, label }) {
@@ -37,7 +39,7 @@ export class Flat {
   }
 
   look(view) {
-    Object.assign(this, VIEWS[view]);
+    Object.assign(this, axes(VIEWS[view].from));
     this.buttons.forEach((button, k) => button.setAttribute("aria-pressed", String(k + 1 === Number(view))));
     this.draw();
   }

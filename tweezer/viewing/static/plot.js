@@ -1,6 +1,6 @@
 // Plots on a canvas: curves are drawn once, the cursor moves above them.
 import { locate, text } from "tweezer/arrays";
-import { make } from "tweezer/shell";
+import { make, write } from "tweezer/shell";
 import { nice } from "tweezer/clock";
 
 const LEFT = 58, RIGHT = 12, TOP = 8, BOTTOM = 30;
@@ -15,12 +15,12 @@ export class Plot {
     this.back = make("canvas", { role: "img" });
     this.line = make("span", { class: "cursor" });
     this.dots = curves.map(({ colour }) => make("span", { class: "dot", style: `background: var(--${colour})` }));
-    this.told = 0;
     this.legend = make("div", { class: "legend" });
     this.shown = curves.map((curve) => make("span", { class: "number" }));
     this.legend.append(make("h2", {}, `${options.title} (${options.unit})`), ...curves.map((curve, i) =>
       make("span", { class: "entry" }, swatch(curve), ` ${curve.name} `, this.shown[i])));
-    this.area = make("div", { class: "area" }, this.back,
+    // what is clicked takes keys
+    this.area = make("div", { class: "area", tabindex: options.onpick ? -1 : null }, this.back,
       make("div", { "aria-hidden": "true" }, this.line, ...this.dots));
     this.box = make("figure", { class: "plot" }, this.legend, this.area);
     host.append(this.box);
@@ -208,19 +208,15 @@ export class Plot {
     return found;
   }
 
-  // Show the cursor at `value` of x, and what the curves have there; the numbers at most ten times
-  // a second while it moves, if `moving`.
-  move(value, moving = false) {
+  // Show the cursor at `value` of x, and what the curves have there.
+  move(value) {
     this.cursor = value;
     const [i, part] = locate(this.x.values, value);
     const there = this.curves.map(({ values }) => {
       const next = values[Math.min(i + 1, values.length - 1)];
       return this.options.jumps || part === 0 ? values[i] : values[i] + part * (next - values[i]);
     });
-    if (!moving || performance.now() > this.told + 100) {
-      this.told = performance.now();
-      there.forEach((number, k) => { this.shown[k].textContent = this.number(number); });
-    }
+    there.forEach((number, k) => write(this.shown[k], this.number(number)));
     if (!this.width) return;
     const x = this.across(value);
     this.line.style.transform = `translate(${x}px, ${TOP - 4}px)`;

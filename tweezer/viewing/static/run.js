@@ -1,8 +1,9 @@
 // The page of a run: the bead moves in the light; forces, path and plots go with it.
 import { column, locate, scaled, text } from "tweezer/arrays";
+import { VIRIDIS, shade } from "tweezer/chart";
 import { Clock, nice } from "tweezer/clock";
 import { Plot, swatch } from "tweezer/plot";
-import { make } from "tweezer/shell";
+import { make, write } from "tweezer/shell";
 import { Stage, drawing } from "tweezer/stage";
 import { Flat } from "tweezer/flat";
 
@@ -85,7 +86,7 @@ export function start(content, shell) {
     let low = Infinity, high = -Infinity;
     for (const value of values) { if (value < low) low = value; if (value > high) high = value; }
     const colours = new Float32Array(3 * n), stops = ramps(shell.dark);
-    for (let i = 0; i < n; i++) colours.set(shade(stops, (values[i] - low) / (high - low || 1)), 3 * i);
+    for (let i = 0; i < n; i++) colours.set(linear(shade(stops, (values[i] - low) / (high - low || 1))), 3 * i);
     path.colour(colours);
     const { factor, unit: shown } = scaled(Math.max(Math.abs(low), Math.abs(high)), unit);
     rampLow.textContent = text(factor * low, 2);
@@ -98,7 +99,7 @@ export function start(content, shell) {
   const plots = plotted(content, shell, clock, times, place, foci);
 
   // ---- what is shown at a time
-  let following = false, told = 0;
+  let following = false;
   shell.key("f", "follow the bead with the view, or not", () => {
     following = !following;
     stage.follow(following ? at(place, 3, ...locate(times, clock.time)) : null);
@@ -119,13 +120,10 @@ export function start(content, shell) {
       if (most > 0) scale = nice(most / (0.75 * reach));
     }
     forces.forEach(({ on, arrow }, k) => arrow.set(here, on ? now[k].map((x) => x / scale) : [0, 0, 0]));
-    if (!clock.playing || performance.now() > told + 100) {
-      told = performance.now();
-      forces.forEach(({ number }, k) => { number.textContent = inUnit(Math.hypot(...now[k]), "N", 3); });
-      arrowScale.textContent = inUnit(scale, "N", 2);
-    }
+    forces.forEach(({ number }, k) => write(number, inUnit(Math.hypot(...now[k]), "N", 3)));
+    write(arrowScale, inUnit(scale, "N", 2));
     if (following) stage.follow(here);
-    for (const plot of plots) plot.move(plot.x.factor * time, clock.playing);
+    for (const plot of plots) plot.move(plot.x.factor * time);
     stage.request();
   };
   clock.listen(show);
@@ -143,6 +141,11 @@ export function start(content, shell) {
     },
   });
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches && n > 1) clock.play();
+}
+
+// A colour as three.js wants it.
+function linear(colour) {
+  return colour.map((c) => (c / 255) ** 2.2);
 }
 
 function inUnit(value, si, digits) {
@@ -203,15 +206,7 @@ function plotted(content, shell, clock, times, place, foci) {
   return plots;
 }
 
-// Colours from low to high, as of Matplotlib's viridis, without the end that the theme swallows.
-const VIRIDIS = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
-
+// Colours from low to high, without the end that the theme swallows.
 function ramps(dark) {
   return dark ? VIRIDIS.slice(2) : VIRIDIS.slice(0, 8);
-}
-
-// The colour at `part` of a ramp, linear as three.js wants it.
-function shade(stops, part) {
-  const at = Math.min(Math.max(part, 0), 1) * (stops.length - 1), k = Math.min(Math.floor(at), stops.length - 2);
-  return stops[k].map((c, i) => ((c + (at - k) * (stops[k + 1][i] - c)) / 255) ** 2.2);
 }

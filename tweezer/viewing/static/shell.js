@@ -13,6 +13,11 @@ export function make(name, attributes = {}, ...children) {
   return element;
 }
 
+// Set the words of an element; those that it has already cost nothing.
+export function write(element, words) {
+  if (element.textContent !== words) element.textContent = words;
+}
+
 // The frame of a page. A page's module fills `picture` and `plots`, and `clock` if it has a time.
 export class Shell {
   constructor(content) {
@@ -55,13 +60,14 @@ export class Shell {
   }
 
   sub() {
-    return make("p", { class: "sub" }, [KINDS[this.content.kind], this.content.facts.subtitle].filter(Boolean).join(": ") +
+    return make("p", { class: "sub" }, [this.content.shows, this.content.facts.subtitle].filter(Boolean).join(": ") +
       ` · tweezer ${this.content.version}`);
   }
 
-  // What a key does, listed in the help. `key` as of a KeyboardEvent, or several of them.
-  key(key, does, act) {
-    this.keys.push({ keys: [key].flat(), does, act });
+  // What a key does, listed in the help. `key` as of a KeyboardEvent, or several of them. `within`:
+  // elements of which one has the focus; elsewhere such a key scrolls.
+  key(key, does, act, within = null) {
+    this.keys.push({ keys: [key].flat(), does, act, within });
   }
 
   pressed(event) {
@@ -70,7 +76,8 @@ export class Shell {
     // lists and fields take keys of their own; so does a button that space presses
     if (at.matches("select, input:not([type=range]):not([type=checkbox]), textarea")) return;
     if (event.key === " " && at.matches("button, summary, a, input")) return;
-    const found = this.keys.find(({ keys }) => keys.includes(event.key));
+    const found = this.keys.find(({ keys, within }) =>
+      keys.includes(event.key) && (!within || within.some((element) => element.contains(at))));
     if (!found) return;
     event.preventDefault();
     found.act(event);
@@ -154,7 +161,6 @@ export class Shell {
   }
 }
 
-const KINDS = { run: "a run", ensemble: "an ensemble", trap: "a trap", sweep: "a sweep" };
 const NAMES = {
   " ": "space", ArrowLeft: "←", ArrowRight: "→", ArrowUp: "↑", ArrowDown: "↓",
 };

@@ -18,11 +18,11 @@ const SLOW = 30, COARSEST = 0.6;
 // Part of what is seen at first below which a move on a path is not drawn by itself
 const UNSEEN = 5e-4;
 // Directions from which views look, and their names
-const VIEWS = {
-  1: { name: "at an angle", from: [0.62, -1, 0.42] },
-  2: { name: "from the side, x to the right", from: [0, -1, 0] },
-  3: { name: "from the side, y to the right", from: [1, 0, 0] },
-  4: { name: "against the light, x to the right", from: [0, -1e-4, 1] },
+export const VIEWS = {
+  1: { name: "at an angle", short: "3-D", from: [0.62, -1, 0.42] },
+  2: { name: "from the side, x to the right", short: "x–z", from: [0, -1, 0] },
+  3: { name: "from the side, y to the right", short: "y–z", from: [1, 0, 0] },
+  4: { name: "against the light, x to the right", short: "x–y", from: [0, -1e-4, 1] },
 };
 
 // Whether the browser draws in 3-D, and whether a graphics card does it.
@@ -38,7 +38,7 @@ export function drawing() {
 export class Stage {
   // center, reach: what is seen at first, um. label: of the picture, for screen readers.
   constructor(shell, { center, reach, label }) {
-    Object.assign(this, { shell, reach, home: new Vector3(...center), frames: 0, labels: [], drawn: [] });
+    Object.assign(this, { shell, reach, home: new Vector3(...center), frames: 0, labels: [], drawn: [], clouds: [] });
     const { software } = drawing();
     this.renderer = new WebGLRenderer({ antialias: !software, alpha: true, powerPreference: "low-power" });
     this.finest = this.ratio = software ? 1 : Math.min(devicePixelRatio || 1, RATIO);
@@ -170,6 +170,7 @@ export class Stage {
 
   paint(ratio) {
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    for (const { size, pixels } of this.clouds) size.value = pixels * ratio;
     this.renderer.render(this.scene, this.camera);
     this.frames++;
     this.drawn.push(performance.now());
@@ -208,10 +209,10 @@ export class Stage {
   // ---- words over the picture
 
   buildViews() {
-    this.buttons = Object.entries(VIEWS).map(([key, { name }]) => {
+    this.buttons = Object.entries(VIEWS).map(([key, { name, short }]) => {
       this.shell.key(key, `see it ${name}`, () => this.look(key));
       return make("button", { type: "button", title: `See it ${name} (${key})`, "aria-label": `See it ${name}`,
-        onclick: () => this.look(key) }, SHORT[key]);
+        onclick: () => this.look(key) }, short);
     });
     this.over.append(make("div", { class: "views", role: "group", "aria-label": "Views" }, ...this.buttons));
   }
@@ -468,6 +469,7 @@ export class Stage {
     const points = new Points(shape, new ShaderMaterial({
       uniforms, vertexShader: CLOUD_VERTEX, fragmentShader: CLOUD, transparent: true, depthWrite: false,
     }));
+    this.clouds.push({ size: uniforms.size, pixels: size });
     points.renderOrder = 5;
     points.frustumCulled = false;
     this.scene.add(points);
@@ -477,7 +479,6 @@ export class Stage {
       // Draw the first `count` places, which have changed.
       set: (count) => {
         shape.setDrawRange(0, count);
-        uniforms.size.value = size * this.renderer.getPixelRatio();
         places.needsUpdate = true;
       },
     };
@@ -557,8 +558,6 @@ export class Stage {
     };
   }
 }
-
-const SHORT = { 1: "3-D", 2: "x–z", 3: "y–z", 4: "x–y" };
 
 // A geometry with attributes {name: [numbers, size]}.
 export function geometry(attributes) {

@@ -33,19 +33,28 @@ export function start(content, shell) {
   shows.push(outcome);
   const first = { trap: "escape_energy", run: "outcome_time", ensemble: "lost", calibrate: "stiffness" }[facts.of];
   let show = shows.find(({ quantity }) => quantity?.name === first) ?? shows[0];
+  // those that are infinite come apart
+  const joined = {};
+  const numbers = (name) => {
+    const endless = shell.array(`${name}_endless`);
+    if (!endless) return shell.array(name);
+    return (joined[name] ??= shell.array(name).map((x, i) => (endless[i] ? Infinity : x)));
+  };
   const value = (index, { quantity, part }, name = quantity.name) => {
-    const values = shell.array(name), width = quantity.along.length || 1;
+    const values = numbers(name), width = quantity.along.length || 1;
     if (!values) return NaN;
     return values[index * width + (part < 0 ? least(index, quantity) : part)];
   };
   const least = (index, quantity) => {
-    const values = shell.array(quantity.name), width = quantity.along.length;
+    const values = numbers(quantity.name), width = quantity.along.length;
     let best = 0;
-    for (let k = 1; k < width; k++)
-      if (!(values[index * width + k] >= values[index * width + best])) best = k;
+    for (let k = 1; k < width; k++) {
+      const [here, there] = [values[index * width + k], values[index * width + best]];
+      if (Number.isNaN(there) || here < there) best = k;
+    }
     return best;
   };
-  const spoken = (x, unit) => (x >= 0.99 * facts.endless ? "longer than 10²⁰" : text(x, 4)) + (unit ? ` ${unit}` : "");
+  const spoken = (x, unit) => (x === Infinity ? "longer than 10²⁰" : text(x, 4)) + (unit ? ` ${unit}` : "");
 
   // ---- choices
   const tools = make("div", { class: "tools" });
@@ -98,7 +107,7 @@ export function start(content, shell) {
     renewHolds();
     const every = cases();
     if (!show.outcome) {
-      const values = every.map(({ index }) => value(index, show)).filter((x) => Number.isFinite(x) && x < 0.99 * facts.endless);
+      const values = every.map(({ index }) => value(index, show)).filter((x) => Number.isFinite(x));
       const low = Math.min(...values), high = Math.max(...values);
       norm = { low, high, log: show.quantity.log && low > 0 && high / low > WIDE, any: values.length > 0 };
     }
@@ -118,7 +127,7 @@ export function start(content, shell) {
     return { low: low - room, high: high + room, name, unit };
   };
   const inNorm = (x) => {
-    if (x >= 0.99 * facts.endless) return 1;
+    if (x === Infinity) return 1;
     if (!(norm.high > norm.low)) return 0.5;
     return norm.log ? Math.log(x / norm.low) / Math.log(norm.high / norm.low) : (x - norm.low) / (norm.high - norm.low);
   };
@@ -133,8 +142,8 @@ export function start(content, shell) {
       const middle = norm.log ? Math.sqrt(norm.low * norm.high) : (norm.low + norm.high) / 2;
       bar.set([norm.low, middle, norm.high].map((x) => text(x, 3)));
     }
-    const without = new Set(), endless = !show.outcome && every.some(({ index }) => value(index, show) >= 0.99 * facts.endless);
-    for (const { index } of every) if ((show.outcome && !flat) || !Number.isFinite(value(index, show))) without.add(outcomeOf(index));
+    const without = new Set(), endless = !show.outcome && every.some(({ index }) => value(index, show) === Infinity);
+    for (const { index } of every) if ((show.outcome && !flat) || Number.isNaN(value(index, show))) without.add(outcomeOf(index));
     legend.replaceChildren(...[...without].map((word) => make("span", { class: "entry" },
       flat ? "cross:" : patch(show.outcome ? outcomeColour(word) : null, word), ` ${show.outcome ? word : `no number: ${word}`}`)),
     ...(endless && !flat ? [make("span", { class: "entry" }, "brightest: longer than 10²⁰ s too")] : []),
@@ -170,7 +179,7 @@ export function start(content, shell) {
     for (const { i, j, index } of cases()) {
       const word = outcomeOf(index), found = show.outcome ? 0 : value(index, show);
       if (show.outcome) pen.fillStyle = css(outcomeColour(word));
-      else if (Number.isFinite(found)) pen.fillStyle = css(shade(VIRIDIS, inNorm(found)));
+      else if (!Number.isNaN(found)) pen.fillStyle = css(shade(VIRIDIS, inNorm(found)));
       else pen.fillStyle = hatches[word] ??= hatch(pen, word);
       pen.fillRect(x[i], y[j + 1], x[i + 1] - x[i] + 0.5, y[j] - y[j + 1] + 0.5);
       if (doubted(index) && x[i + 1] - x[i] > 6) {
@@ -195,18 +204,18 @@ export function start(content, shell) {
     pen.beginPath();
     let pending = true;
     for (const { x, found } of every) {
-      if (!Number.isFinite(found) || found >= 0.99 * facts.endless || show.outcome) { pending = true; continue; }
+      if (!Number.isFinite(found) || show.outcome) { pending = true; continue; }
       if (pending) pen.moveTo(x, chart.up(found)); else pen.lineTo(x, chart.up(found));
       pending = false;
     }
     pen.stroke();
     for (const { x, found, error, index, i } of every) {
       pen.strokeStyle = ink; pen.lineWidth = 1.2;
-      if (!Number.isFinite(found)) {
+      if (Number.isNaN(found)) {
         pen.beginPath(); pen.moveTo(x - 4, bottom - 12); pen.lineTo(x + 4, bottom - 4); pen.moveTo(x + 4, bottom - 12); pen.lineTo(x - 4, bottom - 4); pen.stroke();
       } else {
-        const y = found >= 0.99 * facts.endless ? chart.frame.top + 8 : chart.up(found);
-        if (error > 0 && found < 0.99 * facts.endless) {
+        const y = found === Infinity ? chart.frame.top + 8 : chart.up(found);
+        if (error > 0 && found < Infinity) {
           const low = chart.y.log && found - error <= 0 ? bottom : chart.up(found - error), high = chart.up(found + error);
           pen.beginPath(); pen.moveTo(x, low); pen.lineTo(x, high); pen.moveTo(x - 3, low); pen.lineTo(x + 3, low); pen.moveTo(x - 3, high); pen.lineTo(x + 3, high); pen.stroke();
         }
@@ -238,8 +247,8 @@ export function start(content, shell) {
     open(true);
     chart.draw();
   };
-  shell.key(["ArrowLeft", "ArrowRight"], "the case beside it", (event) => step(along, event.key === "ArrowRight" ? 1 : -1));
-  if (!flat) shell.key(["ArrowDown", "ArrowUp"], "the case below or above", (event) => step(down, event.key === "ArrowUp" ? 1 : -1));
+  shell.key(["ArrowLeft", "ArrowRight"], "the case beside it (map in focus)", (event) => step(along, event.key === "ArrowRight" ? 1 : -1), [chart.canvas]);
+  if (!flat) shell.key(["ArrowDown", "ArrowUp"], "the case below or above (map in focus)", (event) => step(down, event.key === "ArrowUp" ? 1 : -1), [chart.canvas]);
   shell.key(["q", "Q"], "the next quantity, or the one before", (event) => {
     show = shows[(shows.indexOf(show) + (event.key === "q" ? 1 : shows.length - 1)) % shows.length];
     tools.querySelector("select").value = shows.indexOf(show);
@@ -259,7 +268,7 @@ export function start(content, shell) {
       const { name, about, unit, along: parts } = quantity;
       const body = (parts.length ? parts : [""]).map((part, k) => {
         const found = value(index, { quantity, part: k }), error = quantity.error ? value(index, { quantity, part: k }, `${name}_error`) : NaN;
-        const endless = found >= 0.99 * facts.endless;
+        const endless = found === Infinity;
         const told_ = endless ? { value: "longer than 10²⁰", error: "" } : withError(found, error);
         return make("tr", { "data-name": part ? `${name} ${part}` : name },
           make("th", { scope: "row" }, part || (parts.length ? "" : about)),
@@ -294,7 +303,7 @@ export function start(content, shell) {
     if (rows * sizes[along] > CELLS) { holder.textContent = `${rows * sizes[along]} cells are too many for a table.`; return; }
     const found = Object.fromEntries(cases().map(({ i, j, index }) => {
       const x = show.outcome ? NaN : value(index, show);
-      return [`${i},${j}`, Number.isFinite(x) ? spoken(x, "") : outcomeOf(index)];
+      return [`${i},${j}`, Number.isNaN(x) ? outcomeOf(index) : spoken(x, "")];
     }));
     const head = make("tr", {}, make("th", { scope: "col" }, flat ? "" : `${axes[down].name} \\ ${axes[along].name}`),
       ...axes[along].keys[0].values.map((_, i) => make("th", { scope: "col" }, valueWords(axes[along], i))));

@@ -65,8 +65,6 @@ export function start(content, shell) {
       const k = PLANES[across][2];
       move(place.with(k, low[k] + slider.value * (high[k] - low[k])));
     },
-    // arrow keys move the slice here, and not the place within it
-    onkeydown: (event) => { if (event.key.startsWith("Arrow")) event.stopPropagation(); },
   });
   const offset = make("output", { class: "number" });
   slice.append(make("div", { class: "tools" }, what, planes, slider, offset));
@@ -239,7 +237,7 @@ export function start(content, shell) {
     const values = new Float64Array(POINTS).map((_, i) => micro(low[k]) + (i / (POINTS - 1)) * micro(high[k] - low[k]));
     return new Plot(shell, shell.plots, { values, name, unit: "µm" },
       [{ name: `F${name}`, values: new Float64Array(POINTS), colour: name }],
-      { title: `Force along ${name}`, unit: "pN", digits: 4, range: [-1, 1], onpick: (x) => move(place.with(k, 1e-6 * x), true) });
+      { title: `Force along ${name}`, unit: "pN", range: [-1, 1], onpick: (x) => move(place.with(k, 1e-6 * x), true) });
   });
   const numbers = () => {
     const force = field.force(place), off = field.off(place);
@@ -297,9 +295,12 @@ export function start(content, shell) {
     if (told) shell.say(`At ${cells.place.textContent} the force is ${cells.force.textContent}`);
   };
   const step = (k, by, large) => move(place.with(k, place[k] + by * (large ? 0.1 : 0.01) * (high[k] - low[k])), true);
-  shell.key(["ArrowLeft", "ArrowRight"], "the place to the left or right; with shift ten times as far", ({ key, shiftKey }) => step(PLANES[across][0], key === "ArrowRight" ? 1 : -1, shiftKey));
-  shell.key(["ArrowDown", "ArrowUp"], "the place down or up; with shift ten times as far", ({ key, shiftKey }) => step(PLANES[across][1], key === "ArrowUp" ? 1 : -1, shiftKey));
-  shell.key(["PageDown", "PageUp"], "the slice back or on; with shift ten times as far", ({ key, shiftKey }) => step(PLANES[across][2], key === "PageUp" ? 1 : -1, shiftKey));
+  for (const [i, less, more, moves] of [
+    [0, "ArrowLeft", "ArrowRight", "the place to the left or right"],
+    [1, "ArrowDown", "ArrowUp", "the place down or up"],
+    [2, "PageDown", "PageUp", "the slice back or on"],
+  ]) shell.key([less, more], `${moves}; with shift ten times as far (slice in focus)`,
+    ({ key, shiftKey }) => step(PLANES[across][i], key === more ? 1 : -1, shiftKey), [chart.canvas]);
   shell.key("p", "the next plane", () => { const names = Object.keys(PLANES); across = names[(names.indexOf(across) + 1) % 3]; renew(); shell.say(`Plane ${planes.selectedOptions[0].text}`); });
   shell.key("w", "force or work", () => { shows = shows === "force" ? "work" : "force"; renew(); shell.say(`The slice shows ${what.selectedOptions[0].text}`); });
   shell.key("e", facts.held ? "to the equilibrium" : "to the focus", () => move(centre, true));
