@@ -58,6 +58,6 @@ def _draw_profile(axes: Axes, found: DepthFit) -> None:
         axes.axvspan(low * MICRO, high * MICRO, color=style.SHADE, lw=0, zorder=0)
     for each in found.minima:
         axes.plot(each.z * MICRO, each.misfit, **style.SERIES[0].points)
-    axes.set_yscale("symlog", linthresh=2 * LEVEL)
+    axes.set_yscale("symlog", linthresh=10)  # a power of ten: the numbers below would overlap
     axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
     axes.set_title("profile likelihood; shaded: 95 % confidence")

@@ -181,6 +181,7 @@ def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
     _mark(axes, q1, q2, run)
     axes.plot(0, 0, "+", color=style.LIGHT, ms=7)
     axes.set(xlabel="q1 (µm)", ylabel="q2 (µm)")
+    axes.locator_params(axis="x", nbins=6)  # more, with three decimals, would overlap
 
 
 def _orientation(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, _side: str) -> None:
