@@ -12,6 +12,9 @@ from tweezer.units import array_in_si, to_si
 
 #: a registry of a user, which is not that of tweezer
 unit = pint.UnitRegistry()
+#: another, whose units are written in short
+short = pint.UnitRegistry()
+short.formatter.default_format = "~"
 SCENE = tweezer.load_scene("thesis-990nm").replace(
     start={"frame": "focus", "position": [0, 0, 0]}, optics={"theory": "rays"}
 )
@@ -26,6 +29,8 @@ SCENE = tweezer.load_scene("thesis-990nm").replace(
         (unit("3 kHz"), "1/s", 3000.0),
         (unit("30 rpm"), "rad/s", np.pi),
         (unit("180 deg"), "rad", np.pi),
+        (short("30 rpm"), "rad/s", np.pi),
+        (unit.Quantity(1.5, ""), "rad", 1.5),
         (unit("1.05 g/cm^3"), "kg/m^3", 1050.0),
         (unit.Quantity(1.33), "", 1.33),
         (unit.Quantity(np.float32(2.0), "um"), "m", 2e-6),
@@ -45,6 +50,11 @@ def test_a_number_with_its_unit(value, in_unit, expected):
     [
         (unit("3 s"), "m", "must be convertible to m, such as um"),
         (unit("3 m"), "", "must be a number without one"),
+        (unit("65 deg"), "", "must be a number without one"),  # pint would take it as 1.13
+        (short("65 deg"), "", "must be a number without one"),
+        (unit("3 um rad"), "m", "must be convertible to m"),
+        (unit.Quantity(5.0, "delta_degC"), "K", "must be convertible to K, such as degC"),
+        (short.Quantity(5.0, "delta_degC"), "K", "must be convertible to K, such as degC"),
         (unit("3 rad/s"), "1/s", "must be convertible to 1/s"),  # pint would take it as 3 Hz
         (unit("3 Hz"), "rad/s", "must be convertible to rad/s"),
         (unit.Quantity([1.0, 2.0], "m"), "m", "must be a number in m"),
@@ -88,6 +98,9 @@ def test_a_scene_of_quantities():
     assert "beam.power = 80 mW, " in changed.title
     with pytest.raises(tweezer.SceneError, match=r"^beam.power = .*wrong unit.* such as mW, uW$"):
         SCENE.replace(beam={"power": unit("80 mm")})
+    for section, key in (("lens", "numerical_aperture"), ("bead", "refractive_index")):
+        with pytest.raises(tweezer.SceneError, match=f"^{section}.{key} = .*without one"):
+            SCENE.replace(**{section: {key: unit("70 deg")}})
     absorbing = tweezer.load_scene("silica-1um").replace(bead={"refractive_index": 1.5 + 0.01j})
     assert absorbing.bead.refractive_index == (1.5, 0.01)
 

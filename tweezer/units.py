@@ -41,8 +41,6 @@ _POWER = rf"{_NAME}(?:(?:\^|\*\*)-?[1-9]|[²³])?"
 _FACTORS = rf"{_POWER}(?:(?:\s*[*/·]\s*|\s+){_POWER}){{0,7}}"
 _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
-#: Units that pint takes as one: an angular speed of 1 Hz as 1 rad/s
-_PER_TIME = ("1/s", "rad/s")
 #: of a frequency alone
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
 #: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
@@ -143,10 +141,13 @@ def without_unit(value: Any, unit: str) -> Any:
         value = registry().Quantity(value.values, value.attrs["units"])
     try:
         number = value.to(unit)
-        turns = "radian" in str(value.to_base_units().units)
+        turns = "radian" in dict(value.to_base_units().unit_items())
+        difference = any(name.startswith("delta_") for name, _ in value.unit_items())
     except Exception as error:  # pint of whatever version, or what behaves as pint
         raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}") from error
-    if unit in _PER_TIME and turns != (unit == "rad/s"):  # pint takes 1 Hz as 1 rad/s
+    # pint takes 1 Hz as 1 rad/s, an angle as a plain number, and a difference of 5 degC as 5 K
+    angle = turns and "rad" not in unit
+    if angle or difference or (unit == "rad/s" and not turns):
         raise ValueError(f"has the wrong unit; {_convertible(str(value.units), unit)}")
     return number.magnitude
 
