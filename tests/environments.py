@@ -50,7 +50,7 @@ COMMANDS = (
     "tweezer reproduce 5.1 --out figures",
     # the folder of the user's own modules is not looked into first
     "python -P -m tweezer.derivation --check",
-    "tweezer cache --clear",
+    "tweezer cache --clear --yes",
 )
 
 SCRIPT = """

@@ -70,10 +70,13 @@ def test_cache_clears_what_tweezer_keeps_and_nothing_else(command_line, kept):
     assert [line.split()[-4:-1] for line in listed.out.splitlines() if " MB " in line] == [
         ["4", "0.004", "MB"], ["2", "0.002", "MB"],
     ]  # fmt: skip
-    done = command_line("cache", "--clear")
+    refused = command_line("cache", "--clear")
+    assert (refused.code, refused.err) == (2, "--clear: without a terminal it needs --yes\n")
+    assert all(path.exists() for path in kept)
+    done = command_line("cache", "--clear", "--yes")
     assert (done.code, done.out) == (0, "removed 6 files, 0.006 MB\n")
     assert {path: not path.exists() for path in kept} == kept
-    assert command_line("cache", "--clear").out == "removed 0 files, 0 MB\n"
+    assert command_line("cache", "--clear", "--yes").out == "removed 0 files, 0 MB\n"
 
 
 def test_at_a_terminal_it_asks_first(command_line, kept, monkeypatch):
@@ -93,7 +96,7 @@ def test_what_cannot_be_removed_is_said(command_line, kept, monkeypatch):
         unlink(path, *rest, **options)
 
     monkeypatch.setattr(Path, "unlink", refused)
-    done = command_line("cache", "--clear")
+    done = command_line("cache", "--clear", "--yes")
     assert done.code == 1
     assert done.out == "removed 5 files, 0.005 MB\n"
     assert done.err == "1 files cannot be removed: Permission denied\n"

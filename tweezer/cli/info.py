@@ -18,7 +18,7 @@ import typer
 from tweezer.cli.app import app
 from tweezer.cli.console import ERR, FAILED, OUT, complain
 from tweezer.cli.tables import table_of
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, TweezerError
 
 #: Packages whose versions matter for what goes wrong
 _PACKAGES = (
@@ -65,12 +65,14 @@ def info(
 @app.command()
 def cache(
     clear: Annotated[bool, typer.Option("--clear", help="Remove what is kept.")] = False,
-    yes: Annotated[bool, typer.Option("--yes", help="Without asking.")] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Without asking; needed where there is no terminal.")
+    ] = False,
 ) -> None:
     """What is kept, where; --clear removes it.
 
     Compiled functions and maps of forces: both are made again where they are needed. Other commands
-    that run meanwhile lose nothing.
+    that run meanwhile lose nothing. Without a terminal to ask at, --clear needs --yes.
     """
     found = _caches()
     if not clear:
@@ -82,7 +84,9 @@ def cache(
         return
     files = [path for each in found for path in each.files]
     size = sum(each.size for each in found)
-    if sys.stdin.isatty() and not yes:
+    if not yes:
+        if not sys.stdin.isatty():
+            raise TweezerError("--clear: without a terminal it needs --yes")
         typer.confirm(f"Remove {len(files)} files, {_megabytes(size)}?", abort=True)
     removed = freed = 0
     refused: dict[str, int] = {}
