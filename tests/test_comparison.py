@@ -34,10 +34,11 @@ def walk(draw, samples: int, size: float = 1e-8) -> np.ndarray:
     return size * x
 
 
-def thermal(places: np.ndarray) -> xr.Dataset:
+def thermal(places: np.ndarray, status: str = "complete") -> xr.Dataset:
     return described(
-        {"position": (("time", "axis"), places)}, {"time": STEP * np.arange(len(places))}
-    )
+        {"position": (("time", "axis"), places)}, {"time": STEP * np.arange(len(places))},
+        status=status,
+    )  # fmt: skip
 
 
 def ensemble(places: np.ndarray, lost: int = 0) -> xr.Dataset:
@@ -139,6 +140,107 @@ def test_false_alarms_are_as_rare_as_is_said():
     assert alarms <= 6  # more of 150 with one in a hundred: 0.1 %
 
 
+def test_false_alarms_are_as_rare_where_most_beads_are_lost():
+    """Of 250 comparisons of 22 beads that are left of 1000, at 20 times."""
+    draw = np.random.default_rng(12)
+
+    def some() -> xr.Dataset:
+        places = np.full((1000, 21, 3), np.nan)
+        places[:22] = draw.standard_normal((22, 21, 3))
+        return ensemble(places)
+
+    assert sum(not tweezer.compare(some(), some()).agrees for _ in range(250)) <= 6
+
+
+def test_nothing_known_is_no_agreement():
+    draw = np.random.default_rng(4)
+    a, b = draw.standard_normal((2, 200, 6, 3))
+    b += 50
+    a[15:, 1:] = b[15:, 1:] = np.nan
+    with pytest.raises(tweezer.ResultError, match="left of mean over trajectories, variance over"):
+        tweezer.compare(ensemble(a), ensemble(b))
+    assert tweezer.compare(ensemble(a), ensemble(a)).same
+    a, b = draw.standard_normal((2, 200, 6, 3))
+    a[15:, 3:] = b[15:, 3:] = np.nan
+    found = tweezer.compare(ensemble(a), ensemble(b))
+    assert found.agrees
+    assert [each.count for each in found.quantities] == [6, 6, 1]
+    assert sum("9 of 15 numbers are left out" in note for note in found.notes) == 2
+    a[:, 3:] = b[:, 3:] = np.nan  # of what neither has, nothing is left out
+    assert not any("left out" in note for note in tweezer.compare(ensemble(a), ensemble(b)).notes)
+
+
+def test_the_end_of_a_thermal_run_is_compared():
+    draw = np.random.default_rng(8)
+    a, b = walk(draw, 4000), walk(draw, 4000)
+    cut = tweezer.compare(thermal(a), thermal(b[:1500], "interrupted"))
+    assert not cut.agrees
+    assert cut.differing == (("status", "complete", "interrupted"),)
+    b[1500:] = np.nan
+    found = tweezer.compare(thermal(a), thermal(b))
+    assert found.agrees
+    assert "second: 2500 of 4000 samples are left out, for they hold no position" in found.notes
+    with pytest.raises(tweezer.ResultError, match="second: holds no position"):
+        tweezer.compare(thermal(a), thermal(np.full_like(a, np.nan)))
+
+
+def calibrations(outcomes: list[str], stiffness: list[float]) -> xr.Dataset:
+    """Make a sweep of calibrations, one number and its error in each case."""
+    error = np.where(np.isnan(stiffness), np.nan, 1e-7)
+    about = {"units": "N/m", "ancillary_variables": "stiffness_error"}
+    return described(
+        {"outcome": ("case", outcomes), "stiffness": ("case", stiffness, about),
+         "stiffness_error": ("case", error)},
+        {}, of="calibrate", over="{}",
+    )  # fmt: skip
+
+
+def test_what_became_of_the_cases_of_a_sweep_is_compared():
+    nan = np.nan
+    fine = calibrations(["calibrated"] * 3, [1e-6, 2e-6, 3e-6])
+    none = calibrations(["failed"] * 3, [nan] * 3)
+    found = tweezer.compare(fine, none)
+    assert not found.agrees
+    assert [key for key, *_ in found.differing] == [f"outcome of case {i}" for i in range(3)]
+    assert "nan" not in repr(found)
+    assert "stiffness: 3 of 3 numbers are left out" in repr(found)
+    with pytest.raises(tweezer.ResultError, match="they hold no number"):
+        tweezer.compare(none, none)
+    # what the noise of a record decides is no difference
+    doubted = calibrations(["calibrated", "not to be trusted", "calibrated"], [1e-6, nan, 3.1e-6])
+    found = tweezer.compare(fine, doubted)
+    assert found.agrees
+    assert "stiffness: 1 of 3 numbers are left out" in repr(found)
+    with pytest.raises(tweezer.ResultError, match="left of stiffness"):
+        tweezer.compare(fine, calibrations(["not to be trusted"] * 3, [nan] * 3))
+
+
+def sweep_of_ensembles(mean: float, lost: float) -> xr.Dataset:
+    about = {"units": "m", "ancillary_variables": "mean_error"}
+    return described(
+        {"outcome": ("case", ["some lost"]), "lost": ("case", [lost]),
+         "mean": (("case", "axis"), [[mean, 0, 0]], about),
+         "mean_error": (("case", "axis"), [[1e-9] * 3])},
+        {}, of="ensemble", over="{}", trajectories=1000,
+    )  # fmt: skip
+
+
+def test_a_sweep_of_ensembles_has_the_freedom_of_the_beads_left():
+    first, second = sweep_of_ensembles(0.0, 0.978), sweep_of_ensembles(4.5e-9, 0.978)
+    (found,) = tweezer.compare(first, second).quantities
+    assert found.p_value == pytest.approx(3 * 0.0045, rel=0.03)  # of 21 degrees of freedom
+
+
+def test_a_number_of_one_alone_is_a_difference():
+    times = np.linspace(0, 1e-3, 11)
+    a, b = straight(1e-3, times, 2e-10), straight(1e-3, times, 2e-10)
+    b["position"][6:] = np.nan
+    found = tweezer.compare(a, b)
+    assert not found.agrees
+    assert "a finite number in one alone" in repr(found)
+    assert "nan" not in repr(found)
+
+
 def test_ensembles_differ_by_mean_spread_and_losses():
     draw = np.random.default_rng(3)
     places = draw.standard_normal((400, 6, 3))
@@ -155,20 +257,29 @@ def test_ensembles_differ_by_mean_spread_and_losses():
 def test_statistics_by_the_errors_they_have():
     values = {"units": "m", "ancillary_variables": "position_mean_error"}
 
-    def gathered(shift: float) -> xr.Dataset:
+    def gathered(shift: float, left: int = 1000) -> xr.Dataset:
         mean = np.zeros((5, 3)) + shift
         return described(
             {"position_mean": (("time", "axis"), mean, values),
              "position_mean_error": (("time", "axis"), np.full((5, 3), 1e-9), {"units": "m"}),
              "stationary_mean": ("axis", np.zeros(3), {"units": "m"}),
+             "trajectories_left": ("time", np.array([1000.0, 1000, 1000, left, 19])),
              "trajectories": 1000.0, "windows": 5.0},
             {"time": np.arange(5.0)},
         )  # fmt: skip
 
-    (same,) = tweezer.compare(gathered(0.0), gathered(3e-9)).quantities
-    # 2.12 standard errors of the difference, among 12 numbers
-    assert same.p_value == pytest.approx(12 * 0.0339, rel=0.03)
+    found = tweezer.compare(gathered(0.0), gathered(3e-9))
+    (same,) = found.quantities
+    # 2.12 standard errors of the difference, among 9 numbers: at the last time too few are left
+    assert same.p_value == pytest.approx(9 * 0.0339, rel=0.03)
+    assert any("position mean: 3 of 12 numbers are left out" in note for note in found.notes)
     assert not tweezer.compare(gathered(0.0), gathered(8e-9)).agrees
+    few = gathered(0.0, left=22)
+    shifted = gathered(0.0, left=22)
+    shifted["position_mean"][3] += 4.5e-9
+    # 3.18 standard errors by Student's distribution of 21 degrees of freedom, not of 999
+    (found,) = tweezer.compare(few, shifted).quantities
+    assert found.p_value == pytest.approx(9 * 0.0045, rel=0.03)
 
 
 def test_traps_and_calibrations(tmp_path):
@@ -201,6 +312,13 @@ def test_traps_and_calibrations(tmp_path):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(tweezer.ResultError, match=r"bad.json: "):
             tweezer.compare(tmp_path / "bad.json", trap)
+
+
+def test_a_damaged_store_is_told_alike(tmp_path):
+    (tmp_path / "bad.zarr").mkdir()
+    for reads in (tweezer.view, lambda path: tweezer.compare(path, path)):
+        with pytest.raises(tweezer.ResultError, match=r"bad\.zarr: not a result of tweezer: "):
+            reads(tmp_path / "bad.zarr")
 
 
 def test_sweeps_case_by_case(tmp_path):

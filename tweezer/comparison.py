@@ -21,10 +21,10 @@ from tweezer.analysis.calibration import Calibration
 from tweezer.analysis.spectra import statistical_inefficiency
 from tweezer.analysis.trap import Trap
 from tweezer.errors import ResultError
-from tweezer.io import load_run, scene_of
+from tweezer.io import load_result, scene_of
 from tweezer.scene import Scene, by_key
 from tweezer.shown import Card, Row, Shown, Table, clipped
-from tweezer.sweeps.quantities import gradient_of_errors
+from tweezer.sweeps.quantities import FAILED, MISSING, errors_of_trap
 from tweezer.units import usual_unit
 
 Array = NDArray[np.float64]
@@ -54,8 +54,8 @@ class Numbers(NamedTuple):
     """of each number, or of each vector: bounds, or standard errors"""
     where: Callable[[tuple[int, ...]], str]
     """the place of an error, in words"""
-    freedom: float = math.inf
-    """degrees of freedom of a standard error"""
+    freedom: float | Array = math.inf
+    """degrees of freedom of the standard errors: of all, or of each"""
 
     @property
     def vectors(self) -> bool:
@@ -71,6 +71,21 @@ class Found(NamedTuple):
     """such as an outcome"""
     path: Array | None = None
     """of thermal motion: what is the same where the random numbers are"""
+    left_out: str = ""
+    """what it has and its numbers do not use"""
+
+
+class _Apart(NamedTuple):
+    """How far apart the numbers of one quantity are; each of the shape of its errors."""
+
+    difference: Array
+    allowed: Array
+    ratio: Array
+    """of both; 0 where it is not known"""
+    had: NDArray[np.bool_]
+    """whether one of both has the number, or both"""
+    known: NDArray[np.bool_]
+    """whether it can be compared"""
 
 
 class Source(NamedTuple):
@@ -114,6 +129,8 @@ class Compared:
     @property
     def told(self) -> str:
         """In words."""
+        if math.isinf(self.difference):
+            return "a finite number in one alone"
         factor, unit = usual_unit(max(abs(self.difference), self.allowed), self.unit)
         sizes = f"{self.difference / factor:.3g} of {self.allowed / factor:.3g} {unit}".rstrip()
         if self.p_value is not None:
@@ -169,8 +186,7 @@ def compare(a: Result, b: Result) -> Comparison:
     Runs without thermal motion: the positions at the times that both have, whose distance must be
     at most the sum of both errors of integration, and of runs by different models of both errors of
     the model too, which runs by one model share; nothing is interpolated. The error of the force
-    plays no part. Sweeps of these, and traps, are compared
-    by the sums of their errors too.
+    plays no part. Sweeps of these, and traps, are compared by the sums of their errors too.
 
     With thermal motion, numbers differ by chance. Of two runs the mean and the variance along each
     axis are compared, with standard errors by their statistical inefficiency; of ensembles the
@@ -180,10 +196,14 @@ def compare(a: Result, b: Result) -> Comparison:
     Student's distribution, and the probability of the largest of n is taken as n times its own
     (C. E. Bonferroni), so that all comparisons together call two results of the same statistics
     different with a probability of at most about 1 %. Of the same seed and steps the numbers
-    themselves are the same.
+    themselves are the same. Runs that ended in other ways differ whatever their numbers, and so do
+    sweeps of which other cases failed or were not computed.
 
-    Raises `ResultError` for what is no result, of another kind, without a common time, or without
-    known errors.
+    A number that only one of them has is a difference without thermal motion, and with it is left
+    out; so is one without a known error. The notes tell how many were left out of each quantity.
+
+    Raises `ResultError` for what is no result, of another kind, without a common time, and where
+    nothing differs but a quantity has no number left to compare.
     """
     first, second = _source(a, "first"), _source(b, "second")
     names = first.name, second.name
@@ -201,19 +221,41 @@ def compare(a: Result, b: Result) -> Comparison:
     common = [name for name in here.numbers if name in there.numbers]
     if not common:
         raise ResultError(f"{names[0]} and {names[1]}: have no trusted quantity in common")
-    count = sum(here.numbers[name].errors.size for name in common)
+    statistical = first.statistical
+    apart = {
+        name: _apart(name, here.numbers[name], there.numbers[name], statistical) for name in common
+    }
+    count = sum(int(each.known.sum()) for each in apart.values())
     quantities = tuple(
-        _compared(name, here.numbers[name], there.numbers[name], first.statistical, count)
-        for name in common
+        _compared(name, here.numbers[name], there.numbers[name], each, statistical, count)
+        for name, each in apart.items()
+        if each.known.any()
     )
     outcomes = tuple(_differing(here.words or {}, there.words or {}))
-    same = _same(here, there)
+    same = not outcomes and _same(here, there)
     agrees = same or (all(each.agrees for each in quantities) and not outcomes)
-    notes = [] if same else _notes(first, here, there, len(at[0]))
+    if agrees:
+        _check_left(names, apart, same, not statistical and here.words)
+    notes = [] if same else _notes(first, names, here, there, apart, len(at[0]))
     return Comparison(
         names, first.kind, agrees, same, quantities,
         (*outcomes, *_differing(first.about, second.about)), tuple(notes),
     )  # fmt: skip
+
+
+def _check_left(
+    names: tuple[str, str], apart: Mapping[str, _Apart], same: bool, words: Any
+) -> None:
+    """Raise `ResultError` where agreement would say nothing of a quantity, or of any."""
+    told = words and any(word not in (FAILED, MISSING) for word in words.values())
+    if not told and not any(each.had.any() for each in apart.values()):
+        raise ResultError(f"{' and '.join(names)}: cannot be compared: they hold no number")
+    empty = [name for name, each in apart.items() if each.had.any() and not each.known.any()]
+    if empty and not same:
+        raise ResultError(
+            f"{' and '.join(names)}: cannot be compared: no number with a known error in both is "
+            f"left of {', '.join(empty)}"
+        )
 
 
 def _model(of: Source) -> tuple[Any, ...]:
@@ -247,7 +289,9 @@ def _common_times(a: Source, b: Source) -> tuple[NDArray[np.int64], NDArray[np.i
     return here, near[here]
 
 
-def _notes(of: Source, a: Found, b: Found, times: int) -> Iterator[str]:
+def _notes(
+    of: Source, names: tuple[str, str], a: Found, b: Found, apart: Mapping[str, _Apart], times: int
+) -> Iterator[str]:
     if of.statistical:
         yield (
             "the largest difference of each quantity, and its standard error; results of the same "
@@ -259,9 +303,18 @@ def _notes(of: Source, a: Found, b: Found, times: int) -> Iterator[str]:
         yield f"at {times} times that both have"
     if lacking := sorted(a.numbers.keys() ^ b.numbers.keys()):
         yield f"not compared, for only one of them has it: {', '.join(lacking)}"
+    for name, each in apart.items():
+        if left := int((each.had & ~each.known).sum()):
+            yield (
+                f"{name}: {left} of {int(each.had.sum())} numbers are left out, for not both have "
+                "them with a known error"
+            )
+    for name, found in zip(names, (a, b), strict=True):
+        if found.left_out:
+            yield f"{name}: {found.left_out}"
 
 
-def _compared(name: str, a: Numbers, b: Numbers, statistical: bool, count: int) -> Compared:
+def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     if a.values.shape != b.values.shape:
         raise ResultError(
             f"{name}: is of the shape {a.values.shape} in one, {b.values.shape} in the other"
@@ -269,32 +322,43 @@ def _compared(name: str, a: Numbers, b: Numbers, statistical: bool, count: int) 
     with np.errstate(invalid="ignore"):
         apart = np.abs(a.values - b.values)
     apart[(a.values == b.values) | (np.isnan(a.values) & np.isnan(b.values))] = 0.0
-    size = np.maximum(np.abs(a.values), np.abs(b.values))
+    size = np.fmax(np.abs(a.values), np.abs(b.values))
+    had = ~np.all([np.isnan(each.values) for each in (a, b)], axis=0)
     if a.vectors:
         apart, size = np.linalg.norm(apart, axis=-1), np.linalg.norm(size, axis=-1)
+        had = np.asarray(had.any(axis=-1))
     alike = apart == 0.0
     errors = np.hypot(a.errors, b.errors) if statistical else a.errors + b.errors
-    if not statistical and (np.isnan(errors) & ~alike).any():
-        raise ResultError(f"{name}: its error is not known")
-    allowed = np.where(np.isfinite(errors), errors, 0.0) + _ROUNDING * np.where(alike, 0.0, size)
-    ratio = np.zeros_like(apart)
-    if statistical:  # what only one of them has, or without an error, is not compared
-        known = ~(np.isnan(apart) | np.isnan(errors))
-    else:  # a number that only one of them has is a difference
-        known = np.ones_like(alike)
-        apart = np.where(np.isnan(apart), math.inf, apart)
-    np.divide(apart, allowed, out=ratio, where=known & ~alike)
-    at = tuple(int(i) for i in np.unravel_index(int(ratio.argmax()), ratio.shape))
-    p_value = None
-    agrees = bool(ratio[at] <= 1)
+    one_alone = ~np.isfinite(apart)
     if statistical:
-        freedom = min(a.freedom, b.freedom)
-        one = ndtr(-ratio[at]) if math.isinf(freedom) else stdtr(freedom, -ratio[at])
-        p_value = float(min(1.0, 2 * one * count))
-        agrees = p_value >= FALSE_ALARM
+        known = had & ~one_alone & np.isfinite(errors)
+    else:  # a number that only one of them has is a difference, whatever its error
+        known = had & (alike | one_alone | np.isfinite(errors))
+        apart = np.where(one_alone, math.inf, apart)
+    finite = np.where(alike | ~np.isfinite(size), 0.0, size)
+    allowed = np.where(np.isfinite(errors), errors, 0.0) + _ROUNDING * finite
+    ratio = np.zeros_like(apart)
+    np.divide(apart, allowed, out=ratio, where=known & ~alike)
+    return _Apart(apart, allowed, ratio, had, known)
+
+
+def _compared(
+    name: str, a: Numbers, b: Numbers, apart: _Apart, statistical: bool, count: int
+) -> Compared:
+    ratio = np.where(apart.known, apart.ratio, -1.0)
+    chance = np.ones_like(ratio)
+    if statistical:
+        freedom = np.broadcast_to(np.minimum(a.freedom, b.freedom), ratio.shape)
+        one = np.where(np.isinf(freedom), ndtr(-ratio), stdtr(freedom, -ratio))
+        chance = np.where(apart.known, 2 * one, 1.0)
+    # the least likely; of those that are alike in that, the one farthest apart
+    worst = np.lexsort((-ratio.ravel(), chance.ravel()))[0]
+    at = tuple(int(i) for i in np.unravel_index(worst, ratio.shape))
+    p_value = float(min(1.0, chance[at] * count)) if statistical else None
+    agrees = bool(ratio[at] <= 1) if p_value is None else p_value >= FALSE_ALARM
     return Compared(
-        name, a.unit, int(known.sum()), float(apart[at]), float(allowed[at]), a.where(at), p_value,
-        agrees,
+        name, a.unit, int(apart.known.sum()), float(apart.difference[at]), float(apart.allowed[at]),
+        a.where(at), p_value, agrees,
     )  # fmt: skip
 
 
@@ -328,7 +392,7 @@ def _source(of: Result, name: str) -> Source:
         name = path.name
         if path.suffix == ".json":
             return _of_json(path)
-        of = _opened(path)
+        of = load_result(path)
     if isinstance(of, Trap):
         scene = of.scene.model_dump(mode="json", exclude_none=True)
         return _of_trap(name, dataclasses.asdict(of), scene, {})
@@ -345,17 +409,6 @@ def _source(of: Result, name: str) -> Source:
                 return _of_ensemble(name, of, about)
             return _of_run(name, of, about)
     raise ResultError(f"{name}: no run, ensemble, sweep, trap or calibration")
-
-
-def _opened(path: Path) -> xr.Dataset:
-    if path.suffix != ".zarr":
-        return load_run(path)
-    if not path.is_dir():
-        raise ResultError(f"{path}: no such folder")
-    try:
-        return xr.open_zarr(path, chunks=None)
-    except Exception as error:  # Zarr raises of any kind where a file is damaged
-        raise ResultError(f"{path}: cannot be read: {' '.join(str(error).split())}") from None
 
 
 def _of_json(path: Path) -> Source:
@@ -392,7 +445,14 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
 
         def by_chance(_: NDArray[np.int64]) -> Found:
             held = places[np.isfinite(places).all(axis=1)]
-            return Found(_moments_in_time(name, held), path=places)
+            lost = len(places) - len(held)
+            if not len(held):
+                raise ResultError(f"{name}: holds no position")
+            left_out = f"{lost} of {len(places)} samples are left out, for they hold no position"
+            return Found(
+                _moments_in_time(name, held), {"status": run.attrs["status"]}, places,
+                left_out if lost else "",
+            )  # fmt: skip
 
         return Source(name, "thermal run", True, about, None, by_chance)
     bound, of_model = (float(run.attrs[f"{of}_error"]) for of in ("integration", "model"))
@@ -457,7 +517,7 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
             variance = off.mean(axis=0, where=np.isfinite(off)) * left / (left - 1)
             fourth = np.nanmean(off**2, axis=0)
             of_variance = np.sqrt((fourth - variance**2 * (left - 3) / (left - 1)) / left)
-        few = left < _INDEPENDENT
+        few, freedom = left < _INDEPENDENT, left - 1.0
         errors = (np.where(few, np.nan, each) for each in (np.sqrt(variance / left), of_variance))
 
         def where(i: tuple[int, ...]) -> str:
@@ -466,8 +526,8 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         share = lost.mean()
         part = np.array([math.sqrt((share * (1 - share) + 0.25 / n) / n)])
         numbers = {
-            "mean over trajectories": Numbers("m", mean, next(errors), where, n - 1),
-            "variance over trajectories": Numbers("m^2", variance, next(errors), where, n - 1),
+            "mean over trajectories": Numbers("m", mean, next(errors), where, freedom),
+            "variance over trajectories": Numbers("m^2", variance, next(errors), where, freedom),
             "part that is lost": Numbers("", np.array([share]), part, lambda _: "", n - 1),
         }
         return Found(numbers, path=places)
@@ -483,21 +543,22 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
         for key, each in gathered.data_vars.items():
             if not str(key).endswith(("_mean", "_variance")) or f"{key}_error" not in gathered:
                 continue
-            parts = gathered["trajectories" if "time" in each.dims else "windows"]
-            error = gathered[f"{key}_error"]
-            timed = {"time": at} if "time" in each.dims else {}
+            over_time = "time" in each.dims
+            timed = {"time": at} if over_time else {}
+            parts = gathered["trajectories_left" if over_time else "windows"].isel(timed)
+            values = each.isel(timed)
+            error = gathered[f"{key}_error"].isel(timed).where(parts >= _INDEPENDENT)
 
-            def where(i: tuple[int, ...], timed: bool = bool(timed)) -> str:
+            def where(i: tuple[int, ...], timed: bool = over_time) -> str:
                 return f"at {_ms(times[at[i[0]]])} {_along(i)}" if timed else _along(i)
 
-            if float(parts) >= _INDEPENDENT:
-                numbers[str(key).replace("_", " ")] = Numbers(
-                    each.attrs["units"],
-                    each.isel(timed).values,
-                    error.isel(timed).values,
-                    where,
-                    float(parts) - 1,
-                )
+            numbers[str(key).replace("_", " ")] = Numbers(
+                values.attrs["units"],
+                values.values,
+                error.transpose(*values.dims).values,
+                where,
+                (parts - 1.0).broadcast_like(values).transpose(*values.dims).values,
+            )
         return Found(numbers)
 
     return Source(name, "statistics", True, about, times, found)
@@ -506,9 +567,15 @@ def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> So
 def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
     of = swept.attrs["of"]
     statistical = of in ("ensemble", "calibrate")
-    freedom = math.inf
-    if of == "ensemble":
-        freedom = float(swept.attrs["trajectories"]) - 1
+
+    def freedom_of(key: str, shape: tuple[int, ...]) -> Array:
+        """Degrees of freedom: of what is of the beads left, by them."""
+        if of != "ensemble":
+            return np.full(shape, math.inf)
+        trajectories, lost = float(swept.attrs["trajectories"]), swept["lost"].values
+        parts = np.full(lost.shape, trajectories) if key == "lost" else trajectories * (1 - lost)
+        added = (1,) * (len(shape) - parts.ndim)
+        return np.broadcast_to(parts.round().reshape(parts.shape + added) - 1, shape)
 
     def found(_: NDArray[np.int64]) -> Found:
         numbers = {}
@@ -520,12 +587,16 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
                     named = zip(dims, i, strict=True)
                     return ", ".join(f"{dim} {_value(swept, dim, k)}" for dim, k in named)
 
+                freedom = freedom_of(str(key), each.shape)
                 numbers[str(key).replace("_", " ")] = Numbers(
-                    each.attrs["units"], each.values, swept[error].values, where, freedom
-                )
-        outcomes = swept["outcome"].values.ravel()
-        told = {} if statistical else {f"outcome of case {i}": w for i, w in enumerate(outcomes)}
-        return Found(numbers, {case: str(word) for case, word in told.items()})
+                    each.attrs["units"], each.values,
+                    np.where(freedom >= 1, swept[error].values, np.nan), where, freedom,
+                )  # fmt: skip
+        words = {}
+        for i, outcome in enumerate(str(each) for each in swept["outcome"].values.ravel()):
+            by_chance = statistical and outcome not in (FAILED, MISSING)
+            words[f"outcome of case {i}"] = "computed" if by_chance else outcome
+        return Found(numbers, words)
 
     over = swept.attrs["over"]
     return Source(name, f"sweep of {of}", statistical, about, None, found, over=over)
@@ -539,30 +610,30 @@ def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
 def _of_trap(
     name: str, trap: Mapping[str, Any], scene: Mapping[str, Any], about: dict[str, Any]
 ) -> Source:
-    place, error = trap["equilibrium"], trap["force_error"]
-    slope = error * gradient_of_errors(Scene.model_validate(scene))
+    place = trap["equilibrium"]
     words = {"held": str(place is not None)}
     numbers = {}
     if place is not None:
-        off = error / min(place["eigenvalues"])
+        errors = errors_of_trap(trap, Scene.model_validate(scene))
         ways = [each["direction"] for each in trap["escapes"]]
-        lengths = (each["range"] or each["wall_at"] or trap["reach"] for each in trap["escapes"])
 
         def outwards(i: tuple[int, ...]) -> str:
             return f"on the way to {ways[i[0]]}"
 
         numbers = {
-            "equilibrium": Numbers("m", np.array([place["position"]]), np.array([off]), _nowhere),
-            "stiffness": Numbers("N/m", np.diag(place["stiffness"]), np.full(3, slope), _along),
+            "equilibrium": Numbers(
+                "m", np.array([place["position"]]), np.array([errors["equilibrium"]]), _nowhere
+            ),
+            "stiffness": Numbers(
+                "N/m", np.diag(place["stiffness"]), np.full(3, errors["stiffness"]), _along
+            ),
             "escape force": Numbers(
                 "N", np.array([each["force"] for each in trap["escapes"]]),
-                np.full(len(ways), error), outwards,
+                np.array(errors["escape_force"]), outwards,
             ),
             "escape energy": Numbers(
                 "J", np.array([each["energy"] for each in trap["escapes"]]),
-                np.array([each["energy_error"] + error * length
-                          for each, length in zip(trap["escapes"], lengths, strict=True)]),
-                outwards,
+                np.array(errors["escape_energy"]), outwards,
             ),
         }  # fmt: skip
     keys = _keys(scene) | {"theory": trap["theory"], "evaluator": trap["evaluator"]}
@@ -579,7 +650,10 @@ def _nowhere(_: tuple[int, ...]) -> str:
 def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
     numbers = {
         f"stiffness {axis['axis']}, {each['method']}": Numbers(
-            "N/m", np.array([each["stiffness"]]), np.array([each["uncertainty"]]), _nowhere
+            "N/m",
+            np.array([each["stiffness"]], np.float64),
+            np.array([each["uncertainty"]], np.float64),
+            _nowhere,
         )
         for axis in found["axes"]
         for each in axis["estimates"]

@@ -135,6 +135,24 @@ def load_run(path: str | Path) -> xr.Dataset:
     return run
 
 
+def load_result(path: Path) -> xr.Dataset:
+    """A saved run or statistics (.nc), or a store (.zarr), of which only what is used is read.
+
+    Raises `ResultError` for a file or folder that is none.
+    """
+    if path.suffix != ".zarr":
+        return load_run(path)
+    import xarray as xr
+
+    if not path.is_dir():
+        raise ResultError(f"{path}: no such folder")
+    try:
+        return xr.open_zarr(path, chunks=None)
+    except Exception as error:  # Zarr raises of any kind where a store is damaged
+        reason = " ".join(str(error).split())
+        raise ResultError(f"{path}: not a result of tweezer: {reason}") from None
+
+
 @contextlib.contextmanager
 def _reading(path: Path) -> Iterator[None]:
     """A context in which the file of a run is read. Raises `ResultError` if it is not sound."""

@@ -19,6 +19,7 @@ import dask
 import numpy as np
 import pytest
 import scipy.signal
+import scipy.special
 import scipy.stats
 import xarray as xr
 from filelock import FileLock
@@ -29,7 +30,7 @@ import tweezer
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import job, statistics, store
 from tweezer.ensembles import workers as workers_module
-from tweezer.ensembles.statistics import joined, moments
+from tweezer.ensembles.statistics import error_of_part, joined, moments
 from tweezer.rounding import with_uncertainty
 
 ensemble_module = importlib.import_module("tweezer.ensembles.ensemble")
@@ -50,6 +51,14 @@ INERTIAL = FREE.replace(simulation={"model": "full"})
 TURNING = INERTIAL.replace(
     start={"angular_velocity": [2e5, -1e5, 3e5], "orientation": [0.5, 0.5, 0.1, 0.7]}
 )
+
+
+@pytest.mark.parametrize(("number", "total"), [(0, 50), (7, 50), (50, 50), (1, 1)])
+def test_the_error_of_a_part_is_half_of_wilsons_interval(number, total):
+    one_sigma = scipy.special.erf(np.sqrt(0.5))
+    found = scipy.stats.binomtest(number, total).proportion_ci(one_sigma, method="wilson")
+    half = (found.high - found.low) / 2
+    assert error_of_part(number / total, total) == pytest.approx(half, rel=1e-12)
 
 
 @pytest.fixture

@@ -68,6 +68,14 @@ def joined(a: Array, b: Array) -> Array:
     return whole
 
 
+def error_of_part(part: float, number: int) -> float:
+    """Half of E. B. Wilson's interval of one standard deviation of a part of `number` beads.
+
+    It is no 0 where the part is 0 or 1.
+    """
+    return math.sqrt(part * (1 - part) / number + 1 / (4 * number**2)) / (1 + 1 / number)
+
+
 @dataclass(frozen=True)
 class Plan:
     """The statistics to gather, and the samples that they use."""

@@ -30,8 +30,6 @@ FAILED, MISSING = "failed", "not computed"
 
 #: Distance over which the force of rays is taken to change, in radii
 _RAYS = 0.02
-#: Quantile of the interval of a lost fraction: one standard deviation
-_Z = 1.0
 
 #: Names along the dimensions of quantities
 DIMENSIONS = {"axis": ["x", "y", "z"], "direction": list(DIRECTIONS)}
@@ -158,9 +156,8 @@ def values_of_trap(trap: Trap) -> Values:
     if place is None or trap.corner_frequencies is None:
         return values | {"outcome": RESTS if trap.rests else LOST}
     stiffness = np.diag(place.stiffness)
-    stiffness_error = error * gradient_of_errors(scene)
+    errors = errors_of_trap(dataclasses.asdict(trap), scene)
     corner = np.array(trap.corner_frequencies)
-    lengths = [each.range or each.wall_at or trap.reach for each in trap.escapes]
     thermal = Boltzmann * scene.medium.temperature
     held = trap.lifetime
     return values | {
@@ -168,17 +165,32 @@ def values_of_trap(trap: Trap) -> Values:
         "lifetime": math.nan if held is None else held.time,
         "lifetime_error": math.nan if held is None else held.error,
         "equilibrium": list(place.position),
-        "equilibrium_error": [error / place.eigenvalues[0]] * 3,
+        "equilibrium_error": [errors["equilibrium"]] * 3,
         "stiffness": stiffness.tolist(),
-        "stiffness_error": [stiffness_error] * 3,
+        "stiffness_error": [errors["stiffness"]] * 3,
         "corner_frequency": corner.tolist(),
-        "corner_frequency_error": np.abs(corner * stiffness_error / stiffness).tolist(),
+        "corner_frequency_error": np.abs(corner * errors["stiffness"] / stiffness).tolist(),
         "escape_force": [each.force for each in trap.escapes],
-        "escape_force_error": [error] * len(trap.escapes),
+        "escape_force_error": errors["escape_force"],
         "escape_energy": [each.energy_kT for each in trap.escapes],
-        "escape_energy_error": [
-            (each.energy_error + error * length) / thermal
-            for each, length in zip(trap.escapes, lengths, strict=True)
+        "escape_energy_error": [each / thermal for each in errors["escape_energy"]],
+    }
+
+
+def errors_of_trap(trap: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
+    """Errors of a trap's numbers by that of the force: m, N/m, and N and J of each way out.
+
+    trap: the fields of a `Trap` that holds the bead, as `tweezer trap --out` writes them too.
+    """
+    error, ways = trap["force_error"], trap["escapes"]
+    lengths = [each["range"] or each["wall_at"] or trap["reach"] for each in ways]
+    return {
+        "equilibrium": error / min(trap["equilibrium"]["eigenvalues"]),
+        "stiffness": error * gradient_of_errors(scene),
+        "escape_force": [error] * len(ways),
+        "escape_energy": [
+            each["energy_error"] + error * length
+            for each, length in zip(ways, lengths, strict=True)
         ],
     }
 
@@ -223,6 +235,7 @@ def _number(value: float | None) -> float:
 
 def _of_ensemble(scene: Scene, asked: Asked) -> Values:
     from tweezer.ensembles import ensemble
+    from tweezer.ensembles.statistics import error_of_part
 
     found = ensemble(
         scene, asked.trajectories, seed=asked.seed, statistics=True, skip=asked.skip, workers=1
@@ -231,13 +244,11 @@ def _of_ensemble(scene: Scene, asked: Asked) -> Values:
         raise KeyboardInterrupt
     n = asked.trajectories
     lost = float(found["trajectories_lost"]) / n
-    # half of Wilson's interval: it is no 0 where none is lost
-    width = math.sqrt(lost * (1 - lost) / n + (_Z / (2 * n)) ** 2) * _Z / (1 + _Z**2 / n)
     moments = {"mean": "stationary_mean", "variance": "stationary_variance"}
     return {
         "outcome": "all held" if lost == 0 else "some lost" if lost < 1 else "all lost",
         "lost": lost,
-        "lost_error": width,
+        "lost_error": error_of_part(lost, n),
         **{name: found[of].values.tolist() for name, of in moments.items()},
         **{f"{name}_error": found[f"{of}_error"].values.tolist() for name, of in moments.items()},
     }

@@ -26,7 +26,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     Raises `ResultError` for what no page shows, and `SceneError` for a scene that is none.
     """
     if isinstance(of, str | Path):
-        of = _load(Path(of)) if Path(of).suffix in RESULTS else _scene(str(of))
+        of = _read(Path(of))
     if isinstance(of, Scene):
         from tweezer.simulation import simulate
 
@@ -34,29 +34,11 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     return Page(content_of(of))
 
 
-def _load(path: Path) -> xr.Dataset:
-    """The result in a file; of a store only what is asked for is read from it.
+def _read(path: Path) -> xr.Dataset | Scene:
+    if path.suffix in RESULTS:
+        from tweezer.io import load_result
 
-    Raises `ResultError` for a file that is none.
-    """
-    if path.suffix == ".nc":
-        from tweezer.io import load_run
-
-        return load_run(path)
-    import xarray as xr
-
-    from tweezer.errors import ResultError
-
-    if not path.is_dir():
-        raise ResultError(f"{path}: no such folder")
-    try:
-        return xr.open_zarr(path, chunks=None)
-    except Exception as error:  # Zarr raises of any kind where a store is damaged
-        reason = " ".join(str(error).split())
-        raise ResultError(f"{path}: not a result of tweezer: {reason}") from None
-
-
-def _scene(name: str) -> Scene:
+        return load_result(path)
     from tweezer.scene import load_scene
 
-    return load_scene(name)
+    return load_scene(str(path))

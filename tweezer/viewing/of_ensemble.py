@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import bound_once
-from tweezer.ensembles.statistics import joined, moments
+from tweezer.ensembles.statistics import error_of_part, joined, moments
 from tweezer.io import scene_of
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32, uint16
@@ -234,8 +234,7 @@ def _share(number: int, total: int) -> tuple[str, str]:
     if not total:
         return "0", ""
     part = number / total
-    width = math.sqrt(part * (1 - part) / total + 1 / (4 * total**2)) / (1 + 1 / total)
-    return f"{number}, {100 * part:.4g} %", f"± {100 * width:.2g} %"
+    return f"{number}, {100 * part:.4g} %", f"± {100 * error_of_part(part, total):.2g} %"
 
 
 def _stationary(dataset: xr.Dataset) -> list[Row]:
