@@ -1,7 +1,8 @@
 """What the site takes from elsewhere: notebooks, scene schema, commands; formulas as MathML.
 
 Figures of notebooks become files, with a text in their place for those who do not see them. The
-gallery has each shipped scene, with its page that plays, which `plays.py` makes meanwhile.
+gallery has each shipped scene, with its page that plays, which `plays.py` makes meanwhile; where
+TWEEZER_PLAYS is set, of the scenes that it names alone, as a test does.
 
 Called by mkdocs (`hooks` in mkdocs.yml).
 """
@@ -13,6 +14,7 @@ import hashlib
 import html
 import itertools
 import logging
+import os
 import re
 import subprocess
 import sys
@@ -104,7 +106,8 @@ def on_files(files: Files, config: MkDocsConfig) -> None:
     for path in ELSEWHERE:
         files.append(File(path, str(ROOT), config.site_dir, config.use_directory_urls))
     plays = [sys.executable, str(ROOT / "docs/plays.py"), str(Path(config.site_dir, PLAYS))]
-    config.extra["plays"] = subprocess.Popen([*plays, *(path.stem for path in SCENES)], cwd=ROOT)
+    names = os.environ.get("TWEEZER_PLAYS", " ".join(path.stem for path in SCENES)).split()
+    config.extra["plays"] = subprocess.Popen([*plays, *names], cwd=ROOT)
     for uri, text in (
         ("gallery.md", gallery()), ("scenes.md", scene_reference()),
         ("commands.md", command_reference()),
