@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import itertools
 
@@ -92,10 +93,14 @@ def saved(kind):
     return file.getvalue()
 
 
+#: the files as they are where nothing else sets a style, each written once
+usual = functools.cache(saved)
+
+
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
 def test_a_figure_is_the_same_whatever_the_style_of_the_session(kind):
     before = dict(mpl.rcParams)
-    expected = saved(kind)
+    expected = usual(kind)
     with mpl.rc_context({"font.size": 30, "axes.grid": True, "xtick.labelsize": 3, "svg.id": None}):
         assert saved(kind) == expected
     assert dict(mpl.rcParams) == before
@@ -113,10 +118,10 @@ def test_a_figure_is_shown_as_it_is_written():
 
 
 def test_text_of_a_drawing_is_text_with_its_fonts():
-    page = saved("svg").decode()
+    page = usual("svg").decode()
     assert "v (m/s)" in page
     assert "<title>a name without end" in page or "<dc:title>a name without end" in page
-    paper = saved("pdf")
+    paper = usual("pdf")
     assert b"/FontFile2" in paper  # TrueType, embedded
     assert b"/Type3" not in paper
 
