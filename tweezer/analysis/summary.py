@@ -299,7 +299,8 @@ def _overshoot(position: Array) -> float:
 def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
     """Distance, m, and time, s, of the first closest approach; None where there is none."""
     for event in json.loads(run.attributes.get("events", "[]")):
-        if event["name"] == "closest approach":
+        within = run["time"][0] <= event["time"] <= run["time"][-1]  # of a part of a run too
+        if event["name"] == "closest approach" and within:
             return float(np.linalg.norm(event["position"])), event["time"]
     distance = run["distance"]
     change = np.diff(distance)
