@@ -148,7 +148,7 @@ FULL = Effort(
 )  # fmt: skip
 QUICK = Effort(
     rounds=3, compiling=False, ways=(DEFAULT, Way("overdamped", "euler-maruyama")),
-    steps=(STEP, 0.8), euler_steps=(1.9,), baoab_steps=(0.03,), trap_times=2e4, longer=1.0,
+    steps=(STEP, 0.8), euler_steps=(1.9,), baoab_steps=(0.03,), trap_times=1e4, longer=1.0,
     euler_trap_times=640.0, beads=64, ensemble=128, most_workers=1, repeats=1, trajectories=(1000,),
     theories=("waves",),
 )  # fmt: skip
