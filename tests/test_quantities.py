@@ -109,6 +109,8 @@ def test_positions_keep_their_unit():
     places = np.array([[0.2, 0.0, 0.1], [0.0, 0.3, 1.0]])
     plain = tweezer.optical_force(SCENE, places * 1e-6)
     np.testing.assert_array_equal(tweezer.optical_force(SCENE, unit.Quantity(places, "um")), plain)
+    one_by_one = [[unit.Quantity(each, "um") for each in place] for place in places]
+    np.testing.assert_allclose(tweezer.optical_force(SCENE, one_by_one), plain, rtol=1e-12)
     with pytest.raises(ValueError, match="positions: has the wrong unit; must be convertible to m"):
         tweezer.optical_force(SCENE, unit.Quantity(places, "s"))
 

@@ -480,8 +480,8 @@ def _moments_in_time(name: str, places: Array) -> dict[str, Numbers]:
             independent = len(series) / statistical_inefficiency(series)
             if independent < _INDEPENDENT:
                 raise ResultError(
-                    f"{name}: has {independent:.2g} independent samples; a comparison needs "
-                    f"{_INDEPENDENT}"
+                    f"{name}: has {math.floor(independent)} independent samples; a comparison "
+                    f"needs {_INDEPENDENT}"
                 )
             error = math.sqrt(series.var() / independent)
             found[quantity].append((float(series.mean()), error, independent - 1))

@@ -116,7 +116,7 @@ def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
     """
     values = without_unit(values, unit)
     if isinstance(values, list | tuple):
-        if any(isinstance(each, str) or _has_unit(each) for each in values):
+        if any(isinstance(each, str | list | tuple) or _has_unit(each) for each in values):
             values = [array_in_si(each, unit) for each in values]
     elif isinstance(values, str):
         values = to_si(values, unit)

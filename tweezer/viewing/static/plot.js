@@ -200,7 +200,10 @@ export class Plot {
     const found = [];
     if (this.options.log) {
       const every = Math.ceil(Math.log10(high / low) / 5);
-      for (let k = Math.ceil(Math.log10(low)); 10 ** k <= high; k += every) found.push(10 ** k);
+      const parts = high < 100 * low ? [1, 2, 5] : [1]; // two decades may hold one power of ten
+      for (let k = Math.floor(Math.log10(low)); 10 ** k <= high; k += every) {
+        found.push(...parts.map((part) => part * 10 ** k).filter((value) => value >= low && value <= high));
+      }
       return found;
     }
     this.step = nice((high - low) / Math.max(2, (this.height - TOP - BOTTOM) / 32));

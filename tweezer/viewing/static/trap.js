@@ -77,7 +77,9 @@ export function start(content, shell) {
   });
   const bar = colourBar();
   slice.append(bar.element, make("p", { class: "caption key" },
-    "dashed: bead at its equilibrium; + focus; disc: stable, ring: unstable; open square: largest pull back; bar: end of the pull"));
+    facts.held
+      ? "dashed: bead at its equilibrium; + focus; disc: stable, ring: unstable; open square: largest pull back; bar: end of the pull"
+      : "dashed: bead at the focus, for no equilibrium holds it; + focus; ring: unstable"));
   let image = null;
   const axis = (k) => ({ low: micro(low[k]), high: micro(high[k]), name: AXES[k], unit: "µm" });
   // Colours of the slice, cell by cell from below; kept until it changes.
