@@ -1,7 +1,7 @@
 """Commands: what each costs in empty caches, and again.
 
 Each command runs in an empty folder with caches of its own: once with nothing in them (cold), then
-again (warm, the least of several). Processor time is that of the command and the processes that it
+again (warm). Processor time is that of the command and the processes that it
 started. What a command reads is made before, with other caches. Then one user's commands run in
 their order with one cache, which is what a first hour is like; and tweezer is installed from
 nothing, which is told apart.
@@ -24,7 +24,7 @@ from tests.benchmarks.timing import ROOT, machine
 Results = dict[str, Any]
 
 #: times that a warm command runs
-WARM = 3
+WARM = 1
 
 
 class Command(NamedTuple):

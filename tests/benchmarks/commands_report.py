@@ -60,8 +60,8 @@ def block(results: Results) -> str:
     by_command = {each["command"]: each for each in results["commands"]}
     page, run = by_command[FIRST_PAGE.told], by_command[FIRST_RUN.told]
     explained = (
-        f"From nothing: `pip install` takes {results['install']['wall_s']:.0f} s with the packages "
-        f"at hand or not, as the network is. Then `{page['command']}` shows the first page after "
+        f"From nothing: the environment and `pip install` took {results['install']['wall_s']:.0f} "
+        f"s, which depends on the network. Then `{page['command']}` has the first page after "
         f"{page['cold_wall_s']:.0f} s ({page['cold_cpu_s']:.0f} s of processor time), and "
         f"`{run['command']}` its numbers after {run['cold_wall_s']:.0f} s "
         f"({run['cold_cpu_s']:.0f} s). Most of it is compiling, once."

@@ -548,6 +548,14 @@ def test_quick_run_of_commands():
     assert [len(table) for table in commands_report.tables(results)] == [2, 2]
 
 
+def test_page_quotes_the_committed_commands():
+    results = pages.committed("commands")
+    assert pages.quoted("commands") == commands_report.block(results)
+    assert [each["command"] for each in results["commands"]] == [
+        each.told for each in commands.COMMANDS
+    ]
+
+
 def test_a_command_that_fails_is_not_timed(tmp_path):
     with pytest.raises(RuntimeError, match=r"nothing\.toml"):
         commands._cost(("run", "nothing.toml"), tmp_path, os.environ)
