@@ -97,6 +97,7 @@ def test_a_file_that_is_there_is_kept(command_line):
         (["--laser", "1550 nm"], "--laser '1550 nm': the index of polystyrene is known from"),
         (["--laser", "1550 nm", "--bead", "silica"], "--laser '1550 nm': the index of water is"),
         (["--power", "20mw"], "did you mean mW?"),
+        (["--power", "0 mW"], "no light holds no bead"),
         (["--depth", "1 um"], "--depth '1 um': must be more than 1.2 um, for a bead of 1 um"),
         (["--depth", "none", "--objective", "100x/1.40 oil"], "--depth 'none': must be a length"),
     ],

@@ -1063,8 +1063,13 @@ def _numbers(value: Any) -> Iterator[Any]:
 
 def _lines(error: ValidationError, several: bool) -> Iterator[str]:
     """One line per bad value, in the order of the scene. several: whether it has several beams."""
-    for details in error.errors(include_url=False):
+    errors = error.errors(include_url=False)
+    wrong = {details["loc"] for details in errors}
+    for details in errors:
         where = details["loc"]
+        name, filled = NAMED.get(str(where[0]), ("", ())) if where else ("", ())
+        if details["type"] == "missing" and (where[0], name) in wrong and where[-1] in filled:
+            continue  # the right name would give it
         if several and where[:1] == ("beam",):
             where = ("beam[1]", *where[1:])
         elif where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]

@@ -206,7 +206,10 @@ def _wavelength(text: str, material: Material) -> float:
 def _power(text: str) -> float:
     from tweezer.units import Power
 
-    return quantity_in("--power", text, Power)
+    found = quantity_in("--power", text, Power)
+    if not found:
+        raise SceneError(f"--power {text!r}: no light holds no bead")
+    return found
 
 
 def _depth(text: str, objective: Objective, diameter: float) -> float | None:
