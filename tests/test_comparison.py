@@ -124,6 +124,7 @@ def test_thermal_motion_is_compared_by_its_statistics():
     assert shifted.quantities[0].where == "along y"
     with pytest.raises(tweezer.ResultError, match="independent samples"):
         tweezer.compare(thermal(places), thermal(places[:150]))
+    assert tweezer.compare(thermal(places[:150]), thermal(places[:150])).same
     with pytest.raises(
         tweezer.ResultError, match="of the kind thermal run, second of the kind run"
     ):

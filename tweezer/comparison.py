@@ -73,6 +73,8 @@ class Found(NamedTuple):
     """of thermal motion: what is the same where the random numbers are"""
     left_out: str = ""
     """what it has and its numbers do not use"""
+    obstacle: str = ""
+    """why it can be the same as another, and cannot be compared otherwise"""
 
 
 class _Apart(NamedTuple):
@@ -233,6 +235,8 @@ def compare(a: Result, b: Result) -> Comparison:
     )
     outcomes = tuple(_differing(here.words or {}, there.words or {}))
     same = not outcomes and _same(here, there)
+    if not same and (obstacle := here.obstacle or there.obstacle):
+        raise ResultError(obstacle)
     agrees = same or (all(each.agrees for each in quantities) and not outcomes)
     if agrees:
         _check_left(names, apart, same, not statistical and here.words)
@@ -449,9 +453,14 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
             if not len(held):
                 raise ResultError(f"{name}: holds no position")
             left_out = f"{lost} of {len(places)} samples are left out, for they hold no position"
+            moments, independent = _moments_in_time(held)
+            few = (
+                f"{name}: has {math.floor(independent)} independent samples; a comparison needs "
+                f"{_INDEPENDENT}"
+            )
             return Found(
-                _moments_in_time(name, held), {"status": run.attrs["status"]}, places,
-                left_out if lost else "",
+                moments, {"status": run.attrs["status"]}, places, left_out if lost else "",
+                few if independent < _INDEPENDENT else "",
             )  # fmt: skip
 
         return Source(name, "thermal run", True, about, None, by_chance)
@@ -472,17 +481,14 @@ def _ms(time: float) -> str:
     return f"{1e3 * time:.6g} ms"
 
 
-def _moments_in_time(name: str, places: Array) -> dict[str, Numbers]:
-    """Mean and variance along each axis over the time of a run."""
+def _moments_in_time(places: Array) -> tuple[dict[str, Numbers], float]:
+    """Mean and variance along each axis over the time of a run; its independent samples."""
+    fewest = math.inf
     found: dict[str, list[tuple[float, float, float]]] = {"mean": [], "variance": []}
     for x in places.T:
         for quantity, series in (("mean", x), ("variance", (x - x.mean()) ** 2)):
             independent = len(series) / statistical_inefficiency(series)
-            if independent < _INDEPENDENT:
-                raise ResultError(
-                    f"{name}: has {math.floor(independent)} independent samples; a comparison "
-                    f"needs {_INDEPENDENT}"
-                )
+            fewest = min(fewest, independent)
             error = math.sqrt(series.var() / independent)
             found[quantity].append((float(series.mean()), error, independent - 1))
     return {
@@ -494,7 +500,7 @@ def _moments_in_time(name: str, places: Array) -> dict[str, Numbers]:
             min(each[2] for each in rows),
         )
         for (quantity, rows), unit in zip(found.items(), ("m", "m^2"), strict=True)
-    }
+    }, fewest
 
 
 def _along(at: tuple[int, ...]) -> str:
