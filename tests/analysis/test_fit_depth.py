@@ -610,7 +610,7 @@ def test_a_noise_that_is_none_is_not_determined(scene):
      (np.arange(21.0), np.ones((20, 2)), r"times of shape \(21,\)"),
      (np.arange(20.0)[:, None], np.ones((20, 2)), r"times of shape \(20, 1\)"),
      (np.arange(20.0), np.ones(20), r"positions of shape \(20,\)"),
-     (np.arange(20.0), [["a", "b"]] * 20, "positions: must be numbers in m")],
+     (np.arange(20.0), [["a", "b"]] * 20, "positions: must be a number in m")],
 )  # fmt: skip
 def test_shapes_of_a_track(times, positions, complaint):
     with pytest.raises(ResultError, match=complaint):
