@@ -83,6 +83,7 @@ def command_line(tmp_path, monkeypatch, capsys) -> Callable[..., Outcome]:
     """`command_line("run", "scene.toml")`: the command `tweezer` in an empty working directory."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
 
     def call(*arguments: str) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["tweezer", *arguments])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import re
@@ -9,6 +10,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 import warnings
 from importlib.metadata import version
 from pathlib import Path
@@ -384,14 +386,55 @@ def test_an_interrupt_from_outside(name, tmp_path):
     assert 1e-3 <= run["time"].values[-1] < 5e-3
 
 
-def test_an_interrupt_before_the_first_step_writes_nothing(command_line, monkeypatch):
-    def interrupted(scene, seed):
-        raise KeyboardInterrupt
+def interrupted(*_, **__):
+    raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.runs, "followed_with_progress", interrupted)
-    outcome = command_line("run", *SHORT)
-    assert (outcome.code, outcome.out, outcome.err) == (130, "", "")
+
+@pytest.mark.parametrize("compiled", [False, True])
+@pytest.mark.parametrize(
+    ("arguments", "at"),
+    [
+        (["run", *SHORT], "tweezer.dynamics.solution.Solver.__init__"),  # where loops are compiled
+        (["view", *SHORT[:1], "--out", "a.html"], "tweezer.dynamics.solution.Solver.__init__"),
+        (["run", *FREE, "--set", "forces.brownian=true"], "tweezer.dynamics.walk.Walk.filmed"),
+        (["trap", *SHORT[:1], "--out", "a.json"], "tweezer.analysis.characterise"),
+        (["ensemble", *SHORT, "--trajectories", "2"], "tweezer.arguments.check_ensemble"),
+        (["sweep", *SHORT[:1]], "tweezer.sweeps.sweep"),
+        (["calibrate", "a.csv"], "tweezer.analysis.load_recording"),
+    ],
+)
+def test_an_interrupt_before_anything_is_reached(
+    command_line, monkeypatch, arguments, at, compiled
+):
+    monkeypatch.setattr(at, interrupted)
+    monkeypatch.setattr("tweezer.compiled.cache.kept", lambda: compiled)
+    outcome = command_line(*arguments)
+    assert (outcome.code, outcome.out) == (130, "")
+    kept = "; what was compiled so far is kept" if compiled else ""
+    assert without_the_compiler(outcome.err) == [f"interrupted: nothing was written{kept}"]
     assert not list(Path().iterdir())
+
+
+def test_an_interrupt_after_a_file_is_written(command_line, monkeypatch):
+    monkeypatch.setattr("tweezer.plots.run_figure", interrupted)
+    outcome = command_line("run", *FREE, *DRAWN)
+    assert outcome.code == 130
+    assert outcome.err.splitlines()[-1].startswith("interrupted: wrote silica-1um.nc")
+    assert [path.name for path in Path().iterdir()] == ["silica-1um.nc"]
+
+
+def test_an_interrupt_that_python_ignores_is_made_again(monkeypatch):
+    """In a callback, such as those of Numba's compiler, an exception ends nothing."""
+    monkeypatch.setattr(sys, "unraisablehook", cli._interrupt_again)
+    callback = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
+
+    def called():
+        callback()
+        for _ in range(1000):
+            time.sleep(0.01)
+
+    with pytest.raises(KeyboardInterrupt):
+        called()
 
 
 @pytest.mark.parametrize(

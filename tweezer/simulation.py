@@ -190,6 +190,8 @@ def _thermal_run(
                 if progress:
                     progress(float(bound.times[reached - 1]))
         except KeyboardInterrupt:
+            if reached == 1:  # as while it is compiled
+                raise
             status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
         except IntegrationError as error:
             status, message = "failed", f"failed after {bound.times[reached - 1]:.6g} s: {error}"

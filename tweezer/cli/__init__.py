@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import _thread
 import errno
 import importlib
 import os
 import signal
 import sys
+import threading
 import warnings
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -39,12 +41,17 @@ for _group in (
     importlib.import_module(f"tweezer.cli.{_group}")
 
 
+#: Time after which an interrupt that was ignored is made again, s
+_ONCE_MORE = 0.05
+
+
 def main() -> None:
     """Run the command line; an expected error is one line and exit code 2.
 
     SIGTERM and SIGHUP are treated as an interruption: results so far are written.
     """
     warnings.showwarning = show_warning  # type: ignore[assignment]
+    sys.unraisablehook = _interrupt_again
     # matrices are small here: threads for them take longer to start than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
@@ -62,6 +69,14 @@ def main() -> None:
             raise
         complain(f"what is printed cannot be written: {error.strerror}")
         os._exit(FAILED)  # or the interpreter would flush once more
+
+
+def _interrupt_again(unraisable: Any) -> None:
+    """Interrupt once more where Python ignores it, as in the callbacks of Numba's compiler."""
+    if unraisable.exc_type is KeyboardInterrupt:
+        threading.Timer(_ONCE_MORE, _thread.interrupt_main).start()
+    else:
+        sys.__unraisablehook__(unraisable)
 
 
 def _version(asked: bool) -> None:

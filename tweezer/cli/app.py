@@ -4,19 +4,31 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+import typer.core
 
 from tweezer.cli.completion import complete_scene, complete_setting
-from tweezer.cli.console import show_warning, showing_progress
+from tweezer.cli.console import show_warning, showing_progress, telling_interrupt
 from tweezer.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
     from tweezer.optics import Table as Map
     from tweezer.scene import Scene
 
+
+class _Commands(typer.core.TyperGroup):
+    """The commands; one that is interrupted says what there is."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        with telling_interrupt():
+            return super().invoke(ctx)
+
+
 app = typer.Typer(
+    cls=_Commands,
     help="Simulate a bead in an optical trap.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,

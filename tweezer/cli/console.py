@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import os
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import typer
 from rich.console import Console
 
 from tweezer.errors import ResultError
@@ -33,6 +35,14 @@ STORES = ("zarr",)
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
+#: The files that a command is to write, and when each was last changed before, ns
+_awaited: dict[Path, int | None] = {}
+
+
+def _changed(path: Path) -> int | None:
+    return path.stat().st_mtime_ns if path.exists() else None
+
+
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
     """`path`; refused before any computation if it cannot be written."""
     if path.suffix.lstrip(".").lower() not in formats:
@@ -48,7 +58,28 @@ def writable(path: Path, formats: tuple[str, ...]) -> Path:
             raise ResultError(f"{path}: is a folder")
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
+    _awaited[path] = _changed(path)
     return path
+
+
+@contextlib.contextmanager
+def telling_interrupt() -> Iterator[None]:
+    """Context of a command: an interrupt ends it with what was written and what is kept."""
+    _awaited.clear()
+    try:
+        yield
+    except KeyboardInterrupt:
+        _tell_interrupted()
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _tell_interrupted() -> None:
+    written = [str(path) for path, before in _awaited.items() if _changed(path) != before]
+    told = f"wrote {' and '.join(written)}" if written else "nothing was written"
+    cache = sys.modules.get("tweezer.compiled.cache")  # of a command that came so far
+    if cache and cache.kept():
+        told += "; what was compiled so far is kept"
+    complain(f"interrupted: {told}")
 
 
 @contextlib.contextmanager

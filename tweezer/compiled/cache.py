@@ -122,6 +122,11 @@ def found() -> int:
     )
 
 
+def kept() -> bool:
+    """Whether this process compiled functions of tweezer's that the next ones load."""
+    return _Cache.kept
+
+
 def _ours(dispatcher: Dispatcher) -> bool:
     return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
 
@@ -221,6 +226,9 @@ class _File:
 class _Cache(caching.FunctionCache):
     """Numba's cache of one function, with files that are verified when read."""
 
+    kept = False
+    """whether this process stored a function"""
+
     def __init__(self, dispatcher: Dispatcher, callers: Callers) -> None:
         super().__init__(dispatcher.py_func)
         base = Path(self.cache_path, self._impl.filename_base)
@@ -235,6 +243,7 @@ class _Cache(caching.FunctionCache):
         """Store what was compiled, unless the folder cannot take it."""
         try:
             super().save_overload(signature, code)
+            _Cache.kept = True
         except OSError as error:
             _not_kept(f"what is compiled is not kept: {error.strerror}")
 

@@ -107,7 +107,7 @@ def integrate(
     returned. progress: called with the time reached. tightened: factor of all tolerances.
     prescribed: all steps of a compiled method, s, instead of its own. most_held: steps up to which
     the result has a `path`. An interrupt (Ctrl-C) or a failure ends the run early, marked, with
-    what was reached.
+    what was reached; an interrupt before anything was is raised.
     """
     simulation = equations.scene.simulation
     method: str = simulation.method
@@ -170,6 +170,8 @@ def integrate(
             if why in _FAILURES and status == "complete":
                 raise IntegrationError(_FAILURES[why])
     except KeyboardInterrupt:
+        if reached == 1:  # as while it is compiled
+            raise
         status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
     except (IntegrationError, ArithmeticError, np.linalg.LinAlgError) as error:
         status = "failed"
