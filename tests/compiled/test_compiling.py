@@ -78,6 +78,13 @@ of = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)
 print(*called, *(of(each)(0.0) for each in addresses))
 """
 
+#: the force of the thesis's rays, whose sum is rounded as it was optimised
+FORCE = """
+import numpy as np, tweezer
+places = 1e-6 * np.random.default_rng(1).uniform(-2, 2, (200, 3))
+print(tweezer.optical_force(tweezer.load_scene("thesis-1950nm"), places).tobytes().hex())
+"""
+
 #: a function of another library, kept by Numba; and what tweezer leaves of Numba's insides
 FOREIGN = """
 import sys
@@ -141,6 +148,14 @@ def test_after_a_warm_up_a_run_compiles_nothing(tmp_path):
     found = int(re.search(r"compiled 0 functions in 0 s; (\d+) were there already$",
                           again.stdout)[1])  # fmt: skip
     assert 0 < found <= len(kept)  # one that another calls is compiled within it
+
+
+def test_what_is_compiled_and_what_is_found_round_alike(tmp_path):
+    first, second = (
+        python("-W", "ignore", "-c", FORCE, cwd=ROOT, NUMBA_CACHE_DIR=str(tmp_path)).stdout
+        for _ in range(2)
+    )
+    assert first == second
 
 
 @pytest.fixture
@@ -229,6 +244,20 @@ def test_what_only_compiled_functions_call_refuses_python_also_once_it_is_compil
         with pytest.raises(TypeError, match="only compiled functions can call it"):
             inner(3)
         assert outer(3) == 7
+
+
+def test_what_is_linked_finds_its_python_objects(capfd):
+    @named_njit(inner=True)
+    def tell(x):
+        print("told", x)
+        return x
+
+    @named_njit()
+    def call(x):
+        return tell(x)
+
+    assert call(2.0) == 2.0
+    assert capfd.readouterr().out == "told 2.0\n"
 
 
 @pytest.mark.parametrize("first", ["compiled", "Python"])

@@ -30,6 +30,7 @@ import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
+from tweezer.compiled import linked
 from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
@@ -223,8 +224,20 @@ class _File:
         return hashlib.sha256(self._compiled_from + content).digest()
 
 
+class _Contents(caching.CompileResultCacheImpl):
+    """What Numba keeps of a function, and what is only to be linked."""
+
+    def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
+        """The function of which `payload` was kept."""
+        if linked.is_linked(payload):
+            return linked.rebuilt(target_context, payload)
+        return super().rebuild(target_context, payload)
+
+
 class _Cache(caching.FunctionCache):
     """Numba's cache of one function, with files that are verified when read."""
+
+    _impl_class = _Contents
 
     kept = False
     """whether this process stored a function"""

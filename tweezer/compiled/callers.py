@@ -11,12 +11,14 @@ from numba.core import sigutils
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.dispatcher import Dispatcher
 
+from tweezer.compiled import linked
+
 
 class Callers:
     """Compiles a function for those who call it.
 
-    For compiled code without the code by which Python calls it, and with that code when Python
-    calls the function, or takes its address.
+    For compiled code without the code by which Python calls it, to be linked into that of its
+    caller; and with that code when Python calls the function, or takes its address.
     """
 
     def __init__(self, dispatcher: Dispatcher) -> None:
@@ -33,6 +35,7 @@ class Callers:
         function.compile, function.add_overload = self._compiled, self._added
         function.get_compile_result = self._get_compile_result
         function._compiler._customize_flags = self._customised
+        function._compiler.pipeline_class = linked.LinkingCompiler
 
     def _get_call_template(self, *arguments: Any) -> Any:
         """`Dispatcher.get_call_template`: compiled code calls the function."""
@@ -66,12 +69,14 @@ class Callers:
         if self.compiled:
             types = tuple(result.signature.args)
             self._without.add(types)
-            self._overloads[types] = result
+            found = result.entry_point is not None
+            self._overloads[types] = result if found else linked.with_entry(result)
         else:
             self._add(result)
+            linked.set_environments(result)
 
     def _customised(self, flags: Any) -> Any:
         """`_FunctionCompiler._customize_flags`: the options of one compilation."""
         if self.compiled:
-            flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+            flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.no_compile = True
         return flags

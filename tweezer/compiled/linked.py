@@ -1,0 +1,82 @@
+"""Functions that only compiled code calls: linked into it, with no machine code of their own.
+
+Numba makes machine code of each function, also of those that compiled code alone calls, and loads
+it. Code of another function that was compiled with a copy of its own is then bound to the first
+copy that the process loaded. The copies are optimised apart and differ in rounding, so a process
+that compiled a function itself got other last bits than one that found it in the cache.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import llvmlite.binding as llvm
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult
+
+_KIND = "linked"
+
+
+class _Entry:
+    """Stands for the address that such a function does not have: Numba looks it up by that."""
+
+
+class _Linked(JITCodeLibrary):
+    """Numba's code library, without machine code."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._verify_declare_only_symbols()
+        self._finalized = True
+
+    def serialize_using_object_code(self) -> tuple[str, str, bytes]:
+        """What is kept in the cache: its name and LLVM's bitcode."""
+        self._ensure_finalized()
+        return self.name, _KIND, self._final_module.as_bitcode()
+
+
+class LinkingCompiler(Compiler):
+    """Numba's compiler; what has the flag `no_compile` is only to be linked."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function, as `numba.core.compiler.compile_extra` asks for it."""
+        if self.state.flags.no_compile:
+            codegen = self.state.targetctx.codegen()
+            self.state.library = _Linked(codegen, function.__qualname__)
+        return super().compile_extra(function)
+
+
+def with_entry(result: CompileResult) -> CompileResult:
+    """Let compiled code find a function that is only to be linked."""
+    result = result._replace(entry_point=_Entry())
+    result.target_context.insert_user_function(result.entry_point, result.fndesc, [result.library])
+    return result
+
+
+def set_environments(result: CompileResult) -> None:
+    """Give the machine code the Python objects that functions linked into it refer to."""
+    for each in result._find_referenced_environments():
+        result.library.codegen.set_env(each.env_name, each)
+
+
+def is_linked(kept: tuple[Any, ...]) -> bool:
+    """Whether what the cache has, Numba's tuple of a compiled function, is only to be linked."""
+    return bool(kept[0][1] == _KIND)
+
+
+def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
+    """The function of which the cache has `kept`; as `CompileResult._rebuild`."""
+    (name, _, bitcode), descriptor, environment, signature, objectmode, lifted, *others = kept
+    annotation, reload_init, environments = others
+    for initialise in reload_init:
+        initialise()
+    library = _Linked(context.codegen(), name)
+    library._final_module = llvm.parse_bitcode(bitcode)
+    library._finalize_final_module()
+    return CompileResult(
+        typing_context=context.typing_context, target_context=context, entry_point=_Entry(),
+        typing_error=None, type_annotation=annotation, signature=signature, objectmode=objectmode,
+        lifted=lifted, fndesc=descriptor, library=library, call_helper=None,
+        environment=environment, metadata=None, reload_init=reload_init,
+        referenced_envs=environments,
+    )  # fmt: skip
