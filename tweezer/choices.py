@@ -13,6 +13,8 @@ from typing import Any
 
 #: Endings of files of runs, ensembles and sweeps
 RESULTS = (".nc", ".zarr")
+#: Ending of the file of a trap
+SAVED_TRAP = ".json"
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,10 @@ from tweezer.sweeps.result import dataset_of
 
 @pytest.fixture(scope="session")
 def about():
-    """Attributes of an ensemble; no light, so that nothing is compiled."""
-    scene = tweezer.load_scene("silica-1um").replace(forces={"brownian": True, "optical": False})
+    """Attributes of an ensemble; no light, so that nothing is compiled, and a wall far off."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True, "optical": False}, wall={"position": "-20 um"}
+    )
     return {
         "title": "beads that are made up", "scene": scene.model_dump_json(exclude_none=True),
         "trajectories": 15, "seed": 24, "model": "full", "method": "heun", "step": 1e-5,

@@ -2,6 +2,9 @@
 
 import base64
 import io
+from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from selenium.webdriver.support.wait import WebDriverWait
 import tweezer
 from tests.browsing import resize
 from tests.reference.rigid_body import rotation_matrix
+from tweezer.viewing import movie
 
 #: fields of the camera that are matrices, by columns
 MATRICES = ("projection", "view")
@@ -247,11 +251,40 @@ def test_words_for_who_does_not_see_it(shown, turning_run):
     assert said["unnamed"] == 0
 
 
+def test_speeds_below_the_axis_are_not_drawn(shown, turning_run):
+    """The bead starts at rest: its dot is not there, and the plot says from where on it draws."""
+    speed = turning_run["speed"].values
+    assert speed[0] < 1e-6 * speed.max()
+    dots = "return [...document.querySelectorAll('.plot')[1].querySelectorAll('.dot')].map("
+    dots += "(dot) => dot.hidden)"
+    assert shown.execute_script(dots) == [True, False]
+    words = shown.find_element("css selector", ".below").text
+    assert words.startswith("gaps: below")
+    shown.execute_script("tweezer.seek(arguments[0])", float(turning_run["time"][-1]))
+    assert shown.execute_script(dots) == [False, False]
+
+
+def test_a_frame_of_a_film_is_the_page(browser, address, turned_run, monkeypatch):
+    """Its last one beside the page at the end."""
+    monkeypatch.chdir(url2pathname(urlsplit(address).path.rpartition("/")[0]))
+    taken = movie.frames(browser, Path("run.html"), 2)
+    first, last = (imread(io.BytesIO(each))[:, :, :3] for each in taken)
+    browser.execute_script("tweezer.seek(0)")
+    browser.execute_script("tweezer.seek(arguments[0])", float(turned_run["time"][-1]))
+    assert last.shape == (800, 1280, 3)
+    assert np.abs(last - picture(browser)).max() < 0.02
+    assert np.abs(last - first).max() > 0.2
+
+
 def test_on_a_phone_and_in_the_dark(browser, address):
     """Dark as the system is, until the button says otherwise."""
     open_page(browser, address, 400, 800, dark=True)
     browser.execute_script("tweezer.seek(0)")
     assert browser.execute_script("return document.documentElement.scrollWidth") == 400
+    # the whole table of the summary, with its judgements, is within the screen
+    ends = "return [...document.querySelectorAll('.found :is(th, td)')].map("
+    ends += "(cell) => cell.getBoundingClientRect().right)"
+    assert max(browser.execute_script(ends)) < 400
     assert picture(browser).mean() < 0.4
     browser.execute_script("document.querySelectorAll('header button')[1].click()")
     WebDriverWait(browser, 30).until(lambda driver: picture(driver).mean() > 0.6)

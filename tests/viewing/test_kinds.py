@@ -1,11 +1,15 @@
 """What the pages of an ensemble, a trap and a sweep have: the numbers of what they show."""
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from tweezer.viewing import of_ensemble, of_sweep, of_trap
+import tweezer
+from tweezer.cli.trap import _write_trap
+from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
+from tweezer.viewing.heading import heading, of_changes
 
 
 @pytest.fixture(scope="module")
@@ -123,6 +127,39 @@ def test_numbers_of_a_sweep_are_those_of_its_cases(diagram):
     assert across["values"] == pytest.approx([0.5, 0.8, 1.2])
     assert (across["unit"], down["unit"]) == ("µm", "mW")
     assert (across["log"], down["log"]) == (False, True)
+
+
+def test_a_saved_trap_is_the_trap(trap, tmp_path):
+    vars(trap).pop("lifetime", None)
+    _write_trap(trap.scene, trap, tmp_path / "trap.json")
+    saved, version = saved_trap.load_trap(tmp_path / "trap.json")
+    # JSON has no infinity
+    assert (saved.force_error, trap.force_error) == (pytest.approx(math.nan, nan_ok=True), math.inf)
+    assert saved == dataclasses.replace(trap, force_error=saved.force_error)
+    assert version == tweezer.__version__
+    assert (saved.scene, saved.lifetime) == (trap.scene, trap.lifetime)
+    for wrong in ("{}", "[]", '{"trap": {"equilibria": 3}, "scene": {}, "tweezer_version": "1"}'):
+        (tmp_path / "wrong.json").write_text(wrong)
+        with pytest.raises(tweezer.ResultError, match="no saved trap"):
+            saved_trap.load_trap(tmp_path / "wrong.json")
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [({}, "1 um silica bead in water, 1064 nm, 50 mW through an NA 1.25 objective"),
+     ({"bead": {"diameter": "0.8 um"}, "medium": {"temperature": 293.0}},
+      "silica-1um with bead diameter 0.8 um and temperature 293 K"),
+     ({"forces": {"brownian": True, "gravity": False}, "start": {"position": [0, 0, 1e-6]},
+       "simulation": {"samples": 5, "duration": 2e-3}},
+      "silica-1um with thermal motion, no gravity, start position (0, 0, 1) um and 2 more changes"),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore::tweezer.PhysicsWarning")
+def test_a_heading_names_what_was_changed(changes, told):
+    scene = tweezer.load_scene("silica-1um").replace(**changes)
+    assert heading(scene, scene.title) == told
+    assert heading(scene, "a title of its own") == "a title of its own"
+    assert all(key in " ".join(of_changes(scene)) for key in scene.changed)
 
 
 def test_tables_of_a_trap_reach_over_what_is_shown(trap):

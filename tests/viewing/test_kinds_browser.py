@@ -9,10 +9,14 @@ import pytest
 from matplotlib.image import imread
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
+from tweezer.cli.trap import _write_trap
 
+#: Equilibria of a sweep of one key, of which one is far off, m
+FAR_OFF = [[1e-7, 1.2e-7, 3e-4, 0.9e-7]]
 #: Before numbers on a page
 MINUS = "\N{MINUS SIGN}"
 
@@ -20,8 +24,11 @@ MINUS = "\N{MINUS SIGN}"
 @pytest.fixture(scope="module")
 def pages(cloud, gathered, trap, diagram, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    given = {"cloud": cloud, "gathered": gathered, "trap": trap, "diagram": diagram,
-             "curve": diagram.isel({"beam.power_through_pupil": [1]})}  # fmt: skip
+    _write_trap(trap.scene, trap, folder / "trap.json")
+    curve = diagram.isel({"bead.diameter": [1]}).copy(deep=True)
+    curve["equilibrium"].loc[{"axis": "z"}] = FAR_OFF
+    given = {"cloud": cloud, "gathered": gathered, "trap": folder / "trap.json",
+             "diagram": diagram, "curve": curve}  # fmt: skip
     return {
         name: tweezer.view(each).save(folder / f"{name}.html").as_uri()
         for name, each in given.items()
@@ -102,6 +109,17 @@ def test_beads_are_seen_where_the_ensemble_has_them(show, cloud):
         assert np.abs(middle - spot).max() < 1
     words = browser.find_element("css selector", ".counts").text
     assert words.startswith("14 of 15 beads are left, 1 lost")
+    outside = browser.find_element("css selector", ".outside").text.replace(MINUS, "-")
+    assert outside == "Outside the picture: the wall at z = -20.0 µm, below"
+    # the density in the plane x-z: cells as wide as the cloud, over its number and their area
+    x, z = there[:, 0], there[:, 2]
+    room = 3.5 * max(np.std(x, ddof=1), np.std(z, ddof=1))
+    ends = [[each.mean() - room, each.mean() + room] for each in (x, z)]
+    counted, _, _ = np.histogram2d(x, z, 48, ends)
+    most = counted.max() / len(there) / (2 * room / 48) ** 2
+    told = browser.find_element("css selector", ".density canvas").get_attribute("aria-label")
+    assert f"at most {most:.1f} /µm², over {2 * room:.1f} µm" in told
+    assert browser.find_element("css selector", ".ramp-numbers").text.endswith(f"{most:.1f} /µm²")
 
 
 def test_a_lost_bead_is_a_ring_where_it_was_last(show, cloud):
@@ -126,6 +144,8 @@ def test_a_page_of_statistics_shows_mean_and_spread(show, gathered):
 def test_the_page_of_a_trap_has_its_force(show, trap):
     """Anywhere in the box, against the evaluator, within what the page says itself."""
     browser, scene = show("trap"), trap.scene
+    sub = browser.find_element("css selector", ".sub").text
+    assert f"saved in trap.json, computed by tweezer {tweezer.__version__}" in sub
     box = browser.execute_script("return tweezer.content.facts.box")
     rng, across = np.random.default_rng(24), box["across"]
     low, high = [-across, -across, box["low"]], [across, across, box["high"]]
@@ -221,6 +241,11 @@ def test_one_key_gives_a_curve(show, diagram):
     browser = show("curve")
     click(browser, browser.execute_script("return tweezer.cell(0)"))
     row = browser.find_element("css selector", '[data-name="stiffness x"] td')
-    smallest = diagram.sortby("bead.diameter")["stiffness"][0, 1]
-    expected = 1e6 * float(smallest.sel(axis="x"))
+    expected = 1e6 * float(diagram["stiffness"][1, 0].sel(axis="x"))
     assert float(row.text) == pytest.approx(expected, rel=0.01)
+    # a case far off does not hide how the others differ: it is beyond the axis, and it is said
+    words = "stable equilibrium nearest the focus, measured from it, z"
+    Select(browser.find_element("css selector", ".tools select")).select_by_visible_text(words)
+    low, high = browser.execute_script("return tweezer.axis()")
+    assert low < 0.09 < 0.12 < high < 0.13
+    assert "1 of 4 cases" in browser.find_element("css selector", ".kinds").text

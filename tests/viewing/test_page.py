@@ -190,7 +190,7 @@ def test_a_page_is_whole_and_loads_nothing(page, turning_run):
     assert parts.addresses == ["data:,"]
     assert (VENDOR / "LICENSE").read_text().strip() in page.html
     assert all(address.startswith("data:") for address in json.loads(imports)["imports"].values())
-    assert json.loads(content)["title"] == turning_run.attrs["title"]
+    assert json.loads(content)["title"] == page.content.title
     assert "http" not in re.sub(r"base64,[A-Za-z0-9+/=]*", "", page.html)
     names = set(re.findall(r'from "([^"]+)"', program))
     for path in (VENDOR.parent).glob("*.js"):
@@ -238,6 +238,14 @@ def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypa
     outcome = command_line("view", "run.nc", "--out", "page.html")
     assert (outcome.code, outcome.out, outcome.err) == (0, "wrote page.html\n", "")
     assert (tmp_path / "page.html").read_text() == tweezer.view(turning_run).html
+    assert command_line("view", "run.nc", "--out", "page.html").code == 0
+    (tmp_path / "own.html").write_text("<h1>not of tweezer</h1>")
+    outcome = command_line("view", "run.nc", "--out", "own.html")
+    said = "own.html: is there, and is no page of tweezer; name another --out, or --overwrite it\n"
+    assert (outcome.code, outcome.err) == (2, said)
+    assert (tmp_path / "own.html").read_text() == "<h1>not of tweezer</h1>"
+    assert command_line("view", "run.nc", "--out", "own.html", "--overwrite").code == 0
+    assert (tmp_path / "own.html").read_text() == (tmp_path / "page.html").read_text()
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     outcome = command_line("view", "run.nc")

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from tweezer.choices import RESULTS
+from tweezer.choices import RESULTS, SAVED_TRAP
 
 #: `tweezer.scene.SHIPPED`, which takes half a second to load
 _SHIPPED = Path(__file__).parents[1] / "scenes"
@@ -26,7 +26,7 @@ def complete_scene(incomplete: str) -> list[str]:
 
 def complete_shown(incomplete: str) -> list[str]:
     """Scenes, and files of results."""
-    return [*_shipped(incomplete), *_files(incomplete, (".toml", *RESULTS))]
+    return [*_shipped(incomplete), *_files(incomplete, (".toml", *RESULTS, SAVED_TRAP))]
 
 
 def _shipped(incomplete: str) -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.choices import RESULTS
+from tweezer.choices import RESULTS, SAVED_TRAP
 from tweezer.cli.app import Changes, app, bind_light, scene_with, settings_of
 from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
@@ -34,8 +34,8 @@ def view(
     run: Annotated[
         str,
         typer.Argument(
-            help="File of a run, an ensemble or a sweep (.nc, .zarr); or a scene, by name or file, "
-            "which is run first.",
+            help="File of a run, an ensemble or a sweep (.nc, .zarr), or of a trap (.json); or a "
+            "scene, by name or file, which is run first.",
             metavar="RUN",
             autocompletion=complete_shown,
         ),
@@ -52,14 +52,22 @@ def view(
         typer.Option(help="Film to write as well (mp4, gif); needs Chromium, selenium, ffmpeg."),
     ] = None,
     seconds: Annotated[float, typer.Option(help="Time that the film takes.")] = _SECONDS,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
+    ] = False,
 ) -> None:
     """Show RUN on a page that plays.
 
     The page is one file that needs no network: the bead in the light with its forces, and plots on
     which a click moves it. Of an ensemble it shows all beads, of a trap the field of its force, of
-    a sweep what came out of every case.
+    a sweep what came out of every case. An OUT that is a page of tweezer is replaced, and no other
+    file without --overwrite.
     """
     out = out and writable(out, ("html",))
+    if out is not None and not overwrite and not _replaceable(out):
+        raise ResultError(
+            f"{out}: is there, and is no page of tweezer; name another --out, or --overwrite it"
+        )
     if movie is not None:
         from tweezer.viewing.movie import FORMATS, programs
 
@@ -82,9 +90,24 @@ def view(
         raise typer.Exit(code)
 
 
+#: What a page of tweezer says near its beginning, and within how many bytes
+_SIGN, _HEAD = b'<meta name="generator" content="tweezer ', 4096
+
+
+def _replaceable(out: Path) -> bool:
+    """Whether nothing is at `out`, or a page that tweezer wrote."""
+    if not out.exists():
+        return True
+    try:
+        with out.open("rb") as file:
+            return _SIGN in file.read(_HEAD)
+    except OSError:
+        return False
+
+
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     """The page of a result or a scene, and the exit code: of a run that ended early its own."""
-    if Path(name).suffix in RESULTS:
+    if Path(name).suffix in (*RESULTS, SAVED_TRAP):
         if changes or trap:
             given = "--trap" if trap else "--set"
             raise SceneError(f"{given}: is for a scene; {name} is a result")

@@ -58,7 +58,9 @@ class Quantity(NamedTuple):
 
 QUANTITIES: dict[str, dict[str, Quantity]] = {
     "trap": {
-        "equilibrium": Quantity("axis", "m", "stable equilibrium nearest the focus, from there"),
+        "equilibrium": Quantity(
+            "axis", "m", "stable equilibrium nearest the focus, measured from it"
+        ),
         "stiffness": Quantity("axis", "N/m", "stiffness at the equilibrium"),
         "corner_frequency": Quantity("axis", "Hz", "corner frequency at the equilibrium"),
         "escape_force": Quantity("direction", "N", "largest restoring force on the way out"),

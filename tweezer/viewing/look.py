@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tweezer.choices import RESULTS
+from tweezer.choices import RESULTS, SAVED_TRAP
 from tweezer.scene import Scene
 from tweezer.viewing.kinds import content_of
 from tweezer.viewing.page import Page
@@ -19,14 +19,20 @@ if TYPE_CHECKING:
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
     """A page to look at: one file of HTML that needs no server and no network.
 
-    of: a run, an ensemble or a sweep as a dataset, or the file of one (.nc, .zarr); a `Trap`; or a
-    scene, or the name or file of one, which is simulated first. In Jupyter the page is shown;
-    `Page.save(path)` writes it, and `Page.open()` shows it in a browser.
+    of: a run, an ensemble or a sweep as a dataset, or the file of one (.nc, .zarr); a `Trap`, or
+    the file of one (.json of `tweezer trap --out`); or a scene, or the name or file of one, which
+    is simulated first. In Jupyter the page is shown; `Page.save(path)` writes it, and `Page.open()`
+    shows it in a browser.
 
     Raises `ResultError` for what no page shows, and `SceneError` for a scene that is none.
     """
     if isinstance(of, str | Path):
-        of = _read(Path(of))
+        path = Path(of)
+        if path.suffix == SAVED_TRAP:
+            from tweezer.viewing import saved_trap
+
+            return Page(saved_trap.content(path))
+        of = _read(path)
     if isinstance(of, Scene):
         from tweezer.simulation import simulate
 

@@ -8,13 +8,15 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tweezer.errors import ResultError
 
 if TYPE_CHECKING:
+    from selenium.webdriver.remote.webdriver import WebDriver
+
     from tweezer.viewing.page import Page
 
 #: Size of a film, pixels
@@ -91,7 +93,7 @@ def film(
     return path
 
 
-def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> Any:
+def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> Iterator[bytes]:
     """PNG of the page at `count` times."""
     from selenium import webdriver
     from selenium.common import WebDriverException
@@ -106,17 +108,26 @@ def _pictures(page: Page, folder: Path, where: dict[str, str], count: int) -> An
     except WebDriverException as error:
         raise ResultError(f"a film: the browser does not start: {error.msg}") from None
     try:
-        screen = {"width": _WIDTH, "height": _HEIGHT, "deviceScaleFactor": 1, "mobile": False}
-        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-        driver.get(source.as_uri())
-        ends = driver.execute_script("return window.tweezer?.duration")
-        if not ends:
-            raise ResultError(f"{page.content.title}: a {page.content.kind} has no time to film")
-        first, last = ends
-        for i in range(count):
-            time = first + (last - first) * i / (count - 1)
-            driver.execute_script("tweezer.seek(arguments[0])", time)
-            taken = driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
-            yield base64.b64decode(taken["data"])
+        yield from frames(driver, source, count)
     finally:
         driver.quit()
+
+
+def frames(driver: WebDriver, source: Path, count: int) -> Iterator[bytes]:
+    """PNG of the page saved at `source` at `count` times from the first to the last.
+
+    Raises `ResultError` for a page without time.
+    """
+    screen = {"width": _WIDTH, "height": _HEIGHT, "deviceScaleFactor": 1, "mobile": False}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    driver.get(source.absolute().as_uri())
+    ends = driver.execute_script("return window.tweezer?.duration")
+    if not ends:
+        title = driver.title.removesuffix(" · tweezer")
+        raise ResultError(f"{title}: a page without time, of which there is no film")
+    first, last = ends
+    for i in range(count):
+        time = first + (last - first) * i / (count - 1)
+        driver.execute_script("tweezer.seek(arguments[0])", time)
+        taken = driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+        yield base64.b64decode(taken["data"])

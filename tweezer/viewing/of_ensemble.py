@@ -14,6 +14,7 @@ from tweezer.io import scene_of
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
+from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import computed_by, of_number
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
@@ -74,7 +75,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     total = len(lost_time)
     return Content(
         kind="ensemble",
-        title=dataset.attrs["title"],
+        title=heading(scene, dataset.attrs["title"]),
         facts={
             **scene_facts(scene),
             "beads": total,
@@ -85,7 +86,8 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
         arrays=arrays,
         summary=_summary(dataset, scene, course, total, int(np.isfinite(lost_time).sum())),
         notes=[
-            *_of_thinning(len(times), total, kept, beads), *_of_the_cloud(centre is not None),
+            *of_changes(scene), *_of_thinning(len(times), total, kept, beads),
+            *_of_the_cloud(centre is not None),
             *of_the_picture(scene), f"{computed_by(dataset.attrs)} Seed {dataset.attrs['seed']}.",
         ],
         warning="" if computed.all() else (
@@ -162,7 +164,7 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
     total = int(dataset["trajectories"])
     return Content(
         kind="ensemble",
-        title=dataset.attrs["title"],
+        title=heading(scene, dataset.attrs["title"]),
         facts={
             **scene_facts(scene), "beads": total, "drawn": 0, "centre": None, "trajectories": False,
         },
@@ -172,6 +174,7 @@ def _of_statistics(dataset: xr.Dataset, scene: Scene) -> Content:
             *_stationary(dataset),
         ],
         notes=[
+            *of_changes(scene),
             "This ensemble has kept statistics and no trajectory: the shells are one and two "
             "standard deviations about the mean along each axis, over the beads at a time.",
             *_of_times(dataset.sizes["time"], kept),
@@ -272,8 +275,9 @@ def _of_the_cloud(near: bool) -> list[str]:
     notes = [
         "Every point is the centre of a bead, at the last sample before the time shown. A bead "
         "that is lost stays as a ring where it was last seen; means and spreads leave it out.",
-        "The density counts the points in cells of a plane at the time shown, over all that lies "
-        "before and behind the plane.",
+        "The probability density counts the beads left at the time shown in cells of a plane, "
+        "whatever their place across it, over the number of beads left and the area of a cell. Its "
+        "axes are as wide as the cloud at that time, or hold the cloud of all times.",
         "Beads do not feel each other: each was alone in the light.",
     ]
     if near:

@@ -19,6 +19,7 @@ from tweezer.run import Run
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
+from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.rows import NOT_KNOWN, computed_by, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
@@ -51,7 +52,7 @@ def content(dataset: xr.Dataset) -> Content:
     summary = summary_of(run)
     return Content(
         kind="run",
-        title=run.attributes["title"],
+        title=heading(scene, run.attributes["title"]),
         facts={
             **scene_facts(scene),
             "thermal": thermal,
@@ -63,7 +64,8 @@ def content(dataset: xr.Dataset) -> Content:
         arrays=arrays,
         summary=_rows(run, scene, summary),
         notes=[
-            *_of_the_summary(summary), *_of_the_path(run, scene, close=close), *about_forces,
+            *of_changes(scene), *_of_the_summary(summary),
+            *_of_the_path(run, scene, close=close), *about_forces,
             *about_energies, *of_the_picture(scene), *_origin(run, scene),
         ],
         warning=f"This run {_ENDED[status]}: {message}." if status in _ENDED else "",
@@ -154,9 +156,10 @@ def _energies(
     error = float(np.abs(work[::2] - halved).max(initial=0.0)) / 3
     energies["work"] = work
     notes.append(
-        "Work of the light is the sum of its force times the way since the release, by the "
-        f"trapezoidal rule from sample to sample; half the samples estimate its error: {error:.1g} "
-        "kT. The light has no potential in general, so no potential energy is shown."
+        "Work of the light is the integral of its force along the path since the release, by the "
+        "trapezoidal rule from sample to sample. Its error, estimated with half the samples, is "
+        f"{error:.1g} kT. The force of light has no potential in general, so no potential energy "
+        "is shown."
     )
     if not scene.forces.brownian and "kinetic" in energies:
         net = sum(values for name, values in forces.items() if name not in ("drag", "sum"))

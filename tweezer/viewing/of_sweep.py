@@ -11,7 +11,8 @@ from tweezer.io import scene_of
 from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, SHOWN
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.rows import computed_by
+from tweezer.viewing.heading import heading, named, of_changes
+from tweezer.viewing.rows import computed_by, in_print
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,6 +22,8 @@ _WIDE = 3.0
 #: Quantities whose sizes differ by orders of magnitude
 _BY_RATIO = ("lifetime", "stiffness", "corner_frequency", "escape_energy", "escape_force")
 
+#: What is computed of each case, where it is no noun
+_NOUNS = {"calibrate": "calibration"}
 #: Quantities in SI units
 _IN_SI = ("lifetime",)
 
@@ -47,15 +50,16 @@ def content(dataset: xr.Dataset) -> Content:
                 if np.isinf(values).any():
                     arrays[f"{each}_endless"] = float32(np.isinf(values), "1")
         quantities.append({
-            "name": name, "about": quantity.about, "unit": unit, "along": along,
+            "name": name, "about": in_print(quantity.about), "unit": unit, "along": along,
             "least": quantity.dimension == "direction",
             "log": name in _BY_RATIO, "error": f"{name}_error" in dataset,
         })  # fmt: skip
     outcomes, numbers = np.unique(dataset["outcome"].values, return_counts=True)
     counts = dict(zip(outcomes.tolist(), numbers.tolist(), strict=True))
+    of_what = heading(scene, scene.title) if scene.changed else scene.name
     return Content(
         kind="sweep",
-        title=f"{scene.name}: {of} over {' and '.join(over)}",
+        title=f"{of_what}: {_NOUNS.get(of, of)} over {' and '.join(map(named, over))}",
         facts={
             "of": of,
             "scene": scene.name,
@@ -66,7 +70,7 @@ def content(dataset: xr.Dataset) -> Content:
         },
         arrays=arrays,
         summary=_summary(dataset, over, counts),
-        notes=_notes(dataset, of),
+        notes=[*of_changes(scene), *_notes(dataset, of)],
         warning=f"This sweep was stopped early: {counts.get(MISSING, 0)} of its cases are not "
         "computed." if MISSING in counts else "",
     )  # fmt: skip

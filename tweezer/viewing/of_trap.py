@@ -19,7 +19,8 @@ from tweezer.optics.light import LightForce
 from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
-from tweezer.viewing.rows import of_number, si
+from tweezer.viewing.heading import heading, of_changes
+from tweezer.viewing.rows import in_print, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 Array = NDArray[np.float64]
@@ -132,7 +133,7 @@ def content(trap: Trap) -> Content:
         arrays |= {"heights": float32(heights, "m"), "wall_force": float32(of_walls, "N")}
     return Content(
         kind="trap",
-        title=scene.title,
+        title=heading(scene, scene.title),
         facts={
             **scene_facts(scene),
             "box": {"across": box.across, "low": box.low, "high": box.high},
@@ -155,7 +156,7 @@ def content(trap: Trap) -> Content:
         },
         arrays=arrays,
         summary=_summary(trap),
-        notes=[*_notes(trap, compared), *of_the_picture(scene)],
+        notes=[*of_changes(scene), *_notes(trap, compared), *of_the_picture(scene)],
     )  # fmt: skip
 
 
@@ -326,7 +327,7 @@ def _summary(trap: Trap) -> list[Row]:
         found = np.atleast_1d(values[name])
         errors = np.broadcast_to(values.get(f"{name}_error", math.nan), found.shape)
         for at, value, error in zip(quantity.along, found, errors, strict=True):
-            about = f"{quantity.about}, {at}" if at else quantity.about
+            about = in_print(quantity.about) + (f", {at}" if at else "")
             known = float(error) if quantity.error else None
             unit = quantity.unit
             rows.append(of_number(about, float(value), known, unit, in_tables=True, trusted=sound))

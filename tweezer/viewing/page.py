@@ -59,7 +59,7 @@ class Page:
         )
 
     def save(self, path: str | Path) -> Path:
-        """Write the page to `path`; raises `ResultError` if it cannot be written."""
+        """Write the page to `path`, whatever is there; raises `ResultError` if it cannot be."""
         path = Path(path)
         with replacing(path) as whole:
             whole.write(self.html.encode())

@@ -60,6 +60,11 @@ def si(value: float, unit: str, digits: int = 3) -> str:
     return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixed}"  # 300, not 3e+02
 
 
+def in_print(about: str) -> str:
+    """Words on a quantity with the symbol of a page for k_B T."""
+    return about.replace("k_B T", "kT")
+
+
 def computed_by(attributes: Mapping[str, Any]) -> str:
     """With what a result was computed, as its attributes have it."""
     libraries = ", ".join(

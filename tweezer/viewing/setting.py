@@ -11,7 +11,6 @@ from tweezer.scene import Scene
 
 def scene_facts(scene: Scene) -> dict[str, Any]:
     """What a picture needs of a scene: bead, cones of light, walls. SI."""
-    cover = scene.lens.cover
     return {
         "shells": [radius for radius, _ in scene.bead.shells],
         "beams": [
@@ -25,14 +24,23 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
             for beam in scene.beams
             if (alone := scene.with_one_beam(beam)).lit
         ],
-        "walls": [
-            {"z": z, "normal": normal} for z, normal in (scene.wall.planes if scene.wall else ())
-        ],
-        "cover": None if cover is None else {"z": -cover.depth, "index": cover.refractive_index},
+        "walls": _walls(scene),
         "temperature": scene.medium.temperature,
     }
 
 
+def _walls(scene: Scene) -> list[dict[str, Any]]:
+    """Planes that end the fluid, with the cover glass, by height, m; `normal` leads to the bead."""
+    cover = scene.lens.cover
+    planes = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    if cover is not None:
+        same = [z for z in planes if math.isclose(z, -cover.depth, abs_tol=_SAME)]
+        planes[same[0] if same else -cover.depth] = (1, "cover glass")
+    return [{"z": z, "normal": normal, "name": name} for z, (normal, name) in planes.items()]
+
+
+#: Distance of two planes that are one, m
+_SAME = 1e-12
 #: Largest sine of the angle at which light is drawn
 _STEEPEST = 0.999
 

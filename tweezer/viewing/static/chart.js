@@ -34,7 +34,7 @@ export function choice(label, entries, act) {
   return list;
 }
 
-const LEFT = 58, RIGHT = 14, TOP = 12, BOTTOM = 38;
+const LEFT = 68, RIGHT = 14, TOP = 12, BOTTOM = 38;
 
 export class Chart {
   // options: {label, equal, paint(pen, chart), over(pen, chart), onpick(x, y)}. `equal`: a length is as
@@ -143,7 +143,7 @@ export class Chart {
       free = y - 7;
     }
     pen.save();
-    pen.translate(left - 46, top); pen.rotate(-Math.PI / 2);
+    pen.translate(left - 57, top); pen.rotate(-Math.PI / 2);
     pen.textBaseline = "middle";
     pen.fillText(titled(this.y), 0, 0);
     pen.restore();
@@ -181,7 +181,7 @@ function ticks(axis, most) {
     if (found.length > 1) return found;
     return [[low, text(low, 3)], [high, text(high, 3)]];
   }
-  const step = nice((high - low) / Math.max(2, most)) || 1;
+  const step = nice((high - low) / Math.max(3, most)) || 1;
   const places = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++)
     found.push([k * step, k === 0 ? "0" : (k * step).toFixed(Math.min(places, 9)).replace("-", "−")]);

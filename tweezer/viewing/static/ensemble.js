@@ -1,5 +1,5 @@
 // The page of an ensemble: its beads as a cloud in motion, or the spread that statistics tell.
-import { column, locate, text } from "tweezer/arrays";
+import { column, locate, scaled, text } from "tweezer/arrays";
 import { Chart, VIRIDIS, choice, colourBar, css, shade } from "tweezer/chart";
 import { Clock } from "tweezer/clock";
 import { Flat } from "tweezer/flat";
@@ -31,8 +31,9 @@ export function start(content, shell) {
   const flat = !drawing().possible;
   const stage = new (flat ? Flat : Stage)(shell, { center: middle, reach, label });
   stage.floor(low[2]);
-  for (const { z, normal } of facts.walls)
-    if (1e6 * z > low[2] - reach && 1e6 * z < high[2] + reach) stage.wall(1e6 * z, normal, "wall");
+  const close = ({ z }) => 1e6 * z > low[2] - reach && 1e6 * z < high[2] + reach;
+  for (const { z, normal, name } of facts.walls.filter(close)) stage.wall(1e6 * z, normal, name);
+  shell.outside(facts.walls.filter((wall) => !close(wall)));
   for (const beam of facts.beams) stage.beam(beam, 1.5 * Math.max(reach, radius)).place(beam.focus.map(micro));
   const bead = stage.bead(facts.shells.map(micro));
   const way = stage.path(mean.map((x) => (Number.isFinite(x) ? 1e6 * x : 0)), true);
@@ -53,20 +54,27 @@ export function start(content, shell) {
   const seen = new Int32Array(beads);
   for (let n = 0; n < beads; n++)
     for (let i = times.length - 1; i > 0 && !seen[n]; i--) if (!Number.isNaN(place[0][i * beads + n])) seen[n] = i;
-  let plane = "x–z", density = null;
+  let plane = "x–z", axesOf = "now", density = null;
   if (facts.trajectories) {
     const caption = make("p", { class: "caption" });
     const bar = colourBar();
     const holder = make("div", { class: "density" });
-    const list = choice("Plane of the density", Object.keys(PLANES).map((name) => [name, name]), (name) => { plane = name; axes(); show(clock.time); });
+    const list = choice("Plane of the density", Object.keys(PLANES).map((name) => [name, name]), (name) => { plane = name; again(); });
     shell.plots.prepend(holder);
-    holder.append(make("div", { class: "tools" }, make("h3", {}, "Density"), list, caption));
+    const ranges = choice("Axes of the density", [["now", "axes of this time"], ["all", "axes of all times"]], (which) => { axesOf = which; again(); });
+    holder.append(make("div", { class: "tools" }, make("h3", {}, "Probability density"), list, ranges, caption));
     const chart = new Chart(shell, holder, { equal: true, label: "Density of the beads", paint: (pen) => paint(pen) });
     holder.append(bar.element);
     const counted = new Int32Array(CELLS * CELLS);
-    const axes = () => {
-      const of = (k) => ({ low: low[k], high: high[k], name: AXES[k], unit: "µm" });
-      chart.axes(of(PLANES[plane][0]), of(PLANES[plane][1]));
+    const again = () => density(locate(times, clock.time)[0]);
+    // no axes are narrower than this part of the widest spread: all beads may start at one place
+    const widest = micro(spread.reduce((x, y) => (y > x ? y : x), 0));
+    // The ends of the axes of the plane at a time, um, as long as each other.
+    const ends = (plane, index) => {
+      const middle = plane.map((k) => micro(mean[3 * index + k]));
+      const room = SPREADS * Math.max(...plane.map((k) => micro(spread[3 * index + k]) || 0), 0.1 * widest);
+      if (axesOf === "all" || !(room > 0 && middle.every(Number.isFinite))) return plane.map((k) => [low[k], high[k]]);
+      return middle.map((x) => [x - room, x + room]);
     };
     let most = 1;
     const paint = (pen) => {
@@ -79,25 +87,27 @@ export function start(content, shell) {
         pen.fillRect(x0 + (k % CELLS) * wide, bottom - (Math.floor(k / CELLS) + 1) * tall, wide + 0.5, tall + 0.5);
       }
     };
-    axes();
     density = (index) => {
-      const [a, b] = PLANES[plane];
+      const [a, b] = PLANES[plane], [[x0, x1], [y0, y1]] = ends([a, b], index);
+      const { factor, unit } = scaled(1e-6 * Math.max(x1 - x0, y1 - y0), "m");
+      chart.axes(...[[a, x0, x1], [b, y0, y1]].map(([k, from, to]) =>
+        ({ low: 1e-6 * factor * from, high: 1e-6 * factor * to, name: AXES[k], unit })));
       counted.fill(0);
       let within = 0, there = 0;
       for (let n = 0; n < beads; n++) {
         const x = place[a][index * beads + n], y = place[b][index * beads + n];
         if (Number.isNaN(x)) continue;
         there++;
-        const i = Math.floor(((1e6 * x - low[a]) / (high[a] - low[a])) * CELLS), j = Math.floor(((1e6 * y - low[b]) / (high[b] - low[b])) * CELLS);
+        const i = Math.floor(((1e6 * x - x0) / (x1 - x0)) * CELLS), j = Math.floor(((1e6 * y - y0) / (y1 - y0)) * CELLS);
         if (i < 0 || j < 0 || i >= CELLS || j >= CELLS) continue;
         counted[j * CELLS + i]++;
         within++;
       }
       most = counted.reduce((x, y) => Math.max(x, y), 1);
-      const area = ((high[a] - low[a]) / CELLS) * ((high[b] - low[b]) / CELLS);
-      caption.textContent = `${there - within} of ${there} beads outside`;
-      bar.set([0, 0.5, 1].map((part) => `${text((part * most) / (there || 1) / area, 2)}${part === 1 ? " /µm²" : ""}`));
-      chart.canvas.setAttribute("aria-label", `Density of ${there} beads in the plane ${plane}, at most ${text(most / (there || 1) / area, 2)} per square micrometre`);
+      const area = (1e-6 * factor) ** 2 * ((x1 - x0) / CELLS) * ((y1 - y0) / CELLS);
+      caption.textContent = `${there - within} of ${there} beads beyond the axes`;
+      bar.set([0, 0.5, 1].map((part) => `${text((part * most) / (there || 1) / area, 2)}${part === 1 ? ` /${unit}²` : ""}`));
+      chart.canvas.setAttribute("aria-label", `Probability density of ${there} beads in the plane ${plane}, at most ${text(most / (there || 1) / area, 2)} /${unit}², over ${text(Math.max(x1 - x0, y1 - y0) * 1e-6 * factor, 2)} ${unit}`);
       chart.draw();
     };
   }
@@ -170,7 +180,7 @@ function plotted(content, shell, clock, { mean, spread, left, near }) {
     name: axis, values: column(values, k, 3, size), errors: column(shell.array(name), k, 3, size), colour: axis, dash: DASHES[axis],
   }));
   const plots = [
-    new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm" }),
+    new Plot(shell, shell.plots, x, of(mean, "mean_error", 1e6), { ...options, title: "Mean", unit: "µm", even: true }),
     new Plot(shell, shell.plots, x, of(spread, "spread_error", 1e9), { ...options, title: "Spread", unit: "nm" }),
   ];
   const share = (values) => values.map((n) => (100 * n) / facts.beads);

@@ -25,6 +25,8 @@ export class Plot {
     this.box = make("figure", { class: "plot" }, this.legend, this.area);
     host.append(this.box);
     this.range = options.range ?? this.extent();
+    this.partly = curves.some(({ values }) => values.some((value) => this.below(value)));
+    if (this.partly) this.legend.append(make("span", { class: "entry below" }, `gaps: below ${text(this.range[0], 2)}`));
     this.describe();
     const pick = (event) => {
       const left = this.area.getBoundingClientRect().left;
@@ -72,6 +74,11 @@ export class Plot {
     return [low - room, high + room];
   }
 
+  // Whether a value is too small for a logarithmic axis, and so not drawn.
+  below(value) {
+    return Boolean(this.options.log) && value < this.range[0];
+  }
+
   // A value of a curve; where all are `even`, to the same decimal, a thousandth of the range.
   number(value) {
     if (!this.options.even || !Number.isFinite(value)) return text(value, 3);
@@ -90,7 +97,8 @@ export class Plot {
       }
       return `${name} from ${text(low)} to ${text(high)}`;
     });
-    this.back.setAttribute("aria-label", `${title} in ${unit} over ${this.x.name}: ${each.join("; ")}`);
+    this.back.setAttribute("aria-label", `${title} in ${unit} over ${this.x.name}: ${each.join("; ")}` +
+      (this.partly ? `; what is below ${text(this.range[0], 2)} is not drawn` : ""));
   }
 
   resize() {
@@ -112,7 +120,7 @@ export class Plot {
 
   up(value) {
     let [low, high] = this.range;
-    if (this.options.log) [value, low, high] = [Math.log10(Math.max(value, low)), Math.log10(low), Math.log10(high)];
+    if (this.options.log) [value, low, high] = [value, low, high].map(Math.log10);
     return this.height - BOTTOM - (value - low) / (high - low) * (this.height - BOTTOM - TOP);
   }
 
@@ -154,11 +162,12 @@ export class Plot {
     if (errors) this.band(pen, values, errors);
     pen.lineWidth = width ?? 1.7;
     pen.setLineDash(dash ?? []);
+    const drawn = (value) => Number.isFinite(value) && !this.below(value);
     const n = values.length, per = n / (this.width - LEFT - RIGHT);
     pen.beginPath();
     if (points) {
       for (let i = 0; i < n; i += Math.max(1, Math.floor(per / 4))) {
-        if (Number.isFinite(values[i])) pen.rect(this.across(this.x.values[i]) - 1, this.up(values[i]) - 1, 2, 2);
+        if (drawn(values[i])) pen.rect(this.across(this.x.values[i]) - 1, this.up(values[i]) - 1, 2, 2);
       }
       pen.fill();
       return;
@@ -173,7 +182,7 @@ export class Plot {
         if (values[j] > values[high]) high = j;
       }
       for (const k of low === high ? [i] : low < high ? [low, high] : [high, low]) {
-        if (!Number.isFinite(values[k])) { pending = true; continue; }
+        if (!drawn(values[k])) { pending = true; continue; }
         const x = this.across(this.x.values[k]), y = this.up(values[k]);
         if (pending) pen.moveTo(x, y); else pen.lineTo(x, y);
         pending = false;
@@ -224,8 +233,8 @@ export class Plot {
     const x = this.across(value);
     this.line.style.transform = `translate(${x}px, ${TOP - 4}px)`;
     there.forEach((number, k) => {
-      const y = Number.isFinite(number) ? this.up(number) : -99;
-      this.dots[k].style.transform = `translate(${x}px, ${y}px)`;
+      this.dots[k].hidden = !Number.isFinite(number) || this.below(number);
+      if (!this.dots[k].hidden) this.dots[k].style.transform = `translate(${x}px, ${this.up(number)}px)`;
     });
   }
 }

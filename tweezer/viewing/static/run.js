@@ -24,7 +24,7 @@ export function start(content, shell) {
   const place = shell.array("position").map((x) => 1e6 * x);
   const euler = shell.array("orientation"), foci = shell.array("foci"), factors = shell.array("factors");
   const n = times.length, radius = 1e6 * facts.shells.at(-1);
-  const { center, reach, walls } = seen(facts, place, foci, radius);
+  const { center, reach, walls, outside } = seen(facts, place, foci, radius);
 
   const label = `The bead, ${text(2 * radius, 3)} µm across, its path and the light, to scale; ` +
     "the plots and the table below have the numbers.";
@@ -35,7 +35,7 @@ export function start(content, shell) {
   const lowest = walls.find(({ normal }) => normal > 0);
   const floor = lowest ? 1e6 * lowest.z : center[2] - reach;
   stage.floor(floor);
-  for (const { z, normal, words } of walls) stage.wall(1e6 * z, normal, words);
+  for (const { z, normal, name } of walls) stage.wall(1e6 * z, normal, name);
   const beams = facts.beams.map((beam) => stage.beam(beam, 1.5 * reach));
   const path = stage.path(place, facts.resolved);
   const bead = stage.bead(facts.shells.map((r) => 1e6 * r));
@@ -72,6 +72,7 @@ export function start(content, shell) {
       " enlarge small forces"),
     make("p", {}, "an arrow of 1 µm is ", arrowScale));
   shell.picture.append(card);
+  shell.outside(outside);
 
   // ---- the colours of the path
   const byTime = column(times, 0, 1), speed = shell.array("speed");
@@ -153,7 +154,7 @@ function inUnit(value, si, digits) {
   return value > 0 ? `${text(value * factor, digits)} ${unit}` : "0";
 }
 
-// Middle and half the size of what is to be seen, um, and the walls that are within it.
+// Middle and half the size of what is to be seen, um, and the walls within it and outside.
 function seen(facts, place, foci, radius) {
   const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
   const take = (values, factor, room) => values.forEach((x, i) => {
@@ -164,16 +165,11 @@ function seen(facts, place, foci, radius) {
   if (foci) take(foci, 1e6, 0);
   else for (const { focus } of facts.beams) take(focus, 1e6, 0);
   const near = (z) => 1e6 * z > low[2] - 1.5 * (high[2] - low[2]) && 1e6 * z < high[2] + 1.5 * (high[2] - low[2]);
-  const walls = facts.walls.map((wall) => ({
-    ...wall, words: facts.cover && Math.abs(wall.z - facts.cover.z) < 1e-12 ? "cover glass" : "wall",
-  }));
-  if (facts.cover && !walls.some(({ words }) => words === "cover glass"))
-    walls.push({ z: facts.cover.z, normal: 1, words: "cover glass" });
-  const shown = walls.filter(({ z }) => near(z));
-  for (const { z } of shown) { low[2] = Math.min(low[2], 1e6 * z); high[2] = Math.max(high[2], 1e6 * z); }
+  const walls = facts.walls.filter(({ z }) => near(z)), outside = facts.walls.filter(({ z }) => !near(z));
+  for (const { z } of walls) { low[2] = Math.min(low[2], 1e6 * z); high[2] = Math.max(high[2], 1e6 * z); }
   const center = low.map((x, k) => (x + high[k]) / 2);
   const reach = Math.max(0.62 * Math.hypot(...high.map((x, k) => x - low[k])), 1.9 * radius);
-  return { center, reach, walls: shown };
+  return { center, reach, walls, outside };
 }
 
 function plotted(content, shell, clock, times, place, foci) {

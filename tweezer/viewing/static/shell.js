@@ -61,7 +61,7 @@ export class Shell {
 
   sub() {
     return make("p", { class: "sub" }, [this.content.shows, this.content.facts.subtitle].filter(Boolean).join(": ") +
-      ` · tweezer ${this.content.version}`);
+      ` · page by tweezer ${this.content.version}`);
   }
 
   // What a key does, listed in the help. `key` as of a KeyboardEvent, or several of them. `within`:
@@ -127,6 +127,13 @@ export class Shell {
     return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
   }
 
+  // Say below the picture where walls are that it does not show.
+  outside(walls) {
+    if (!walls.length) return;
+    const each = walls.map(({ z, normal, name }) => `the ${name} at z = ${text(1e6 * z, 3)} µm, ${normal > 0 ? "below" : "above"}`);
+    this.picture.append(make("p", { class: "outside" }, `Outside the picture: ${each.join("; ")}`));
+  }
+
   summary() {
     const rows = this.content.summary.map(({ name, value, error, trusted }) =>
       make("tr", trusted ? {} : { class: "doubtful" },
@@ -135,11 +142,10 @@ export class Shell {
         make("td", {}, trusted ? "" : "not to be trusted")));
     return make("section", { "aria-labelledby": "summary" },
       make("h2", { id: "summary" }, "Summary"),
-      make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-labelledby": "summary" },
-        make("table", {},
-          make("thead", {}, make("tr", {}, ...["quantity", "value", "error", "judgement"].map(
-            (heading) => make("th", { scope: "col" }, heading)))),
-          make("tbody", {}, ...rows))));
+      make("table", { class: "found" },
+        make("thead", {}, make("tr", {}, ...["quantity", "value", "error", "judgement"].map(
+          (heading) => make("th", { scope: "col" }, heading)))),
+        make("tbody", {}, ...rows)));
   }
 
   notes() {

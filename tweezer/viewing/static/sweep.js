@@ -9,6 +9,9 @@ const WIDE = 3;
 const OUTCOMES = [[39, 127, 142], [240, 228, 66], [213, 94, 0], [86, 40, 130], [180, 180, 180], [120, 20, 40]];
 // Largest number of cells of a table
 const CELLS = 4000;
+// Of the axis of a curve the part that cases must fill, or those far off are left out of it, and the
+// largest part of the cases that are
+const FILLED = 0.05, FAR = 0.25;
 
 export function start(content, shell) {
   const { facts } = content, { axes, words, quantities } = facts;
@@ -60,7 +63,7 @@ export function start(content, shell) {
   const tools = make("div", { class: "tools" });
   const holds = make("span", { class: "holds" });
   shell.picture.append(tools);
-  tools.append(labelled("colour", choice("What the map shows", shows.map(({ words: w }, i) => [i, w]),
+  tools.append(labelled(flat ? "shown" : "colour", choice("What the map shows", shows.map(({ words: w }, i) => [i, w]),
     (i) => { show = shows[i]; renew(); })));
   tools.querySelector("select").value = shows.indexOf(show);
   const chooser = (label, get, set) => {
@@ -108,8 +111,9 @@ export function start(content, shell) {
     const every = cases();
     if (!show.outcome) {
       const values = every.map(({ index }) => value(index, show)).filter((x) => Number.isFinite(x));
-      const low = Math.min(...values), high = Math.max(...values);
-      norm = { low, high, log: show.quantity.log && low > 0 && high / low > WIDE, any: values.length > 0 };
+      const log = show.quantity.log && Math.min(...values) > 0 && Math.max(...values) / Math.min(...values) > WIDE;
+      const within = flat ? gathered(values, log) : values;
+      norm = { low: Math.min(...within), high: Math.max(...within), log, any: values.length > 0 };
     }
     const x = scale(axes[along]);
     chart.axes(x, flat ? curveRange() : scale(axes[down]));
@@ -147,7 +151,16 @@ export function start(content, shell) {
     legend.replaceChildren(...[...without].map((word) => make("span", { class: "entry" },
       flat ? "cross:" : patch(show.outcome ? outcomeColour(word) : null, word), ` ${show.outcome ? word : `no number: ${word}`}`)),
     ...(endless && !flat ? [make("span", { class: "entry" }, "brightest: longer than 10²⁰ s too")] : []),
+    ...(flat && !show.outcome ? edges(every.map(({ index }) => value(index, show))) : []),
     ...(every.some(({ index }) => doubted(index)) ? [make("span", { class: "entry" }, `${flat ? "hollow" : "dot"}: with a caveat`)] : []));
+  };
+  // What arrows at the edge of a curve say.
+  const edges = (values) => {
+    const { low, high } = chart.y, far = values.filter((x) => Number.isFinite(x) && (x < low || x > high)).length;
+    return [
+      ...(far ? [`arrow with a number: ${far} of ${values.length} cases, so far off that on one axis the others would not be told apart`] : []),
+      ...(values.includes(Infinity) ? ["arrow without a number: longer than 10²⁰ s"] : []),
+    ].map((words) => make("span", { class: "entry long" }, words));
   };
   const outcomeColour = (word) => OUTCOMES[words.outcome.indexOf(word) % OUTCOMES.length];
   const patch = (colour, word) => {
@@ -210,23 +223,38 @@ export function start(content, shell) {
     }
     pen.stroke();
     for (const { x, found, error, index, i } of every) {
+      if (i === picked[along]) {
+        pen.strokeStyle = shell.colour("ink"); pen.lineWidth = 1;
+        pen.beginPath(); pen.moveTo(x, chart.frame.top); pen.lineTo(x, bottom); pen.stroke();
+      }
       pen.strokeStyle = ink; pen.lineWidth = 1.2;
       if (Number.isNaN(found)) {
         pen.beginPath(); pen.moveTo(x - 4, bottom - 12); pen.lineTo(x + 4, bottom - 4); pen.moveTo(x + 4, bottom - 12); pen.lineTo(x - 4, bottom - 4); pen.stroke();
       } else {
-        const y = found === Infinity ? chart.frame.top + 8 : chart.up(found);
-        if (error > 0 && found < Infinity) {
+        if (!show.outcome && (found < chart.y.low || found > chart.y.high)) {
+          beyond(pen, x, found);
+          continue;
+        }
+        const y = chart.up(found);
+        if (error > 0) {
           const low = chart.y.log && found - error <= 0 ? bottom : chart.up(found - error), high = chart.up(found + error);
           pen.beginPath(); pen.moveTo(x, low); pen.lineTo(x, high); pen.moveTo(x - 3, low); pen.lineTo(x + 3, low); pen.moveTo(x - 3, high); pen.lineTo(x + 3, high); pen.stroke();
         }
         pen.fillStyle = doubted(index) ? shell.colour("card") : ink;
         pen.beginPath(); pen.arc(x, y, 4, 0, 7); pen.fill(); pen.stroke();
       }
-      if (i === picked[along]) {
-        pen.strokeStyle = shell.colour("ink"); pen.lineWidth = 1;
-        pen.beginPath(); pen.moveTo(x, chart.frame.top); pen.lineTo(x, bottom); pen.stroke();
-      }
     }
+  };
+  // An arrow at the edge beyond which a case lies, and its number.
+  const beyond = (pen, x, found) => {
+    const { left, right, top, bottom } = chart.frame, up = found > chart.y.high;
+    const tip = up ? top + 3 : bottom - 3, base = tip + (up ? 10 : -10), before = x > (left + right) / 2;
+    pen.fillStyle = shell.colour("speed");
+    pen.beginPath(); pen.moveTo(x, tip); pen.lineTo(x - 6, base); pen.lineTo(x + 6, base); pen.fill();
+    if (found === Infinity) return;
+    pen.fillStyle = shell.colour("ink");
+    pen.font = "600 12px system-ui, sans-serif"; pen.textBaseline = "middle"; pen.textAlign = before ? "right" : "left";
+    pen.fillText(spoken(found, show.quantity.unit), x + (before ? -10 : 10), (tip + base) / 2);
   };
 
   // ---- choosing a case
@@ -323,8 +351,21 @@ export function start(content, shell) {
       const y = flat ? (chart.frame.top + chart.frame.bottom) / 2 : chart.up(chart.y.centres[j]);
       return [left + chart.across(chart.x.centres[i]), top + y];
     },
-    picked: () => [...picked], drawn: () => ({ along, down }),
+    axis: () => [chart.y.low, chart.y.high], picked: () => [...picked], drawn: () => ({ along, down }),
   });
+}
+
+// Values of a curve that its axis is made for: without those far off, if the others would fill too
+// little of it.
+function gathered(values, log) {
+  const at = (x) => (log ? Math.log(x) : x), sorted = [...values].sort((a, b) => a - b);
+  const middle = at(sorted[Math.floor(sorted.length / 2)]), all = at(sorted.at(-1)) - at(sorted[0]);
+  const nearest = [...values].sort((a, b) => Math.abs(at(a) - middle) - Math.abs(at(b) - middle));
+  for (let far = 1; far <= FAR * values.length; far++) {
+    const kept = nearest.slice(0, -far);
+    if (at(Math.max(...kept)) - at(Math.min(...kept)) < FILLED * all) return kept;
+  }
+  return values;
 }
 
 function plain(axis) {

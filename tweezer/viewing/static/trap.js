@@ -36,8 +36,9 @@ export function start(content, shell) {
   const label = `The bead, ${text(2e6 * radius, 3)} µm across, at ${facts.held ? "its equilibrium" : "the focus"} in the light, and the slice, to scale.`;
   const flat = !drawing().possible;
   const stage = new (flat ? Flat : Stage)(shell, { center: middle, reach, label });
-  for (const { z, normal } of facts.walls)
-    if (Math.abs(z) < 3e-6 * reach) stage.wall(1e6 * z, normal, facts.cover && Math.abs(z - facts.cover.z) < 1e-12 ? "cover glass" : "wall");
+  const near = ({ z }) => Math.abs(z) < 3e-6 * reach;
+  for (const { z, normal, name } of facts.walls.filter(near)) stage.wall(1e6 * z, normal, name);
+  shell.outside(facts.walls.filter((wall) => !near(wall)));
   facts.lights.forEach((light, k) => stage.beam(facts.beams[k], 1.4 * reach).place(light.focus.map(micro), light.factor));
   const bead = stage.bead(facts.shells.map(micro));
   bead.place(centre.map(micro));

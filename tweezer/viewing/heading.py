@@ -1,0 +1,86 @@
+"""The heading of a page: the name of a scene and, in words, what was changed in it."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+
+from tweezer.errors import SceneError
+from tweezer.scene import Scene, described_at
+from tweezer.units import usual_unit
+
+#: Number of changes that a heading names
+_NAMED = 3
+#: Sections whose keys are clear without them
+_CLEAR_ALONE = ("beam", "forces", "optics", "simulation")
+#: Sections of what is computed, and how: named last
+_OF_COMPUTING = ("optics", "simulation")
+#: The sign of a number below zero
+_MINUS = r"(?<![\w.])-(?=[\d.])"
+#: Keys that are named otherwise in print
+_IN_PRINT = {
+    "forces.brownian": "thermal motion", "forces.optical": "light", "forces.dlvo": "DLVO forces",
+    "bead.diameter": "bead diameter", "medium.temperature": "temperature",
+    "medium.viscosity": "viscosity",
+}  # fmt: skip
+
+
+def heading(scene: Scene, title: str) -> str:
+    """The title of a scene as it was written; of a changed one its name and a few changes.
+
+    title: as the result has it. One that is not the scene's own is kept.
+    """
+    if not scene.changed or title != scene.title:
+        return title
+    changes = sorted(scene.changed.items(), key=lambda item: _section(item[0]) in _OF_COMPUTING)
+    told = [_change(key, text) for key, text in changes[:_NAMED]]
+    if (more := len(changes) - _NAMED) > 0:
+        told.append(f"{more} more change{'s' * (more > 1)}")
+    *most, last = told
+    return f"{scene.name} with {', '.join(most) + ' and ' if most else ''}{last}"
+
+
+def of_changes(scene: Scene) -> list[str]:
+    """The note with every change, as it was given."""
+    return [f"The scene is {scene.title}."] if scene.changed else []
+
+
+def named(key: str) -> str:
+    """A dotted key of a scene in words: "bead diameter" of bead.diameter."""
+    if key in _IN_PRINT:
+        return _IN_PRINT[key]
+    first, *parts = key.split(".")
+    shown = (
+        parts if parts and _section(key) in _CLEAR_ALONE and "[" not in first else [first, *parts]
+    )
+    return " ".join(shown).replace("_", " ").replace("[", " ").replace("]", "")
+
+
+def _change(key: str, text: str) -> str:
+    """A change in words: "bead diameter 0.8 um"; numbers that were given without a unit have it."""
+    if key == "beam":  # all beams were replaced: "2 of them"
+        return text.replace("of them", "beams")
+    if text in ("true", "false"):
+        return named(key) if text == "true" else f"no {named(key)}"
+    value = re.sub(_MINUS, "\N{MINUS SIGN}", _with_unit(key, text))
+    return f"{named(key)} {value}"
+
+
+def _with_unit(key: str, text: str) -> str:
+    try:
+        given = json.loads(text)
+        sizes = np.array(given, dtype=float)
+        quantity, _ = described_at(key)
+    except (ValueError, TypeError, SceneError):
+        return text
+    if quantity is None or not quantity.unit:
+        return text
+    factor, unit = usual_unit(float(np.abs(sizes).max(initial=0.0)), quantity.unit)
+    numbers = [f"{size:.6g}" for size in sizes.ravel() / factor]
+    return f"({', '.join(numbers)}) {unit}" if sizes.ndim else f"{numbers[0]} {unit}"
+
+
+def _section(key: str) -> str:
+    return key.partition(".")[0].partition("[")[0]
