@@ -8,7 +8,8 @@ import pytest
 import xarray as xr
 
 import tweezer
-from tweezer.units import array_in_si, to_si
+from tweezer.forces import Course, Moved, UserForce, kernel
+from tweezer.units import array_in_si, in_base_units, to_si
 
 #: a registry of a user, which is not that of tweezer
 unit = pint.UnitRegistry()
@@ -103,6 +104,74 @@ def test_a_scene_of_quantities():
             SCENE.replace(**{section: {key: unit("70 deg")}})
     absorbing = tweezer.load_scene("silica-1um").replace(bead={"refractive_index": 1.5 + 0.01j})
     assert absorbing.bead.refractive_index == (1.5, 0.01)
+
+
+@kernel
+def nothing(pose, data, wrench):
+    """No force."""
+
+
+def test_a_force_of_quantities():
+    """Its data are those of the plain numbers, which is all that a kernel sees of them."""
+    places = unit.Quantity([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], "um")
+    plain = UserForce(nothing, (2e-5, [0.0, 0.0, 1e-7], 3e3, 293.15, 0.5, [[1e-6], [2e-6]]))
+    given = UserForce(nothing, (
+        "20 pN/um", [unit("0 nm"), "0 um", 1e-7], unit("3 kHz"), "20 degC", 0.5,
+        xr.DataArray([[1.0], [2.0]], attrs={"units": "um"}),
+    ), step="0.1 nm")  # fmt: skip
+    (_, expected), (_, found) = (each.compiled(gradient=False) for each in (plain, given))
+    np.testing.assert_array_equal(found.shapes, expected.shapes)
+    np.testing.assert_allclose(found.numbers[:17], expected.numbers[:17], rtol=1e-14)
+    assert given.step == pytest.approx(plain.step, rel=1e-14)
+    course = Course(["0 ms", unit("5 ms")], places, ["0 nm", "50 nm", "0 nm"], unit("2 kHz"),
+                    "90 deg", "10 ms")  # fmt: skip
+    bare = Course(np.array([0.0, 5e-3]), 1e-6 * places.magnitude, np.array([0.0, 5e-8, 0.0]), 2e3,
+                  np.pi / 2, 1e-2)  # fmt: skip
+    for time in (0.0, 1.3e-3, 7e-3):
+        np.testing.assert_allclose(course.at(time), bare.at(time), rtol=1e-12)
+    assert Course.constant("1 um", 2e-6, unit("3 um")).at(0.0) == pytest.approx([1e-6, 2e-6, 3e-6])
+    Moved(given, course, Course.constant(2.0))
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (lambda: UserForce(nothing, (1.0, "20 pN/foo")), "entries[1]: has a unit that is not know"),
+        (lambda: UserForce(nothing, ("20",)), "entries[0]: has no unit"),
+        (lambda: UserForce(nothing, (["1 um", "1 s"],)), "entries[0]: has units of different"),
+        (lambda: UserForce(nothing, (None,)), "entries[0]: must be numbers"),
+        (lambda: UserForce(nothing, step="1 s"), "step: has the wrong unit"),
+        (lambda: Course(["1 um"], [[0.0]], [0.0]), "times: has the wrong unit"),
+        (lambda: Course("1 s", [[0.0]], [0.0]), "times (n,), values (n, m)"),
+        (lambda: Course([0.0], [["1 um"]], ["1 ms"]), "values in m and amplitude in s"),
+        (lambda: Course([0.0], [[0.0]], [0.0], unit("5 nm")), "frequency: has the wrong unit"),
+        (lambda: Moved(STILL, Course.constant(*["1 s"] * 3), ONE), "place: has the wrong unit, s"),
+        (lambda: Moved(STILL, Course.constant(0, 0, 0), Course.constant("1 W")), "strength: has a"),
+    ],
+)
+def test_a_force_of_wrong_quantities(make, told):
+    with pytest.raises(ValueError, match=re.escape(told)):
+        make()
+
+
+STILL, ONE = UserForce(nothing), Course.constant(1.0)
+
+
+@pytest.mark.parametrize(
+    ("value", "number", "name"),
+    [
+        (2, 2.0, ""),
+        ("20 pN/um", 2e-5, "kg/s**2"),
+        ("3 kHz", 3e3, "1/s"),
+        ("30 rpm", np.pi, "rad/s"),
+        ("1.05 g/cm^3", 1050.0, "kg/m**3"),
+        (unit.Quantity(50.0, "%"), 0.5, ""),
+    ],
+)
+def test_a_quantity_of_any_dimension(value, number, name):
+    found, of = in_base_units(value)
+    assert found == pytest.approx(number, rel=1e-14)
+    assert of.replace(" ", "").replace("**1", "") == name
 
 
 def test_positions_keep_their_unit():

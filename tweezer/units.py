@@ -12,8 +12,8 @@ import dataclasses
 import functools
 import math
 import re
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Annotated, Any, get_args
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 
 from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import PydanticCustomError, core_schema
@@ -21,7 +21,14 @@ from pydantic_core import PydanticCustomError, core_schema
 if TYPE_CHECKING:
     import numpy as np
     import pint
+    import xarray as xr
     from numpy.typing import NDArray
+
+#: What a quantity is given as: a number in the SI unit, text with a unit, or a quantity of pint or
+#: xarray with its own
+QuantityLike: TypeAlias = "float | str | pint.Quantity | xr.DataArray"
+#: The same of several numbers
+QuantitiesLike: TypeAlias = "QuantityLike | NDArray[Any] | Sequence[QuantitiesLike]"
 
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
@@ -128,6 +135,41 @@ def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
         raise ValueError(f"must be numbers{_or_text(unit)}") from None
 
 
+def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
+    """Numbers of any shape and dimension in SI base units, and the name of their unit.
+
+    For what has no unit of its own, such as the entries of a force. A number without a unit is
+    taken as it is; the name is "" if none has one. Raises `ValueError` for anything else than
+    `array_in_si` takes, and for units of different dimensions.
+    """
+    import numpy as np
+
+    if isinstance(values, list | tuple):
+        if any(isinstance(each, str | list | tuple) or _has_unit(each) for each in values):
+            parts = [in_base_units(each) for each in values]
+            units = {unit for _, unit in parts if unit}
+            if len(units) > 1:
+                raise ValueError(f"has units of different dimensions: {', '.join(sorted(units))}")
+            return np.array([numbers for numbers, _ in parts], np.float64), "".join(units)
+    elif isinstance(values, str):
+        number, text = _number_and_unit(values, "SI")
+        if not (_UNIT.fullmatch(text) or _HERTZ.fullmatch(text)):
+            raise ValueError(f"has a unit that is not known; known is {_example('SI')}")
+        values = registry().Quantity(number, text.replace("·", "*"))
+    if _has_unit(values):
+        if hasattr(values, "attrs"):
+            values = registry().Quantity(values.values, values.attrs["units"])
+        values = values.to_base_units()
+        return np.asarray(values.magnitude, np.float64), f"{values.units:~}"
+    try:
+        numbers = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        numbers = np.full(1, math.nan)
+    if np.isnan(numbers).any():  # NumPy's reading of None, too
+        raise ValueError(f"must be numbers{_or_text('SI')}")
+    return numbers, ""
+
+
 def without_unit(value: Any, unit: str) -> Any:
     """The number or array of a quantity with a unit, in the SI unit `unit`; all else as it is.
 
@@ -187,22 +229,28 @@ def _or_text(unit: str) -> str:
 
 
 def _example(unit: str) -> str:
-    examples = {"m": '"500 nm"', "W": '"80 mW"', "K": '"20 degC"', "s": '"20 ms"', "1/s": '"50 Hz"'}
+    examples = {"m": '"500 nm"', "W": '"80 mW"', "K": '"20 degC"', "s": '"20 ms"', "1/s": '"50 Hz"',
+                "SI": '"20 pN/um"'}  # fmt: skip
     return examples.get(unit, f'"1.0 {unit}"')
 
 
 def _from_text(text: str, unit: str) -> float:
+    number, given = _number_and_unit(text, unit)
+    if (factor := FREQUENT.get(unit, {}).get(given)) is not None:
+        return number * factor
+    if unit == "K" and given == "degC":
+        return number + _ZERO_CELSIUS
+    return _by_pint(number, given, unit)
+
+
+def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
+    """A text's two parts; raises `ValueError` if it has not both."""
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if not match or not unit:
         raise ValueError(f"must be a number{_or_text(unit)}")
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
-    number = float(match["number"])
-    if (factor := FREQUENT.get(unit, {}).get(match["unit"])) is not None:
-        return number * factor
-    if unit == "K" and match["unit"] == "degC":
-        return number + _ZERO_CELSIUS
-    return _by_pint(number, match["unit"], unit)
+    return float(match["number"]), match["unit"]
 
 
 def usual_unit(size: float, unit: str) -> tuple[float, str]:

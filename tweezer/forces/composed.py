@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -30,6 +31,7 @@ from tweezer.forces.force import (
     no_wrench,
     numbered,
 )
+from tweezer.units import QuantitiesLike, QuantityLike, array_in_si, in_base_units, to_si
 
 Array = NDArray[np.float64]
 
@@ -112,12 +114,21 @@ def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
         digit *= _MOST_REGIONS
 
 
+def _read(name: str, read: Callable[..., Any], *arguments: Any) -> Any:
+    """What `read` makes of the arguments; its `ValueError` names them."""
+    try:
+        return read(*arguments)
+    except ValueError as refused:
+        raise ValueError(f"{name}: {refused}") from None
+
+
 @dataclass(frozen=True, eq=False)
 class Course:
     """A number or a vector as a function of time: linear between points, plus a sine.
 
     It is constant before the first point and after the last. Two points at one time are a jump;
-    at that time the second holds. A periodic course repeats the points after `period`.
+    at that time the second holds. A periodic course repeats the points after `period`. Numbers are
+    SI; all of them may be given as quantities of pint, or text such as "2 ms".
     """
 
     times: Array
@@ -133,14 +144,30 @@ class Course:
     period: float = math.inf
     """s, of the points"""
 
+    unit: str = field(init=False)
+    """SI unit that values and amplitude were given with; "" if they are numbers"""
+
     def __post_init__(self) -> None:
-        """Raises `ValueError` for arrays that do not fit, or times that do not ascend."""
+        """Raises `ValueError` for arrays that do not fit, times that do not ascend, wrong units."""
+        values, of_values = _read("values", in_base_units, self.values)
+        amplitude, of_amplitude = _read("amplitude", in_base_units, self.amplitude)
+        if of_values != of_amplitude and of_amplitude and of_values:
+            raise ValueError(f"values in {of_values} and amplitude in {of_amplitude}: do not fit")
+        given = {
+            "times": np.array(_read("times", array_in_si, self.times, "s")),
+            "values": np.array(values),
+            "amplitude": np.array(amplitude),
+            "frequency": _read("frequency", to_si, self.frequency, "1/s"),
+            "phase": _read("phase", to_si, self.phase, "rad"),
+            "period": float(_read("period", array_in_si, self.period, "s")),
+            "unit": of_values or of_amplitude,
+        }
+        for name, value in given.items():
+            object.__setattr__(self, name, value)
         for name in ("times", "values", "amplitude"):
-            array = np.array(getattr(self, name), dtype=np.float64)
-            object.__setattr__(self, name, array)
-            if not np.isfinite(array).all():
+            if not np.isfinite(getattr(self, name)).all():
                 raise ValueError(f"{name}: must be finite")
-        n, m = len(self.times), self.amplitude.size
+        n, m = self.times.size, self.amplitude.size
         if self.times.ndim != 1 or not n or self.values.shape != (n, m):
             raise ValueError("times (n,), values (n, m) and amplitude (m,): do not fit together")
         if (np.diff(self.times) < 0).any():
@@ -149,9 +176,9 @@ class Course:
             raise ValueError("frequency and period: must not be negative")
 
     @classmethod
-    def constant(cls, *values: float) -> Course:
+    def constant(cls, *values: QuantityLike) -> Course:
         """A course that never changes."""
-        return cls(np.zeros(1), np.array([values]), np.zeros(len(values)))
+        return cls(np.zeros(1), [list(values)], np.zeros(len(values)))  # type: ignore[arg-type]
 
     @property
     def steady(self) -> bool:
@@ -246,9 +273,13 @@ class Moved(Force):
     """whether it is turned by 180 degrees about x, so that its z axis points down"""
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` unless the courses have 3 numbers and 1."""
+        """Raises `ValueError` unless the courses have 3 lengths, and 1 number without a unit."""
         if self.place.amplitude.size != 3 or self.strength.amplitude.size != 1:
             raise ValueError("place and strength: must be courses of 3 numbers, and of 1")
+        if self.place.unit not in ("", "m"):
+            raise ValueError(f"place: has the wrong unit, {self.place.unit}; must be in m")
+        if self.strength.unit:
+            raise ValueError(f"strength: has a unit, {self.strength.unit}; must be a number")
 
     def within(self, positions: Array, time: float) -> Array:
         """Positions (n, 3) m at a time, s, as the force without motion has them."""
@@ -392,11 +423,12 @@ class UserForce(Force):
     """A force of your own: a compiled function (`kernel`) and its numbers and arrays.
 
     The function has the signature `(pose, data, wrench)`, reads its entries with `number`,
-    `vector`, `matrix` and `tensor`, and adds to `wrench`.
+    `vector`, `matrix` and `tensor`, and adds to `wrench`. Entries may be given as quantities of
+    pint, or text such as "20 pN/um": the function reads them in SI units.
     """
 
     function: Kernel
-    entries: tuple[float | Sequence[float] | Array, ...] = ()
+    entries: tuple[QuantitiesLike, ...] = ()
     gradient: bool = False
     """whether the function adds gradients where `wrench.force_gradient` is not empty; if not, they
     are central differences"""
@@ -405,7 +437,7 @@ class UserForce(Force):
     by_time: bool = False
     """whether it reads `pose.time`"""
     step: float = 1e-10
-    """of the central differences, m"""
+    """of the central differences, m, or a quantity"""
 
     @property
     def oriented(self) -> bool:
@@ -418,13 +450,16 @@ class UserForce(Force):
         return not self.by_time
 
     def __post_init__(self) -> None:
-        """Raises `ValueError` for a function that is not compiled."""
+        """Raises `ValueError` for a function that is not compiled, and entries that are none."""
         if not isinstance(self.function, Dispatcher):
             raise ValueError("function: must be made by the decorator tweezer.forces.kernel")
+        read = (_read(f"entries[{i}]", in_base_units, e)[0] for i, e in enumerate(self.entries))
+        object.__setattr__(self, "entries", tuple(read))
+        object.__setattr__(self, "step", _read("step", to_si, self.step, "m"))
 
     @functools.cached_property
     def _data(self) -> Data:
-        return packed(*(np.asarray(each, dtype=np.float64) for each in self.entries))
+        return packed(*self.entries)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
