@@ -51,6 +51,7 @@ from .report import write_report
 from .scene import Scene, load_scene, shipped_scenes
 from .simulation import simulate
 from .sweeps import sweep
+from .units import QuantitiesLike, QuantityLike
 from .version import __version__
 from .viewing import view
 
@@ -65,6 +66,8 @@ __all__ = [
     "LeastPower",
     "Lifetime",
     "PhysicsWarning",
+    "QuantitiesLike",
+    "QuantityLike",
     "Recording",
     "ResultError",
     "Scene",

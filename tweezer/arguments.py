@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from tweezer.errors import ResultError, SceneError, TweezerError
 from tweezer.scene import Scene
-from tweezer.units import array_in_si, to_si
+from tweezer.units import QuantityLike, array_in_si, to_si
 
 if TYPE_CHECKING:
     import numpy as np
@@ -76,7 +76,7 @@ def check_ensemble(
     seed: int,
     out: str | Path | None,
     statistics: bool,
-    skip: float | str,
+    skip: QuantityLike,
     scheduler: str | Client | None,
     workers: int | None,
 ) -> None:
@@ -99,7 +99,7 @@ def check_ensemble(
         raise ResultError(f"{out}: must end in {suffix}")
 
 
-def samples_skipped(scene: Scene, skip: float | str) -> int:
+def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
     """The first sample not before `skip`, s or text. Raises `SceneError` if hardly one is left."""
     import numpy as np
 

@@ -34,6 +34,7 @@ from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
 from tweezer.scene import Scene, checked_scene
+from tweezer.units import QuantityLike
 from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ _STEPS_AT_ONCE = 100_000
 
 def simulate(
     scene: Scene,
-    duration: float | str | None = None,
+    duration: QuantityLike | None = None,
     *,
     model: str | None = None,
     method: str | None = None,
@@ -319,7 +320,7 @@ def _inertia_of_the_fluid(scene: Scene) -> str:
 
 def _adjusted(
     scene: Scene,
-    duration: float | str | None,
+    duration: QuantityLike | None,
     model: str | None,
     method: str | None,
     tolerance: float | None,

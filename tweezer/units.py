@@ -13,7 +13,7 @@ import functools
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union, get_args
 
 from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import PydanticCustomError, core_schema
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-#: What a quantity is given as: a number in the SI unit, text with a unit, or a quantity of pint or
-#: xarray with its own
-QuantityLike: TypeAlias = "float | str | pint.Quantity | xr.DataArray"
-#: The same of several numbers
-QuantitiesLike: TypeAlias = "QuantityLike | NDArray[Any] | Sequence[QuantitiesLike]"
+QuantityLike: TypeAlias = Union[float, str, "pint.Quantity[Any]", "xr.DataArray"]
+"""What a quantity is given as: a number in the SI unit, text with a unit, a quantity of pint, or a
+number of xarray with the attribute `units`."""
+QuantitiesLike: TypeAlias = Union[QuantityLike, "NDArray[Any]", Sequence["QuantitiesLike"]]
+"""The same of several: an array, or a list of quantities, of lists, ..."""
 
 _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"

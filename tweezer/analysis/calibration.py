@@ -55,7 +55,7 @@ from tweezer.fluid import drag as drag_of
 from tweezer.rounding import rounded, with_uncertainty
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown, Table
-from tweezer.units import TEMPERATURE, bare
+from tweezer.units import TEMPERATURE, QuantityLike, bare
 
 Array = NDArray[np.float64]
 
@@ -307,19 +307,19 @@ class Calibration(Shown):
 def calibrate(
     source: Recording | xr.Dataset | str | Path,
     *,
-    temperature: float | str | None = None,
-    drag: float | str | None = None,
-    mass: float | str | None = None,
-    displaced_mass: float | str | None = None,
-    wall: float | str | tuple[float, float] | None = None,
-    radius: float | str | None = None,
-    viscosity: float | str | None = None,
-    exposure: float | str | None = None,
-    diode: float | str | tuple[float, float] | None = None,
-    noise: float | str | None = None,
+    temperature: QuantityLike | None = None,
+    drag: QuantityLike | None = None,
+    mass: QuantityLike | None = None,
+    displaced_mass: QuantityLike | None = None,
+    wall: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
+    radius: QuantityLike | None = None,
+    viscosity: QuantityLike | None = None,
+    exposure: QuantityLike | None = None,
+    diode: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None,
+    noise: QuantityLike | None = None,
     drive: str | None = None,
     leave_out: Sequence[str | tuple[float, float]] = (),
-    drift: float | str | None = None,
+    drift: QuantityLike | None = None,
     fit_range: str | tuple[float, float] | None = None,
 ) -> Calibration:
     """Stiffness of the trap along each axis of a recording, by several methods.
@@ -596,12 +596,12 @@ def in_metres(recording: Recording, calibration: Calibration) -> Recording:
 
 
 def _diode(
-    recording: Recording, value: float | str | tuple[float, float] | None
+    recording: Recording, value: QuantityLike | tuple[QuantityLike, QuantityLike] | None
 ) -> tuple[float | None, float]:
     """Frequency of a diode, Hz, and the part that it detects at once."""
     if value is None:
         return None, 0.0
-    parts: Sequence[float | str]
+    parts: Sequence[QuantityLike]
     if isinstance(value, str):
         parts = value.split(",")
     else:
@@ -623,7 +623,7 @@ def _diode(
     return f3, fraction
 
 
-def _in_si(recording: Recording, name: str, value: float | str | None, unit: str) -> float | None:
+def _in_si(recording: Recording, name: str, value: QuantityLike | None, unit: str) -> float | None:
     """An argument in its SI unit; None if not given."""
     if value is None:
         return None

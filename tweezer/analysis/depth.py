@@ -35,7 +35,7 @@ from tweezer.optics import light_of_one_beam
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene, checked_scene
 from tweezer.shown import Card, Row, Shown
-from tweezer.units import TABLE_RADII
+from tweezer.units import TABLE_RADII, QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -177,9 +177,9 @@ def fit_depth(
     source: Track | xr.Dataset | str | Path,
     scene: Scene | None = None,
     *,
-    noise: float | None = None,
-    exposure: float | None = None,
-    search: tuple[float, float] | None = None,
+    noise: QuantityLike | None = None,
+    exposure: QuantityLike | None = None,
+    search: QuantitiesLike | None = None,
     fit: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> DepthFit:
@@ -239,11 +239,11 @@ def fit_depth(
     )
     if search is None:
         half = _SEARCH * light_of_one_beam(scene).search.reach
-        search = _between_walls(scene, -half, half)
+        within = _between_walls(scene, -half, half)
     else:
         low, high = numbers_in_si("search", search, "m").tolist()
-        search = low, high
-    _refuse(track, scene, noise, search, fit)
+        within = low, high
+    _refuse(track, scene, noise, within, fit)
     exposure = (track.exposure or 0.0) if exposure is None else exposure
     shortest = float(np.diff(track.times).min())
     if not 0 <= exposure <= shortest * (1 + _UNEVEN):
@@ -253,7 +253,7 @@ def fit_depth(
         )
     likelihood = _Likelihood(track, scene, noise, min(exposure, shortest), fit)
 
-    profile = Profile(likelihood, search, progress)
+    profile = Profile(likelihood, within, progress)
     profile.polish()
     profile.refine()
     at, values = profile.places, profile.values - profile.values.min()
@@ -267,7 +267,7 @@ def fit_depth(
     (low, high), *more = intervals
     open_end = low <= at[0] or intervals[-1][1] >= at[-1]
     determined = (
-        not more and not open_end and high - low < (search[1] - search[0]) / 2
+        not more and not open_end and high - low < (within[1] - within[0]) / 2
         and not any(doubt.refuses for doubt in doubts)
     )  # fmt: skip
     minima = [Minimum(float(at[i]), float(values[i])) for i in profile.lowest]
@@ -275,7 +275,7 @@ def fit_depth(
         track.name, scene.name, best, intervals, determined,
         _statement(best, intervals, (at[0], at[-1]), determined, parameters, doubts),
         tuple(sorted(minima, key=lambda each: each.misfit)), likelihood.noise(optimum),
-        parameters, search, float(track.times[0]), len(track.times),
+        parameters, within, float(track.times[0]), len(track.times),
         int((path.weights < 0.5).sum()), p_value,
         tuple(zip(at.tolist(), values.tolist(), strict=True)), path,
     )  # fmt: skip

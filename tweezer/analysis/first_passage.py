@@ -7,12 +7,13 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.special import chdtri, ndtr
 
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 from tweezer.shown import Card, Row, Shown
+from tweezer.units import QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -50,7 +51,10 @@ class EscapeTimes(Shown):
 
 
 def escape_times(
-    times: ArrayLike, positions: ArrayLike, radius: float, centre: ArrayLike = 0.0
+    times: QuantitiesLike,
+    positions: QuantitiesLike,
+    radius: QuantityLike,
+    centre: QuantitiesLike = 0.0,
 ) -> EscapeTimes:
     """First times at which trajectories are further than `radius` (m) from `centre`.
 

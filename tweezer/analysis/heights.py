@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import evaluators_of
 from tweezer.run import variable, with_error
 from tweezer.scene import Scene, checked_scene
-from tweezer.units import WALL
+from tweezer.units import WALL, QuantitiesLike
 from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _HIGHEST = WALL[1]
 
 def trap_over_heights(
     scene: Scene,
-    heights: Sequence[float] | Array,
+    heights: QuantitiesLike,
     *,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
@@ -75,7 +75,7 @@ def trap_over_heights(
     return _dataset(scene, given[: len(rows)], states, rows, status)
 
 
-def checked_heights(heights: Sequence[float] | Array) -> Array:
+def checked_heights(heights: QuantitiesLike) -> Array:
     """`heights` as an array, or `SceneError` if they are none."""
     given = numbers_in_si("heights", heights, "m", SceneError)
     if given.ndim != 1 or not given.size:

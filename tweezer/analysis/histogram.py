@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
 from tweezer.analysis.spectra import standard_error, statistical_inefficiency
@@ -14,7 +14,7 @@ from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
 from tweezer.shown import Card, Row, Shown
-from tweezer.units import TEMPERATURE
+from tweezer.units import TEMPERATURE, QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -66,7 +66,7 @@ class Potential(Shown):
         return Card("Potential", "", rows)
 
 
-def potential(positions: ArrayLike, temperature: float) -> Potential:
+def potential(positions: QuantitiesLike, temperature: QuantityLike) -> Potential:
     """U = -k_B T ln p (Boltzmann) from the histogram of `positions` (n,), m, in equilibrium.
 
     Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard

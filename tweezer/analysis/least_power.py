@@ -12,7 +12,7 @@ from tweezer.errors import SceneError
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown
-from tweezer.units import usual_unit
+from tweezer.units import QuantityLike, usual_unit
 
 #: Powers between which the least one is sought, W
 _LEAST, _MOST = 1e-9, 100.0
@@ -43,7 +43,7 @@ class LeastPower(Shown):
         return Card("LeastPower", "", rows)
 
 
-def least_power(scene: Scene, time: str | float = "1 h") -> LeastPower | None:
+def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
     """The least power through the pupil at which the trap of `scene` holds its bead for a time.
 
     time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None

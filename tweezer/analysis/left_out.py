@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tweezer.analysis.driving import motion, strongest_line
 from tweezer.analysis.spectra import TrappedBead
 from tweezer.errors import ResultError
-from tweezer.units import bare, to_si
+from tweezer.units import QuantityLike, bare, to_si
 
 Array = NDArray[np.float64]
 Band = tuple[float, float]
@@ -59,7 +59,7 @@ class LeftOut:
         cls,
         name: str,
         leave_out: Sequence[str | Band] = (),
-        drift: float | str | None = None,
+        drift: QuantityLike | None = None,
         fit_range: str | Band | None = None,
     ) -> LeftOut:
         """By numbers in Hz, or text with units: "49 Hz..51 Hz".
@@ -152,7 +152,7 @@ class LeftOut:
 
 
 def _band(name: str, key: str, value: str | Band) -> Band:
-    ends: Sequence[float | str] = value.split("..") if isinstance(value, str) else value
+    ends: Sequence[QuantityLike] = value.split("..") if isinstance(value, str) else value
     if len(ends) != 2:
         raise ResultError(f'{name}: {key} = {value!r}: must be such as "49 Hz..51 Hz"')
     low, high = (_hertz(name, key, each, value) for each in ends)
@@ -161,7 +161,7 @@ def _band(name: str, key: str, value: str | Band) -> Band:
     return low, high
 
 
-def _hertz(name: str, key: str, value: float | str, given: object) -> float:
+def _hertz(name: str, key: str, value: QuantityLike, given: object) -> float:
     try:
         number = to_si(bare(value), "1/s")
     except ValueError as error:

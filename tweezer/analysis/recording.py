@@ -27,6 +27,7 @@ from tweezer.reading import (
 )
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown
+from tweezer.units import QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -148,7 +149,7 @@ class Recording(Shown):
         """Time between samples, s."""
         return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
 
-    def since(self, time: float) -> Recording:
+    def since(self, time: QuantityLike) -> Recording:
         """The recording from `time` (s) after the first sample on.
 
         Raises `ResultError` if it has fewer than 100 samples.
@@ -249,8 +250,8 @@ def load_recording(
     drive: str | None = None,
     *,
     columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
-    rate: float | str | None = None,
-    scale: float | str | None = None,
+    rate: QuantityLike | None = None,
+    scale: QuantityLike | None = None,
 ) -> Recording:
     """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
@@ -311,8 +312,8 @@ def load_track(
     source: str | Path | xr.Dataset,
     *,
     columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
-    rate: float | str | None = None,
-    scale: float | str | None = None,
+    rate: QuantityLike | None = None,
+    scale: QuantityLike | None = None,
 ) -> Track:
     """A run of tweezer, or the table of a file as in `load_recording`: columns t, x and y.
 

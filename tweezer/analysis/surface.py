@@ -20,6 +20,7 @@ from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
 from tweezer.shown import Card, Row, Shown, Table
+from tweezer.units import QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -88,10 +89,10 @@ def _with_error(value: float, error: float | None, factor: float = 1.0, unit: st
 
 def find_wall(
     calibrations: Sequence[Calibration],
-    positions: Sequence[float],
+    positions: QuantitiesLike,
     *,
-    radius: float,
-    drag: float | None = None,
+    radius: QuantityLike,
+    drag: QuantityLike | None = None,
     shift: float | None = 1.0,
 ) -> Surface:
     """The place of a wall from the drag of a bead at several heights above it.

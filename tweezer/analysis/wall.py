@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from tweezer.errors import ResultError
 from tweezer.fluid import steady
 from tweezer.forces.wall import CLOSEST
-from tweezer.units import to_si
+from tweezer.units import QuantityLike, to_si
 
 #: Largest standard uncertainty of a height, in gaps
 _UNSURE = 0.3
@@ -27,7 +27,9 @@ class Height:
     """of the bead, m"""
 
     @classmethod
-    def of(cls, name: str, wall: float | str | tuple[float, float], radius: float | None) -> Height:
+    def of(
+        cls, name: str, wall: QuantityLike | tuple[QuantityLike, QuantityLike], radius: float | None
+    ) -> Height:
         """The height that is said: a number in m, or text; perhaps with its uncertainty.
 
         name: of the recording. Raises `ResultError`, naming it, for a bead that would be in the

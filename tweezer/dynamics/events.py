@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import IntegrationError, SceneError
 from tweezer.scene import Scene
+from tweezer.units import QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 
@@ -229,9 +230,9 @@ def loss(distance: float) -> Event:
 
 
 def capture(
-    radius: float,
-    time: float,
-    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    radius: QuantityLike,
+    time: QuantityLike,
+    centre: QuantitiesLike = (0.0, 0.0, 0.0),
     *,
     terminal: bool = False,
 ) -> Event:

@@ -29,6 +29,7 @@ from tweezer.ensembles.store import (
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import Scene, checked_scene
+from tweezer.units import QuantityLike
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -49,11 +50,11 @@ def ensemble(
     scene: Scene,
     trajectories: int,
     *,
-    duration: float | str | None = None,
+    duration: QuantityLike | None = None,
     seed: int = 0,
     out: str | Path | None = None,
     statistics: bool = False,
-    skip: float | str = 0.0,
+    skip: QuantityLike = 0.0,
     scheduler: str | Client | None = None,
     workers: int | None = None,
     resume: bool = False,

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tweezer.compiled import cache_functions, cached_njit
 from tweezer.errors import SceneError
 from tweezer.generated import wall
-from tweezer.units import array_in_si
+from tweezer.units import QuantitiesLike, array_in_si
 from tweezer.version import made_by
 
 if TYPE_CHECKING:
@@ -36,7 +35,7 @@ def _fill(gaps, found):  # type: ignore[no-untyped-def]
         )[:5]
 
 
-def wall_mobilities(gap_over_radius: ArrayLike) -> xr.Dataset:
+def wall_mobilities(gap_over_radius: QuantitiesLike) -> xr.Dataset:
     """Mobilities of a sphere beside a plane wall, in slow flow, by its gap.
 
     gap_over_radius: distance of the wall from the sphere's surface, in radii, of any shape.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from tweezer.choices import THEORIES, at, evaluator
 from tweezer.equilibria import Search
@@ -21,7 +21,7 @@ from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene, checked_scene
 from tweezer.sections import Beam
-from tweezer.units import array_in_si, to_si
+from tweezer.units import QuantitiesLike, QuantityLike, array_in_si, to_si
 
 Array = NDArray[np.float64]
 
@@ -198,7 +198,7 @@ def _warn_once(text: str) -> None:
     warn(text)
 
 
-def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+def optical_force(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
     """Force of the light on the bead (3.26), N.
 
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
@@ -210,7 +210,9 @@ def optical_force(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> A
     return field.force.reshape(shape)
 
 
-def optical_force_error(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+def optical_force_error(
+    scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
     """Error of the force of the light on the bead, N.
 
     positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
@@ -223,7 +225,7 @@ def optical_force_error(scene: Scene, positions: ArrayLike, *, time: float = 0.0
     return force.error_of(places, field, time).reshape(shape[:-1])
 
 
-def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+def optical_jacobian(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
     """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises `ValueError` as
@@ -234,7 +236,7 @@ def optical_jacobian(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -
     return field.force_gradient.reshape((*shape, 3))
 
 
-def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+def optical_torque(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
     """Moment of the light about the bead's centre, inertial frame, N m.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
@@ -247,7 +249,7 @@ def optical_torque(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> 
     return field.moment.reshape(shape)
 
 
-def absorbed_power(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> Array:
+def absorbed_power(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
     """Power of the light that the bead absorbs, W.
 
     positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
@@ -264,7 +266,7 @@ def absorbed_power(scene: Scene, positions: ArrayLike, *, time: float = 0.0) -> 
     return np.reshape(lost, shape[:-1])
 
 
-def _places(positions: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+def _places(positions: QuantitiesLike) -> tuple[Array, tuple[int, ...]]:
     """`positions` (..., 3) as a list of n, and their shape."""
     try:
         array = np.ascontiguousarray(array_in_si(positions, "m"))
@@ -278,7 +280,7 @@ def _places(positions: ArrayLike) -> tuple[Array, tuple[int, ...]]:
 
 
 def _field(
-    scene: Scene, positions: ArrayLike, time: float, *, gradient: bool = False
+    scene: Scene, positions: QuantitiesLike, time: QuantityLike, *, gradient: bool = False
 ) -> tuple[Wrench, tuple[int, ...]]:
     """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
     places, shape = _places(positions)

@@ -9,7 +9,7 @@ from typing import NamedTuple, Self
 
 from tweezer.errors import ResultError
 from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
-from tweezer.units import as_given, bare, to_si
+from tweezer.units import QuantityLike, as_given, bare, to_si
 
 #: Quantities that a column may be named as
 _QUANTITIES = ("t", "frame", *AXES)
@@ -62,8 +62,8 @@ class Reading:
     def of(
         cls,
         columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
-        rate: float | str | None = None,
-        scale: float | str | None = None,
+        rate: QuantityLike | None = None,
+        scale: QuantityLike | None = None,
         drive: str | None = None,
     ) -> Self:
         """How to read a file, as it is said in `load_recording`.
@@ -143,7 +143,7 @@ def _known(quantity: str | None, text: str) -> str:
     return quantity
 
 
-def _rate(given: float | str) -> float:
+def _rate(given: QuantityLike) -> float:
     try:
         if isinstance(given, str) and (match := _PER_SECOND.fullmatch(given.strip())):
             given = f"{match['number']} Hz"
@@ -152,7 +152,7 @@ def _rate(given: float | str) -> float:
         raise ResultError(f"rate = {given!r}: {error}") from None
 
 
-def _scale(given: float | str) -> Scale:
+def _scale(given: QuantityLike) -> Scale:
     """Such as 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" or "2 V/um"."""
     above, _, below = re.sub(r"\s+per\s+|\s*/\s*", "/", as_given(given).strip()).partition("/")
     try:

@@ -18,6 +18,7 @@ from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, te
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
+from tweezer.units import QuantityLike
 from tweezer.version import made_by, versions
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def sweep(
     cases: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None = None,
     trajectories: int = 100,
     seed: int = 0,
-    skip: float | str = 0.0,
+    skip: QuantityLike = 0.0,
     workers: int | None = None,
     scheduler: str | Client | None = None,
     resume: bool = False,
