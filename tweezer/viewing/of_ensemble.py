@@ -209,7 +209,7 @@ def _summary(
         of_number("time simulated", float(dataset["time"][-1]), None, "s", in_tables=True),
     ]
     if course.near is not None:
-        words = "within a radius of the equilibrium at the end"
+        words = "within one bead radius of the equilibrium at the end"
         rows.append(Row(words, *_share(int(course.near[-1]), total)))
     for name, values, errors in (
         ("mean", course.mean, course.mean_error), ("spread", course.spread, course.spread_error),
@@ -282,7 +282,7 @@ def _of_the_cloud(near: bool) -> list[str]:
     ]
     if near:
         notes.append(
-            "Near the equilibrium means within a radius of the bead of the stable one nearest the "
-            "focus, at the time 0 of light that changes."
+            "Near the equilibrium means within one bead radius of the stable equilibrium nearest "
+            "the focus; of light that changes, as it is at the time 0."
         )
     return notes

@@ -12,7 +12,7 @@ from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, S
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, named, of_changes
-from tweezer.viewing.rows import computed_by, in_print
+from tweezer.viewing.rows import about_and_unit, computed_by
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,7 +40,8 @@ def content(dataset: xr.Dataset) -> Content:
     arrays = {name: numbers for name, (_, numbers) in words.items()}
     quantities = []
     for name, quantity in QUANTITIES[of].items():
-        scale, unit = _unit(quantity.unit, apart=name in _IN_SI)
+        about, unit = about_and_unit(quantity)
+        scale, unit = _unit(unit, apart=name in _IN_SI)
         along = DIMENSIONS[quantity.dimension] if quantity.dimension else []
         for each in (name, f"{name}_error"):
             if each in dataset:
@@ -50,7 +51,7 @@ def content(dataset: xr.Dataset) -> Content:
                 if np.isinf(values).any():
                     arrays[f"{each}_endless"] = float32(np.isinf(values), "1")
         quantities.append({
-            "name": name, "about": in_print(quantity.about), "unit": unit, "along": along,
+            "name": name, "about": about, "unit": unit, "along": along,
             "least": quantity.dimension == "direction",
             "log": name in _BY_RATIO, "error": f"{name}_error" in dataset,
         })  # fmt: skip
@@ -130,9 +131,13 @@ def _summary(dataset: xr.Dataset, over: list[str], counts: dict[str, int]) -> li
 
 
 def _notes(dataset: xr.Dataset, of: str) -> list[str]:
+    varied = [size for size in dataset["outcome"].shape if size > 1]
     notes = [
-        "Each cell is one case, as wide as the way to the middle between its neighbours. Hatched "
-        "cells have no number: their outcome says why.",
+        "Each cell is one case, and ends in the middle between its neighbours. Hatched cells have "
+        "no number: their outcome says why."
+        if len(varied) > 1
+        else "Each point is one case; the lines between are there to guide the eye. A case without "
+        "a number is a cross: its outcome says why."
     ]
     if of == "trap":
         notes.append(

@@ -20,7 +20,7 @@ from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes
-from tweezer.viewing.rows import in_print, of_number, si
+from tweezer.viewing.rows import about_and_unit, of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 Array = NDArray[np.float64]
@@ -324,13 +324,13 @@ def _summary(trap: Trap) -> list[Row]:
     for name, quantity in QUANTITIES["trap"].items():
         if name not in values or name == "lifetime":
             continue
+        about, unit = about_and_unit(quantity)
         found = np.atleast_1d(values[name])
         errors = np.broadcast_to(values.get(f"{name}_error", math.nan), found.shape)
         for at, value, error in zip(quantity.along, found, errors, strict=True):
-            about = in_print(quantity.about) + (f", {at}" if at else "")
+            words = f"{about}, {at}" if at else about
             known = float(error) if quantity.error else None
-            unit = quantity.unit
-            rows.append(of_number(about, float(value), known, unit, in_tables=True, trusted=sound))
+            rows.append(of_number(words, float(value), known, unit, in_tables=True, trusted=sound))
     told = {"error of the force", "stable equilibrium", "stiffness (x, y, z)", "corner frequencies"}
     rows += [
         Row(row.name.strip(), row.told, "", not row.caveat)
@@ -348,9 +348,9 @@ def _notes(trap: Trap, compared: _Compared) -> list[str]:
         "Shown is the force of light, weight and walls on a bead whose centre is at a place, at "
         "the time 0. Drag, contact with a wall and thermal motion play no part.",
         f"The page computes the force from tables by cubic splines. At {_COMPARED} places drawn at "
-        f"random half of the differences from what the tables stand for were below {usual}, and "
-        f"the largest was {most}; the largest force of the light there was {largest}. Beside each "
-        "number stands the difference found in the cells of the table next to it.",
+        "random the median of its differences from the force computed without tables was "
+        f"{usual}, and the largest was {most}; the largest force of the light there was {largest}. "
+        "Beside each force stands the difference found in the nearest cells of the table.",
         "The force of light has no potential: the work between two places depends on the way. "
         "The map of work is that against the force on the straight line from the "
         f"{centre} to each place, in kT. For the place pointed at, two other ways, along the axes, "

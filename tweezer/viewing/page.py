@@ -91,15 +91,15 @@ def _as_json(content: Content) -> dict[str, Any]:
         "warning": content.warning,
         "facts": content.facts,
         "arrays": {name: packed.as_json() for name, packed in content.arrays.items()},
-        "summary": [row._asdict() for row in content.summary],
-        "notes": content.notes,
+        "summary": [row._asdict() | {"value": _typeset(row.value)} for row in content.summary],
+        "notes": [_typeset(note) for note in content.notes],
         "version": __version__,
     }
 
 
-def _typeset(title: str) -> str:
-    """With the sign of print for micro: scenes say um."""
-    return re.sub(r"\bum\b", "µm", title)
+def _typeset(words: str) -> str:
+    """With the sign of print for micro: scenes and tables of a terminal say um."""
+    return re.sub(r"\bum\b", "µm", words)
 
 
 def _in_script(value: object) -> str:

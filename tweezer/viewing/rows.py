@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from tweezer.rounding import rounded
-from tweezer.sweeps.quantities import SHOWN
+from tweezer.sweeps.quantities import SHOWN, Quantity
 from tweezer.viewing.content import Row
 
 #: In place of a number, or of its error, where there is none
@@ -60,9 +60,10 @@ def si(value: float, unit: str, digits: int = 3) -> str:
     return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixed}"  # 300, not 3e+02
 
 
-def in_print(about: str) -> str:
-    """Words on a quantity with the symbol of a page for k_B T."""
-    return about.replace("k_B T", "kT")
+def about_and_unit(quantity: Quantity) -> tuple[str, str]:
+    """Words on a quantity of a case, and its unit: of an energy in k_B T the words say that."""
+    about, energy, _ = quantity.about.partition(", in k_B T")
+    return about, "kT" if energy else quantity.unit
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:

@@ -68,7 +68,7 @@ def of_the_picture(scene: Scene) -> list[str]:
     notes = [
         f"Bead and light are to scale. {turns} The light ends at the angle of the outermost rays "
         "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
-        "is no intensity."
+        "does not show the intensity."
     ]
     if caveat := ray_optics_caveat(scene):
         notes.append(f"{caveat[0].upper()}{caveat[1:]}.")

@@ -136,7 +136,7 @@ export function start(content, shell) {
     } else shells.set(here, [0, 1, 2].map((k) => micro(spread[3 * index + k])));
     const there = left[index];
     const words = [`${there} of ${facts.beads} beads are left, ${facts.beads - there} lost`];
-    if (near) words.push(`${near[index]} within a radius of the equilibrium`);
+    if (near) words.push(`${near[index]} within one bead radius of the equilibrium`);
     counts.replaceChildren(...words.flatMap((line, i) => (i ? [make("br"), line] : [line])));
     for (const plot of plots) plot.move(plot.x.factor * time);
     before = index;
