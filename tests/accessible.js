@@ -126,6 +126,11 @@
     element.focus({preventScroll: true, focusVisible: true});
     if (document.activeElement === element && look(element) + (label ? look(label) : "") === before)
       found.add(`focus not seen: ${path(element)} "${brief(element.textContent)}"`);
+    // a box or a button of choice is drawn by its label
+    const {left, right, width, height} = element.getBoundingClientRect();
+    const drawn = width * height > 0 || element.matches("[type=checkbox], [type=radio]");
+    if (document.activeElement === element && (!drawn || right <= 0 || left >= innerWidth))
+      found.add(`focus off the screen: ${path(element)} "${brief(element.textContent)}"`);
     element.blur();
   }
   still.remove();

@@ -221,7 +221,8 @@ def test_what_keeps_a_reader_out_is_found(tmp_path, browser):
         """<!doctype html><title>x</title><body style="background: #fff; color: #777">
         <h1>one</h1><p>grey on white</p><h3>three</h3><img src="data:,"><button></button><input>
         <p style="background: #ddd">grey on grey</p><p style="color: #0000">not there</p>
-        <a href="#" style="outline: none">no outline</a></body>"""
+        <a href="#" style="outline: none">no outline</a>
+        <a href="#" class="far" style="position: absolute; left: -90px">far</a></body>"""
     )
     browser.get(page.as_uri())
     found = browser.execute_script(f"return {ACCESSIBLE}()")
@@ -230,6 +231,7 @@ def test_what_keeps_a_reader_out_is_found(tmp_path, browser):
         "no alt text: data:,", "no name: button", "no name: input",
         'contrast 4.48: p "grey on white', 'contrast 3.30: p "grey on grey',
         'contrast 1.00: p "not there"', 'focus not seen: a "no outline"',
+        'focus off the screen: a.far "far"',
     ):  # fmt: skip
         assert any(line.startswith(what) for line in found), (what, found)
     assert not any('h1 "one' in line for line in found)  # of large text 3 is enough

@@ -48,6 +48,12 @@ export class Shell {
     this.key("t", "light or dark", () => this.turnTheme());
     document.addEventListener("keydown", (event) => this.pressed(event));
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.retheme());
+    // a page around this one is light or dark by its own switch
+    addEventListener("message", ({ data }) => {
+      if (data?.theme !== "light" && data?.theme !== "dark") return;
+      this.theme = data.theme;
+      this.retheme();
+    });
     this.retheme();
     window.tweezer = { content };
   }
