@@ -1,8 +1,8 @@
 """What the site takes from elsewhere: notebooks, scene schema, commands; formulas as MathML.
 
-Figures of notebooks become files, with a text in their place for those who do not see them. The
-gallery has each shipped scene, with its page that plays, which `plays.py` makes meanwhile; where
-TWEEZER_PLAYS is set, of the scenes that it names alone, as a test does.
+Figures of notebooks become files, with the text that the metadata of their cell have for those who
+do not see them. The gallery has each shipped scene, with its page that plays, which `plays.py`
+makes meanwhile; where TWEEZER_PLAYS is set, of the scenes that it names alone, as a test does.
 
 Called by mkdocs (`hooks` in mkdocs.yml).
 """
@@ -13,9 +13,11 @@ import base64
 import hashlib
 import html
 import itertools
+import json
 import logging
 import os
 import re
+import struct
 import subprocess
 import sys
 import tomllib
@@ -78,14 +80,12 @@ _SPACING = (
 #: browsers draw its letters, not the attribute
 _BOLD_GREEK = re.compile(r'(?<=<mi) mathvariant="bold-italic">&#x00(3[BC][0-9A-F]);')
 
-#: figures within a notebook, and headings, which say what a figure without a text is of
-_FIGURE = re.compile(
-    r"<h[1-6][^>]*>(?P<heading>.*?)(?:<a\b[^>]*>[^<]*</a>)?</h[1-6]>"
-    r'|<img alt="(?P<alt>[^"]*)"(?P<between>[^>]*?) src="data:image/png;base64,(?P<data>[^"]*)"',
-    re.DOTALL,
-)
-#: what nbconvert writes where the metadata of a cell have no `alt`
-_NO_TEXT = "No description has been provided for this image"
+#: pages of numbers to be compared down a column, whose tables scroll on a phone; others stack
+NUMBERS = ("benchmarks.md", "scaling.md")
+_TABLE = re.compile(r"<table>\n<thead>.*?</table>", re.DOTALL)
+
+#: figures within a notebook, which nbconvert gives no text
+_FIGURE = re.compile(r'<img alt="[^"]*"([^>]*?) src="data:image/png;base64,([^"]*)"')
 
 
 def on_config(config: MkDocsConfig) -> None:
@@ -155,7 +155,36 @@ def on_page_content(content: str, page: Page, config: MkDocsConfig, files: Files
     content = _FORMULA.sub(drawn, content)
     for dollar in re.finditer(r".{0,40}\$.{0,40}", _DRAWN.sub("", content)):
         _log.warning("%s: a formula without its end: %s", page.file.src_uri, dollar[0])
-    return content
+    if page.file.src_uri not in NUMBERS:
+        content = _TABLE.sub(_labelled, content)
+
+    def sized(image: re.Match[str]) -> str:
+        path = ROOT / "docs" / image[1]  # mkdocs says it where there is none
+        return f"<img {_size(path.read_bytes())} " if path.is_file() else image[0]
+
+    return re.sub(r'<img (?=[^>]*src="(figures/[^"]*))', sized, content)
+
+
+def _size(png: bytes) -> str:
+    """Attributes of an image, so that nothing moves when it is loaded."""
+    return 'width="{}" height="{}"'.format(*struct.unpack(">II", png[16:24]))
+
+
+def _labelled(table: re.Match[str]) -> str:
+    """A table of three columns or more whose cells say what they are, for extra.css to stack."""
+    names = [
+        html.escape(html.unescape(re.sub(r"<[^>]*>", "", name)).strip())
+        for name in re.findall(r"<th\b[^>]*>(.*?)</th>", table[0], re.DOTALL)
+    ]
+    if len(names) < 3:
+        return table[0]
+    column = itertools.cycle(names)
+    return re.sub(
+        r"<td([^>]*)>(.*?)</td>",
+        lambda cell: f'<td data-label="{next(column)}"{cell[1]}><span>{cell[2]}</span></td>',
+        table[0],
+        flags=re.DOTALL,
+    )
 
 
 def _of_a_notebook(content: str, page: Page, config: MkDocsConfig, files: Files) -> str:
@@ -163,19 +192,25 @@ def _of_a_notebook(content: str, page: Page, config: MkDocsConfig, files: Files)
 
     No cell is a stop of the keyboard, as nbconvert makes it.
     """
-    name, heading, drawn = Path(page.file.src_uri).stem, "", 0
+    name = Path(page.file.src_uri).stem
+    cells = json.loads((ROOT / page.file.src_uri).read_text(encoding="utf-8"))["cells"]
+    texts = [
+        cell["metadata"].get("alt", "")
+        for cell in cells
+        for output in cell.get("outputs", [])
+        if "image/png" in output.get("data", {})
+    ]
+    drawn = enumerate(texts, start=1)
 
     def apart(found: re.Match[str]) -> str:
-        nonlocal heading, drawn
-        if found["data"] is None:
-            heading = re.sub(r"<[^>]*>|[¶$]", "", found["heading"]).strip().replace('"', "&quot;")
-            return found[0]
-        drawn += 1
-        uri = f"notebooks/figures/{name}-{drawn}.png"
-        files.append(File.generated(config, uri, content=base64.b64decode(found["data"])))
-        alt = found["alt"] if found["alt"] != _NO_TEXT else f"Figure {drawn}: {heading}"
-        address = f"figures/{name}-{drawn}.png"
-        return f'<img loading="lazy" alt="{alt}"{found["between"]} src="{address}"'
+        number, text = next(drawn)
+        address = f"figures/{name}-{number}.png"
+        data = base64.b64decode(found[2])
+        files.append(File.generated(config, f"notebooks/{address}", content=data))
+        if not text:
+            _log.warning("%s: figure %d has no text", page.file.src_uri, number)
+        about = f'alt="{html.escape(text)}" {_size(data)}'
+        return f'<img loading="lazy" {about}{found[1]} src="{address}"'
 
     def shared(found: re.Match[str]) -> str:
         # each notebook brings half a megabyte of the same

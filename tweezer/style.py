@@ -4,7 +4,7 @@ A figure is drawn at the size at which it is printed: as wide as one column of a
 as two, 178 mm, with no text below 7 points. Colours differ in lightness, so that they are told
 apart in grey, and by people who see no red or no green; what is drawn together differs by line or
 marker, too. A figure has the same look whatever the style of the session, and changes no global
-state.
+state; `use` alone does, for notebooks.
 """
 
 from __future__ import annotations
@@ -168,6 +168,16 @@ def styled(function: Callable[_P, _T]) -> Callable[_P, _T]:
             return function(*args, **keywords)
 
     return inner
+
+
+def use() -> None:
+    """Give this look to what pyplot draws from now on, at the size of a notebook's page.
+
+    Curves in the same axes differ by colour and line, in the order of `SERIES`.
+    """
+    series = cycler(color=[mark.colour for mark in SERIES], ls=[mark.line for mark in SERIES])
+    page = {"figure.figsize": (6, 3.5), "figure.dpi": 120, "axes.prop_cycle": series}
+    mpl.rcParams.update(_PARAMETERS | page)
 
 
 def save(figure: Figure, to: Path | IO[bytes], kind: str, title: str = "") -> None:

@@ -57,7 +57,7 @@ def light(force: Results) -> list[str]:
     headings = (
         "silica bead", "wavelengths across", "waves: a force takes", "its error",
         "rays: a force takes", "off by, of the largest force", "true stiffness across, over theirs",
-        "along", "",
+        "true stiffness along, over theirs", "judgement",
     )  # fmt: skip
     return pages.markdown(headings, rows)
 

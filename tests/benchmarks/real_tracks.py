@@ -86,6 +86,13 @@ def _by_pairs(positions: np.ndarray, step: float) -> list[float]:
     ]
 
 
+#: What the figure shows
+SHOWS = (
+    "Mean squared displacement over twice the time for each of ten tracks against the lag, "
+    "1 to 16 frames: most rise with the lag, from below the shaded interval of D into it"
+)
+
+
 def block(results: Results) -> str:
     """Its part of the page, between its markers."""
     headings = [
@@ -106,7 +113,8 @@ def block(results: Results) -> str:
             [each["name"], str(each["frames"]), _ends(each["diffusion"], each["interval"], 1e12, 3),
              *pairs, _ends(each["radius"], each["radius_interval"], 1e6, 2)]
         )  # fmt: skip
-    lines = [*pages.markdown(headings, rows), "", "![Lag by lag](figures/free-tracks.png)"]
+    figure = f"![{SHOWS}](figures/free-tracks.png)"
+    lines = [*pages.markdown(headings, rows), "", figure]
     return "\n".join(["<!-- bench-real-tracks -->", *lines, "<!-- end -->"])
 
 
