@@ -19,6 +19,8 @@ from tests.benchmarks import pages
 from tests.benchmarks.diagram import MATERIALS, TIMES, Results
 from tests.benchmarks.timing import ROOT
 from tweezer import style
+from tweezer.analysis.heights import HELD
+from tweezer.sweeps.quantities import SHALLOW
 
 PAGE = ROOT / "docs/trapping-diagram.md"
 #: The least powers, one line for each bead and time
@@ -29,6 +31,8 @@ SHOWN = 0.2, 0.25, 0.3, 0.4, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0
 LINES = {"1 h": "-", "1 year": "--"}
 #: range of the figure's powers, W, and of its depths, k_B T
 LOWEST, DEPTHS = 1e-5, (10.0, 1e5)
+#: outcomes of scenes that have a trap
+TRAPPED = HELD, SHALLOW
 
 
 def tables(results: Results) -> list[list[list[str]]]:
@@ -108,7 +112,7 @@ def figure(results: Results) -> Figure:
 def _depths(panel: Axes, results: Results, found: Results) -> Any:
     """Colours of the depth; grey where nothing is trapped."""
     depth = np.array(found["depth_kT"]).T
-    held = np.array(found["outcome"]).T == "held"
+    held = np.isin(np.array(found["outcome"]).T, TRAPPED)
     panel.axhspan(min(results["powers_W"]), max(results["powers_W"]), color="0.8", lw=0)
     return panel.pcolormesh(
         1e6 * np.array(results["diameters_m"]), results["powers_W"],
@@ -127,9 +131,9 @@ def block(results: Results) -> str:
             time is not None and time < TIMES["1 h"]
             for row, outcome in zip(found["lifetime_s"], outcomes, strict=True)
             for time, each in zip(row, outcome, strict=True)
-            if each == "held"
+            if each in TRAPPED
         )
-        held = int((outcomes == "held").sum())
+        held = int(np.isin(outcomes, TRAPPED).sum())
         told.append(
             f"of {cases:,} scenes with {material} {held:,} have a trap, and {short} of these "
             "lose their bead within an hour"

@@ -19,7 +19,7 @@ from tweezer.ensembles import scheduler
 from tweezer.sweeps import pool
 from tweezer.sweeps.figures import sweep_figure
 from tweezer.sweeps.journal import check_same
-from tweezer.sweeps.quantities import asked_of
+from tweezer.sweeps.quantities import asked_of, values_of_trap
 
 SCENE = tweezer.load_scene("silica-1um")
 #: an aperture beyond the index of water is refused; the sine map has none
@@ -76,6 +76,7 @@ def test_each_case_is_as_it_is_alone(whole):
                     assert np.isnan(case["stiffness"]).all()
                     continue
                 assert case["trapped"]
+                assert case["outcome"] == "held"
                 k = np.diag(trap.equilibrium.stiffness)
                 assert case["stiffness"].values == pytest.approx(k, rel=1e-9)
                 assert case["equilibrium"].values == pytest.approx(trap.equilibrium.position)
@@ -86,6 +87,15 @@ def test_each_case_is_as_it_is_alone(whole):
                 force = [each.force for each in trap.escapes]
                 assert case["escape_force"].values == pytest.approx(force, rel=1e-6)
     assert set(result["outcome"].values.ravel()) == {"held", "not held", "failed"}
+
+
+@pytest.mark.parametrize(("power", "outcome"), [("0.075 mW", "shallow"), ("0.16 mW", "held")])
+def test_a_trap_of_less_than_ten_kT_is_shallow(power, outcome):
+    """By the diagram of docs/trapping-diagram.md: 4.9 kT, and that which holds for an hour."""
+    trap = tweezer.characterise(SCENE.replace(beam={"power_through_pupil": power}))
+    values = values_of_trap(trap)
+    assert values["outcome"] == outcome
+    assert np.isfinite(values["stiffness"]).all()
 
 
 def test_the_error_of_the_stiffness_holds(whole):

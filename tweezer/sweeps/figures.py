@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tweezer import style
 from tweezer.errors import ResultError
 from tweezer.io import scene_of
-from tweezer.sweeps.quantities import FAILED, MISSING, SHOWN
+from tweezer.sweeps.quantities import FAILED, MISSING, SHOWN, STABLE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
-#: 288 (1986))
-_STABLE = 10.0
 #: A lifetime of an hour, and the longest that is told apart, s
 _HOUR, _LONGEST = 3600.0, 1e10
 #: Largest number of curves in a family
@@ -121,7 +118,7 @@ def _panels(result: xr.Dataset) -> list[_Panel]:
             panels = [
                 _easiest(
                     result, "escape_energy", 1.0,
-                    f"depth: work of the easiest way out (k_B T); line: {_STABLE:g}", _STABLE,
+                    f"depth: work of the easiest way out (k_B T); line: {STABLE:g}", STABLE,
                 ),
                 _panel(result, "equilibrium", "z"),
                 _easiest(result, "escape_force", 1e12, "smallest force that takes it out (pN)"),

@@ -27,6 +27,11 @@ Values = dict[str, Any]
 
 #: Words of a case that was not finished, and of one that was not begun
 FAILED, MISSING = "failed", "not computed"
+#: Word of a trap out of which the easiest straight way takes less than `STABLE`
+SHALLOW = "shallow"
+#: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
+#: 288 (1986))
+STABLE = 10.0
 
 #: Distance over which the force of rays is taken to change, in radii
 _RAYS = 0.02
@@ -162,8 +167,9 @@ def values_of_trap(trap: Trap) -> Values:
     corner = np.array(trap.corner_frequencies)
     thermal = Boltzmann * scene.medium.temperature
     held = trap.lifetime
+    depth = min(each.energy_kT for each in trap.escapes)
     return values | {
-        "outcome": HELD,
+        "outcome": HELD if depth >= STABLE else SHALLOW,
         "lifetime": math.nan if held is None else held.time,
         "lifetime_error": math.nan if held is None else held.error,
         "equilibrium": list(place.position),

@@ -42,7 +42,7 @@ def dataset_of(
         variables[name] = names, words, {"long_name": about}
     if of == "trap":
         held = np.array(["stiffness" in row for row in rows]).reshape(cases.shape)
-        about = "whether the trap holds the bead; false too of a case that failed"
+        about = "whether it has a stable equilibrium, however shallow; false too of a failure"
         variables["trapped"] = names, held, {"long_name": about}
     for name, quantity in QUANTITIES[of].items():
         over = [quantity.dimension] if quantity.dimension else []

@@ -71,11 +71,12 @@ def sweep(
     Returns a dataset over the swept keys, in SI with their units (over `case`, for a table). Each
     quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
     of a trap the equilibrium, stiffness and corner frequency (axis), escape force and escape energy
-    in k_B T (direction), the lifetime, infinite above 1e20 s, and whether the bead is `trapped`; of
-    a run the time of its outcome, its end, overshoot and closest approach, the largest force and
-    Reynolds number; of an ensemble the part that is `lost`, and the mean and variance of the
-    position (axis); of a calibration stiffness, corner frequency and diffusion (axis). Errors of a
-    trap are those of the force of the light, by its
+    in k_B T (direction), the lifetime, infinite above 1e20 s, and whether there is a stable
+    equilibrium (`trapped`), of which the outcome says "held", or "shallow" if the easiest straight
+    way out takes less than 10 k_B T; of a run the time of its outcome, its end, overshoot and
+    closest approach, the largest force and Reynolds number; of an ensemble the part that is
+    `lost`, and the mean and variance of the position (axis); of a calibration stiffness, corner
+    frequency and diffusion (axis). Errors of a trap are those of the force of the light, by its
     theory: `caveat` says in words what ray optics is worth. `outcome` says what becomes of each
     case; one that "failed" has its `reason`, and NaN for numbers. The attribute `status` is
     "complete", or "interrupted" of a dataset with the cases reached before Ctrl-C, which can be

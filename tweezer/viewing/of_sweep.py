@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.io import scene_of
-from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, SHOWN
+from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, SHOWN, STABLE
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, named, of_changes
@@ -142,7 +142,8 @@ def _notes(dataset: xr.Dataset, of: str) -> list[str]:
     if of == "trap":
         notes.append(
             "The least over the directions is that of the easiest straight way out. Work on a way "
-            "is no height of a barrier: the force of light has no potential."
+            "is no height of a barrier: the force of light has no potential. A trap is shallow if "
+            f"that takes less than {STABLE:g} kT: thermal motion soon takes the bead out of it."
         )
         notes.append("A lifetime that is infinite is longer than 10²⁰ s.")
     if of in ("ensemble", "calibrate"):
