@@ -1,4 +1,4 @@
-"""Common objectives and lasers of optical traps, as makers' catalogues have them."""
+"""Common objectives and lasers of optical traps; docs/materials.md says what was checked."""
 
 from __future__ import annotations
 
