@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import tweezer
+from tweezer.analysis.holding import Lifetime
 from tweezer.cli.trap import _write_trap
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
 from tweezer.viewing.heading import heading, of_changes
+from tweezer.viewing.setting import scene_facts
 
 
 @pytest.fixture(scope="module")
@@ -130,18 +132,32 @@ def test_numbers_of_a_sweep_are_those_of_its_cases(diagram):
 
 
 def test_a_saved_trap_is_the_trap(trap, tmp_path):
-    vars(trap).pop("lifetime", None)
-    _write_trap(trap.scene, trap, tmp_path / "trap.json")
-    saved, version = saved_trap.load_trap(tmp_path / "trap.json")
+    trap, path = dataclasses.replace(trap), tmp_path / "trap.json"
+    vars(trap)["lifetime"] = Lifetime(math.inf, 0.0, 1e-5)
+    _write_trap(trap.scene, trap, path)
+    saved, version = saved_trap.load_trap(path)
     # JSON has no infinity
     assert (saved.force_error, trap.force_error) == (pytest.approx(math.nan, nan_ok=True), math.inf)
     assert saved == dataclasses.replace(trap, force_error=saved.force_error)
     assert version == tweezer.__version__
     assert (saved.scene, saved.lifetime) == (trap.scene, trap.lifetime)
-    for wrong in ("{}", "[]", '{"trap": {"equilibria": 3}, "scene": {}, "tweezer_version": "1"}'):
-        (tmp_path / "wrong.json").write_text(wrong)
+    whole = path.read_text()
+    for wrong in ("{}", "[]", whole.replace('"stable": true', '"stable": "perhaps"')):
+        path.write_text(wrong)
         with pytest.raises(tweezer.ResultError, match="no saved trap"):
-            saved_trap.load_trap(tmp_path / "wrong.json")
+            saved_trap.load_trap(path)
+
+
+def test_a_cover_glass_is_a_wall_of_that_name():
+    scene = tweezer.load_scene("silica-1um")
+    lens = {"cover": {"depth": 5e-6, "refractive_index": 1.518}}
+    glass = {"z": -5e-6, "normal": 1, "name": "cover glass"}
+    assert scene_facts(scene)["walls"] == []
+    assert scene_facts(scene.replace(lens=lens))["walls"] == [glass]
+    wall = {"position": -5e-6, "opposite": 9e-6}
+    assert scene_facts(scene.replace(lens=lens, wall=wall))["walls"] == [
+        glass, {"z": 9e-6, "normal": -1, "name": "wall"},
+    ]  # fmt: skip
 
 
 @pytest.mark.parametrize(
