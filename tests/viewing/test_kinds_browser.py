@@ -129,6 +129,10 @@ def test_a_lost_bead_is_a_ring_where_it_was_last(show, cloud):
     position = 1e6 * cloud["position"].values
     assert rings[:2] == pytest.approx(position[[3, 8], [4, 8]], abs=1e-4)
     assert (rings[2:] == 0).all()
+    box = browser.find_element("css selector", ".counts + label input")
+    before = box.is_selected()
+    box.click()
+    assert box.is_selected() != before
 
 
 def test_a_page_of_statistics_shows_mean_and_spread(show, gathered):

@@ -45,7 +45,7 @@ export function start(content, shell) {
   // ---- how many, and the bead to scale
   const counts = make("p", { class: "counts" });
   const sized = make("input", { type: "checkbox", checked: radius < 0.7 * reach, onchange: () => show(clock.time) });
-  stage.over.append(make("div", { class: "forces" }, counts,
+  shell.picture.append(make("div", { class: "forces" }, counts,
     make("label", {}, sized, " a bead to scale, at the mean")));
 
   // ---- the density
