@@ -527,6 +527,7 @@ BAD_SCENES = {
 #: id: (content of the file, the line it is answered with)
 BAD_FILES = {
     "not UTF-8": (b"name = '\xff'", "'scene.toml': not a text file in UTF-8"),
+    "an empty file": (b"# nothing\n", "'scene.toml': is empty; `tweezer new` writes a scene"),
     "not TOML": (b"radius: 3", "'scene.toml': not valid TOML: "),
     "the same key twice": (b"name = 'a'\nname = 'b'", "'scene.toml': not valid TOML: "),
     "brackets without end": (b"a = " + 20_000 * b"[", "'scene.toml': not valid TOML: "),

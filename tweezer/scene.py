@@ -881,6 +881,8 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
         raise SceneError(f"{name!r}: not valid TOML: {error}") from None
     except OSError as error:
         raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
+    if not data:
+        raise SceneError(f"{name!r}: is empty; `tweezer new` writes a scene")
     try:
         whole = with_tables(data, path.parent)
     except ValueError as error:
