@@ -140,6 +140,7 @@ def test_after_a_warm_up_a_run_compiles_nothing(tmp_path):
     assert first.stderr.splitlines() == [NOTICE]
     kept = compiled(cache)
     assert len(kept) > 2
+    assert not any("turn_over" in name for name in kept)  # it does not rotate
 
     again = command("run", "mine.toml", program=THEN_WARMUP)
     assert "wrote mine.nc" in again.stdout

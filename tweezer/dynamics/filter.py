@@ -495,6 +495,13 @@ def _product(a, b, out):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
+def _copy(a, out):  # type: ignore[no-untyped-def]
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            out[i, j] = a[i, j]
+
+
+@named_njit(inner=True, error_model="numpy")
 def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped-def]
     """Phi = exp(A h) and what a forcing makes of the state, that is constant in `forced[0]`.
 
@@ -561,7 +568,7 @@ def _exponentials(work, A, forcing, step, spreading):  # type: ignore[no-untyped
                     for k in range(n):
                         Q[i, j] += X[i, k] * Phi[j, k]
         _product(Phi, Phi, other)
-        Phi[:] = other
+        _copy(other, Phi)
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -569,7 +576,7 @@ def _noise_of_a_short_step(work, A, h):  # type: ignore[no-untyped-def]
     """Q of a short step: Q' = A Q + Q A^T + noise, as a series."""
     term, other, Q = work.scratch, work.other, work.Q
     n = A.shape[0]
-    term[:] = Q
+    _copy(Q, term)
     for order in range(2, _TERMS + 2):
         _product(A, term, other)
         for i in range(n):

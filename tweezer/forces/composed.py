@@ -408,14 +408,16 @@ def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
     for l in range(3):
         for side in (-1.0, 1.0):
             clear(found)
-            beside.position[:, l] = pose.position[:, l] + side * step
+            for i in range(n):
+                beside.position[i, l] = pose.position[i, l] + side * step
             add(force, beside, found)
             factor = side / (2.0 * step)
             for i in range(n):
                 for k in range(3):
                     wrench.force_gradient[i, k, l] += factor * found.force[i, k]
                     wrench.moment_gradient[i, k, l] += factor * found.moment[i, k]
-        beside.position[:, l] = pose.position[:, l]
+        for i in range(n):
+            beside.position[i, l] = pose.position[i, l]
 
 
 @dataclass(frozen=True, eq=False)

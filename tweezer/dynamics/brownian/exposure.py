@@ -48,7 +48,9 @@ def expose(  # type: ignore[no-untyped-def]
             continue
         at = min(k, diffusion.shape[1] - 1)
         reached = 0.0
-        here[:] = places[:, k]
+        for i in range(n):
+            for d in range(3):
+                here[i, d] = places[i, k, d]
         while True:
             closing = opened
             if f == frames:
@@ -72,7 +74,7 @@ def expose(  # type: ignore[no-untyped-def]
                         held[i, d] += gap * (here[i, d] + x) / 2
                         held[i, 3 + d] += D * gap**3 / 6
                     now[i, d] = x
-            here[:] = now
+            here, now = now, here
             reached = to
             if ended:
                 break

@@ -86,13 +86,14 @@ def loop() -> Any:
                 n, dims, inertial, steps.gradient, plan.uniform, steps.memory, steps.draws
             )
             who = np.zeros(beads.x.shape[1], np.int64)
-            who[:n] = trajectories[begin : begin + n]
             x, normal = beads.x, beads.normal[: steps.draws]
             hidden = beads.v[dims:]
+            kept = last - 3 * steps.memory  # where a state has what is hidden
             for i in range(n):
+                who[i] = trajectories[begin + i]
                 _load(steps, states[begin + i], beads, i)
-            if steps.memory > 0:
-                hidden[:, :n] = states[begin : begin + n, last - hidden.shape[0] : last].T
+                for k in range(3 * steps.memory):
+                    hidden[k, i] = states[begin + i, kept + k]
             if steps.force_first:
                 now = sample * plan.per_sample * plan.step
                 batch.slow_velocities(force, plan, beads, now, x, beads.u)
@@ -125,8 +126,8 @@ def loop() -> Any:
                         _save(steps, beads, x, i, out[begin + i, number])
             for i in range(n):
                 _save(steps, beads, x, i, states[begin + i])
-            if steps.memory > 0:
-                states[begin : begin + n, last - hidden.shape[0] : last] = hidden[:, :n].T
+                for k in range(3 * steps.memory):
+                    states[begin + i, kept + k] = hidden[k, i]
         return -1
 
     signature = types.int64(

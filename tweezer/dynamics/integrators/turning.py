@@ -134,7 +134,7 @@ def parts_of(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untype
     return parts
 
 
-@cached_njit(TURN, error_model="numpy", nogil=True)
+@cached_njit(error_model="numpy", nogil=True)
 def turn_over(modes, step, v, powers, e, allowed, out):  # type: ignore[no-untyped-def]
     """`parts_of`, called by its address: a scene without a rotation does not compile it."""
     parts_of(modes, step, v, powers, e, allowed, out)
