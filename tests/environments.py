@@ -70,9 +70,10 @@ tweezer.load_run("thermal.nc")
 
 
 def pythons() -> list[str]:
-    """The Python that runs this, and those on the path."""
-    found = (shutil.which(f"python3.{minor}") for minor in range(11, 15))
-    return list(dict.fromkeys([sys.executable, *filter(None, found)]))
+    """The Python that runs this, and those of other versions on the path."""
+    others = (minor for minor in range(11, 15) if minor != sys.version_info.minor)
+    found = (shutil.which(f"python3.{minor}") for minor in others)
+    return [sys.executable, *filter(None, found)]
 
 
 def install(folder: Path, python: str, resolution: str, wheel: str) -> Path:

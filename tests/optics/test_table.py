@@ -20,7 +20,8 @@ from filelock import FileLock
 
 import tweezer
 from tweezer.optics import evaluators_of, force_map, light, tabulate
-from tweezer.optics.table import _in_memory, _load
+from tweezer.optics.table import _in_memory, _load, _save
+from tweezer.optics.waves.lattice import Lattice
 
 #: a table of a few pieces, made in no time
 SMALL = {"table_range": 0.5, "table_tolerance": 1e-4}
@@ -412,6 +413,19 @@ def test_of_two_processes_one_makes_the_table(scene):
     assert third[:2] == ["0", "0"]
     assert {force for _, _, force in told} == {third[2]}
     assert _load(force_map(scene).path, force_map(scene).path.stem, tabulate.Made) is not None
+
+
+def test_a_table_is_read_as_it_was_made(tmp_path):
+    """A flag of NumPy's would compile its kernels a second time."""
+    made = Lattice(
+        reach=2.0, width=np.ones(2), pieces=np.ones((1, 1, 3, 4, 4)), moment=False,
+        certified=1e-9, largest=1.0, seconds=0.1,
+    )  # fmt: skip
+    _save(tmp_path / "one.table", "key", made)
+    read = _load(tmp_path / "one.table", "key", Lattice)
+    for name, value in vars(made).items():
+        assert type(getattr(read, name)) is type(value), name
+        assert np.array_equal(getattr(read, name), value)
 
 
 def test_no_map_of_the_dark_or_of_linear_light(scene):

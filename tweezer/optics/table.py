@@ -235,5 +235,9 @@ def _load(path: Path, key: str, kind: type[AnyMade]) -> AnyMade | None:
     if hashlib.sha256(key.encode() + content).digest() != digest:
         return None
     with np.load(io.BytesIO(content)) as archive:
-        fields: dict[str, Any] = {name: archive[name][()] for name in archive.files}
+        read = {name: archive[name] for name in archive.files}
+    # numbers of Python's, as they were: kernels are compiled again for those of NumPy
+    fields: dict[str, Any] = {
+        name: value if value.ndim else value.item() for name, value in read.items()
+    }
     return kind(**fields)
