@@ -368,7 +368,8 @@ class _LightForce:
         else:
             field = self._light.field(points)
             force, error = field.force, self._light.error_of(points, field)
-        self.error = max(self.error, float(error.max()))
+        # Newton's method may ask where the light has no force, and never ends there
+        self.error = max(self.error, float(error[np.isfinite(error)].max(initial=0.0)))
         return force
 
 
