@@ -251,6 +251,30 @@ def test_a_figure_enlarges_by_the_keyboard(site, browser):
     wait.until(lambda driver: not driver.find_elements("css selector", ".gslide"))
 
 
+def test_a_phone_by_the_keyboard(site, browser):
+    """The navigation opens, leads in and shuts; the page that plays is as dark as the site."""
+    screen = {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": True}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    media = [{"name": "prefers-color-scheme", "value": "light"}]
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
+    browser.get((site / "index.html").as_uri())
+    opener = browser.find_element("css selector", ".md-header__button[for=__drawer]")
+    within = "return document.activeElement.closest('.md-sidebar--primary') !== null"
+    for key, inside in ((Keys.ENTER, True), (Keys.ESCAPE, False), (Keys.SPACE, True)):
+        (opener if inside else browser.switch_to.active_element).send_keys(key)
+        assert browser.execute_script(within) is inside
+    frame = browser.find_element("css selector", "iframe.plays")
+    browser.execute_script("arguments[0].scrollIntoView()", frame)  # it is loaded when it is near
+    browser.execute_script("document.body.dataset.mdColorScheme = 'slate'")
+    browser.switch_to.frame(frame)
+    WebDriverWait(browser, 30, poll_frequency=0.02).until(
+        lambda driver: driver.execute_script(
+            "return document.documentElement.dataset.theme === 'dark'"
+        )
+    )
+    browser.switch_to.default_content()
+
+
 def test_gallery_has_every_scene(site):
     page = (site / "gallery.html").read_text()
     for name, path in SCENES.items():
