@@ -162,6 +162,12 @@ def test_a_folder_that_is_not_there(turning_run, tmp_path):
 def test_files_that_are_no_runs(tmp_path):
     with pytest.raises(ResultError, match="no such file"):
         tweezer.load_run(tmp_path / "none.nc")
+    for read in (
+        tweezer.load_run,
+        lambda table: tweezer.sweep(tweezer.load_scene("silica-1um"), cases=table),
+    ):
+        with pytest.raises(ResultError, match="is a folder"):
+            read(tmp_path)
     text = tmp_path / "text.nc"
     text.write_text("not a run")
     with pytest.raises(ResultError, match="not a saved run"):
@@ -170,8 +176,6 @@ def test_files_that_are_no_runs(tmp_path):
     xr.Dataset({"height": ("time", [1.0, 2.0])}).to_netcdf(other, engine="h5netcdf")
     with pytest.raises(ResultError, match="names no scene"):
         tweezer.load_run(other)
-    with pytest.raises(ResultError, match="not a saved run"):
-        tweezer.load_run(tmp_path)
 
 
 def test_a_run_is_not_held_open_by_loading_it(turning_run, tmp_path):

@@ -161,6 +161,8 @@ def _reading(path: Path) -> Iterator[None]:
         yield
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a folder") from None
     except ResultError:
         raise
     except Exception as error:  # h5py and h5netcdf raise of any kind where a file is damaged

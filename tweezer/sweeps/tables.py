@@ -66,6 +66,8 @@ def _of_file(path: Path) -> list[tuple[str, list[Any]]]:
             rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if row]
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a folder") from None
     except (OSError, ValueError, csv.Error) as error:
         raise ResultError(f"{path}: not a table of cases: {' '.join(str(error).split())}") from None
     if not rows:
