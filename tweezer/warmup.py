@@ -23,12 +23,18 @@ _MOMENT = 1e-8
 def usual_scenes(scene: Scene) -> list[Scene]:
     """A shipped scene, and what users change in it: thermal motion by the map.
 
-    A scene with the thesis's grid is the thesis's own: beside it is what `tweezer reproduce` runs,
-    with the moment (3.25), which turns the bead.
+    A scene with the thesis's grid is the thesis's own: beside it is also what `tweezer reproduce`
+    runs, with the moment (3.25), which turns the bead. Its motion by the map is not scaled.
     """
-    if scene.optics.evaluator == "grid":
-        return [scene, scene.replace(beam={"torque": "thesis"})]
-    return [scene, scene.replace(forces={"brownian": True}, optics={"evaluator": "map"})]
+    thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
+    if scene.optics.evaluator != "grid":
+        return [scene, scene.replace(**thermal)]
+    unscaled = {"simulation": {"model": "full", "method": "auto"}}
+    return [
+        scene,
+        scene.replace(**thermal, **unscaled),
+        scene.replace(beam={"torque": "thesis"}),
+    ]
 
 
 def warm_up(scene: Scene) -> None:
