@@ -22,7 +22,7 @@ import tweezer
 from tests.ensembles.test_ensemble import FREE, INERTIAL, content, interrupt_after
 from tweezer.ensembles import job, statistics, store
 
-KILLS = int(os.environ.get("TWEEZER_KILLS", "3"))
+KILLS = int(os.environ.get("TWEEZER_KILLS", "2"))
 TRAJECTORIES = 1024
 
 
