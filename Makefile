@@ -58,9 +58,10 @@ figures: .venv/.dev  ## every figure and number of the documentation again
 docs: .venv/.dev  ## the site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
-stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, 1,000 beside walls, and faults from outside
+stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, 1,000 beside walls, faults from outside, and ensembles killed 20 times
 	$(BIN)/python -m tests.stress 10000
 	$(BIN)/python -m tests.stress_faults
+	TWEEZER_KILLS=20 $(BIN)/python -m pytest -n0 tests/ensembles/test_ensemble_kill.py
 
 package: .venv/.dev  ## wheel and sdist, each installed in a fresh environment and run there
 	$(BIN)/python -m tests.package

@@ -1,6 +1,6 @@
 """Ensembles whose processes are killed: nothing is lost or wrong, and the bytes are the same.
 
-`TWEEZER_KILLS=20 pytest tests/ensembles/test_ensemble_kill.py` kills so many times.
+`make stress` kills 20 times, by TWEEZER_KILLS.
 """
 
 from __future__ import annotations
