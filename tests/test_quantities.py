@@ -140,7 +140,16 @@ def test_a_force_of_quantities():
         (lambda: UserForce(nothing, ("20",)), "entries[0]: has no unit"),
         (lambda: UserForce(nothing, (["1 um", "1 s"],)), "entries[0]: has units of different"),
         (lambda: UserForce(nothing, (None,)), "entries[0]: must be numbers"),
+        (lambda: UserForce(nothing, "20 pN/um"), "entries: must be a tuple"),
+        (lambda: UserForce(nothing, (unit.Quantity(np.nan, "um"),)), "entries[0]: must be numbers"),
+        (lambda: UserForce(nothing, (1j,)), "entries[0]: must be numbers"),
+        (
+            lambda: UserForce(nothing, ([[1.0], [1.0, 2.0]],)),
+            "entries[0]: must be numbers, as many",
+        ),
         (lambda: UserForce(nothing, step="1 s"), "step: has the wrong unit"),
+        (lambda: UserForce(nothing, step="-1 nm"), "step: must be above 0"),
+        (lambda: Course([0.0], [[0.0]], [0.0], period=["1 s", "2 s"]), "period: must be one"),
         (lambda: Course(["1 um"], [[0.0]], [0.0]), "times: has the wrong unit"),
         (lambda: Course("1 s", [[0.0]], [0.0]), "times (n,), values (n, m)"),
         (lambda: Course([0.0], [["1 um"]], ["1 ms"]), "values in m and amplitude in s"),
@@ -166,6 +175,8 @@ STILL, ONE = UserForce(nothing), Course.constant(1.0)
         ("30 rpm", np.pi, "rad/s"),
         ("1.05 g/cm^3", 1050.0, "kg/m**3"),
         (unit.Quantity(50.0, "%"), 0.5, ""),
+        (pint.UnitRegistry(system="cgs")("20 pN/um"), 2e-5, "kg/s**2"),
+        (xr.DataArray(20.0, attrs={"units": "pN/um"}), 2e-5, "kg/s**2"),
     ],
 )
 def test_a_quantity_of_any_dimension(value, number, name):

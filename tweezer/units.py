@@ -150,24 +150,37 @@ def in_base_units(values: Any) -> tuple[NDArray[np.float64], str]:
             units = {unit for _, unit in parts if unit}
             if len(units) > 1:
                 raise ValueError(f"has units of different dimensions: {', '.join(sorted(units))}")
-            return np.array([numbers for numbers, _ in parts], np.float64), "".join(units)
+            if len({numbers.shape for numbers, _ in parts}) > 1:
+                raise ValueError("must be numbers, as many in each row")
+            return np.array([numbers for numbers, _ in parts]), "".join(units)
     elif isinstance(values, str):
         number, text = _number_and_unit(values, "SI")
         if not (_UNIT.fullmatch(text) or _HERTZ.fullmatch(text)):
             raise ValueError(f"has a unit that is not known; known is {_example('SI')}")
         values = registry().Quantity(number, text.replace("·", "*"))
+    unit = ""
     if _has_unit(values):
-        if hasattr(values, "attrs"):
-            values = registry().Quantity(values.values, values.attrs["units"])
-        values = values.to_base_units()
-        return np.asarray(values.magnitude, np.float64), f"{values.units:~}"
+        values = _of_our_registry(values).to_base_units()
+        values, unit = values.magnitude, f"{values.units:~}"
     try:
-        numbers = np.asarray(values, np.float64)
+        numbers = np.full(1, math.nan) if np.iscomplexobj(values) else np.asarray(values, float)
     except (TypeError, ValueError):
         numbers = np.full(1, math.nan)
     if np.isnan(numbers).any():  # NumPy's reading of None, too
         raise ValueError(f"must be numbers{_or_text('SI')}")
-    return numbers, ""
+    return numbers, unit
+
+
+def _of_our_registry(value: Any) -> pint.Quantity[Any]:
+    """A quantity of pint or xarray in the one registry: another one's base units need not be SI."""
+    if hasattr(value, "attrs"):
+        number, unit = value.values, str(value.attrs["units"])
+    else:
+        number, unit = value.magnitude, str(value.units)
+    try:
+        return registry().Quantity(number, unit)
+    except Exception as error:  # pint has many, and tokens of Python's are among them
+        raise ValueError(f"has a unit that is not known: {unit}") from error
 
 
 def without_unit(value: Any, unit: str) -> Any:
@@ -180,7 +193,7 @@ def without_unit(value: Any, unit: str) -> Any:
     if hasattr(value, "attrs"):
         if value.attrs["units"] in (unit, unit or "1"):
             return value.values
-        value = registry().Quantity(value.values, value.attrs["units"])
+        value = _of_our_registry(value)
     try:
         number = value.to(unit)
         turns = "radian" in dict(value.to_base_units().unit_items())

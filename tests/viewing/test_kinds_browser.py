@@ -253,3 +253,9 @@ def test_one_key_gives_a_curve(show, diagram):
     low, high = browser.execute_script("return tweezer.axis()")
     assert low < 0.09 < 0.12 < high < 0.13
     assert "1 of 4 cases" in browser.find_element("css selector", ".kinds").text
+    choices = Select(browser.find_element("css selector", ".tools select"))
+    for choice in [option.text for option in choices.options]:
+        choices.select_by_visible_text(choice)
+    choices.select_by_visible_text("outcome")
+    assert browser.execute_script("return tweezer.axis()") == [-0.5, 0.5]  # all are held
+    assert browser.get_log("browser") == []

@@ -16,7 +16,15 @@ import typer
 
 from tweezer.cli.app import app
 from tweezer.cli.completion import answer_bash
-from tweezer.cli.console import BAD_INPUT, FAILED, OUT, complain, show_warning
+from tweezer.cli.console import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    OUT,
+    complain,
+    show_warning,
+    tell_interrupted,
+)
 from tweezer.errors import TweezerError
 
 __all__ = ["app", "main"]
@@ -64,6 +72,9 @@ def main() -> None:
     except TweezerError as error:
         complain(str(error))
         sys.exit(BAD_INPUT)
+    except KeyboardInterrupt:  # before a command has begun
+        tell_interrupted()
+        sys.exit(INTERRUPTED)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise

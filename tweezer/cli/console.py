@@ -35,12 +35,20 @@ STORES = ("zarr",)
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
-#: The files that a command is to write, and when each was last changed before, ns
+#: The files and folders that a command is to write, and when each was last changed before, ns
 _awaited: dict[Path, int | None] = {}
 
 
 def _changed(path: Path) -> int | None:
-    return path.stat().st_mtime_ns if path.exists() else None
+    """When a file, or the last one in a folder, was changed, ns; None if there is none."""
+    files = path.iterdir() if path.is_dir() else [path]
+    return max((each.stat().st_mtime_ns for each in files if each.is_file()), default=None)
+
+
+def awaited(path: Path) -> Path:
+    """`path`, of which an interrupt says whether it was written."""
+    _awaited[path] = _changed(path)
+    return path
 
 
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
@@ -58,8 +66,7 @@ def writable(path: Path, formats: tuple[str, ...]) -> Path:
             raise ResultError(f"{path}: is a folder")
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
-    _awaited[path] = _changed(path)
-    return path
+    return awaited(path)
 
 
 @contextlib.contextmanager
@@ -69,11 +76,12 @@ def telling_interrupt() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        _tell_interrupted()
+        tell_interrupted()
         raise typer.Exit(INTERRUPTED) from None
 
 
-def _tell_interrupted() -> None:
+def tell_interrupted() -> None:
+    """Say in one line what an interrupted command has written, and what is kept."""
     written = [str(path) for path, before in _awaited.items() if _changed(path) != before]
     told = f"wrote {' and '.join(written)}" if written else "nothing was written"
     cache = sys.modules.get("tweezer.compiled.cache")  # of a command that came so far

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from tweezer.cli.app import app
-from tweezer.cli.console import OUT, showing_progress
+from tweezer.cli.console import OUT, awaited, showing_progress
 from tweezer.cli.tables import table_of
 from tweezer.errors import PhysicsWarning
 
@@ -38,7 +38,7 @@ def reproduce(
         showing_progress("reproduce", 1.0) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),
     ):
-        result = reproduced(what or (), out, seed=seed, progress=progress)
+        result = reproduced(what or (), awaited(out), seed=seed, progress=progress)
     if result.claims:
         table = table_of("where", "claim", "verdict", "by waves")
         for claim in result.claims:

@@ -39,6 +39,8 @@ _log = logging.getLogger("tweezer")
 
 #: Compile time before the notice is shown, s
 _PATIENCE = 1.0
+#: Form of what is kept; another number, and what was kept is compiled again
+_FORM = 2
 #: Length of a SHA-256, bytes
 _DIGEST = 32
 
@@ -186,7 +188,7 @@ class _File:
     @functools.cached_property
     def _compiled_from(self) -> bytes:
         """Of the function in memory, as its file may change while the program runs."""
-        return f"{numba.__version__}{fingerprint(self._dispatcher)}".encode()
+        return f"{_FORM} {numba.__version__}{fingerprint(self._dispatcher)}".encode()
 
     def load(self, key: Any) -> Any:
         """The code stored under `key`, Numba's key of a variant; None if there is none."""

@@ -159,9 +159,12 @@ class Course:
             "amplitude": np.array(amplitude),
             "frequency": _read("frequency", to_si, self.frequency, "1/s"),
             "phase": _read("phase", to_si, self.phase, "rad"),
-            "period": float(_read("period", array_in_si, self.period, "s")),
+            "period": _read("period", array_in_si, self.period, "s"),
             "unit": of_values or of_amplitude,
         }
+        if given["period"].ndim:
+            raise ValueError("period: must be one number")
+        given["period"] = float(given["period"])
         for name, value in given.items():
             object.__setattr__(self, name, value)
         for name in ("times", "values", "amplitude"):
@@ -455,9 +458,13 @@ class UserForce(Force):
         """Raises `ValueError` for a function that is not compiled, and entries that are none."""
         if not isinstance(self.function, Dispatcher):
             raise ValueError("function: must be made by the decorator tweezer.forces.kernel")
+        if not isinstance(self.entries, tuple | list):
+            raise ValueError("entries: must be a tuple of numbers and arrays")
         read = (_read(f"entries[{i}]", in_base_units, e)[0] for i, e in enumerate(self.entries))
         object.__setattr__(self, "entries", tuple(read))
         object.__setattr__(self, "step", _read("step", to_si, self.step, "m"))
+        if not self.step > 0:
+            raise ValueError("step: must be above 0")
 
     @functools.cached_property
     def _data(self) -> Data:

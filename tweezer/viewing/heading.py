@@ -19,6 +19,8 @@ _CLEAR_ALONE = ("beam", "forces", "optics", "simulation")
 _OF_COMPUTING = ("optics", "simulation")
 #: The sign of a number below zero
 _MINUS = r"(?<![\w.])-(?=[\d.])"
+#: A number and its unit without a space between them
+_NUMBER_AT_UNIT = r"^([-+]?[\d.]+(?:[eE][-+]?\d+)?)([^\W\d](?![-+]?\d).*)$"
 #: Keys that are named otherwise in print
 _IN_PRINT = {
     "forces.brownian": "thermal motion", "forces.optical": "light", "forces.dlvo": "DLVO forces",
@@ -74,7 +76,7 @@ def _with_unit(key: str, text: str) -> str:
         sizes = np.array(given, dtype=float)
         quantity, _ = described_at(key)
     except (ValueError, TypeError, SceneError):
-        return text
+        return re.sub(_NUMBER_AT_UNIT, r"\1 \2", text)
     if quantity is None or not quantity.unit:
         return text
     factor, unit = usual_unit(float(np.abs(sizes).max(initial=0.0)), quantity.unit)

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from tweezer.analysis import Escape, Trap
 from tweezer.analysis.holding import Lifetime
@@ -48,7 +48,9 @@ def load_trap(path: Path) -> tuple[Trap, str]:
         saved = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a folder") from None
+    except (OSError, ValueError, RecursionError) as error:
         raise ResultError(f"{path}: cannot be read: {error}") from None
     try:
         found, version = _known(Trap, saved["trap"]), str(saved["tweezer_version"])
@@ -57,11 +59,13 @@ def load_trap(path: Path) -> tuple[Trap, str]:
         trap = TypeAdapter(Trap).validate_python(
             found | {"scene": saved["scene"], "escapes": escapes}
         )
-        # the file has the stable equilibrium a second time
-        same = next((each for each in trap.equilibria if each == trap.equilibrium), None)
-        trap = dataclasses.replace(trap, equilibrium=same)
+        if trap.equilibrium is not None:  # the file has it a second time
+            same = trap.equilibria.index(trap.equilibrium)
+            trap = dataclasses.replace(trap, equilibrium=trap.equilibria[same])
+        if bool(trap.escapes) != (trap.equilibrium is not None):
+            raise ValueError("ways out of no equilibrium, or none of one")
         vars(trap)["lifetime"] = lifetime and _lifetime(lifetime)
-    except (KeyError, TypeError, ValidationError):
+    except (KeyError, TypeError, ValueError):
         raise ResultError(f"{path}: no saved trap, of which there is a page") from None
     return trap, version
 
@@ -75,4 +79,4 @@ def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, An
 def _lifetime(saved: dict[str, Any]) -> Lifetime:
     """A time that is null is infinite."""
     time = math.inf if saved["time"] is None else saved["time"]
-    return Lifetime(time, saved["error"], saved["lost_at"])
+    return TypeAdapter(Lifetime).validate_python(saved | {"time": time})

@@ -147,7 +147,7 @@ export function start(content, shell) {
       bar.set([norm.low, middle, norm.high].map((x) => text(x, 3)));
     }
     const without = new Set(), endless = !show.outcome && every.some(({ index }) => value(index, show) === Infinity);
-    for (const { index } of every) if ((show.outcome && !flat) || Number.isNaN(value(index, show))) without.add(outcomeOf(index));
+    for (const { index } of every) if (show.outcome ? !flat : Number.isNaN(value(index, show))) without.add(outcomeOf(index));
     legend.replaceChildren(...[...without].map((word) => make("span", { class: "entry" },
       flat ? "cross:" : patch(show.outcome ? outcomeColour(word) : null, word), ` ${show.outcome ? word : `no number: ${word}`}`)),
     ...(endless && !flat ? [make("span", { class: "entry" }, "brightest: longer than 10²⁰ s too")] : []),
@@ -363,7 +363,8 @@ function gathered(values, log) {
   const nearest = [...values].sort((a, b) => Math.abs(at(a) - middle) - Math.abs(at(b) - middle));
   for (let far = 1; far <= FAR * values.length; far++) {
     const kept = nearest.slice(0, -far);
-    if (at(Math.max(...kept)) - at(Math.min(...kept)) < FILLED * all) return kept;
+    const span = at(Math.max(...kept)) - at(Math.min(...kept));
+    if (span > 0 && span < FILLED * all) return kept;
   }
   return values;
 }
