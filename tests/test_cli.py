@@ -423,6 +423,18 @@ def test_an_interrupt_after_a_file_is_written(command_line, monkeypatch):
     assert [path.name for path in Path().iterdir()] == ["silica-1um.nc"]
 
 
+def test_an_interrupt_after_a_file_is_in_its_folder(command_line, monkeypatch):
+    def write_one(_what, out, **_):
+        (out / "figure-5.1.png").touch()
+        raise KeyboardInterrupt
+
+    Path("figures").mkdir()
+    Path("figures/of-before.png").touch()
+    monkeypatch.setattr("tweezer.thesis.reproduce", write_one)
+    outcome = command_line("reproduce", "5.1", "--out", "figures")
+    assert (outcome.code, outcome.err) == (130, "interrupted: wrote figures\n")
+
+
 def test_an_interrupt_that_python_ignores_is_made_again(monkeypatch):
     """In a callback, such as those of Numba's compiler, an exception ends nothing."""
     monkeypatch.setattr(sys, "unraisablehook", cli._interrupt_again)
