@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
+from scipy.integrate import cumulative_trapezoid
 
 from tweezer.analysis.escape import Escape
 from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
@@ -180,12 +181,7 @@ def _least_work(region: Region, field: Field, height: float) -> float:
         (up, field(still, up)[1]),
         (down, field(still, down)[1]),
     )
-    return min(float(-_work(force, x).min()) for x, force in ways)
-
-
-def _work(force: Array, x: Array) -> Array:
-    """Work along a way from its begin to each place but that, by the trapezoidal rule, J."""
-    return np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x))
+    return min(float(-cumulative_trapezoid(force, x).min()) for x, force in ways)
 
 
 def _log_time(region: Region, field: Field, height: float, energy: float) -> tuple[float, float]:
