@@ -423,7 +423,10 @@ def test_an_interrupt_after_a_file_is_written(command_line, monkeypatch):
     assert [path.name for path in Path().iterdir()] == ["silica-1um.nc"]
 
 
-def test_an_interrupt_after_a_file_is_in_its_folder(command_line, monkeypatch):
+@pytest.mark.parametrize(
+    ("compiled", "kept"), [(False, ""), (True, "; what was compiled so far is kept")]
+)
+def test_an_interrupt_after_a_file_is_in_its_folder(command_line, monkeypatch, compiled, kept):
     def write_one(_what, out, **_):
         (out / "figure-5.1.png").touch()
         raise KeyboardInterrupt
@@ -431,8 +434,9 @@ def test_an_interrupt_after_a_file_is_in_its_folder(command_line, monkeypatch):
     Path("figures").mkdir()
     Path("figures/of-before.png").touch()
     monkeypatch.setattr("tweezer.thesis.reproduce", write_one)
+    monkeypatch.setattr("tweezer.compiled.cache.kept", lambda: compiled)
     outcome = command_line("reproduce", "5.1", "--out", "figures")
-    assert (outcome.code, outcome.err) == (130, "interrupted: wrote figures\n")
+    assert (outcome.code, outcome.err) == (130, f"interrupted: wrote figures{kept}\n")
 
 
 def test_an_interrupt_that_python_ignores_is_made_again(monkeypatch):

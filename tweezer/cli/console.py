@@ -35,19 +35,19 @@ STORES = ("zarr",)
 BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
 
 
-#: The files and folders that a command is to write, and when each was last changed before, ns
-_awaited: dict[Path, int | None] = {}
+#: The files and folders that a command is to write, and the state of each before
+_awaited: dict[Path, dict[Path, int]] = {}
 
 
-def _changed(path: Path) -> int | None:
-    """When a file, or the last one in a folder, was changed, ns; None if there is none."""
+def _state(path: Path) -> dict[Path, int]:
+    """When a file, or each file in a folder, was last changed, ns."""
     files = path.iterdir() if path.is_dir() else [path]
-    return max((each.stat().st_mtime_ns for each in files if each.is_file()), default=None)
+    return {each: each.stat().st_mtime_ns for each in files if each.is_file()}
 
 
 def awaited(path: Path) -> Path:
     """`path`, of which an interrupt says whether it was written."""
-    _awaited[path] = _changed(path)
+    _awaited[path] = _state(path)
     return path
 
 
@@ -82,7 +82,7 @@ def telling_interrupt() -> Iterator[None]:
 
 def tell_interrupted() -> None:
     """Say in one line what an interrupted command has written, and what is kept."""
-    written = [str(path) for path, before in _awaited.items() if _changed(path) != before]
+    written = [str(path) for path, before in _awaited.items() if _state(path) != before]
     told = f"wrote {' and '.join(written)}" if written else "nothing was written"
     cache = sys.modules.get("tweezer.compiled.cache")  # of a command that came so far
     if cache and cache.kept():
