@@ -79,11 +79,16 @@ class Outcome:
 
 
 @pytest.fixture
-def command_line(tmp_path, monkeypatch, capsys) -> Callable[..., Outcome]:
-    """`command_line("run", "scene.toml")`: the command `tweezer` in an empty working directory."""
-    monkeypatch.chdir(tmp_path)
+def main_undone(monkeypatch) -> None:
+    """What `cli.main` sets in a process is set back after the test."""
     monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+
+
+@pytest.fixture
+def command_line(tmp_path, monkeypatch, capsys, main_undone) -> Callable[..., Outcome]:
+    """`command_line("run", "scene.toml")`: the command `tweezer` in an empty working directory."""
+    monkeypatch.chdir(tmp_path)
 
     def call(*arguments: str) -> Outcome:
         monkeypatch.setattr(sys, "argv", ["tweezer", *arguments])

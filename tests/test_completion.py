@@ -92,6 +92,7 @@ def test_commands_that_take_scenes_and_settings_complete_them():
         ("new --bead si", ["silica", "silicon"]),
     ],
 )
+@pytest.mark.usefixtures("main_undone")
 def test_what_bash_asks(words, values, monkeypatch, capsys, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("_TWEEZER_COMPLETE", "complete_bash")

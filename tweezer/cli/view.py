@@ -25,7 +25,7 @@ from tweezer.errors import ResultError, SceneError
 if TYPE_CHECKING:
     from tweezer.viewing import Page
 
-#: Time that a film takes, s
+#: Time that a film takes if nothing is said, s
 _SECONDS = 8.0
 
 
@@ -51,7 +51,10 @@ def view(
         Path | None,
         typer.Option(help="Film to write as well (mp4, gif); needs Chromium, selenium, ffmpeg."),
     ] = None,
-    seconds: Annotated[float, typer.Option(help="Time that the film takes.")] = _SECONDS,
+    seconds: Annotated[
+        float | None,
+        typer.Option(help=f"Time that the film of --movie takes; if not given, {_SECONDS:g}."),
+    ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
     ] = False,
@@ -68,13 +71,16 @@ def view(
         raise ResultError(
             f"{out}: is there, and is no page of tweezer; name another --out, or --overwrite it"
         )
+    length = _SECONDS if seconds is None else seconds
     if movie is not None:
         from tweezer.viewing.movie import FORMATS, programs
 
         writable(movie, tuple(FORMATS))
-        if not 0 < seconds <= 600:
-            raise ResultError(f"--seconds {seconds:g}: must be above 0, and at most 600")
+        if not 0 < length <= 600:
+            raise ResultError(f"--seconds {length:g}: must be above 0, and at most 600")
         programs()
+    elif seconds is not None:
+        raise ResultError("--seconds: is for --movie; a page plays as fast as its reader asks")
     page, code = _page(run, set or [], trap=trap)
     if out is not None:
         tell_written(page.save(out))
@@ -84,7 +90,7 @@ def view(
         from tweezer.viewing.movie import film
 
         with showing_progress(f"{movie}", 1.0) as progress:
-            film(page, movie, seconds, progress)
+            film(page, movie, length, progress)
         tell_written(movie)
     if code:
         raise typer.Exit(code)
