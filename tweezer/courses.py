@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -36,6 +37,12 @@ class _Course(Section):
     """Something that changes in time: its `kind`, and the keys that go with it."""
 
     kind: str
+
+    @property
+    def last_change(self) -> float:
+        """Time after which nothing changes any more, s; infinite if it goes on for ever."""
+        times, end = getattr(self, "times", None), getattr(self, "end", None)
+        return times[-1] if times else math.inf if end is None else end
 
     @model_validator(mode="after")
     def _keys_of_the_kind(self) -> Self:

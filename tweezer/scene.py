@@ -223,6 +223,17 @@ class Scene(Section):
         still = beam.motion is None and beam.modulation is None
         return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
 
+    @property
+    def light_moves(self) -> bool:
+        """Whether the focus of any beam moves."""
+        return any(beam.motion is not None for beam in self.beams)
+
+    @property
+    def last_change(self) -> float:
+        """Time after which no beam moves or changes any more, s; 0 if none does."""
+        courses = [each for beam in self.beams for each in (beam.motion, beam.modulation) if each]
+        return max((each.last_change for each in courses), default=0.0)
+
     def with_one_beam(self, beam: Beam, offset: float = 0.0) -> Scene:
         """The scene with that beam alone, along z through the origin, always the same.
 

@@ -16,7 +16,6 @@ from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.forces.force import Force
 from tweezer.io import scene_in
 from tweezer.rounding import located
 from tweezer.run import Run
@@ -25,10 +24,15 @@ from tweezer.shown import Card, Row, Shown
 if TYPE_CHECKING:
     import xarray as xr
 
+    from tweezer.scene import Scene
+
 Array = NDArray[np.float64]
 
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
+
+#: Of Newton's method: largest number of steps, and the last step's length over that allowed in all
+_STEPS, _CLOSE = 30, 1e-10
 
 #: Largest number of positions on a path at which the force and its error are computed
 _PLACES = 1000
@@ -44,12 +48,13 @@ class Summary(Shown):
     """
 
     outcome: str
-    """"captured", "lost", "not captured"; or the status of a run that ended early, or had forces of
-    your own, for which no equilibrium is known"""
+    """"captured", "lost", "not captured"; or the status of a run that ended early, or in which no
+    equilibrium is looked for: its light changed until the end, or it had forces of your own"""
     outcome_time: float
     """time of capture, of loss, or of the end of the run, s"""
     overshoot: float
-    """largest excursion beyond the beam's axis, on the side away from the start, m"""
+    """largest excursion beyond the beam's axis, on the side away from the start, m; NaN if the axis
+    moves"""
     closest_approach: float | None
     """distance to the focus at the first closest approach (FCA), m; None if there is none"""
     closest_approach_time: float | None
@@ -80,6 +85,13 @@ class Summary(Shown):
     smallest_gap_error: float | None = None
     """m"""
 
+    @property
+    def untold(self) -> str:
+        """Why the outcome does not tell whether the bead is captured, if it does not."""
+        if self.outcome != "complete":
+            return ""
+        return "; capture is not told: the light changes until the end, or forces are your own"
+
     def card(self) -> Card:
         """Outcome, end, approach, force."""
         doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
@@ -91,7 +103,7 @@ class Summary(Shown):
     def outcome_rows(self, doubt: str = "") -> Iterator[Row]:
         """What became of the bead, and where it was; `doubt` speaks against it."""
         when = located(self.outcome_time, self.outcome_time_error, 1e3, "ms")
-        yield Row("outcome", f"{self.outcome}, {when}", doubt)
+        yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
         x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in self.end)  # no -0.0
         yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
         if self.smallest_gap is not None:
@@ -100,8 +112,9 @@ class Summary(Shown):
 
     def approach_rows(self) -> Iterator[Row]:
         """How the bead came to the focus."""
-        overshoot = located(self.overshoot, self.overshoot_error, 1e6, "um")
-        yield Row("overshoot past the axis", overshoot)
+        if not math.isnan(self.overshoot):
+            overshoot = located(self.overshoot, self.overshoot_error, 1e6, "um")
+            yield Row("overshoot past the axis", overshoot)
         approach = "none"
         if self.closest_approach is not None and self.closest_approach_time is not None:
             distance = located(self.closest_approach, self.closest_approach_error, 1e6, "um")
@@ -117,12 +130,13 @@ def summarise(run: xr.Dataset) -> Summary:
     """Summary of a run of `tweezer.simulate`.
 
     Captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
-    drag, located by one Newton step; the time is that from which on it stays there. Thermal
+    drag, located by Newton's method; the time is that from which on it stays there. Thermal
     motion leaves that neighbourhood many times; with it a bead is captured if the mean position
     over the last tenth of the run is within its radius of the equilibrium, and the time is that of
     the first approach to a tenth of its radius. The first closest approach is the first local
     minimum of the distance to the focus. A bead that rests on a wall, where nothing else holds it,
-    is not captured.
+    is not captured. Where the light moves or changes until the end, the equilibrium does, and
+    the outcome is "complete".
 
     A run stores the summary of its motion between the samples. For a run without it, or a part of a
     run, the summary is from the samples alone, and marked so.
@@ -137,12 +151,13 @@ def summary_of(run: Run) -> Summary:
         summary = _read(run.attributes["summary"])
         if times[0] == 0 and summary.end == _point(position[-1]):  # the whole run, not a part
             return summary
-    outcome, outcome_time, _ = _outcome(run, times, position)
+    scene = scene_in(run.attributes)
+    outcome, outcome_time, _, _ = _outcome(run, times, position, scene)
     approach, approach_time = _closest_approach(run)
     return Summary(
         outcome=outcome,
         outcome_time=outcome_time,
-        overshoot=_overshoot(position),
+        overshoot=math.nan if scene.light_moves else _overshoot(position),
         closest_approach=approach,
         closest_approach_time=approach_time,
         largest_reynolds_number=(
@@ -166,12 +181,14 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     scene = path.equations.scene
     times, position = run["time"], run["position"]
     nearby = CAPTURE_RADII * scene.bead.radius
-    outcome, outcome_time, rest = _outcome(run, times, position, path.equations.problem)
+    outcome, outcome_time, rest, off = _outcome(run, times, position, scene, path.equations.problem)
     here, located = passage(path, integrated.events, rest, nearby)
     errors = _errors(here, located, budget, rest, nearby)
     outcome_time_error = 0.0
     if outcome == "captured":
         outcome_time, outcome_time_error = here.settled, errors.settled
+        if here.settled > 0:
+            outcome_time_error += off / float(path.speeds(np.array([here.settled]))[0])
     elif outcome == "lost":
         away = position[-1] / np.linalg.norm(position[-1])
         outcome_time_error = budget.integration_error / abs(float(run["velocity"][-1] @ away))
@@ -179,10 +196,11 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
         outcome_time_error = math.nan
     number = float(2 * scene.medium.density * scene.bead.radius / scene.medium.viscosity)  # (5.1)
     largest_force, force_error = _force(path)
+    overshoot = 0.0 if here.overshoot <= errors.overshoot else here.overshoot
     found = Summary(
         outcome=outcome,
         outcome_time=outcome_time,
-        overshoot=0.0 if here.overshoot <= errors.overshoot else here.overshoot,
+        overshoot=math.nan if scene.light_moves else overshoot,
         closest_approach=_known(here.closest_approach),
         closest_approach_time=_known(here.closest_approach_time),
         largest_reynolds_number=number * here.largest_speed,
@@ -191,7 +209,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
         end=_point(position[-1]),
         by_samples=False,
         outcome_time_error=_known(outcome_time_error),
-        overshoot_error=_known(errors.overshoot),
+        overshoot_error=None if scene.light_moves else _known(errors.overshoot),
         closest_approach_error=_known(errors.closest_approach),
         closest_approach_time_error=_known(errors.closest_approach_time),
         largest_reynolds_number_error=_known(number * errors.largest_speed),
@@ -245,46 +263,55 @@ def _known(value: float) -> float | None:
 
 
 def _outcome(
-    run: Run, times: Array, position: Array, bound: Problem | None = None
-) -> tuple[str, float, Array]:
-    """Outcome, its time by the samples, s, and where the bead settled, (3,) m.
+    run: Run, times: Array, position: Array, scene: Scene, bound: Problem | None = None
+) -> tuple[str, float, Array, float]:
+    """Outcome, its time by the samples, s, and where the bead settled, (3,) m, with its error, m.
 
     bound: the scene, if it is bound already.
     """
-    status = run.attributes["status"]
-    if status != "complete" or run.attributes.get("other_forces"):
-        return status, float(times[-1]), position[-1]
-    scene = scene_in(run.attributes)
+    status, end = run.attributes["status"], float(times[-1])
+    changing = scene.last_change >= end > 0
+    if status != "complete" or run.attributes.get("other_forces") or changing:
+        return status, end, position[-1], 0.0
     problem = bound or bound_once(scene)
     nearby = CAPTURE_RADII * scene.bead.radius
     if scene.forces.brownian:
         settled = position[-max(1, len(position) // 10) :].mean(axis=0)
-        force = problem.force.field(settled[None], time=times[-1]).force[0]
-        force += problem.bead.weight
-        step = _to_stable_equilibrium(problem.force, settled, times[-1], force)
-        near = np.linalg.norm(position - (settled + step), axis=1) < nearby
-        if not (np.linalg.norm(step) < scene.bead.radius and near.any()):
-            return "not captured", float(times[-1]), settled
-        return "captured", float(times[near.argmax()]), settled + step
-    last = run["net_force"][-1]
-    step = _to_stable_equilibrium(problem.force, position[-1], times[-1], last)
-    if not np.linalg.norm(step) < nearby:
-        return "not captured", float(times[-1]), position[-1]
-    rest = position[-1] + step
-    away = np.linalg.norm(position - rest, axis=1) > nearby
+        found = _stable_equilibrium(problem, settled, end, scene.bead.radius)
+        if found is not None:
+            near = np.linalg.norm(position - found[0], axis=1) < nearby
+            if near.any():
+                return "captured", float(times[near.argmax()]), *found
+        return "not captured", end, settled, 0.0
+    found = _stable_equilibrium(problem, position[-1], end, nearby)
+    if found is None:
+        return "not captured", end, position[-1], 0.0
+    away = np.linalg.norm(position - found[0], axis=1) > nearby
     last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
-    return "captured", float(times[last_away + 1]), rest
+    return "captured", float(times[last_away + 1]), *found
 
 
-def _to_stable_equilibrium(forces: Force, place: Array, time: float, force: Array) -> Array:
-    """The Newton step from a position with net force `force` to the equilibrium.
+def _stable_equilibrium(
+    problem: Problem, place: Array, time: float, reach: float
+) -> tuple[Array, float] | None:
+    """The stable equilibrium less than `reach`, m, from a place, (3,) m, and its error, m.
 
-    time: s. Infinite if a bead beside it would not return.
+    By Newton's method, of all forces but drag at a time, s; the error is the last step. None if
+    there is none, or if a bead beside it would not return.
     """
-    gradient = forces.field(place[None], gradient=True, time=time).force_gradient[0]
-    if np.linalg.eigvals(gradient).real.max() >= 0:
-        return np.full(3, math.inf)
-    return np.linalg.solve(gradient, -force).astype(float)
+    rest, step = place, np.full(3, math.inf)
+    for _ in range(_STEPS):
+        field = problem.force.field(rest[None], gradient=True, time=time)
+        gradient, force = field.force_gradient[0], field.force[0] + problem.bead.weight
+        if np.linalg.eigvals(gradient).real.max() >= 0:
+            return None
+        step = np.linalg.solve(gradient, -force)
+        rest = rest + step
+        if not np.linalg.norm(rest - place) < reach:
+            return None
+        if np.linalg.norm(step) < _CLOSE * reach:
+            break
+    return rest, float(np.linalg.norm(step))
 
 
 def _overshoot(position: Array) -> float:

@@ -219,7 +219,7 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     seen = thermal or not summary.by_samples
     bead = bead_properties(scene)
     rows = [
-        _row("outcome", summary.outcome, trusted=ended and seen),
+        _row("outcome", f"{summary.outcome}{summary.untold}", trusted=ended and seen),
         _found("at the time", summary.outcome_time, summary.outcome_time_error, "s", seen=seen),
         _row("end (x, y, z)", ", ".join(f"{1e6 * x:z.4f}" for x in summary.end) + " µm"),
     ]
@@ -264,11 +264,10 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
 
 
 def _approach(summary: Summary, *, seen: bool) -> list[Row]:
-    rows = [
-        _found(
-            "overshoot past the axis", summary.overshoot, summary.overshoot_error, "m", seen=seen
-        )
-    ]
+    rows = []
+    if not math.isnan(summary.overshoot):
+        overshoot = summary.overshoot, summary.overshoot_error
+        rows.append(_found("overshoot past the axis", *overshoot, "m", seen=seen))
     if summary.closest_approach is not None and summary.closest_approach_time is not None:
         rows += [
             _found(
