@@ -3,12 +3,15 @@
 A cached function that calls another file's function by name would keep running the old one.
 """
 
+import importlib.util
 import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tweezer.compiled import lanes
 
 ROOT = Path(__file__).parents[2]
 
@@ -149,3 +152,17 @@ for name, old, new in ({ROTATION_DOUBLED}, {ERROR_DOUBLED}):
     (R12_new, *counted), (error_new, *also_counted) = run(tree, TURN, ESTIMATE)
     assert counted == also_counted == [0, 1]
     assert (R12_new, error_new) == (2 * R12, 2 * error)
+
+
+def test_arithmetic_of_lanes_that_changes_is_another_type(tmp_path):
+    """A caller that subtracts names nothing of it; the cache knows the type by its name."""
+    text = Path(lanes.__file__).read_text(encoding="utf-8")
+    names = set()
+    for i, now in enumerate((text, text.replace('operator.sub, "fsub"', 'operator.sub, "fadd"'))):
+        (tmp_path / f"lanes_{i}.py").write_text(now, encoding="utf-8")
+        spec = importlib.util.spec_from_file_location(f"lanes_{i}", tmp_path / f"lanes_{i}.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        names.add(module._LANES.name)
+    assert len(names) == 2
+    assert lanes._LANES.name in names
