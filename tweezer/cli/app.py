@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 class _Commands(typer.core.TyperGroup):
     """The commands; one that is interrupted says what there is."""
 
+    def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Read the line of the command."""
+        with telling_interrupt():
+            return super().make_context(*arguments, **options)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
         with telling_interrupt():
