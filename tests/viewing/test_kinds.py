@@ -6,13 +6,15 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import tweezer
 from tweezer.analysis.holding import Lifetime
 from tweezer.cli.trap import _write_trap
+from tweezer.plots.scene import add_caveat, draw_cones
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
 from tweezer.viewing.heading import heading, of_changes
-from tweezer.viewing.setting import scene_facts
+from tweezer.viewing.setting import of_the_picture, scene_facts
 
 
 @pytest.fixture(scope="module")
@@ -168,6 +170,29 @@ def test_a_cover_glass_is_a_wall_of_that_name():
     assert scene_facts(scene.replace(lens=lens, wall=wall))["walls"] == [
         glass, {"z": 9e-6, "normal": -1, "name": "wall"},
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(("aperture", "index"), [(1.25, 1.518), (1.4, 1.518), (1.25, None)])
+def test_the_cone_of_light_is_that_in_the_medium(aperture, index):
+    """In figures as on pages: by the sine condition sin(theta) = NA/n, whatever lies before."""
+    lens = {"numerical_aperture": aperture, "cover": {"depth": 5e-6, "refractive_index": 1.518}}
+    scene = tweezer.load_scene("silica-1um").replace(lens=lens)
+    n = scene.medium.refractive_index
+    if index is None:  # a cover of the index of the medium
+        scene = scene.replace(lens={"cover": {"refractive_index": n}})
+    sine = min(aperture / n, 0.999)
+    (beam,) = scene_facts(scene)["beams"]
+    assert math.sin(beam["half_angle"]) == pytest.approx(sine, rel=1e-12)
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_cones(axes, scene, 1.0, np.array([1.0, 0.0]))
+    tip, edge, _, _ = axes.patches[0].get_xy()
+    across, along = np.abs(edge - tip)
+    assert across / math.hypot(across, along) == pytest.approx(sine, rel=1e-12)
+    told = "nominal focus, without the spherical aberration"
+    add_caveat(figure, scene)
+    assert any(told in note for note in of_the_picture(scene)) == (index is not None)
+    assert (told in " ".join(figure.get_supxlabel().split())) == (index is not None)
 
 
 @pytest.mark.parametrize(

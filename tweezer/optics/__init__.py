@@ -18,6 +18,7 @@ from tweezer.optics.binding import (
     optical_jacobian,
     optical_torque,
 )
+from tweezer.optics.drawn import cone_caveat, drawn_half_angle
 from tweezer.optics.light import LightForce
 from tweezer.optics.rays.pupil import grid
 from tweezer.optics.sampled import sampled
@@ -38,6 +39,8 @@ __all__ = [
     "Table",
     "absorbed_power",
     "cone",
+    "cone_caveat",
+    "drawn_half_angle",
     "evaluators_of",
     "force_map",
     "fraction_through_pupil",

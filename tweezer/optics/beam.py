@@ -157,6 +157,15 @@ def polar_sine_and_cosine(rho: Array, lens: Lens, medium: Medium) -> tuple[Array
     return sine, np.sqrt((1 - sine) * (1 + sine))
 
 
+def behind_face(angle: float, before: float, behind: float) -> float:
+    """Angle to the axis, rad, of a ray behind a plane face across it, by Snell's law.
+
+    angle: rad, before the face. before, behind: refractive indices. A right angle for a ray that
+    the face reflects totally.
+    """
+    return math.asin(min(math.sin(angle) * before / behind, 1.0))
+
+
 @dataclass(frozen=True)
 class _Shape:
     """Shape of a cone of light of 1 W."""

@@ -57,7 +57,7 @@ def heights_figure(trap: xr.Dataset) -> Figure:
         panels[name].set(xlabel="height of the focus above the wall (µm)")
     name, evaluated = scene_of(trap).name, trap.attrs["force_evaluator"]
     style.add_title(figure, f"{name}, over the height of its focus · {evaluated}")
-    add_caveat(figure, scene_of(trap))
+    add_caveat(figure, scene_of(trap), cones=False)
     return figure
 
 

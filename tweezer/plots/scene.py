@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.patches import Polygon
 
 from tweezer import style
-from tweezer.optics import cone, ray_optics_caveat
+from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -19,9 +19,12 @@ if TYPE_CHECKING:
 MICRO, MILLI, PICO, NANO = 1e6, 1e3, 1e12, 1e9
 
 
-def add_caveat(figure: Figure, scene: Scene) -> None:
-    """The caveat of ray optics, below all panels."""
-    if caveat := ray_optics_caveat(scene):
+def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
+    """The caveat of ray optics, or of the cones if they are drawn, below all panels.
+
+    No scene has both: rays know no cover.
+    """
+    if caveat := ray_optics_caveat(scene) or (cone_caveat(scene) if cones else None):
         style.add_note(figure, caveat[0].upper() + caveat[1:] + ".")
 
 
@@ -47,7 +50,7 @@ def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **
     """
     length = 3 * reach
     for beam in scene.beams:
-        slope = math.tan(cone(scene.with_one_beam(beam)).half_angle)
+        slope = math.tan(drawn_half_angle(scene.with_one_beam(beam)))
         x, z = MICRO * np.array(beam.position[:2]) @ direction, MICRO * beam.position[2]
         for side in (-1, 1):
             end = z + side * length

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from tweezer.optics import cone, ray_optics_caveat
+from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
 from tweezer.scene import Scene
 
 
@@ -16,7 +16,7 @@ def scene_facts(scene: Scene) -> dict[str, Any]:
         "beams": [
             {
                 "focus": list(beam.position),
-                "half_angle": _half_angle(alone),
+                "half_angle": drawn_half_angle(alone),
                 "down": beam.direction == "down",
                 "wavelength": beam.wavelength / scene.medium.refractive_index,
                 "vacuum_wavelength": beam.wavelength,
@@ -41,20 +41,6 @@ def _walls(scene: Scene) -> list[dict[str, Any]]:
 
 #: Distance of two planes that are one, m
 _SAME = 1e-12
-#: Largest sine of the angle at which light is drawn
-_STEEPEST = 0.999
-
-
-def _half_angle(scene: Scene) -> float:
-    """Angle of the outermost rays to the axis about the bead, behind a cover as it refracts them.
-
-    rad; rays that a cover does not let through at all are left out.
-    """
-    angle, cover = cone(scene).half_angle, scene.lens.cover
-    if cover is None:
-        return angle
-    sine = math.sin(angle) * cover.refractive_index / scene.medium.refractive_index
-    return math.asin(min(sine, _STEEPEST))
 
 
 def of_the_picture(scene: Scene) -> list[str]:
@@ -70,6 +56,5 @@ def of_the_picture(scene: Scene) -> list[str]:
         "and is drawn with a waist of half the wavelength over the sine of that angle; its shade "
         "does not show the intensity."
     ]
-    if caveat := ray_optics_caveat(scene):
-        notes.append(f"{caveat[0].upper()}{caveat[1:]}.")
-    return notes
+    caveats = filter(None, (cone_caveat(scene), ray_optics_caveat(scene)))
+    return [*notes, *(f"{caveat[0].upper()}{caveat[1:]}." for caveat in caveats)]

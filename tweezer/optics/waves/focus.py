@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.generated import waves
-from tweezer.optics.beam import Cone
+from tweezer.optics.beam import Cone, behind_face
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -126,8 +126,7 @@ class Focus:
         """Polar angle of the outermost wave, rad."""
         if self.face is None:
             return self.cone.half_angle
-        sine = math.sin(self.cone.half_angle) * self.face.before / self.face.behind
-        return math.asin(min(sine, 1.0))
+        return behind_face(self.cone.half_angle, self.face.before, self.face.behind)
 
     def amplitudes(self, below: Array) -> tuple[ComplexArray, ComplexArray]:
         """Amplitudes of light along e_theta and e_phi, sqrt(1/sr), at 1 - cos(theta) = `below`."""
