@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 import xarray as xr
+from scipy import stats
 
 import tweezer
 from tweezer.io import write_json
@@ -139,6 +140,37 @@ def test_false_alarms_are_as_rare_as_is_said():
         for _ in range(150)
     )
     assert alarms <= 6  # more of 150 with one in a hundred: 0.1 %
+
+
+def test_false_alarms_are_as_rare_where_one_result_is_larger():
+    """Of 60 comparisons of 20 Gaussian trajectories with 1000, and a real difference."""
+    draw = np.random.default_rng(13)
+    large = [ensemble(draw.standard_normal((1000, 8, 3))) for _ in range(10)]
+    small = [draw.standard_normal((20, 8, 3)) for _ in range(60)]
+    alarms = sum(
+        not tweezer.compare(ensemble(x), large[i % 10]).agrees for i, x in enumerate(small)
+    )
+    assert alarms <= 4  # more of 60 with one in a hundred: 0.04 %
+    for factor in (0.3, 3):
+        (found,) = (
+            each
+            for each in tweezer.compare(large[0], ensemble(factor * small[0])).quantities
+            if each.name == "variance over trajectories"
+        )
+        assert not found.agrees
+
+
+def test_a_ratio_of_variances_has_the_f_distribution():
+    """By the formulas of Shoemaker, of samples of one shape whose variances are 1 and 2.5."""
+    n, ratio = 21, 2.5
+    x = stats.norm.ppf((np.arange(n) + 0.5) / n)
+    x /= x.std(ddof=1)
+    a, b = (np.broadcast_to(size * x[:, None, None], (n, 2, 3)) for size in (1, ratio**0.5))
+    freedom = 2 * n / (stats.kurtosis(x, fisher=False) - (n - 3) / (n - 1))
+    freedom *= (1 + ratio) ** 2 / (2 * (1 + ratio**2))  # the scatter of both, by the mean variance
+    deviate = stats.norm.isf(stats.f.sf(ratio, freedom, freedom))
+    found = tweezer.compare(ensemble(a), ensemble(b)).quantities[1]
+    assert found.p_value == pytest.approx(7 * 2 * stats.t.sf(deviate, 2 * (n - 1)), rel=1e-6)
 
 
 def test_false_alarms_are_as_rare_where_most_beads_are_lost():
@@ -313,6 +345,29 @@ def test_traps_and_calibrations(tmp_path):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(tweezer.ResultError, match=r"bad.json: "):
             tweezer.compare(tmp_path / "bad.json", trap)
+
+
+def test_the_same_are_all_numbers_and_their_times():
+    times = np.linspace(0, 1e-3, 11)
+    run = straight(1e-3, times, 2e-10)
+    assert tweezer.compare(run, run.copy(deep=True)).same
+    part = tweezer.compare(run, run.isel(time=slice(2)))
+    assert (part.agrees, part.same) == (True, False)
+    assert "at 1 times that both have" in part.notes
+    draw = np.random.default_rng(6)
+    beads = ensemble(draw.standard_normal((30, 31, 3)))
+    other = beads.copy(deep=True)
+    other["position"][7, 2, 1] += 1.0  # not among the times that are compared
+    found = tweezer.compare(beads, other)
+    assert (found.agrees, found.same) == (True, False)
+    assert "at 20 times that both have" in found.notes
+    white = thermal(draw.standard_normal((300, 3)))
+    slower = tweezer.compare(white, white.assign_coords(time=10 * white["time"]))
+    assert (slower.agrees, slower.same) == (True, False)
+    white["position"][200:] = np.nan
+    found = tweezer.compare(white, white.copy(deep=True))
+    assert found.same
+    assert "first: 100 of 300 samples are left out, for they hold no position" in found.notes
 
 
 def test_a_damaged_store_is_told_alike(tmp_path):

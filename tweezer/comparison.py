@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from pydantic import ValidationError
-from scipy.special import ndtr, stdtr
+from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
 from tweezer.analysis.calibration import Calibration
 from tweezer.analysis.spectra import statistical_inefficiency
@@ -35,6 +35,12 @@ FALSE_ALARM = 0.01
 _TIMES = 20
 #: Smallest number of independent samples, or of trajectories, of a statistical comparison
 _INDEPENDENT = 20
+#: Independent samples for each degree of freedom of their standard error: a sum of correlations up
+#: to a lag w has n/(2 w + 1) (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)), and w is three
+#: statistical inefficiencies
+_WINDOWS = 6
+#: Numbers that are read at once
+_READ = 2_000_000
 #: Rounding of a number, relative
 _ROUNDING = 1e-12
 #: Attributes that are compared beside the keys of the scene
@@ -56,6 +62,11 @@ class Numbers(NamedTuple):
     """the place of an error, in words"""
     freedom: float | Array = math.inf
     """degrees of freedom of the standard errors: of all, or of each"""
+    is_variance: bool = False
+    parts: float | Array = math.nan
+    """number of the parts by whose scatter the errors are known"""
+    part: str = ""
+    """what a part is: the scatter is that of both results where it is the same; "" if of each"""
 
     @property
     def vectors(self) -> bool:
@@ -69,8 +80,6 @@ class Found(NamedTuple):
     numbers: dict[str, Numbers]
     words: dict[str, str] | None = None
     """such as an outcome"""
-    path: Array | None = None
-    """of thermal motion: what is the same where the random numbers are"""
     left_out: str = ""
     """what it has and its numbers do not use"""
     obstacle: str = ""
@@ -84,6 +93,8 @@ class _Apart(NamedTuple):
     allowed: Array
     ratio: Array
     """of both; 0 where it is not known"""
+    chance: Array | None
+    """probability of a difference as large or larger; None if errors are bounds"""
     had: NDArray[np.bool_]
     """whether one of both has the number, or both"""
     known: NDArray[np.bool_]
@@ -107,6 +118,8 @@ class Source(NamedTuple):
     """m, of the positions of a run: it counts where the other is of another model"""
     over: str = ""
     """the keys and values of a sweep"""
+    dataset: xr.Dataset | None = None
+    """all of it; None of a trap and of a calibration"""
 
 
 @dataclass(frozen=True)
@@ -150,7 +163,7 @@ class Comparison(Shown):
     agrees: bool
     """whether all that was compared agrees"""
     same: bool
-    """whether the numbers are the same, bit for bit"""
+    """whether all numbers are the same, bit for bit, and so are their times"""
     quantities: tuple[Compared, ...]
     """what was compared"""
     differing: tuple[tuple[str, str, str], ...]
@@ -195,11 +208,17 @@ def compare(a: Result, b: Result) -> Comparison:
     mean and the variance of the position over the trajectories, at up to 20 times, and the part
     that is lost; of statistics the means and variances that they hold; of calibrations the
     stiffnesses that nothing speaks against. Each difference over its standard error is a number of
-    Student's distribution, and the probability of the largest of n is taken as n times its own
-    (C. E. Bonferroni), so that all comparisons together call two results of the same statistics
-    different with a probability of at most about 1 %. Of the same seed and steps the numbers
-    themselves are the same. Runs that ended in other ways differ whatever their numbers, and so do
-    sweeps of which other cases failed or were not computed.
+    Student's distribution; the ratio of two variances one of the F distribution, with the degrees
+    of freedom that their kurtosis leaves (L. H. Shoemaker, Am. Stat. 57, 105 (2003)). The scatter
+    that errors of variances, and of runs sampled alike, come from is that of both results together.
+    The probability of the largest of n differences is taken as n times its own (C. E. Bonferroni),
+    so that all comparisons together call two results of the same statistics different with a
+    probability of at most about 1 %, of whatever sizes they are. Of the same seed and steps the
+    numbers themselves are the same. Runs that ended in other ways differ whatever their numbers,
+    and so do sweeps of which other cases failed or were not computed.
+
+    `same` of the result says that all numbers of both, and their times, are equal bit for bit: also
+    those that are not compared otherwise.
 
     A number that only one of them has is a difference without thermal motion, and with it is left
     out; so is one without a known error. The notes tell how many were left out of each quantity.
@@ -229,18 +248,18 @@ def compare(a: Result, b: Result) -> Comparison:
     }
     count = sum(int(each.known.sum()) for each in apart.values())
     quantities = tuple(
-        _compared(name, here.numbers[name], there.numbers[name], each, statistical, count)
+        _compared(name, here.numbers[name], each, count)
         for name, each in apart.items()
         if each.known.any()
     )
     outcomes = tuple(_differing(here.words or {}, there.words or {}))
-    same = not outcomes and _same(here, there)
+    same = not outcomes and _same(first, second, here, there)
     if not same and (obstacle := here.obstacle or there.obstacle):
         raise ResultError(obstacle)
     agrees = same or (all(each.agrees for each in quantities) and not outcomes)
     if agrees:
         _check_left(names, apart, same, not statistical and here.words)
-    notes = [] if same else _notes(first, names, here, there, apart, len(at[0]))
+    notes = _notes(first, names, here, there, apart, len(at[0]), same)
     return Comparison(
         names, first.kind, agrees, same, quantities,
         (*outcomes, *_differing(first.about, second.about)), tuple(notes),
@@ -294,16 +313,18 @@ def _common_times(a: Source, b: Source) -> tuple[NDArray[np.int64], NDArray[np.i
 
 
 def _notes(
-    of: Source, names: tuple[str, str], a: Found, b: Found, apart: Mapping[str, _Apart], times: int
-) -> Iterator[str]:
-    if of.statistical:
+    of: Source, names: tuple[str, str], a: Found, b: Found, apart: Mapping[str, _Apart],
+    times: int, same: bool,
+) -> Iterator[str]:  # fmt: skip
+    """How it was compared, unless the numbers are the same, and what was left out."""
+    if of.statistical and not same:
         yield (
             "the largest difference of each quantity, and its standard error; results of the same "
             f"statistics are told to differ in at most {100 * FALSE_ALARM:g} % of such comparisons"
         )
-    else:
+    elif not same:
         yield "the largest difference of each quantity, and the sum of both errors there"
-    if times and not of.statistical:
+    if times:
         yield f"at {times} times that both have"
     if lacking := sorted(a.numbers.keys() ^ b.numbers.keys()):
         yield f"not compared, for only one of them has it: {', '.join(lacking)}"
@@ -332,7 +353,10 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
         apart, size = np.linalg.norm(apart, axis=-1), np.linalg.norm(size, axis=-1)
         had = np.asarray(had.any(axis=-1))
     alike = apart == 0.0
-    errors = np.hypot(a.errors, b.errors) if statistical else a.errors + b.errors
+    if statistical:
+        errors, freedom, deviate = _by_chance(a, b)
+    else:
+        errors = a.errors + b.errors
     one_alone = ~np.isfinite(apart)
     if statistical:
         known = had & ~one_alone & np.isfinite(errors)
@@ -343,22 +367,46 @@ def _apart(name: str, a: Numbers, b: Numbers, statistical: bool) -> _Apart:
     allowed = np.where(np.isfinite(errors), errors, 0.0) + _ROUNDING * finite
     ratio = np.zeros_like(apart)
     np.divide(apart, allowed, out=ratio, where=known & ~alike)
-    return _Apart(apart, allowed, ratio, had, known)
-
-
-def _compared(
-    name: str, a: Numbers, b: Numbers, apart: _Apart, statistical: bool, count: int
-) -> Compared:
-    ratio = np.where(apart.known, apart.ratio, -1.0)
-    chance = np.ones_like(ratio)
+    chance = None
     if statistical:
-        freedom = np.broadcast_to(np.minimum(a.freedom, b.freedom), ratio.shape)
-        one = np.where(np.isinf(freedom), ndtr(-ratio), stdtr(freedom, -ratio))
-        chance = np.where(apart.known, 2 * one, 1.0)
+        deviate = np.where(np.isnan(deviate), -ratio, deviate)
+        one = np.where(np.isinf(freedom), ndtr(deviate), stdtr(freedom, deviate))
+        chance = np.where(known & ~alike, 2 * one, 1.0)
+    return _Apart(apart, allowed, ratio, chance, had, known)
+
+
+def _by_chance(a: Numbers, b: Numbers) -> tuple[Array, Array, Array]:
+    """Standard errors of the differences, their degrees of freedom, and deviates of variances.
+
+    The ratio of two variances has the F distribution, with degrees of freedom 2 s^4/e^2 of a
+    variance s^2 of the standard error e (L. H. Shoemaker, Am. Stat. 57, 105 (2003)): as many as the
+    parts less one for Gaussian numbers. Its deviate is the normal one of the same probability, from
+    0 down; NaN of other numbers.
+    """
+    e, variance = [a.errors**2, b.errors**2], [a.values, b.values]
+    freedom = np.minimum(a.freedom, b.freedom)
+    deviate = np.array(np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if a.part and a.part == b.part:
+            # of each alone, a few parts that happen to lie close would have a low error too
+            freedom, both = np.add(a.freedom, b.freedom), np.add(a.parts, b.parts)
+            scatter = (a.parts**2 * e[0] + b.parts**2 * e[1]) / both
+            e = [scatter / a.parts, scatter / b.parts]
+            variance = [(a.parts * a.values + b.parts * b.values) / both] * 2
+        if a.is_variance:
+            of_each = [2 * v**2 / each for v, each in zip(variance, e, strict=True)]
+            ratio = a.values / b.values
+            deviate = ndtri(np.minimum(fdtr(*of_each, ratio), fdtrc(*of_each, ratio)))
+    return np.sqrt(e[0] + e[1]), freedom, deviate
+
+
+def _compared(name: str, a: Numbers, apart: _Apart, count: int) -> Compared:
+    ratio = np.where(apart.known, apart.ratio, -1.0)
+    chance = np.ones_like(ratio) if apart.chance is None else apart.chance
     # the least likely; of those that are alike in that, the one farthest apart
     worst = np.lexsort((-ratio.ravel(), chance.ravel()))[0]
     at = tuple(int(i) for i in np.unravel_index(worst, ratio.shape))
-    p_value = float(min(1.0, chance[at] * count)) if statistical else None
+    p_value = None if apart.chance is None else float(min(1.0, chance[at] * count))
     agrees = bool(ratio[at] <= 1) if p_value is None else p_value >= FALSE_ALARM
     return Compared(
         name, a.unit, int(apart.known.sum()), float(apart.difference[at]), float(apart.allowed[at]),
@@ -366,18 +414,37 @@ def _compared(
     )  # fmt: skip
 
 
-def _same(a: Found, b: Found) -> bool:
-    """Whether both are the same, bit for bit."""
-    if a.path is not None and b.path is not None:
-        return np.array_equal(a.path, b.path, equal_nan=True)
+def _same(first: Source, second: Source, a: Found, b: Found) -> bool:
+    """Whether all numbers and times of both are the same, bit for bit."""
+    if first.dataset is not None and second.dataset is not None:
+        return _alike(first.dataset, second.dataset)
     return (
         a.numbers.keys() == b.numbers.keys()
         and a.words == b.words
-        and all(
-            np.array_equal(a.numbers[name].values, b.numbers[name].values, equal_nan=True)
-            for name in a.numbers
-        )
+        and all(_equal(a.numbers[name].values, b.numbers[name].values) for name in a.numbers)
     )
+
+
+def _alike(a: xr.Dataset, b: xr.Dataset) -> bool:
+    """Whether both have the same variables with the same numbers; read a part at a time."""
+    if a.variables.keys() != b.variables.keys() or a.sizes != b.sizes:
+        return False
+    for name, here in a.variables.items():
+        there = b.variables[name]
+        if here.dims != there.dims:
+            return False
+        rows = here.shape[0] if here.ndim else 1
+        at_once = max(1, _READ * rows // max(here.size, 1))
+        for first in range(0, rows, at_once):
+            part = slice(first, first + at_once) if here.ndim else ...
+            if not _equal(here[part].values, there[part].values):
+                return False
+    return True
+
+
+def _equal(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    numbers = all(each.dtype.kind in "fc" for each in (a, b))
+    return np.array_equal(a, b, equal_nan=numbers)
 
 
 def _differing(a: dict[str, Any], b: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
@@ -453,17 +520,17 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
             if not len(held):
                 raise ResultError(f"{name}: holds no position")
             left_out = f"{lost} of {len(places)} samples are left out, for they hold no position"
-            moments, independent = _moments_in_time(held)
+            moments, independent = _moments_in_time(held, times[1] - times[0])
             few = (
                 f"{name}: has {math.floor(independent)} independent samples; a comparison needs "
                 f"{_INDEPENDENT}"
             )
             return Found(
-                moments, {"status": run.attrs["status"]}, places, left_out if lost else "",
+                moments, {"status": run.attrs["status"]}, left_out if lost else "",
                 few if independent < _INDEPENDENT else "",
             )  # fmt: skip
 
-        return Source(name, "thermal run", True, about, None, by_chance)
+        return Source(name, "thermal run", True, about, None, by_chance, dataset=run)
     bound, of_model = (float(run.attrs[f"{of}_error"]) for of in ("integration", "model"))
     if not math.isfinite(bound):
         raise ResultError(f"{name}: the error of its integration is not known")
@@ -474,30 +541,33 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
         )
         return Found({"distance of the positions": position}, {"status": run.attrs["status"]})
 
-    return Source(name, "run", False, about, times, certain, of_model)
+    return Source(name, "run", False, about, times, certain, of_model, dataset=run)
 
 
 def _ms(time: float) -> str:
     return f"{1e3 * time:.6g} ms"
 
 
-def _moments_in_time(places: Array) -> tuple[dict[str, Numbers], float]:
+def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], float]:
     """Mean and variance along each axis over the time of a run; its independent samples."""
-    fewest = math.inf
+    fewest, n = math.inf, len(places)
     found: dict[str, list[tuple[float, float, float]]] = {"mean": [], "variance": []}
     for x in places.T:
         for quantity, series in (("mean", x), ("variance", (x - x.mean()) ** 2)):
-            independent = len(series) / statistical_inefficiency(series)
+            independent = n / statistical_inefficiency(series)
             fewest = min(fewest, independent)
             error = math.sqrt(series.var() / independent)
-            found[quantity].append((float(series.mean()), error, independent - 1))
+            found[quantity].append((float(series.mean()), error, independent / _WINDOWS))
     return {
         f"{quantity} over time": Numbers(
             unit,
             np.array([each[0] for each in rows]),
             np.array([each[1] for each in rows]),
             _along,
-            min(each[2] for each in rows),
+            np.array([each[2] for each in rows]),
+            quantity == "variance",
+            n,
+            f"sample every {step:.9g} s",
         )
         for (quantity, rows), unit in zip(found.items(), ("m", "m^2"), strict=True)
     }, fewest
@@ -521,8 +591,8 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
             mean = np.nanmean(places, axis=0)
             off = (places - mean) ** 2
             variance = off.mean(axis=0, where=np.isfinite(off)) * left / (left - 1)
-            fourth = np.nanmean(off**2, axis=0)
-            of_variance = np.sqrt((fourth - variance**2 * (left - 3) / (left - 1)) / left)
+            kurtosis = np.nanmean(off**2, axis=0) / np.nanmean(off, axis=0) ** 2
+            of_variance = _error_of_variance(variance, kurtosis, left)
         few, freedom = left < _INDEPENDENT, left - 1.0
         errors = (np.where(few, np.nan, each) for each in (np.sqrt(variance / left), of_variance))
 
@@ -533,46 +603,61 @@ def _of_ensemble(name: str, runs: xr.Dataset, about: dict[str, Any]) -> Source:
         part = np.array([math.sqrt((share * (1 - share) + 0.25 / n) / n)])
         numbers = {
             "mean over trajectories": Numbers("m", mean, next(errors), where, freedom),
-            "variance over trajectories": Numbers("m^2", variance, next(errors), where, freedom),
+            "variance over trajectories": Numbers(
+                "m^2", variance, next(errors), where, freedom, True, freedom, "trajectory"
+            ),
             "part that is lost": Numbers("", np.array([share]), part, lambda _: "", n - 1),
         }
-        return Found(numbers, path=places)
+        return Found(numbers)
 
-    return Source(name, "ensemble", True, about, times, found)
+    return Source(name, "ensemble", True, about, times, found, dataset=runs)
+
+
+def _error_of_variance(variance: Any, kurtosis: Any, number: Any) -> Any:
+    """Standard error of the variance of so many numbers, by their kurtosis (Shoemaker)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return variance * np.sqrt((kurtosis - (number - 3) / (number - 1)) / number)
 
 
 def _of_statistics(name: str, gathered: xr.Dataset, about: dict[str, Any]) -> Source:
     times = gathered["time"].values
+    window = [gathered.attrs.get(key) for key in ("samples_per_window", "samples", "duration")]
 
     def found(at: NDArray[np.int64]) -> Found:
         numbers = {}
         for key, each in gathered.data_vars.items():
-            if not str(key).endswith(("_mean", "_variance")) or f"{key}_error" not in gathered:
+            of, _, moment = str(key).rpartition("_")
+            if moment not in ("mean", "variance") or f"{key}_error" not in gathered:
                 continue
             over_time = "time" in each.dims
             timed = {"time": at} if over_time else {}
             parts = gathered["trajectories_left" if over_time else "windows"].isel(timed)
             values = each.isel(timed)
-            error = gathered[f"{key}_error"].isel(timed).where(parts >= _INDEPENDENT)
+            error = gathered[f"{key}_error"].isel(timed)
+            if (is_variance := moment == "variance") and over_time:
+                kurtosis = gathered[f"{of}_kurtosis"].isel(timed) + 3
+                error = _error_of_variance(values, kurtosis, parts)
+            error = error.where(parts >= _INDEPENDENT).transpose(*values.dims)
+            freedom = (parts - 1.0).broadcast_like(values).transpose(*values.dims).values
 
             def where(i: tuple[int, ...], timed: bool = over_time) -> str:
                 return f"at {_ms(times[at[i[0]]])} {_along(i)}" if timed else _along(i)
 
-            numbers[str(key).replace("_", " ")] = Numbers(
-                values.attrs["units"],
-                values.values,
-                error.transpose(*values.dims).values,
-                where,
-                (parts - 1.0).broadcast_like(values).transpose(*values.dims).values,
-            )
+            part = f"window {window}" if not over_time else "trajectory"
+            numbers[f"{of} {moment}".replace("_", " ")] = Numbers(
+                values.attrs["units"], values.values, error.values, where, freedom,
+                is_variance, freedom, part if is_variance else "",
+            )  # fmt: skip
         return Found(numbers)
 
-    return Source(name, "statistics", True, about, times, found)
+    return Source(name, "statistics", True, about, times, found, dataset=gathered)
 
 
 def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
     of = swept.attrs["of"]
     statistical = of in ("ensemble", "calibrate")
+    lasting = (about.get(f"simulation.{key}") for key in ("duration", "samples"))
+    window = f"window {(*lasting, swept.attrs.get('skip'))}"
 
     def freedom_of(key: str, shape: tuple[int, ...]) -> Array:
         """Degrees of freedom: of what is of the beads left, by them."""
@@ -594,9 +679,11 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
                     return ", ".join(f"{dim} {_value(swept, dim, k)}" for dim, k in named)
 
                 freedom = freedom_of(str(key), each.shape)
+                is_variance = key == "variance"
                 numbers[str(key).replace("_", " ")] = Numbers(
                     each.attrs["units"], each.values,
                     np.where(freedom >= 1, swept[error].values, np.nan), where, freedom,
+                    is_variance, freedom, window if is_variance else "",
                 )  # fmt: skip
         words = {}
         for i, outcome in enumerate(str(each) for each in swept["outcome"].values.ravel()):
@@ -605,7 +692,8 @@ def _of_sweep(name: str, swept: xr.Dataset, about: dict[str, Any]) -> Source:
         return Found(numbers, words)
 
     over = swept.attrs["over"]
-    return Source(name, f"sweep of {of}", statistical, about, None, found, over=over)
+    kind = f"sweep of {of}"
+    return Source(name, kind, statistical, about, None, found, over=over, dataset=swept)
 
 
 def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
