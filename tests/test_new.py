@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import tweezer
 from tweezer.cli import new
 from tweezer.materials import materials
 from tweezer.scene import load_scene
@@ -59,6 +60,21 @@ def test_every_bead_and_every_objective_make_a_scene(command_line):
         if scene.wall:
             assert scene.wall.position == -scene.lens.cover.depth == pytest.approx(-5e-6)
     assert set(PUPILS) == set(new.OBJECTIVES)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [["--bead", "silica", "--diameter", "100 nm"],
+     ["--bead", "pmma", "--diameter", "300 nm", "--power", "20 mW"],
+     ["--bead", "melamine", "--diameter", "1 um", "--objective", "100x/1.30 oil"]],
+)  # fmt: skip
+def test_the_duration_is_enough_to_come_to_rest(command_line, options):
+    """As the force of the light has it, which `tweezer new` does not compute; not far too long."""
+    assert command_line("new", *options).code == 0
+    scene = load_scene("mine.toml")
+    summary = tweezer.summarise(tweezer.simulate(scene))
+    assert summary.outcome == "captured"
+    assert 0.1 < summary.outcome_time / scene.simulation.duration < 0.95
 
 
 def test_a_comment_gives_the_numbers_of_the_material(command_line):
