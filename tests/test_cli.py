@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 import xarray as xr
 
 import tweezer
@@ -295,6 +296,49 @@ def test_a_file_that_is_no_run_is_not_replaced(command_line):
     assert Path("a.nc").read_text() == "an old file"
     assert command_line("run", *FREE, "--out", "a.nc", "--overwrite").code == 0
     assert tweezer.load_run("a.nc").sizes["time"] == 3
+
+
+KNOWN_BEAD = ("--temperature", "20 degC", "--radius", "500 nm", "--viscosity", "1 mPa s")
+
+
+@pytest.mark.parametrize(
+    ("option", "name", "arguments"),
+    [("--out", "a.json", ("trap", "silica-1um")),
+     ("--out", "a.nc", ("trap", "silica-1um", "--heights", "1 um", "3 um")),
+     ("--out", "a.json", ("tune", "thesis-990nm")),
+     ("--out", "a.json", ("fit", "none.csv", "--free", "bead.diameter")),
+     ("--out", "a.json", ("fit-depth", "none.csv", "--scene", "thesis-990nm")),
+     ("--out", "a.json", ("calibrate", "none.csv", *KNOWN_BEAD)),
+     ("--report", "a.html", ("calibrate", "none.csv", *KNOWN_BEAD))],
+    ids=lambda given: given if isinstance(given, str) else given[0],
+)  # fmt: skip
+def test_a_result_that_is_there_is_not_replaced(command_line, option, name, arguments):
+    Path(name).write_text("the only copy")
+    refused = command_line(*arguments, option, name)
+    assert (refused.code, refused.out) == (2, "")
+    assert refused.err == f"{name}: is there; name another {option}, or --overwrite it\n"
+    assert Path(name).read_text() == "the only copy"
+
+
+def test_whoever_writes_a_result_takes_overwrite_or_resume():
+    """But `reproduce` and the benchmarks, which measure again."""
+    commands = typer.main.get_command(cli.app).commands
+    writing = {
+        name: options
+        for name, command in commands.items()
+        if (options := {option for each in command.params for option in each.opts})
+        & {"--out", "--report"}
+    }
+    assert {"run", "trap", "calibrate", "ensemble", "reproduce"} <= set(writing)
+    neither = {name for name, each in writing.items() if not each & {"--overwrite", "--resume"}}
+    assert neither == {"reproduce"}
+    said = {
+        option.help
+        for name in writing
+        for option in commands[name].params
+        if "--overwrite" in option.opts
+    }
+    assert len(said) == 1
 
 
 def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, monkeypatch):
@@ -665,6 +709,10 @@ def test_trap_that_holds_nothing(command_line):
     assert "escape" not in outcome.out
     written = json.loads(Path("dark.json").read_text(encoding="utf-8"))["trap"]
     assert (written["equilibrium"], written["equilibria"], written["escapes"]) == (None, [], [])
+    Path("dark.json").write_text("a scratch file")
+    again = ("trap", "silica-1um", "--set", "forces.optical=false", "--out", "dark.json")
+    assert command_line(*again, "--overwrite").code == 0
+    assert json.loads(Path("dark.json").read_text(encoding="utf-8"))["trap"] == written
 
 
 def test_trap_by_the_grid_tells_its_distance_to_the_quadrature(command_line):

@@ -341,6 +341,12 @@ def test_traps_and_calibrations(tmp_path):
     assert not tweezer.compare(found[0], found[2]).agrees
     with pytest.raises(tweezer.ResultError, match="they cannot be compared"):
         tweezer.compare(trap, found[0])
+    with pytest.raises(
+        tweezer.ResultError, match=r"c\.json: is a calibration; `tweezer view` takes"
+    ):
+        tweezer.view(tmp_path / "c.json")
+    with pytest.raises(tweezer.SceneError, match="is a calibration, not a scene; `tweezer compare"):
+        tweezer.load_scene(tmp_path / "c.json")
     for text in ("{}", "[]", "no json", '{"trap": 1, "scene": 2}'):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(tweezer.ResultError, match=r"bad.json: "):

@@ -178,6 +178,49 @@ def test_files_that_are_no_runs(tmp_path):
         tweezer.load_run(other)
 
 
+def test_a_result_of_another_kind_is_told(turning_run, tmp_path):
+    about = {"scene": turning_run.attrs["scene"], "status": "complete"}
+    heights = xr.Dataset({"equilibrium": ("height", [0.0])}, {"height": [1e-6]}, about)
+    path = tweezer.save_run(heights, tmp_path / "heights.nc")
+    for reads, error, expected in (
+        (tweezer.load_run, ResultError, "not a saved run: is a trap over heights; `xarray.open_da"),
+        (tweezer.view, ResultError, "is a trap over heights; `tweezer view` takes a sweep, "),
+        (lambda path: tweezer.compare(path, path), ResultError, "is a trap over heights; `tweezer"),
+        (tweezer.load_scene, tweezer.SceneError, "is a trap over heights, not a scene$"),
+    ):
+        with pytest.raises(error, match=expected):
+            reads(path)
+    path = tweezer.save_run(turning_run, tmp_path / "run.nc")
+    with pytest.raises(
+        tweezer.SceneError, match="is a run, not a scene; `tweezer view` shows it and `tweezer com"
+    ):
+        tweezer.load_scene(path)
+
+
+def test_a_part_that_does_not_do_is_told(turning_run):
+    for part, expected in (
+        (turning_run.isel(time=slice(0, 0)), "a run without a sample"),
+        (turning_run.isel(time=0), "no position over time; a slice takes a part"),
+        (turning_run[["speed"]], "not a run: it has no position"),
+    ):
+        for of in (tweezer.view, tweezer.summarise, lambda part: tweezer.compare(part, part)):
+            with pytest.raises(ResultError, match=expected):
+                of(part)
+    with pytest.raises(ResultError, match="a part of a run: it has no optical_force"):
+        tweezer.view(turning_run[["position"]])
+    assert tweezer.summarise(turning_run[["position"]]) == tweezer.summarise(turning_run)
+
+
+def test_a_name_of_another_kind_of_file_is_refused(turning_run, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text("precious")
+    with pytest.raises(ResultError, match=r"must end in \.nc"):
+        tweezer.save_run(turning_run, path)
+    with pytest.raises(ResultError, match=r"must end in \.html"):
+        tweezer.view(turning_run).save(path)
+    assert path.read_text() == "precious"
+
+
 def test_a_run_is_not_held_open_by_loading_it(turning_run, tmp_path):
     path = tweezer.save_run(turning_run, tmp_path / "run.nc")
     loaded = tweezer.load_run(path)

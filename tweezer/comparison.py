@@ -22,6 +22,8 @@ from tweezer.analysis.spectra import statistical_inefficiency
 from tweezer.analysis.trap import Trap
 from tweezer.errors import ResultError
 from tweezer.io import load_result, scene_of
+from tweezer.run import Run
+from tweezer.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.scene import Scene, by_key
 from tweezer.shown import Card, Row, Shown, Table, clipped
 from tweezer.sweeps.quantities import FAILED, MISSING, errors_of_trap
@@ -469,35 +471,24 @@ def _source(of: Result, name: str) -> Source:
         return _of_trap(name, dataclasses.asdict(of), scene, {})
     if isinstance(of, Calibration):
         return _of_calibration(name, dataclasses.asdict(of))
-    if isinstance(of, xr.Dataset) and "scene" in of.attrs:
-        about = _about(of.attrs)
-        if "over" in of.attrs and "outcome" in of:
-            return _of_sweep(name, of, about)
-        if "stationary_mean" in of:
-            return _of_statistics(name, of, about)
-        if "position" in of:
-            if "trajectory" in of["position"].dims:
-                return _of_ensemble(name, of, about)
-            return _of_run(name, of, about)
-    raise ResultError(f"{name}: no run, ensemble, sweep, trap or calibration")
+    kind = kind_of(of)
+    if kind is None or kind.name not in _OF_DATASETS:
+        raise ResultError(f"{name}: {refusal(kind, 'compare', COMPARED)}")
+    return _OF_DATASETS[kind.name](name, of, _about(of.attrs))
 
 
 def _of_json(path: Path) -> Source:
+    made = read_json(path)
+    kind = kind_of(made)
+    if kind is None or not kind.compared:
+        raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
     try:
-        made = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ResultError(f"{path}: no such file") from None
-    except (OSError, ValueError) as error:
-        raise ResultError(f"{path}: cannot be read: {error}") from None
-    try:
-        if "trap" in made:
+        if kind.name == "trap":
             about = {"tweezer_version": made["tweezer_version"]}
             return _of_trap(path.name, made["trap"], made["scene"], about)
-        if "axes" in made:
-            return _of_calibration(path.name, made)
+        return _of_calibration(path.name, made)
     except (TypeError, KeyError, ValidationError):
-        pass
-    raise ResultError(f"{path}: no trap and no calibration")
+        raise ResultError(f"{path}: not {kind.told} as tweezer saves it") from None
 
 
 def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
@@ -511,7 +502,8 @@ def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
-    times, places = run["time"].values, run["position"].values
+    followed = Run.of(run)
+    times, places = followed["time"], followed["position"]
     if scene_of(run).forces.brownian:
 
         def by_chance(_: NDArray[np.int64]) -> Found:
@@ -755,3 +747,12 @@ def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
     }
     about = {key: found[key] for key in ("temperature", "drag", "mass", "exposure", "samples")}
     return Source(name, "calibration", True, about, None, lambda _: Found(numbers))
+
+
+#: By the name of the kind
+_OF_DATASETS: dict[str, Callable[[str, xr.Dataset, dict[str, Any]], Source]] = {
+    "sweep": _of_sweep,
+    "statistics": _of_statistics,
+    "ensemble": _of_ensemble,
+    "run": _of_run,
+}

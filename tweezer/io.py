@@ -18,6 +18,7 @@ from pydantic import ValidationError
 
 from tweezer.errors import ResultError
 from tweezer.run import Run
+from tweezer.saved import check_ending, kind_of
 from tweezer.scene import Scene, by_key
 
 if TYPE_CHECKING:
@@ -34,9 +35,10 @@ def save_run(run: xr.Dataset, path: str | Path) -> Path:
     """Write `run` to `path` as NetCDF; the file there changes only once the new one is whole.
 
     A digest stands behind the content, so that `load_run` notices damage. Raises `ResultError` if
-    it cannot be written.
+    it cannot be written, or its name does not end in .nc.
     """
     path = Path(path)
+    check_ending(path, ("nc",))
     no_fill: dict[Any, Any] = {name: {"_FillValue": None} for name in run.coords}  # as CF wants
     with _no_cluster():
         content = run.to_netcdf(engine=_ENGINE, encoding=no_fill)
@@ -123,27 +125,30 @@ def write_json(value: object, path: Path) -> None:
 def load_run(path: str | Path) -> xr.Dataset:
     """A saved run, read into memory.
 
-    Raises `ResultError` for a file that is not one, or is damaged: what `save_run` wrote and is
-    not as it was, is never read.
+    Raises `ResultError` for a file that is not one, such as another result of tweezer, or is
+    damaged: what `save_run` wrote and is not as it was, is never read.
     """
-    import xarray as xr
-
-    with _reading(Path(path)):
-        run = xr.load_dataset(path, engine=_ENGINE)
-    if "scene" not in run.attrs:
-        raise ResultError(f"{path}: not a saved run: it names no scene")
+    run = load_result(Path(path))
+    if (kind := kind_of(run)) and kind.name != "run":
+        raise ResultError(
+            f"{path}: not a saved run: is {kind.told}; `xarray.open_dataset` reads it"
+        )
     return run
 
 
 def load_result(path: Path) -> xr.Dataset:
-    """A saved run or statistics (.nc), or a store (.zarr), of which only what is used is read.
+    """A saved result: a store (.zarr), of which only what is used is read, or a file (.nc).
 
-    Raises `ResultError` for a file or folder that is none.
+    Raises `ResultError` for a file or folder that is none, or a file that is damaged.
     """
-    if path.suffix != ".zarr":
-        return load_run(path)
     import xarray as xr
 
+    if path.suffix != ".zarr":
+        with _reading(path):
+            result = xr.load_dataset(path, engine=_ENGINE)
+        if "scene" not in result.attrs:
+            raise ResultError(f"{path}: not a saved run: it names no scene")
+        return result
     if not path.is_dir():
         raise ResultError(f"{path}: no such folder")
     try:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.errors import ResultError
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -26,7 +28,14 @@ class Run:
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Run:
-        """The run of a dataset."""
+        """The run of a dataset. Raises `ResultError` if it is none, or a part without a sample."""
+        for name in ("position", "time"):
+            if name not in dataset.variables:
+                raise ResultError(f"not a run: it has no {name}")
+            if dataset[name].dims[:1] != ("time",):
+                raise ResultError(f"not a run: no {name} over time; a slice takes a part of a run")
+        if not dataset.sizes["time"]:
+            raise ResultError("a run without a sample")
         parts: dict[Any, Any] = {
             name: (each.dims, each.values, each.attrs) for name, each in dataset.variables.items()
         }
@@ -53,7 +62,9 @@ class Run:
         return name in self.variables or name in self.coordinates
 
     def __getitem__(self, name: str) -> Array:
-        """Values of a variable or a coordinate."""
+        """Values of a variable or a coordinate. Raises `ResultError` if it has none."""
+        if name not in self:
+            raise ResultError(f"a part of a run: it has no {name}, which this needs")
         _, values, _ = self.variables.get(name) or self.coordinates[name]
         return values
 

@@ -22,6 +22,7 @@ from tweezer.choices import EVALUATORS, METHODS, MODELS, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.materials import Material, materials
+from tweezer.saved import kind_of_file
 from tweezer.sections import (
     ALTERNATIVES,
     BELONGING,
@@ -886,12 +887,16 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
         raise SceneError(
             f"no scene file {name!r}, and no shipped scene of that name; {_shipped_like(path)}"
         ) from None
-    except UnicodeDecodeError:
-        raise SceneError(f"{name!r}: not a text file in UTF-8") from None
-    except _NOT_TOML as error:
-        raise SceneError(f"{name!r}: not valid TOML: {error}") from None
-    except OSError as error:
-        raise SceneError(f"{name!r}: cannot be read: {error.strerror}") from None
+    except (*_NOT_TOML, OSError) as error:
+        if kind := kind_of_file(path):
+            reason = f"is {kind.told}, not a scene{kind.way}"
+        elif isinstance(error, UnicodeDecodeError):
+            reason = "not a text file in UTF-8"
+        elif isinstance(error, OSError):
+            reason = f"cannot be read: {error.strerror}"
+        else:
+            reason = f"not valid TOML: {error}"
+        raise SceneError(f"{name!r}: {reason}") from None
     if not data:
         raise SceneError(f"{name!r}: is empty; `tweezer new` writes a scene")
     try:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import tweezer
 from tests import readable
@@ -137,7 +138,7 @@ def test_command(command_line):
         "--plot", "h.png",
     )  # fmt: skip
     assert (outcome.code, outcome.err) == (0, "")
-    found = tweezer.load_run("h.nc")
+    found = xr.load_dataset("h.nc")
     np.testing.assert_allclose(found["height"], [0.7e-6, 1.85e-6, 3e-6])
     for gap in 1e6 * found["gap"].values:
         assert f"{gap:.4g}" in outcome.out
@@ -161,7 +162,7 @@ def test_an_interrupted_command_writes_what_was_reached(command_line, monkeypatc
     outcome = command_line(*command)
     assert outcome.code == 130
     assert "interrupted after 2 of 4 heights" in outcome.err
-    np.testing.assert_allclose(tweezer.load_run("h.nc")["height"], [1e-6, 2e-6])
+    np.testing.assert_allclose(xr.load_dataset("h.nc")["height"], [1e-6, 2e-6])
     assert command_line(*command[:-2]).code == 130  # none is reached
     alone = command_line("trap", "silica-1um", "--count", "4")
     assert (alone.code, alone.err) == (2, "--count: goes with --heights\n")

@@ -958,7 +958,7 @@ def test_what_a_worker_of_a_cluster_gathered_is_in_its_file(small, tmp_path):
     for index in (2, 1, 0):
         joining.take(index, {})
     assert joining.waiting == 0
-    expected = tweezer.load_run(whole)
+    expected = xr.load_dataset(whole)
     xr.testing.assert_equal(joining.finish(complete=True), expected)
     (tmp_path / "none.nc.part").mkdir()
     joining = store.Joined(dataclasses.replace(begun, out=tmp_path / "none.nc"), bound)
@@ -1028,7 +1028,7 @@ def test_command_of_statistics(command_line):
     arguments = ["ensemble", *SHORT, "--statistics", "--skip", "1 ms", "--workers", "1"]
     outcome = command_line(*arguments)
     assert (outcome.code, outcome.err) == (0, "")
-    found = tweezer.load_run("silica-1um-statistics.nc")
+    found = xr.load_dataset("silica-1um-statistics.nc")
     variance, error = (float(found[f"stationary_variance{of}"][2]) for of in ("", "_error"))
     deviation = 1e9 * variance**0.5
     assert with_uncertainty(deviation, deviation * error / variance / 2) in outcome.out

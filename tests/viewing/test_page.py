@@ -303,5 +303,7 @@ def test_a_film_has_the_pictures_in_their_order(page, ending, tmp_path, monkeypa
 
 
 def test_what_no_page_shows_is_refused():
-    with pytest.raises(tweezer.ResultError, match="int: no page shows it"):
+    with pytest.raises(
+        tweezer.ResultError, match="int: is no result that is known; `tweezer view` takes a sweep, "
+    ):
         tweezer.view(3)

@@ -76,6 +76,9 @@ Scale = Annotated[
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace a file that is there, whatever it is.")
+]
 FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
 
 

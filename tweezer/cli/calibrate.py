@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import Columns, FigureFile, JsonFile, Rate, Scale, app, quantity_in
+from tweezer.cli.app import Columns, FigureFile, JsonFile, Overwrite, Rate, Scale, app, quantity_in
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
     show_warning,
     tell_written,
     writable,
+    writable_result,
     write_figure,
     write_json,
 )
@@ -141,6 +142,7 @@ def calibrate(
         Path | None,
         typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
     ] = None,
+    overwrite: Overwrite = False,
 ) -> None:  # fmt: skip
     """Stiffness of a trap from a RECORDING.
 
@@ -166,9 +168,11 @@ def calibrate(
     exposed: float | str | None = blur
     if blur not in (None, "fit"):
         exposed = quantity_in("--blur", blur, Time)
-    out = out and writable(out, ("json",))
+    out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = plot and writable(plot, FIGURE_FORMATS)
-    report = report and writable(report, ("html", "pdf"))
+    report = report and writable_result(
+        report, ("html", "pdf"), overwrite=overwrite, option="--report"
+    )
     if plot and len(recordings) > 1:
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
     if report and len(recordings) > 1:

@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from tweezer.errors import ResultError
+from tweezer.saved import check_ending
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,8 +54,7 @@ def awaited(path: Path) -> Path:
 
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
     """`path`; refused before any computation if it cannot be written."""
-    if path.suffix.lstrip(".").lower() not in formats:
-        raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
+    check_ending(path, formats)
     if not path.parent.is_dir():
         raise ResultError(f"{path}: no such folder: {path.parent}")
     if not os.access(path.parent, os.W_OK):
@@ -67,6 +67,25 @@ def writable(path: Path, formats: tuple[str, ...]) -> Path:
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
     return awaited(path)
+
+
+def writable_result(
+    path: Path,
+    formats: tuple[str, ...],
+    *,
+    overwrite: bool,
+    obstacle: Callable[[Path], str] = lambda _: "is there",
+    option: str = "--out",
+) -> Path:
+    """`path` of a result or report, which `writable` checks; one that is there is refused too.
+
+    obstacle: of a file that is there, why it must not be replaced without --overwrite; "" if it may
+    be. Figures, films, and what `tweezer bench` and `tweezer reproduce` measure again are replaced.
+    """
+    path = writable(path, formats)
+    if path.exists() and not overwrite and (reason := obstacle(path)):
+        raise ResultError(f"{path}: {reason}; name another {option}, or --overwrite it")
+    return path
 
 
 @contextlib.contextmanager

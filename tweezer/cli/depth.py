@@ -12,6 +12,7 @@ from tweezer.cli.app import (
     Columns,
     FigureFile,
     JsonFile,
+    Overwrite,
     Rate,
     Scale,
     app,
@@ -25,6 +26,7 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_result,
     write_figure,
     write_json,
 )
@@ -71,6 +73,7 @@ def fit_depth(
     set: Changes = None,
     out: JsonFile = None,
     plot: FigureFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Depth at which the bead of a TRACK started.
 
@@ -85,7 +88,7 @@ def fit_depth(
     if search is not None:
         low, high = (quantity_in("--search", text, Length) for text in search)
         range_ = low, high
-    out = out and writable(out, ("json",))
+    out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = plot and writable(plot, FIGURE_FORMATS)
 
     from tweezer.analysis import fit_depth as fitted

@@ -12,6 +12,7 @@ from tweezer.cli.app import (
     Columns,
     FigureFile,
     JsonFile,
+    Overwrite,
     Rate,
     Scale,
     app,
@@ -25,6 +26,7 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_result,
     write_figure,
     write_json,
 )
@@ -65,6 +67,7 @@ def fit(
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Fit keys of SCENE to a RECORDING.
 
@@ -77,7 +80,7 @@ def fit(
         raise SceneError("--set: changes a --scene, which is not given")
     described = scene_with(scene, settings_of(set or [])) if scene else None
     skipped = quantity_in("--skip", skip, Time)
-    out = out and writable(out, ("json",))
+    out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = plot and writable(plot, FIGURE_FORMATS)
 
     from tweezer.analysis import fit as fitted

@@ -11,7 +11,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from tweezer.choices import METHODS, MODELS, methods
-from tweezer.cli.app import Changes, FigureFile, SceneName, app, bind_light, scene_with, settings_of
+from tweezer.cli.app import (
+    Changes,
+    FigureFile,
+    Overwrite,
+    SceneName,
+    app,
+    bind_light,
+    scene_with,
+    settings_of,
+)
 from tweezer.cli.completion import among
 from tweezer.cli.console import (
     FAILED,
@@ -22,10 +31,11 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_result,
     write_figure,
 )
 from tweezer.cli.tables import add_light, add_rows, table_of
-from tweezer.errors import PhysicsWarning, ResultError
+from tweezer.errors import PhysicsWarning
 
 if TYPE_CHECKING:
     from tweezer.run import Run
@@ -71,9 +81,7 @@ def run(
         Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
     ] = None,
     plot: FigureFile = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
-    ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Follow the bead of SCENE.
 
@@ -86,15 +94,18 @@ def run(
     settings = settings_of(set or [], duration=duration, model=model, method=method)
     described = scene_with(scene, settings)
     check_run(described, seed)
-    out = writable(out or Path(f"{described.name}.nc"), ("nc",))
+    out = writable_result(
+        out or Path(f"{described.name}.nc"),
+        ("nc",),
+        overwrite=overwrite,
+        obstacle=lambda there: _obstacle(there, described, seed),
+    )
     plot = plot and writable(plot, FIGURE_FORMATS)
-    if not overwrite and (reason := _not_replaced(out, described, seed)):
-        raise ResultError(f"{out}: {reason}; name another --out, or --overwrite it")
     bind_light(described)
     result = followed_with_progress(described, seed)
     status = result.attributes["status"]
     ended = status not in ("failed", "interrupted")
-    if out.exists() and not (ended and (overwrite or not _not_replaced(out, described, seed))):
+    if out.exists() and not (ended and (overwrite or not _obstacle(out, described, seed))):
         out, plot = _beside(out, plot)
 
     from tweezer.io import write_run
@@ -116,10 +127,8 @@ def run(
         raise typer.Exit(FAILED if failed else INTERRUPTED)
 
 
-def _not_replaced(out: Path, scene: Scene, seed: int | None) -> str:
-    """Why a run of `scene` must not replace `out`; "" if it may."""
-    if not out.exists():
-        return ""
+def _obstacle(out: Path, scene: Scene, seed: int | None) -> str:
+    """Why a run of `scene` must not replace the file at `out`; "" if it may."""
     from tweezer.io import unlike
 
     reason = unlike(out, scene, seed or 0)

@@ -13,6 +13,7 @@ from tweezer.cli.app import (
     Changes,
     FigureFile,
     JsonFile,
+    Overwrite,
     SceneName,
     app,
     bind_light,
@@ -29,6 +30,7 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_result,
     write_figure,
     write_json,
 )
@@ -63,6 +65,7 @@ def trap(
     set: Changes = None,
     out: Annotated[Path | None, typer.Option(help="JSON file to write; of heights NetCDF.")] = None,
     plot: FigureFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Characterise the trap of SCENE.
 
@@ -70,7 +73,7 @@ def trap(
     above a wall.
     """
     described = scene_with(scene, settings_of(set or []))
-    out = out and writable(out, ("nc",) if heights else ("json",))
+    out = out and writable_result(out, ("nc",) if heights else ("json",), overwrite=overwrite)
     plot = plot and writable(plot, FIGURE_FORMATS)
     if heights:
         _trap_over(described, heights, count or 19, out, plot)
@@ -145,6 +148,7 @@ def tune(
     set: Changes = None,
     out: JsonFile = None,
     plot: FigureFile = None,
+    overwrite: Overwrite = False,
 ) -> None:
     """Scaled against unscaled motion of SCENE.
 
@@ -154,7 +158,7 @@ def tune(
 
     described = scene_with(scene, settings_of(set or [], duration=duration))
     allowed = quantity_in("--deviation", deviation, PositiveLength)
-    out = out and writable(out, ("json",))
+    out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = plot and writable(plot, FIGURE_FORMATS)
 
     from tweezer.analysis.tuning import scaled_scenes

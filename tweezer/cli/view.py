@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from tweezer.choices import RESULTS, SAVED_TRAP
-from tweezer.cli.app import Changes, app, bind_light, scene_with, settings_of
+from tweezer.cli.app import Changes, Overwrite, app, bind_light, scene_with, settings_of
 from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
     FAILED,
@@ -18,6 +19,7 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_result,
 )
 from tweezer.cli.runs import followed_with_progress
 from tweezer.errors import ResultError, SceneError
@@ -55,9 +57,7 @@ def view(
         float | None,
         typer.Option(help=f"Time that the film of --movie takes; if not given, {_SECONDS:g}."),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace OUT, whatever it is.")
-    ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Show RUN on a page that plays.
 
@@ -66,11 +66,7 @@ def view(
     a sweep what came out of every case. An OUT that is a page of tweezer is replaced, and no other
     file without --overwrite.
     """
-    out = out and writable(out, ("html",))
-    if out is not None and not overwrite and not _replaceable(out):
-        raise ResultError(
-            f"{out}: is there, and is no page of tweezer; name another --out, or --overwrite it"
-        )
+    out = out and writable_result(out, ("html",), overwrite=overwrite, obstacle=_obstacle)
     length = _SECONDS if seconds is None else seconds
     if movie is not None:
         from tweezer.viewing.movie import FORMATS, programs
@@ -100,15 +96,12 @@ def view(
 _SIGN, _HEAD = b'<meta name="generator" content="tweezer ', 4096
 
 
-def _replaceable(out: Path) -> bool:
-    """Whether nothing is at `out`, or a page that tweezer wrote."""
-    if not out.exists():
-        return True
-    try:
-        with out.open("rb") as file:
-            return _SIGN in file.read(_HEAD)
-    except OSError:
-        return False
+def _obstacle(out: Path) -> str:
+    """Why a page must not replace the file at `out`; "" if that is a page too."""
+    with contextlib.suppress(OSError), out.open("rb") as file:
+        if _SIGN in file.read(_HEAD):
+            return ""
+    return "is there, and is no page of tweezer"
 
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:

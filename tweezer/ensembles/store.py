@@ -36,7 +36,7 @@ from tweezer.ensembles.job import (
 )
 from tweezer.ensembles.statistics import Statistics
 from tweezer.errors import ResultError
-from tweezer.io import load_run, save_run, write_whole
+from tweezer.io import load_result, save_run, write_whole
 from tweezer.scene import Scene
 from tweezer.version import FORMAL
 
@@ -96,7 +96,7 @@ def _made(job: Job) -> Attributes | None:
         if job.out.exists():
             if job.skipped is None:
                 return dict(zarr.open_group(job.out, mode="r").attrs)
-            return dict(load_run(job.out).attrs)
+            return dict(load_result(job.out).attrs)
         if job.skipped is not None and job.total.exists():
             return dict(json.loads(str(_read(job.total)["attributes"])))
     except ResultError:
@@ -491,7 +491,7 @@ class Joined:
         """Statistics of all finished blocks, also beyond a gap; written if they are complete."""
         job = self.job
         if job.out is not None and job.out.exists():
-            dataset = load_run(job.out)
+            dataset = load_result(job.out)
         else:
             units = {name: (dimension, unit) for name, (_, dimension, unit, _) in
                      QUANTITIES.items()}  # fmt: skip

@@ -26,6 +26,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
 
     Raises `ResultError` for what no page shows, and `SceneError` for a scene that is none.
     """
+    name = str(of) if isinstance(of, str | Path) else type(of).__name__
     if isinstance(of, str | Path):
         path = Path(of)
         if path.suffix == SAVED_TRAP:
@@ -37,7 +38,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
         from tweezer.simulation import simulate
 
         of = simulate(of)
-    return Page(content_of(of))
+    return Page(content_of(of, name))
 
 
 def _read(path: Path) -> xr.Dataset | Scene:

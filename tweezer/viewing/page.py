@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from tweezer.io import replacing
+from tweezer.saved import SHOWN, check_ending
 from tweezer.version import __version__
 from tweezer.viewing.content import Content
-from tweezer.viewing.kinds import KINDS
 
 _STATIC = Path(__file__).with_name("static")
 _THREE = "vendor/three.module.min.js"
@@ -59,8 +59,12 @@ class Page:
         )
 
     def save(self, path: str | Path) -> Path:
-        """Write the page to `path`, whatever is there; raises `ResultError` if it cannot be."""
+        """Write the page to `path`, and replace a page that is there.
+
+        Raises `ResultError` if it cannot be written, or its name does not end in .html.
+        """
         path = Path(path)
+        check_ending(path, ("html",))
         with replacing(path) as whole:
             whole.write(self.html.encode())
         return path
@@ -86,7 +90,7 @@ class Page:
 def _as_json(content: Content) -> dict[str, Any]:
     return {
         "kind": content.kind,
-        "shows": next(kind.shows for kind in KINDS if kind.name == content.kind),
+        "shows": next(kind.told for kind in SHOWN if kind.name == content.kind),
         "title": _typeset(content.title),
         "warning": content.warning,
         "facts": content.facts,

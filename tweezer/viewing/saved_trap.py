@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from pydantic import TypeAdapter
 from tweezer.analysis import Escape, Trap
 from tweezer.analysis.holding import Lifetime
 from tweezer.errors import ResultError
+from tweezer.saved import SHOWN, kind_of, read_json, refusal
 from tweezer.viewing import of_trap
 from tweezer.viewing.content import Content
 
@@ -44,14 +44,9 @@ def load_trap(path: Path) -> tuple[Trap, str]:
 
     Raises `ResultError` for a file that is none.
     """
-    try:
-        saved = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ResultError(f"{path}: no such file") from None
-    except IsADirectoryError:
-        raise ResultError(f"{path}: is a folder") from None
-    except (OSError, ValueError, RecursionError) as error:
-        raise ResultError(f"{path}: cannot be read: {error}") from None
+    saved = read_json(path)
+    if (kind := kind_of(saved)) and kind.name != "trap":
+        raise ResultError(f"{path}: {refusal(kind, 'view', SHOWN)}")
     try:
         found, version = _known(Trap, saved["trap"]), str(saved["tweezer_version"])
         lifetime, _ = (found.pop(name) for name in _BESIDE)

@@ -1,0 +1,101 @@
+"""What tweezer saves: the one table of kinds of results, by which a file is told to be one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tweezer.choices import RESULTS, SAVED_TRAP
+from tweezer.errors import ResultError
+
+
+class Kind(NamedTuple):
+    """A kind of result."""
+
+    name: str
+    told: str
+    """in words, with its article"""
+    marks: tuple[str, ...]
+    """what every one has: attributes, variables and dimensions; of JSON the keys"""
+    page: str = ""
+    """of `tweezer.viewing`: `of_PAGE.py`, `static/PAGE.js`; "" if it has none"""
+    compared: bool = False
+    """whether `tweezer compare` takes it"""
+
+    @property
+    def way(self) -> str:
+        """What can be done with it, behind words that say what it is."""
+        ways = ["`tweezer view` shows it"] if self.page else []
+        ways += ["`tweezer compare` compares it with another"] if self.compared else []
+        return f"; {' and '.join(ways)}" if ways else ""
+
+
+#: The first that has all its marks is taken
+KINDS = (
+    Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
+    Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
+    Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
+    Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
+    Kind("run", "a run", ("scene", "status", "time"), "run", True),
+    Kind("trap", "a trap", ("scene", "trap"), "trap", True),
+    Kind("calibration", "a calibration", ("axes", "exposure"), compared=True),
+    Kind("together", "calibrations of several recordings", ("recordings", "together")),
+    Kind("surface", "calibrations that find a wall", ("recordings", "surface")),
+    Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood")),
+    Kind("depth", "a fit of the depth", ("minima", "parameters")),
+    Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon")),
+)
+SHOWN = tuple(each for each in KINDS if each.page)
+COMPARED = tuple(each for each in KINDS if each.compared)
+
+
+def kind_of(result: Any) -> Kind | None:
+    """The kind of a dataset, or of what a file of JSON holds; None if it is none of the table."""
+    if hasattr(result, "attrs"):
+        there = {*result.attrs, *result.variables, *result.sizes}
+    else:
+        there = set(result) if isinstance(result, dict) else set()
+    return next((kind for kind in KINDS if there.issuperset(kind.marks)), None)
+
+
+def kind_of_file(path: Path) -> Kind | None:
+    """The kind of the result that a file or folder holds; None if that cannot be told."""
+    try:
+        if path.suffix == SAVED_TRAP:
+            return kind_of(read_json(path))
+        if path.suffix not in RESULTS:
+            return None
+        import xarray as xr
+
+        if path.suffix == ".zarr":
+            return kind_of(xr.open_zarr(path, chunks=None))
+        with xr.open_dataset(path, engine="h5netcdf") as dataset:
+            return kind_of(dataset)
+    except Exception:  # readers raise of any kind where a file is damaged
+        return None
+
+
+def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
+    """What a result is, and what the command takes in its place."""
+    is_ = f"is {kind.told}" if kind else "is no result that is known"
+    return f"{is_}; `tweezer {command}` takes {', '.join(each.told for each in taken)}"
+
+
+def read_json(path: Path) -> Any:
+    """What a file of JSON holds. Raises `ResultError` if it cannot be read."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a folder") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise ResultError(f"{path}: cannot be read: {error}") from None
+
+
+def check_ending(path: Path, formats: Iterable[str]) -> None:
+    """Raise `ResultError` unless the name ends in one of the formats, in small letters or large."""
+    if path.suffix.lstrip(".").lower() not in formats:
+        raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
