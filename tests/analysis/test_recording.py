@@ -357,7 +357,8 @@ def test_command_with_inertia_and_without_a_drag(command_line, positions):
     assert json.loads(Path("k.json").read_text())["mass"] == pytest.approx(
         2000 * volume, rel=1e-9, abs=0
     )
-    outcome = command_line("calibrate", "mine.csv", "--temperature", "293.15", "--out", "k.json")
+    again = ("calibrate", "mine.csv", "--temperature", "293.15", "--out", "k.json", "--overwrite")
+    outcome = command_line(*again)
     assert outcome.code == 0
     assert json.loads(Path("k.json").read_text())["drag"] is None
     assert "autocorrelation" not in outcome.out
