@@ -19,6 +19,16 @@ from xdist.scheduler import LoadScopeScheduling
 # what the tests compile knows their types: it is not kept beside the sources, where users look
 os.environ.setdefault("NUMBA_CACHE_DIR", str(Path(__file__).parents[1] / ".numba_cache"))
 
+# what commands print is as wide, and as plain, as without a terminal, wherever the tests run; so it
+# is in the processes that they start
+os.environ.update({"COLUMNS": "80", "LINES": "25"})
+os.environ.pop("TERM", None)
+os.environ.pop("COLORTERM", None)
+os.environ.pop("NO_COLOR", None)
+os.environ.pop("FORCE_COLOR", None)
+os.environ.pop("TTY_COMPATIBLE", None)
+os.environ.pop("TTY_INTERACTIVE", None)
+
 import tweezer
 from tests.browsing import chromium
 from tweezer import cli

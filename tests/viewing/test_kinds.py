@@ -14,6 +14,7 @@ from tweezer.cli.trap import _write_trap
 from tweezer.plots.scene import add_caveat, draw_cones
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
 from tweezer.viewing.heading import heading, of_changes
+from tweezer.viewing.page import Page
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 
@@ -71,6 +72,19 @@ def test_too_many_positions_are_thinned_and_it_is_said(cloud, monkeypatch):
     assert content.arrays["mean"].values() == pytest.approx(mean, rel=1e-5, abs=1e-13)
     assert f"Of {cloud.sizes['trajectory']} beads the page draws {drawn}" in " ".join(content.notes)
     assert "Of 12 times the page has one in 2, and the last" in " ".join(content.notes)
+
+
+def test_of_very_many_times_a_bead_is_drawn(monkeypatch):
+    monkeypatch.setattr(of_ensemble, "_MOST", 40)
+    monkeypatch.setattr(of_ensemble, "_TIMES", 6)
+    kept, beads, taken = of_ensemble._thinned(80, 1)
+    assert (len(kept), beads, taken.tolist()) == (41, 1, [0])
+
+
+def test_a_name_that_is_no_text_is_shown(ensemble, tmp_path):
+    named = dataclasses.replace(ensemble, title="bad\udcff.json")
+    page = Page(named).save(tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.count("bad\ufffd.json") == 2
 
 
 def test_at_the_end_is_at_the_end(cloud):

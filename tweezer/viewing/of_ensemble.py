@@ -104,7 +104,7 @@ def _thinned(times: int, trajectories: int) -> tuple[Numbers, int, Numbers]:
         needed = math.ceil(times * trajectories / _MOST)
         every = max(1, min(needed, (times - 1) // (_TIMES - 1)))
     kept = _one_in(every, times)
-    beads = min(trajectories, _MOST // kept.size)
+    beads = min(trajectories, max(1, _MOST // kept.size))
     return kept, beads, np.linspace(0, trajectories - 1, beads).round().astype(np.int64)
 
 

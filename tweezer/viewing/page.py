@@ -49,7 +49,7 @@ class Page:
         styles = [*_STYLES, *(f"{kind}.css",) * (_STATIC / f"{kind}.css").exists()]
         environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
         template = environment.from_string(_text(_STATIC / "page.html"))
-        return template.render(
+        page = template.render(
             title=_typeset(self.content.title),
             version=__version__,
             licence=_text(_STATIC / "vendor/LICENSE").strip(),
@@ -57,6 +57,8 @@ class Page:
             imports=_in_script({"imports": imports}),
             content=_in_script(_as_json(self.content)),
         )
+        # what is no character, as in names of files that are not UTF-8, is shown as unknown
+        return re.sub("[\ud800-\udfff]", "\N{REPLACEMENT CHARACTER}", page)
 
     def save(self, path: str | Path) -> Path:
         """Write the page to `path`, and replace a page that is there.
