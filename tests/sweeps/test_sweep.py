@@ -311,7 +311,7 @@ def test_processes_that_die_are_replaced(monkeypatch, tmp_path):
 def test_a_process_serves(whole):
     """A true one gives what this one gives, and ends with its input."""
     result, _ = whole
-    asked = asked_of(SCENE, "trap", 100, 0, 0.0)
+    asked = asked_of(SCENE, "trap")
     over = {"beam.power_through_pupil": "5 mW", "bead.diameter": "4e-07"}
     tasks = [[(7, {**over, "lens.numerical_aperture": text}) for text in ("1.25",)]]
     ((case, values),) = pool.processes(asked, tasks, 1)

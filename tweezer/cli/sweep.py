@@ -72,8 +72,12 @@ def sweep(
     scheduler: Annotated[
         str | None, typer.Option(help="Address of a Dask scheduler whose workers compute.")
     ] = None,
-    trajectories: Annotated[int, typer.Option(help="Of each ensemble.")] = 100,
-    seed: Annotated[int, typer.Option(help="Of thermal motion, in every case.")] = 0,
+    trajectories: Annotated[
+        int | None, typer.Option(help="Of each ensemble; 100 if not given.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Of thermal motion, in every case; 0 if not given.")
+    ] = None,
     skip: Annotated[
         str | None,
         typer.Option(help='Time left out at the beginning by ensemble and calibrate: "5 ms".'),
@@ -91,7 +95,7 @@ def sweep(
     described = scene_with(scene, settings_of(set or []))
     out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
     plot = plot and writable(plot, FIGURE_FORMATS)
-    skipped = quantity_in("--skip", skip, Time) if skip else 0.0
+    skipped = quantity_in("--skip", skip, Time) if skip else None
     if plot:
         _check_drawn(over or [], cases)
     with showing_progress(described.name, 1.0) as progress:

@@ -104,6 +104,8 @@ def _trap_over(
     from tweezer.units import PositiveLength
 
     low, high = (quantity_in("--heights", text, PositiveLength) for text in ends)
+    if count == 1 and low != high:
+        raise SceneError(f"--count 1: must be 2 or more, from {ends[0]} to {ends[1]}")
     step = (high - low) / max(count - 1, 1)
     if caveat := ray_optics_caveat(scene):
         show_warning(caveat)

@@ -95,6 +95,13 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
 }
 #: What a sweep can be of
 WHAT = tuple(QUANTITIES)
+#: Arguments that only some sweeps use: of each its value if it is not given
+_DEFAULTS: dict[str, Any] = {"trajectories": 100, "seed": 0, "skip": 0.0}
+#: Those that a sweep of each kind uses
+USED: dict[str, tuple[str, ...]] = {
+    "trap": (), "run": ("seed",), "ensemble": ("seed", "trajectories", "skip"),
+    "calibrate": ("seed", "skip"),
+}  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True)
@@ -296,11 +303,19 @@ _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
 }
 
 
-def asked_of(scene: Scene, of: str, trajectories: int, seed: int, skip: float) -> Asked:
-    """Raises `SceneError` unless `of` is one of `WHAT`."""
+def asked_of(scene: Scene, of: str, **given: Any) -> Asked:
+    """What is asked by arguments of `USED`; None for one that is not given.
+
+    Raises `SceneError` unless `of` is one of `WHAT`, and for an argument that it does not use.
+    """
     if of not in WHAT:
         raise SceneError(f"of = {of!r}: allowed: {', '.join(WHAT)}")
-    return Asked(scene.model_dump_json(exclude_none=True), of, trajectories, seed, skip)
+    given = {name: value for name, value in given.items() if value is not None}
+    for name in given:
+        if name not in USED[of]:
+            uses = ", ".join(each for each in WHAT if name in USED[each])
+            raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
+    return Asked(scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given)
 
 
 def to_text(found: Any) -> str:

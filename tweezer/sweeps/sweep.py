@@ -16,7 +16,7 @@ from tweezer.scene import Scene, checked_scene
 from tweezer.sweeps.cases import Cases, cases_of
 from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, telling
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
-from tweezer.sweeps.quantities import Asked, asked_of
+from tweezer.sweeps.quantities import USED, Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
 from tweezer.units import QuantityLike
 from tweezer.version import made_by, versions
@@ -44,9 +44,9 @@ def sweep(
     out: str | Path | None = None,
     *,
     cases: str | Path | Mapping[str, Any] | pd.DataFrame | xr.Dataset | None = None,
-    trajectories: int = 100,
-    seed: int = 0,
-    skip: QuantityLike = 0.0,
+    trajectories: int | None = None,
+    seed: int | None = None,
+    skip: QuantityLike | None = None,
     workers: int | None = None,
     scheduler: str | Client | None = None,
     resume: bool = False,
@@ -59,9 +59,10 @@ def sweep(
     a table with a column for each key and a row for each case, or the name of such a CSV file, with
     a unit in the heading, "beam.power [mW]", or in the cells; beside `over` each row is computed
     for each combination. of: "trap" (`tweezer.characterise`), "run" (`tweezer.simulate` and
-    `summarise`), "ensemble" (the statistics of `tweezer.ensemble`, of so many `trajectories`) or
-    "calibrate" (`tweezer.calibrate` of a run). seed: of thermal motion, the same in every case.
-    skip: s or text, the time left out at the beginning by "ensemble" and "calibrate".
+    `summarise`), "ensemble" (the statistics of `tweezer.ensemble`, of so many `trajectories`, 100
+    if not given) or "calibrate" (`tweezer.calibrate` of a run). seed: of thermal motion, the same
+    in every case; 0 if not given; not of "trap". skip: s or text, the time left out at the
+    beginning by "ensemble" and "calibrate".
 
     out: the Zarr store to write; in memory if not given. workers: processes of this machine, by
     default one for each core; 1 is this process. scheduler: address of a Dask scheduler, or a
@@ -84,13 +85,15 @@ def sweep(
 
     The numbers do not depend on workers and interruptions.
 
-    Raises `SceneError` for keys and values that are none, and if no case is a valid scene;
+    Raises `SceneError` for keys and values that are none, for arguments that a sweep `of` that does
+    not use, and if no case is a valid scene;
     `ResultError` if `out` exists and is not to be resumed, is of another sweep, or cannot be
     written.
     """
     checked_scene(scene)
     grid = cases_of(over, cases)
-    asked = asked_of(scene, of, trajectories, seed, in_si("skip", skip, "s", 0.0))
+    skipped = None if skip is None else in_si("skip", skip, "s", 0.0)
+    asked = asked_of(scene, of, trajectories=trajectories, seed=seed, skip=skipped)
     count = _workers(workers, scheduler)
     _check_some_case(asked, grid)
     if out is not None and not isinstance(out, str | Path):
@@ -141,16 +144,16 @@ def _record(
 
 def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
     """What the result says of itself, and what it is known by when it is resumed."""
-    drawn = {"seed": str(asked.seed)} if asked.of != "trap" else {}
-    if asked.of == "ensemble":
-        drawn["trajectories"] = str(asked.trajectories)
-    if asked.of in ("ensemble", "calibrate"):
-        drawn["skip"] = f"{asked.skip!r} s"
+    used = {
+        "seed": str(asked.seed),
+        "trajectories": str(asked.trajectories),
+        "skip": f"{asked.skip!r} s",
+    }
     return {
         "title": scene.title,
         "of": asked.of,
         "over": json.dumps(grid.describe()),
-        **drawn,
+        **{name: used[name] for name in USED[asked.of]},
         "scene": asked.scene,
         "format": FORMAT,
         **versions(),
