@@ -2,6 +2,7 @@
 
 import base64
 import io
+import re
 from pathlib import Path
 from urllib.parse import urlsplit
 from urllib.request import url2pathname
@@ -259,7 +260,10 @@ def test_speeds_below_the_axis_are_not_drawn(shown, turning_run):
     dots += "(dot) => dot.hidden)"
     assert shown.execute_script(dots) == [True, False]
     words = shown.find_element("css selector", ".below").text
-    assert words.startswith("gaps: below")
+    least, unit = re.fullmatch(r"not drawn below ([\d.]+) (\S+)", words).groups()
+    least = float(least) * {"mm/s": 1e-3, "µm/s": 1e-6, "nm/s": 1e-9}[unit]
+    slowest = max(speed[1:].min(), 1e-5 * speed.max())
+    assert least == pytest.approx(slowest / 1.5, rel=0.05)
     shown.execute_script("tweezer.seek(arguments[0])", float(turning_run["time"][-1]))
     assert shown.execute_script(dots) == [False, False]
 

@@ -26,7 +26,7 @@ export class Plot {
     host.append(this.box);
     this.range = options.range ?? this.extent();
     this.partly = curves.some(({ values }) => values.some((value) => this.below(value)));
-    if (this.partly) this.legend.append(make("span", { class: "entry below" }, `gaps: below ${text(this.range[0], 2)}`));
+    if (this.partly) this.legend.append(make("span", { class: "entry below" }, `not drawn below ${text(this.range[0], 2)} ${options.unit}`));
     this.describe();
     const pick = (event) => {
       const left = this.area.getBoundingClientRect().left;
@@ -98,7 +98,7 @@ export class Plot {
       return `${name} from ${text(low)} to ${text(high)}`;
     });
     this.back.setAttribute("aria-label", `${title} in ${unit} over ${this.x.name}: ${each.join("; ")}` +
-      (this.partly ? `; what is below ${text(this.range[0], 2)} is not drawn` : ""));
+      (this.partly ? `; what is below ${text(this.range[0], 2)} ${unit} is not drawn` : ""));
   }
 
   resize() {
