@@ -166,8 +166,20 @@ def test_beams_of_two_colours_need_an_index():
     scene = of({"material": "silica", "radius": 5e-7})
     del scene["more_beams"]
     scene["beam"] = [scene["beam"], {**scene["beam"], "wavelength": "0.8 um"}]
-    with pytest.raises(SceneError, match="each of the beams' wavelengths; give bead"):
-        load_scene(scene)
+    water = {**scene, "medium": {"name": "water", "temperature": 300}}
+    layers = [{"material": "silica", "radius": 4e-7}, {"material": "gold", "radius": 5e-7}]
+    within = {"layers": [{**layers[0], "refractive_index": 1.45}, layers[1]]}
+    several = "another index for each of the beams' wavelengths; give"
+    for line, wrong in [
+        (f"bead.material = 'silica': has {several} bead.refractive_index", scene),
+        (f"bead.material = 'silica' and medium.name = 'water': have {several} "
+         "bead.refractive_index and medium.refractive_index", water),
+        (f"bead.layers.1.material = 'gold' and medium.name = 'water': have {several} "
+         "bead.layers.1.refractive_index and medium.refractive_index", {**water, "bead": within}),
+    ]:  # fmt: skip
+        with pytest.raises(SceneError) as refused:
+            load_scene(wrong)
+        assert str(refused.value) == line
     scene["bead"]["refractive_index"] = 1.45
     assert load_scene(scene).bead.filled == {"density"}
 

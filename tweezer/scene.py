@@ -186,6 +186,14 @@ class Scene(Section):
 
     @model_validator(mode="before")
     @classmethod
+    def _one_index_for_all_beams(cls, data: Any) -> Any:
+        """Refuse names in place of an index beside beams of several wavelengths."""
+        if isinstance(data, dict):
+            _refuse_names_of_indices(data)
+        return data
+
+    @model_validator(mode="before")
+    @classmethod
     def _wall_of_the_cover(cls, data: Any) -> Any:
         """Put the wall where the face of the cover is, if the scene does not say where it is."""
         if not isinstance(data, dict) or not isinstance(wall := data.get("wall"), dict):
@@ -698,11 +706,6 @@ def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bo
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
         return Water(1000.0, 1e-3, 1.33)  # what is wrong is found where the keys are read
-    if indexed and max(wavelengths) > min(wavelengths):
-        raise refusal(
-            "medium.name = 'water': has another index for each of the beams' wavelengths; give "
-            "medium.refractive_index"
-        )
     try:
         return water(temperature, *wavelengths[:1] if indexed else ())
     except ValueError as error:
@@ -722,6 +725,33 @@ def _wavelengths(data: Mapping[str, Any]) -> list[float]:
         to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
         for beam in (data.get("beam"), *(data.get("more_beams") or ()))
     ]
+
+
+def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
+    """Refuse all names that stand for an index if the beams have several wavelengths."""
+    try:
+        wavelengths = _wavelengths(data)
+    except (ValueError, AttributeError):
+        return  # what is wrong is found where the beams are read
+    if max(wavelengths) == min(wavelengths):
+        return
+    bead, medium = data.get("bead"), data.get("medium")
+    layers = bead.get("layers") if isinstance(bead, dict) else None
+    named = [("bead", bead, "material"), ("medium", medium, "name")]
+    if isinstance(layers, list | tuple):
+        named[:1] = [(f"bead.layers.{i}", each, "material") for i, each in enumerate(layers)]
+    given = [
+        (f"{section}.{key} = {part[key]!r}", f"{section}.refractive_index")
+        for section, part, key in named
+        if isinstance(part, dict) and part.get("refractive_index") is None
+        if str(part.get(key)) in (*materials(), "water")
+    ]
+    if given:
+        names, indices = (" and ".join(each) for each in zip(*given, strict=True))
+        raise refusal(
+            f"{names}: {'have' if len(given) > 1 else 'has'} another index for each of the beams' "
+            f"wavelengths; give {indices}"
+        )
 
 
 def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
@@ -758,11 +788,6 @@ def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex
         wavelengths = _wavelengths(data)
     except (ValueError, AttributeError):
         return 1.5 + 0j  # what is wrong is found where the beams are read
-    if max(wavelengths) > min(wavelengths):
-        raise refusal(
-            f"{name}.material = {material.name!r}: has another index for each of the beams' "
-            f"wavelengths; give {name}.refractive_index"
-        )
     try:
         return material.refractive_index(wavelengths[0])
     except ValueError as error:
