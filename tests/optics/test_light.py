@@ -272,6 +272,27 @@ def test_shapes_in_and_out():
             tweezer.optical_force(scene, bad)
 
 
+@pytest.mark.parametrize("walled", [{"lens": {"cover": {"depth": 3e-6, "refractive_index": 1.5}}},
+                                    {"wall": {"position": -3e-6, "opposite": 9e-6}}])  # fmt: skip
+def test_no_force_on_a_bead_in_glass(walled):
+    scene = tweezer.load_scene("silica-1um").replace(forces={"optical": False}, **walled)
+    places = np.zeros((2, 3, 3))
+    places[0, 1, 2] = -2.5e-6  # touches
+    assert tweezer.optical_force(scene, places).shape == (2, 3, 3)
+    places[1, 0] = 1e-6, 0, -2.9e-6
+    places[1, 2, 2] = -5e-6
+    line = r"at \(1, 0, -2.9\) um a bead of radius 0.5 um reaches into the .* at z = -3 um, where"
+    for of in (
+        tweezer.optical_force, tweezer.optical_force_error, tweezer.optical_jacobian,
+        tweezer.optical_torque, tweezer.absorbed_power,
+    ):  # fmt: skip
+        with pytest.raises(tweezer.SceneError, match=line):
+            of(scene, places)
+    if "wall" in walled:
+        with pytest.raises(tweezer.SceneError, match="the wall at z = 9 um"):
+            tweezer.optical_force(scene, [0, 0, 8.6e-6])
+
+
 @pytest.mark.parametrize("evaluator", ["grid", "quadrature"])
 @pytest.mark.parametrize("polarisation", ["circular", "averaged-reflectance"])
 def test_force_does_not_depend_on_what_memory_held(evaluator, polarisation):

@@ -6,7 +6,7 @@ import numpy as np
 
 from tweezer.fluid import drag
 from tweezer.io import scene_in
-from tweezer.optics import optical_jacobian
+from tweezer.optics import light
 from tweezer.run import Run
 
 
@@ -15,7 +15,8 @@ def resolved(run: Run) -> bool:
     scene, time, position = scene_in(run.attributes), run["time"], run["position"]
     if len(time) < 2:
         return False
-    gradient = np.array([optical_jacobian(scene, position[i], time=time[i]) for i in (0, -1)])
-    mobility = drag(scene).mobilities(position[[0, -1]]).value[:, :2].max(axis=1)
+    ends = position[[0, -1]]
+    gradient = light(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
+    mobility = drag(scene).mobilities(ends).value[:, :2].max(axis=1)
     rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
     return bool((time[1] - time[0]) * rates.max() < 1)

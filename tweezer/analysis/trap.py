@@ -25,10 +25,8 @@ from tweezer.equilibria import (
 )
 from tweezer.optics import (
     RayOpticsWorth,
-    absorbed_power,
     cone,
     evaluators_of,
-    optical_torque,
     ray_optics_caveat,
     ray_optics_worth,
     rows_of_light,
@@ -207,7 +205,7 @@ class Trap(Shown):
         others = [each for each in self.equilibria if each is not self.equilibrium]
         if not self.scene.plain:
             for each in others:
-                kind = "another equilibrium" if each.stable else "unstable equilibrium"
+                kind = "another stable equilibrium" if each.stable else "unstable equilibrium"
                 yield Row(kind, _where(each), detail=True)
             return
         for name, stable in (("other stable equilibria", True), ("unstable equilibria", False)):
@@ -305,8 +303,9 @@ def characterise(scene: Scene) -> Trap:
             scene, search, net_force, equilibrium.position, symmetric=problem.symmetric
         )
         if scene.lit and scene.bead.absorbs:
-            absorbed = float(absorbed_power(scene, equilibrium.position))
-            torque = point(optical_torque(scene, equilibrium.position))
+            there = np.array([equilibrium.position])
+            absorbed = float(problem.light.absorbed_power(there)[0])
+            torque = point(problem.light.field(there).moment[0])
     power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
     given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT

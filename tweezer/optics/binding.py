@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 
 #: Time longer than any run, s
 _FOREVER = 1e9
+#: How far into a wall a place may lie, in radii: as numbers are rounded
+_ROUNDED = 1e-3
 #: Largest deviation of the light from its table without a warning, as a part of the peak
 _UNEVEN = 1e-3
 
@@ -54,6 +56,14 @@ class Beams(Sum):
         """The farthest and finest of each light's."""
         reach, *distances = zip(*(each.search for each in self.lights), strict=True)
         return Search(max(reach), *map(min, distances))
+
+    def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:
+        """Power of the light that the bead absorbs at `positions` (n, 3) m at a time, s, (n,) W."""
+        lost = sum(
+            float(moved.strength.at(time)[0]) * each.absorbed_power(moved.within(positions, time))
+            for moved, each in zip(self.forces, self.lights, strict=True)
+        )
+        return np.asarray(lost)
 
     @functools.cached_property
     def _certain(self) -> Sum:
@@ -203,8 +213,9 @@ def optical_force(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike
 
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
     Returns (..., 3).
-    Raises `ValueError` for another shape or a position that is not finite. Warns (`PhysicsWarning`)
-    if the quadrature misses its tolerance; `optical_force_error` has the errors.
+    Raises `ValueError` for another shape or a position that is not finite, and `SceneError` where
+    the bead would be inside a wall or a cover glass. Warns (`PhysicsWarning`) if the quadrature
+    misses its tolerance; `optical_force_error` has the errors.
     """
     field, shape = _field(scene, positions, time)
     return field.force.reshape(shape)
@@ -217,10 +228,11 @@ def optical_force_error(
 
     positions: (..., 3) m from the focus. time: s. Returns (...): as estimated, or certified by the
     map, or for the thesis's grid the distance to the quadrature. What the theory of light leaves
-    out is not in it. Raises `ValueError` as `optical_force`.
+    out is not in it. Raises as `optical_force`.
     """
-    places, shape = _places(positions)
-    force, time = light(checked_scene(scene)), to_si(time, "s")
+    scene = checked_scene(scene)
+    places, shape = _places(scene, positions)
+    force, time = light(scene), to_si(time, "s")
     field = force.field(places, time=time)
     return force.error_of(places, field, time).reshape(shape[:-1])
 
@@ -228,7 +240,7 @@ def optical_force_error(
 def optical_jacobian(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
     """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
-    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises `ValueError` as
+    positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
     `optical_force`. The sum over the grid's rays jumps where a ray begins or ceases to hit the
     bead; the derivative leaves the jumps out.
     """
@@ -243,7 +255,7 @@ def optical_torque(scene: Scene, positions: QuantitiesLike, *, time: QuantityLik
     nothing: every ray leaves it with the impact parameter it came with, and every wave with its
     angular momentum. An absorbing one takes that of the light it absorbs. With
     `beam.torque = "thesis"` the moment (3.25).
-    Raises `ValueError` as `optical_force`.
+    Raises as `optical_force`.
     """
     field, shape = _field(scene, positions, time)
     return field.moment.reshape(shape)
@@ -253,21 +265,18 @@ def absorbed_power(scene: Scene, positions: QuantitiesLike, *, time: QuantityLik
     """Power of the light that the bead absorbs, W.
 
     positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
-    Raises `ValueError` as `optical_force`.
+    Raises as `optical_force`.
     """
-    places, shape = _places(positions)
-    force, time = light(checked_scene(scene)), to_si(time, "s")
+    scene = checked_scene(scene)
+    places, shape = _places(scene, positions)
+    force, time = light(scene), to_si(time, "s")
     if isinstance(force, LightForce):
         return force.absorbed_power(places).reshape(shape[:-1])
-    lost = sum(
-        float(moved.strength.at(time)[0]) * each.absorbed_power(moved.within(places, time))
-        for moved, each in zip(force.forces, force.lights, strict=True)
-    )
-    return np.reshape(lost, shape[:-1])
+    return force.absorbed_power(places, time).reshape(shape[:-1])
 
 
-def _places(positions: QuantitiesLike) -> tuple[Array, tuple[int, ...]]:
-    """`positions` (..., 3) as a list of n, and their shape."""
+def _places(scene: Scene, positions: QuantitiesLike) -> tuple[Array, tuple[int, ...]]:
+    """`positions` (..., 3) as a list of n, and their shape; refused in a wall of `scene`."""
     try:
         array = np.ascontiguousarray(array_in_si(positions, "m"))
     except ValueError as error:
@@ -276,15 +285,36 @@ def _places(positions: QuantitiesLike) -> tuple[Array, tuple[int, ...]]:
         raise ValueError(f"positions must have the shape (..., 3), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError("positions must be finite")
-    return array.reshape(-1, 3), array.shape
+    places = array.reshape(-1, 3)
+    _outside_walls(scene, places)
+    return places, array.shape
+
+
+def _outside_walls(scene: Scene, places: Array) -> None:
+    """Refuse places (n, 3) m at which the bead would reach into a wall, or the glass of a cover."""
+    radius, cover = scene.bead.radius, scene.lens.cover
+    walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
+    if cover is not None:
+        for beam in scene.beams:
+            normal = 1.0 if beam.direction == "up" else -1.0
+            walls[-normal * cover.depth] = normal, "cover glass"
+    for z, (normal, name) in walls.items():
+        inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * radius)
+        if inside.size:
+            place = ", ".join(f"{1e6 * each:.4g}" for each in places[inside[0]])
+            raise SceneError(
+                f"positions: at ({place}) um a bead of radius {1e6 * radius:.4g} um reaches into "
+                f"the {name} at z = {1e6 * z:.4g} um, where no force is known"
+            )
 
 
 def _field(
     scene: Scene, positions: QuantitiesLike, time: QuantityLike, *, gradient: bool = False
 ) -> tuple[Wrench, tuple[int, ...]]:
     """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
-    places, shape = _places(positions)
-    force, time = light(checked_scene(scene)), to_si(time, "s")
+    scene = checked_scene(scene)
+    places, shape = _places(scene, positions)
+    force, time = light(scene), to_si(time, "s")
     field = force.field(places, gradient=gradient, time=time)
     tolerance = scene.optics.tolerance
     doubtful = field.error > tolerance * np.linalg.norm(field.force, axis=1)
