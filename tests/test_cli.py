@@ -677,7 +677,7 @@ def test_trap_writes_what_it_is_asked_to(command_line):
     Path("mine.json").write_text("an old file")
     outcome = command_line(
         "trap", "silica-1um", "--set", "optics.theory=rays", "--out", "mine.json",
-        "--plot", "mine.svg",
+        "--plot", "mine.svg", "--overwrite",
     )  # fmt: skip
     assert outcome.code == 0
     assert outcome.out.splitlines()[-1] == "wrote mine.json and mine.svg"
