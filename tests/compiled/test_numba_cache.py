@@ -155,7 +155,7 @@ for name, old, new in ({ROTATION_DOUBLED}, {ERROR_DOUBLED}):
 
 
 def test_arithmetic_of_lanes_that_changes_is_another_type(tmp_path):
-    """A caller that subtracts names nothing of it; the cache knows the type by its name."""
+    """A function that subtracts lanes does not name the code for it; it names their type."""
     text = Path(lanes.__file__).read_text(encoding="utf-8")
     names = set()
     for i, now in enumerate((text, text.replace('operator.sub, "fsub"', 'operator.sub, "fadd"'))):

@@ -31,7 +31,8 @@ Array = NDArray[np.float64]
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
 
-#: Of Newton's method: largest number of steps, and the last step's length over that allowed in all
+#: Newton's method ends after so many steps, or after one shorter than this part of the distance
+#: from its start that is allowed
 _STEPS, _CLOSE = 30, 1e-10
 
 #: Largest number of positions on a path at which the force and its error are computed
@@ -135,7 +136,7 @@ def summarise(run: xr.Dataset) -> Summary:
     over the last tenth of the run is within its radius of the equilibrium, and the time is that of
     the first approach to a tenth of its radius. The first closest approach is the first local
     minimum of the distance to the focus. A bead that rests on a wall, where nothing else holds it,
-    is not captured. Where the light moves or changes until the end, the equilibrium does, and
+    is not captured. If the light moves or changes until the end, no equilibrium stands still, and
     the outcome is "complete".
 
     A run stores the summary of its motion between the samples. For a run without it, or a part of a

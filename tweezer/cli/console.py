@@ -77,10 +77,11 @@ def writable_result(
     obstacle: Callable[[Path], str] = lambda _: "is there",
     option: str = "--out",
 ) -> Path:
-    """`path` of a result or report, which `writable` checks; one that is there is refused too.
+    """`path` of a result, report or scene; refused too if a file is there that must be kept.
 
-    obstacle: of a file that is there, why it must not be replaced without --overwrite; "" if it may
-    be. Figures, films, and what `tweezer bench` and `tweezer reproduce` measure again are replaced.
+    obstacle: why the file that is there must not be replaced without --overwrite; "" if it may be.
+    option: by which the user names another. Figures, films, and what `tweezer bench` and
+    `tweezer reproduce` measure again are replaced.
     """
     path = writable(path, formats)
     if path.exists() and not overwrite and (reason := obstacle(path)):

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
 import typer
 
 from tweezer.catalogue import GLASS, LASERS, OBJECTIVES, Objective
-from tweezer.cli.app import app, quantity_in
+from tweezer.cli.app import Overwrite, app, quantity_in
 from tweezer.cli.completion import among
-from tweezer.cli.console import ERR, OUT, writable
+from tweezer.cli.console import ERR, OUT, writable_result
 from tweezer.cli.tables import table_of
 from tweezer.errors import ResultError, SceneError
 from tweezer.materials import Material, materials
@@ -82,18 +82,14 @@ def new(
         str | None,
         typer.Option(help='Of the focus behind the cover glass: "5 um"; none if that is far.'),
     ] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace FILE if it is there.")
-    ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write a scene of your own.
 
     To FILE, or mine.toml if none is given.
     What no option says is asked for; without a terminal it is the default, which is then said.
     """
-    file = writable(file, ("toml",))
-    if file.exists() and not overwrite:
-        raise ResultError(f"{file}: is there; name another FILE, or --overwrite it")
+    file = writable_result(file, ("toml",), overwrite=overwrite, option="FILE")
     material = _answer("bead", bead, "polystyrene", _material, _of_materials)
     size = _answer("diameter", diameter, _DIAMETERS.get(material.name, "1 um"), _diameter)
     lens = _answer("objective", objective, next(iter(OBJECTIVES)), _objective, _of_objectives)

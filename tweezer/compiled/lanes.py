@@ -59,7 +59,8 @@ class Lanes(types.Type):
     """Numba's type of eight numbers, or words."""
 
 
-#: Of this whole file: a function that adds lanes names nothing of it that a fingerprint could find
+#: Of this whole file. A function that adds lanes does not name the code here that adds them, so the
+#: fingerprint of that function cannot follow it.
 _DIGEST = fingerprint(Path(__file__).read_bytes())
 #: A name holds that digest: the cache of compiled code knows a type by its name
 _LANES, _WORDS = Lanes(f"Lanes {_DIGEST}"), Lanes(f"Words {_DIGEST}")

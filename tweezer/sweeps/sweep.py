@@ -85,10 +85,9 @@ def sweep(
 
     The numbers do not depend on workers and interruptions.
 
-    Raises `SceneError` for keys and values that are none, for arguments that a sweep `of` that does
-    not use, and if no case is a valid scene;
-    `ResultError` if `out` exists and is not to be resumed, is of another sweep, or cannot be
-    written.
+    Raises `SceneError` for keys and values that are none, for arguments that this kind of sweep
+    does not use, and if no case is a valid scene; `ResultError` if `out` exists and is not to be
+    resumed, is of another sweep, or cannot be written.
     """
     checked_scene(scene)
     grid = cases_of(over, cases)
