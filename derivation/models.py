@@ -13,7 +13,7 @@ from . import euler_parameters as ep
 from . import hydrodynamics as hd
 from . import langevin as lv
 from . import multiscale as ms
-from . import ray, waves
+from . import ray, water, waves
 from . import rigid_body as rb
 from . import symbols as sy
 from .lowering import Argument, Function
@@ -32,8 +32,9 @@ class Module:
     functions: tuple[Function, ...]
     #: files of `derivation/` that hold its equations
     sources: tuple[str, ...]
-    #: numba options of its functions, written out literally in the module
-    jit_options: str = "cache=True"
+    #: numba options of its functions, written out literally in the module; None: plain Python, for
+    #: what is evaluated once
+    jit_options: str | None = "cache=True"
     #: of a model: whether each velocity decays exponentially by itself under a uniform drag
     linear_drag: bool = False
 
@@ -843,6 +844,43 @@ def _waves() -> Module:
     )
 
 
+def _water() -> Module:
+    return Module(
+        "water",
+        "Liquid water at one atmosphere: density, viscosity and refractive index.",
+        "IAPWS SR6-08(2011) for density and viscosity, R9-97 for the refractive index.",
+        (),
+        (),
+        (
+            Function(
+                "density",
+                "Density at one atmosphere, kg/m^3.",
+                _scalars((sy.TEMPERATURE,)),
+                sp.Matrix([water.density]),
+                output_names=("rho",),
+            ),
+            Function(
+                "viscosity",
+                "Viscosity, Pa s.",
+                _scalars((sy.TEMPERATURE,)),
+                sp.Matrix([water.viscosity]),
+                ((sy.LOG_TEMPERATURE, water.LOG_TEMPERATURE),),
+                ("mu_m",),
+            ),
+            Function(
+                "refractive_index",
+                "Refractive index at a density and a wavelength in vacuum.",
+                _scalars((sy.DENSITY, sy.TEMPERATURE, sy.WAVELENGTH)),
+                sp.Matrix([water.refractive_index]),
+                ((sy.LORENTZ_LORENZ, water.LORENTZ_LORENZ),),
+                ("n",),
+            ),
+        ),
+        ("water.py",),
+        jit_options=None,
+    )
+
+
 @functools.cache
 def catalogue() -> tuple[Module, ...]:
     """Every module of `generated/`, derived once in a program."""
@@ -856,4 +894,5 @@ def catalogue() -> tuple[Module, ...]:
         _hydrodynamics(),
         _ray(),
         _waves(),
+        _water(),
     )

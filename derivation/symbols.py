@@ -316,3 +316,11 @@ INDEX_BEFORE_FACE = _quantity("n1", "1", "index before the plane face", positive
 INDEX_BEHIND_FACE = _quantity("n2", "1", "index behind the plane face", positive=True)
 COSINE_BEFORE_FACE = _quantity("cos1", "1", "cosine of the angle before the face", positive=True)
 COSINE_BEHIND_FACE = _quantity("cos2", "1", "cosine of the angle behind the face", positive=True)
+
+# --- water ----------------------------------------------------------------------------------------
+TEMPERATURE = _quantity("T", "K", "temperature", positive=True)
+WAVELENGTH = _quantity("wavelength", "m", "wavelength of the light in vacuum", positive=True)
+DENSITY = _quantity("rho", "kg/m^3", "density", positive=True)
+REFRACTIVE_INDEX = _quantity("n", "1", "refractive index", positive=True)
+LOG_TEMPERATURE = _quantity("log_T", "1", "ln(T/300 K)")
+LORENTZ_LORENZ = _quantity("X", "1", "(n^2 - 1)/(n^2 + 2)", positive=True)

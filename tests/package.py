@@ -1,5 +1,7 @@
 """Wheel and sdist, each installed in a fresh environment and run there: `make package`.
 
+The licences of everything that the wheel installs are listed, and must suit MIT.
+
 What the sdist installs is what the wheel does, file by file, so that one of them is enough to
 compile and to follow a bead. No checkout is on the path.
 """
@@ -70,6 +72,7 @@ def main() -> int:
         (sdist,) = place.glob("built/*.tar.gz")
         print(wheel.name, flush=True)
         of_wheel = installed(place, wheel)
+        subprocess.run([of_wheel / "python", "-I", ROOT / "tests" / "licences.py"], check=True)
         run(of_wheel, place / "wheel", (*TELLING, *RUNNING))
         missing = [left for left in LEFT if not (place / "wheel" / left).stat().st_size]
         print(sdist.name, flush=True)

@@ -12,6 +12,8 @@ import pytest
 import yaml
 from hatchling.builders.wheel import WheelBuilder
 
+from tests import licences
+
 ROOT = Path(__file__).parents[1]
 
 #: where the modules of a scene come from, beside a user's own of these names
@@ -34,6 +36,31 @@ def test_citation_and_changelog_are_of_this_version():
     assert (citation["version"], citation["license"]) == (version, "MIT")
     newest = re.search(r"^## (.*)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1]
     assert version in newest
+
+
+def test_everything_that_tweezer_requires_has_a_permissive_licence():
+    names = licences.required("tweezer")
+    assert {"numpy", "numba", "llvmlite", "pint", "h5py"} <= names
+    assert "iapws" not in names
+    assert licences.refused(names) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "accepted"),
+    [
+        ("MIT", True),
+        ("BSD-3-Clause AND 0BSD AND MIT AND Zlib AND CC0-1.0", True),
+        ("MIT OR GPL-3.0-only", True),
+        ("Mozilla Public License 2.0 (MPL 2.0)", True),
+        ("gpl v3", False),
+        ("GNU General Public License v3 (GPLv3)", False),
+        ("LGPL-3.0-only", False),
+        ("MIT AND GPL-2.0-or-later", False),
+        ("not stated", False),
+    ],
+)
+def test_licences_are_judged_by_their_terms(text, accepted):
+    assert licences.accepted(text) is accepted
 
 
 def test_forms_for_issues_ask_for_scene_and_versions():

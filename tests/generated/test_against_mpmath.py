@@ -30,6 +30,9 @@ TOLERANCE = 1e-14
 #: they enter the derivative of the force beside dQ_sc, which is larger
 TOLERANCES = {"split_rates": 1e-12}
 
+#: arguments that are numbers of water, in SI
+RANGES = {"T": (273.15, 373.12), "rho": (950.0, 1000.0), "wavelength": (0.2e-6, 1.1e-6)}
+
 
 def emitted_module(name):
     """As the runtime has it, which keeps what is compiled."""
@@ -42,6 +45,8 @@ def random_arguments(function, rng, i):
     for argument in function.arguments:
         if argument.name == "S":
             values.append(float(rng.uniform(0, 1) if i % 3 else 1 - 10 ** rng.uniform(-8, -1)))
+        elif argument.name in RANGES:
+            values.append(float(rng.uniform(*RANGES[argument.name])))
         elif argument.name == "n_mP":
             values.append(float(rng.uniform(0.4, 1.0 if i % 2 else MOST_INDEX_RATIO)))
             if values[-1] > 1:
