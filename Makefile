@@ -8,7 +8,7 @@ BENCHMARKS := force integrate brownian fluid wall scaling depth calibrate camera
 REPORTS := report integrate_report brownian_report summary_report fluid_report wall_report scaling_report depth_report calibrate_report camera_report free_report real_tracks hydro_report heights_report sweep_report diagram_report fit_report commands_report view_report choosing_report
 QUOTE = set -e; for each in $(REPORTS); do $(BIN)/python -m tests.benchmarks.$$each; done; $(BIN)/python -m tests.catalogue_page
 
-.PHONY: demo test lint bench figures docs stress package environments derivation notebooks vendor clean
+.PHONY: demo test lint bench ages figures docs stress package environments derivation notebooks vendor clean
 
 demo: .venv/.runtime  ## the thesis's 990 nm bead is pulled into the trap
 	$(BIN)/tweezer run thesis-990nm --plot thesis-990nm.png
@@ -26,6 +26,9 @@ bench: .venv/.bench  ## measure again: results, figures and what the documentati
 	set -e; for each in $(BENCHMARKS); do \
 		$(BIN)/tweezer bench $$each --out tests/benchmarks/results/$$each.json; done
 	$(QUOTE)
+
+ages: .venv/.dev  ## list the committed results that are older than the code of their subject
+	$(BIN)/python -m tests.benchmarks.ages
 
 figures: .venv/.dev  ## every figure and number of the documentation again
 	set -e; for each in tweezer/scenes/*.toml; do name=$$(basename $$each .toml); \

@@ -66,8 +66,9 @@ def block(name: str, lines: Iterable[str], machine: Results) -> str:
             f"<!-- bench-{name} -->",
             *lines,
             "",
-            f"`make bench` measures this anew. These are from {machine['processor']}, "
-            f"{machine['cores']} cores, Python {machine['python']}, Numba {machine['numba']}.",
+            f"`make bench` measures this again. These figures are from commit {machine['commit']} "
+            f"on {machine['processor']}, {machine['cores']} cores, Python {machine['python']}, "
+            f"Numba {machine['numba']}.",
             "<!-- end -->",
         ]
     )

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 import tweezer
 from tests.benchmarks import pages
 from tests.benchmarks.force import _to_four_digits
-from tests.benchmarks.timing import ROOT
+from tests.benchmarks.timing import ROOT, machine
 from tests.reference.free_bead import free
 from tweezer import style
 
@@ -43,7 +43,9 @@ COPIES = 300
 def measure(folder: Path) -> Results:
     """What the tracks tell."""
     files = sorted(folder.glob("*.csv"))
-    results: Results = _to_four_digits({"tracks": [_track(each) for each in files]})
+    results: Results = _to_four_digits(
+        {"machine": machine(), "tracks": [_track(each) for each in files]}
+    )
     return results
 
 
@@ -114,7 +116,8 @@ def block(results: Results) -> str:
              *pairs, _ends(each["radius"], each["radius_interval"], 1e6, 2)]
         )  # fmt: skip
     figure = f"![{SHOWS}](figures/free-tracks.png)"
-    lines = [*pages.markdown(headings, rows), "", figure]
+    made = f"These figures are from commit {results['machine']['commit']}."
+    lines = [*pages.markdown(headings, rows), "", figure, "", made]
     return "\n".join(["<!-- bench-real-tracks -->", *lines, "<!-- end -->"])
 
 

@@ -7,6 +7,7 @@ import json
 import math
 import os
 import re
+import subprocess
 import time
 import warnings
 
@@ -18,6 +19,7 @@ from scipy.linalg import eigh_tridiagonal
 
 import tweezer
 from tests.benchmarks import (
+    ages,
     brownian,
     brownian_report,
     calibrate,
@@ -97,6 +99,40 @@ def here(monkeypatch):
 def test_a_row_that_is_not_as_long_as_its_headings_is_no_table():
     with pytest.raises(ValueError, match="2 headings, 3 cells"):
         pages.markdown(("model", "for"), [("full", "spectra"), ("full", "heun", "spectra")])
+
+
+def test_every_committed_result_names_its_commit_and_has_a_subject():
+    results = {path.stem for path in (pages.ROOT / "tests/benchmarks/results").glob("*.json")}
+    assert set(ages.SUBJECTS) == results
+    for name, paths in ages.SUBJECTS.items():
+        assert re.fullmatch(r"[0-9a-f]{7,40}", ages.measured(name)), name
+        missing = [path for path in paths if not (pages.ROOT / path).exists()]
+        assert not missing, (name, missing)
+
+
+def test_results_older_than_the_code_of_their_subject_are_listed(tmp_path, monkeypatch):
+    def git(*words):
+        who = ("-c", "user.name=a", "-c", "user.email=a@b.c")
+        command = ["git", *who, "-C", str(tmp_path), *words]
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+    def commit(path, text):
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+        git("add", "-A")
+        git("commit", "-qm", text)
+        return git("rev-parse", "--short", "HEAD")
+
+    git("init", "-q")
+    measured = commit("tweezer/viewing/page.py", "the page")
+    monkeypatch.setattr(ages, "measured", lambda name: measured)
+    commit("tweezer/optics/light.py", "another subject")
+    assert ages.later("view", tmp_path) == []
+    newer = commit("tweezer/viewing/page.py", "the page again")
+    assert ages.later("view", tmp_path) == [f"{newer} the page again"]
+    monkeypatch.setattr(ages, "measured", lambda name: "0123abc")
+    (line,) = ages.later("view", tmp_path)
+    assert line.startswith("unknown: ")
 
 
 def test_a_fresh_process_is_timed_from_before_its_start():

@@ -40,14 +40,28 @@ class Call(NamedTuple):
 
 
 def machine() -> dict[str, str | int | None]:
-    """What the times depend on besides the code."""
+    """Return what the results depend on: the commit of the code, the machine and the versions."""
     return {
+        "commit": commit(),
         "processor": _processor(),
         "cores": os.cpu_count(),
         "system": platform.system(),
         "python": platform.python_version(),
         **{name: version(name) for name in ("numpy", "numba", "llvmlite")},
     }
+
+
+def commit() -> str:
+    """Return the commit of this checkout, with a plus if files differ from it."""
+
+    def git(*words: str) -> str:
+        done = subprocess.run(
+            ["git", *words], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    changed = git("status", "--porcelain", "--untracked-files=no")
+    return f"{git('rev-parse', '--short=8', 'HEAD') or 'unknown'}{'+' if changed else ''}"
 
 
 def _processor() -> str:
