@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
-import secrets
 import sys
 from collections.abc import Iterator, Mapping
 from io import BytesIO
@@ -17,6 +16,7 @@ import pydantic_core
 from pydantic import ValidationError
 
 from tweezer.errors import ResultError
+from tweezer.files import replacing
 from tweezer.run import Run
 from tweezer.saved import check_ending, kind_of
 from tweezer.scene import Scene, by_key
@@ -29,6 +29,8 @@ _ENGINE: Literal["h5netcdf"] = "h5netcdf"
 #: stands behind the content of a saved run, before its SHA-256; HDF5 reads no further than its
 #: own end, and drops what is behind when it changes a file
 _SEAL = b"\ntweezer sha256:\n"
+#: Bytes of which the digest is computed at once
+_AT_ONCE = 2**24
 
 
 def save_run(run: xr.Dataset, path: str | Path) -> Path:
@@ -83,33 +85,6 @@ def _no_cluster() -> contextlib.AbstractContextManager[object]:
     import dask
 
     return dask.config.set(scheduler="single-threaded")
-
-
-@contextlib.contextmanager
-def replacing(path: Path) -> Iterator[BytesIO]:
-    """Lend memory to write to; its content takes the place of `path` at the end.
-
-    Raises `ResultError` if it cannot be written; the file at `path` is then as it was.
-    """
-    content = BytesIO()
-    yield content
-    try:
-        write_whole(path, content)
-    except OSError as error:
-        raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
-
-
-def write_whole(path: Path, content: BytesIO) -> None:
-    """Replace the file at `path`, by one that is whole. Raises OSError, also for a link."""
-    if path.is_symlink():
-        raise OSError(f"is a link, to {path.readlink()}")
-    unfinished = path.with_name(f".saving-{secrets.token_hex(8)}")
-    try:
-        with unfinished.open("xb") as file:
-            file.write(content.getbuffer())
-        unfinished.replace(path)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def write_json(value: object, path: Path) -> None:
@@ -187,8 +162,11 @@ def check_seal(path: Path) -> None:
         if not seal.startswith(_SEAL):
             return
         file.seek(0)
-        digest = hashlib.sha256(file.read(end)).digest()
-    if seal != _SEAL + digest:
+        digest = hashlib.sha256()
+        while end > 0 and (part := file.read(min(end, _AT_ONCE))):
+            digest.update(part)
+            end -= len(part)
+    if seal != _SEAL + digest.digest():
         raise ResultError(f"{path}: damaged: its content is not what was saved")
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from tweezer.errors import ResultError
-from tweezer.io import replacing
+from tweezer.files import replacing
 from tweezer.rounding import with_uncertainty
 from tweezer.version import __version__
 

@@ -27,6 +27,7 @@ from scipy.constants import Boltzmann
 from scipy.spatial.transform import Rotation
 
 import tweezer
+from tweezer import beside
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import job, statistics, store
 from tweezer.ensembles import workers as workers_module
@@ -785,7 +786,7 @@ def test_a_folder_it_has_not_made_is_left_alone(gathered, small, tmp_path):
     tweezer.ensemble(FREE, 50, **kind, workers=1, progress=interrupt_after(BEGUN))
     assert part.is_dir()
     (part / "notes.txt").write_text("precious")
-    (part / "new").symlink_to(victim)
+    (part / "new-0123456789abcdef").symlink_to(victim)
     tweezer.ensemble(FREE, 50, **kind, resume=True)
     assert {path.name for path in part.iterdir()} == {"notes.txt"}
     written = [f"{out.name}/{name}" for name in content(out)] if out.is_dir() else [out.name]
@@ -995,11 +996,11 @@ def test_an_ensemble_begun_by_another_process_meanwhile(small, tmp_path, monkeyp
     class Late(FileLock):
         def acquire(self, *arguments, **kind):
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(store, "FileLock", FileLock)
+                patch.setattr(beside, "FileLock", FileLock)
                 tweezer.ensemble(FREE, 50, out=out, progress=interrupt_after(BEGUN), workers=1)
             return super().acquire(*arguments, **kind)
 
-    monkeypatch.setattr(store, "FileLock", Late)
+    monkeypatch.setattr(beside, "FileLock", Late)
     with pytest.raises(tweezer.ResultError, match="exists, or is begun"):
         tweezer.ensemble(FREE, 50, out=out)
     assert (tmp_path / "a.zarr.part").is_dir()

@@ -174,8 +174,9 @@ def test_stopped_and_resumed_it_has_the_same_bytes(whole, tmp_path):
             journal.write_text(text + '00000000 [3,{"outcome":"he')
         if count == 8:  # a number that reads well, but is another
             journal.write_text(text.replace("0.0", "0.1"))
-    (journal.parent / "new").mkdir()
-    (journal.parent / "new" / "zarr.json").write_text("{")
+    torn = journal.parent / "new-0123456789abcdef"
+    torn.mkdir()
+    (torn / "zarr.json").write_text("{")
     tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=True)
     assert content(out) == content(store)
     assert [path.name for path in tmp_path.iterdir()] == ["sweep.zarr"]
@@ -203,8 +204,9 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
     with pytest.raises(tweezer.ResultError, match="in the way, and of no sweep"):
         tweezer.sweep(SCENE, OVER, out=out, workers=1)
     (foreign / "notes.txt").rename(foreign / "journal.jsonl")
-    with pytest.raises(tweezer.ResultError, match="is begun; resume it"):
-        tweezer.sweep(SCENE, OVER, out=out, workers=1)
+    for resume in (False, True):
+        with pytest.raises(tweezer.ResultError, match="in the way, and of no sweep"):
+            tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=resume)
     assert (foreign / "journal.jsonl").read_text() == "mine"
 
 

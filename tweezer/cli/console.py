@@ -164,7 +164,7 @@ def write_json(value: object, path: Path) -> None:
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure, as a whole or not at all."""
-    from tweezer.io import replacing
+    from tweezer.files import replacing
     from tweezer.style import save
 
     with replacing(path) as whole:

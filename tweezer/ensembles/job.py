@@ -6,6 +6,7 @@ import hashlib
 import itertools
 import json
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.beside import NEW, Part
 from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
@@ -34,6 +36,9 @@ _BLOCKS = 16
 _WINDOW_NUMBERS = 3 * _BATCH * WINDOW
 #: Largest number of steps in a window of a block of more than one batch
 _WINDOW_STEPS = 2**27
+
+#: Names of the files of a running ensemble beside its output
+_OWN = re.compile(rf"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]{{16}}|{NEW}")
 
 #: Columns of a sample, dimension, unit and name of each quantity
 QUANTITIES = {
@@ -113,30 +118,24 @@ class Job:
         return (members.stop - members.start) / self.trajectories
 
     @property
+    def beside(self) -> Part:
+        """Folder of the files of a running ensemble, with its marker."""
+        assert self.out is not None
+        return Part(self.out, "ensemble", _OWN)
+
+    @property
     def part(self) -> Path:
         """Folder of the files of a running ensemble."""
-        assert self.out is not None
-        return self.out.with_name(self.out.name + ".part")
+        return self.beside.folder
 
     def checkpoint(self, index: int) -> Path:
         """Checkpoint of a block."""
         return self.part / f"{index}.npz"
 
     @property
-    def marker(self) -> Path:
-        """Marker: the folder `part` belongs to an ensemble."""
-        return self.part / "of-an-ensemble"
-
-    @property
     def total(self) -> Path:
         """File of the joined statistics of the first blocks."""
         return self.part / "total.npz"
-
-    @property
-    def lock(self) -> Path:
-        """Lock held by the running process."""
-        assert self.out is not None
-        return self.out.with_name(self.out.name + ".lock")
 
 
 def plan_of(bound: Walk, skipped: int) -> Plan:

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 import zarr
-from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 from pydantic import ValidationError
 from zarr.codecs import Crc32cCodec
 
+from tweezer.beside import held, remove, telling
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
     COORDINATES,
@@ -36,7 +36,8 @@ from tweezer.ensembles.job import (
 )
 from tweezer.ensembles.statistics import Statistics
 from tweezer.errors import ResultError
-from tweezer.io import load_result, save_run, write_whole
+from tweezer.files import write_whole
+from tweezer.io import load_result, save_run
 from tweezer.scene import Scene
 from tweezer.version import FORMAL
 
@@ -51,8 +52,6 @@ _CHECKSUM = 4
 _JOINED = 16
 #: Errors of reading a file that is damaged or of another kind
 _UNREADABLE = (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile)
-#: Names of the files of a running ensemble beside its output
-_AT_WORK = re.compile(r"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]+|new")
 #: Names of files that an interrupted write of Zarr leaves in the store
 _TORN = re.compile(r"\d+\.[0-9a-f]+\.partial")
 
@@ -114,80 +113,17 @@ def at_work(job: Job, bound: Walk, resume: bool) -> Iterator[None]:
     Raises `ResultError` if one does, or if an ensemble at `job.out` is not to be resumed.
     """
     assert job.out is not None
-    if not job.out.parent.is_dir():
-        raise ResultError(f"{job.out}: no such folder: {job.out.parent}")
-    if job.out.is_symlink():
-        raise ResultError(f"{job.out}: is a link; name what it leads to: {job.out.readlink()}")
-    with telling(job):
-        lock = FileLock(job.lock)
-        try:
-            lock.acquire(timeout=0)
-        except Timeout:
-            raise ResultError(f"{job.out}: another process is at work on it") from None
-    try:
+    with held(job.out):
         begun = _begun(job, bound, resume)
-        with telling(job):
-            _make_part(job)
-            for path in _at_work(job):  # of a deleted ensemble, or its workers
+        with telling(job.out):
+            job.beside.make()
+            for path in job.beside.files():  # of a deleted ensemble, or its workers
                 if not begun or path.suffix != ".npz":
-                    _remove(path)
+                    remove(path)
         try:
             yield
         finally:
-            with contextlib.suppress(OSError):
-                if not any(_at_work(job)):
-                    job.marker.unlink(missing_ok=True)
-                    job.part.rmdir()  # if it is empty
-    finally:
-        with contextlib.suppress(OSError):
-            job.lock.unlink()  # while it is held, so that a waiting process notices
-        lock.release()
-
-
-def _make_part(job: Job) -> None:
-    """The folder beside the output, with its marker.
-
-    Raises `ResultError` for a link of that name, and for a folder with other files in it.
-    """
-    part, marker = job.part, job.marker
-    marked = marker.is_file() and not marker.is_symlink()
-    foreign = part.exists() and not marked and (not part.is_dir() or any(part.iterdir()))
-    if part.is_symlink() or foreign:
-        raise ResultError(f"{job.out}: {part} is in the way, and of no ensemble; name another file")
-    part.mkdir(exist_ok=True)
-    if not marked:
-        marker.write_text(f"what the ensemble {job.out} goes on from\n", encoding="utf-8")
-
-
-def _at_work(job: Job) -> Iterator[Path]:
-    """Files of an ensemble in its folder."""
-    return (path for path in job.part.iterdir() if _AT_WORK.fullmatch(path.name))
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)
-
-
-def _clear(job: Job) -> None:
-    """Remove the files of a complete ensemble from its folder; a failure does no harm."""
-    with contextlib.suppress(OSError):
-        for path in _at_work(job):
-            _remove(path)
-
-
-@contextlib.contextmanager
-def telling(job: Job) -> Iterator[None]:
-    """Turn errors of the file system into a `ResultError`."""
-    try:
-        yield
-    except OSError as error:
-        raise ResultError(
-            f"{job.out}: cannot be written: {error.strerror or error}; what was written before is "
-            "kept, and can be resumed"
-        ) from None
+            job.beside.remove_if_empty()
 
 
 def keep(path: Path, arrays: Mapping[str, Any]) -> None:
@@ -240,11 +176,11 @@ class Trajectories:
         else:
             begun = job.out.exists()
             if not begun:
-                with telling(job):
+                with telling(job.out):
                     self._create(job.out)
             self._open()
             if begun:
-                with telling(job):
+                with telling(job.out):
                     self.missing = [i for i in self.missing if not self._found(i)]
         self.left = set(self.missing)
 
@@ -271,7 +207,7 @@ class Trajectories:
                         for path in (job.out / name / "c").rglob("*.partial"):
                             if _TORN.fullmatch(path.name):
                                 path.unlink(missing_ok=True)
-                _clear(job)
+                job.beside.remove()
             dataset = xr.open_zarr(job.out, chunks=None)
         left = (job.members(index) for index in self.left)
         done = job.trajectories - sum(members.stop - members.start for members in left)
@@ -404,7 +340,7 @@ class Trajectories:
                 f"{out}: {self.job.trajectories} trajectories take {taken / 1e9:.3g} GB, and "
                 f"{free / 1e9:.3g} GB are free: name another folder, or gather statistics"
             )
-        whole = self.job.part / "new"
+        whole = self.job.beside.new()
         group = zarr.create_group(whole, attributes=attributes_of(self.job, self.bound))
         for name, dimensions, shape, attributes in self._variables():
             group.create_array(
@@ -446,7 +382,7 @@ class Joined:
                 self.written = int(begun["next"])
                 self.joined = self.written, Statistics.of(self.plan, begun)
             else:
-                with telling(job):
+                with telling(job.out):
                     self._write()
         self.missing = range(self.joined[0], job.blocks)
 
@@ -466,7 +402,7 @@ class Joined:
             self.joined = blocks + 1, statistics
             del self.later[blocks]
         if self.job.out is not None and self.joined[0] >= self.written + _JOINED:
-            with telling(self.job):
+            with telling(self.job.out):
                 self._write()
 
     def _of(self, index: int) -> Statistics:
@@ -501,12 +437,12 @@ class Joined:
                     statistics = statistics.join(self._of(index))
             dataset = statistics.dataset(units).assign_attrs(self.attributes)
             if job.out is not None:
-                with telling(job):
+                with telling(job.out):
                     self._write()
                     if complete:
                         save_run(dataset, job.out)
         if complete and job.out is not None:
-            _clear(job)
+            job.beside.remove()
         return _ended(dataset, complete, int(dataset["trajectories"]))
 
 

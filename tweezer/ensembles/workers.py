@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.beside import telling
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import SEEN, Job, columns_of, found_of, identity_of, plan_of
 from tweezer.ensembles.scheduler import PATIENCE, client_of
@@ -26,7 +27,6 @@ from tweezer.ensembles.store import (
     keep,
     kept,
     stored,
-    telling,
 )
 from tweezer.errors import TweezerError
 from tweezer.scene import Scene
@@ -81,7 +81,7 @@ def cluster(job: Job, scheduler: str | Client) -> Iterator[Pool]:
 
         executor = client.get_executor(pure=False)
         run = job.part / f"{uuid.uuid4().hex}.run"
-        with telling(job):
+        with telling(job.out):
             run.touch()
 
         def stop() -> None:
@@ -188,7 +188,7 @@ def _block(
                 statistics.add_piece(at, piece)
             parts[index] = job.share(index) * reached / job.cuts[-1]
             if len(trajectories) * (reached - last) * bound.per_sample >= _KEPT_STEPS:
-                with telling(job):
+                with telling(job.out):
                     write_frames()
                     keep_for_later(i, samples[:, : reached - first])
                 last = reached
@@ -196,7 +196,7 @@ def _block(
             statistics.add_window(first, samples)
             if i == windows - 1:
                 statistics.close(states[:, -1])
-        with telling(job):
+        with telling(job.out):
             if arrays is not None:
                 for name, columns in columns_of(bound).items():
                     arrays[name][members, first:end] = samples[..., columns]

@@ -216,7 +216,7 @@ def _wait_for(lock: FileLock) -> None:
 
 def _save(path: Path, key: str, made: Any) -> None:
     """Write a table: a digest of its key and content, and an npz archive."""
-    from tweezer.io import replacing
+    from tweezer.files import replacing
 
     buffer = io.BytesIO()
     np.savez(buffer, **{f.name: getattr(made, f.name) for f in dataclasses.fields(made)})

@@ -1,25 +1,28 @@
-"""The journal of a running sweep, and the lock on its output."""
+"""The journal of a running sweep."""
 
 from __future__ import annotations
 
 import contextlib
 import json
-import shutil
+import re
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
-from filelock import FileLock, Timeout
 from pydantic import ValidationError
 
+from tweezer.beside import NEW, Part, remove, telling
 from tweezer.errors import ResultError
 from tweezer.scene import Scene
 from tweezer.sweeps.quantities import Values, to_text
 from tweezer.version import FORMAL
 
-#: Names in the folder of a running sweep
-_JOURNAL, _NEW = "journal.jsonl", "new"
+_JOURNAL = "journal.jsonl"
+#: Names of the files of a running sweep in its folder
+_OWN = re.compile(rf"{re.escape(_JOURNAL)}|{NEW}")
+#: How a journal begins, or what a full disk has left of that: a checksum and a mapping
+_BEGINNING = re.compile(r"[0-9a-f]{1,8}($| ($|\{))")
 
 
 class Journal:
@@ -35,31 +38,23 @@ class Journal:
         self._file: IO[str] | None = None
         if out is None:
             return
-        self._part = out.with_name(out.name + ".part")
-        path = self._part / _JOURNAL
-        text = ""
+        self._part = part_of(out)
+        path = self._part.folder / _JOURNAL
         with telling(out):
-            self._check_part()
-            if path.exists():
-                if not resume:
-                    raise ResultError(f"{out}: is begun; resume it, or name another file")
-                text = path.read_text(encoding="utf-8", errors="replace")
+            self._part.make()
+            begun = path.is_symlink() or path.exists()
+            if begun and not resume:
+                raise ResultError(f"{out}: is begun; resume it, or name another file")
+            text = _text(out, path) if begun else ""
         kept = self._read(text, identity)
         with telling(out):
-            self._part.mkdir(exist_ok=True)
-            self._file = path.open("a", encoding="utf-8")
+            for left in self._part.files():
+                if left != path:  # a store that was not finished
+                    remove(left)
+            self._file = path.open("a" if begun else "x", encoding="utf-8")
             self._file.truncate(kept)
             if not kept:
                 self._write(dict(identity))
-
-    def _check_part(self) -> None:
-        """Raises `ResultError` for a folder or a link in the way that is of no sweep."""
-        part = self._part
-        names = {path.name for path in part.iterdir()} if part.is_dir() else set()
-        if part.is_symlink() or (part.exists() and not part.is_dir()) or names - {_JOURNAL, _NEW}:
-            raise ResultError(
-                f"{self._out}: {part} is in the way, and of no sweep; name another file"
-            )
 
     def _read(self, text: str, identity: Mapping[str, Any]) -> int:
         """Take the whole lines of a journal; returns how many bytes they have."""
@@ -94,28 +89,36 @@ class Journal:
     @property
     def new(self) -> Path:
         """Where the store is written before it takes its name."""
-        return self._part / _NEW
+        return self._part.new()
 
-    def close(self, *, complete: bool) -> None:
-        """Close the file; of a complete sweep it is no longer needed."""
-        if self._file is None:
-            return
-        with contextlib.suppress(OSError):  # of a full disk, which is told already
-            self._file.close()
-        if complete:
-            remove_part(self._part)
+    def close(self) -> None:
+        """Close the file, which stays."""
+        if self._file is not None:
+            with contextlib.suppress(OSError):  # of a full disk, which is told already
+                self._file.close()
+
+    def remove(self) -> None:
+        """Remove the file of a sweep whose store has its name."""
+        if self._out is not None:
+            self._part.remove()
+
+
+def part_of(out: Path) -> Part:
+    """The folder of a running sweep."""
+    return Part(out, "sweep", _OWN)
+
+
+def _text(out: Path, path: Path) -> str:
+    """Return the text of a journal. Raises `ResultError` for a link, and for another file."""
+    if not path.is_symlink() and path.is_file() and path.stat().st_nlink == 1:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        if not text or _BEGINNING.match(text):
+            return text
+    raise ResultError(f"{out}: {path} is in the way, and is no journal; name another file")
 
 
 def _checksum(line: str) -> str:
     return f"{zlib.crc32(line.encode()):08x}"
-
-
-def remove_part(part: Path) -> None:
-    """Remove the folder of a running sweep; a failure does no harm."""
-    with contextlib.suppress(OSError):
-        shutil.rmtree(part / _NEW, ignore_errors=True)
-        (part / _JOURNAL).unlink(missing_ok=True)
-        part.rmdir()
 
 
 def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
@@ -140,37 +143,3 @@ def _same_scene(made: object, asked: str) -> bool:
         )
     except ValidationError:
         return False
-
-
-@contextlib.contextmanager
-def at_work(out: Path) -> Iterator[None]:
-    """Hold OUT.lock, so that no other process writes there. Raises `ResultError` if one does."""
-    if not out.parent.is_dir():
-        raise ResultError(f"{out}: no such folder: {out.parent}")
-    if out.is_symlink():
-        raise ResultError(f"{out}: is a link; name what it leads to: {out.readlink()}")
-    path = out.with_name(out.name + ".lock")
-    with telling(out):
-        lock = FileLock(path)
-        try:
-            lock.acquire(timeout=0)
-        except Timeout:
-            raise ResultError(f"{out}: another process is at work on it") from None
-    try:
-        yield
-    finally:
-        with contextlib.suppress(OSError):
-            path.unlink()  # while it is held, so that a waiting process notices
-        lock.release()
-
-
-@contextlib.contextmanager
-def telling(out: Path) -> Iterator[None]:
-    """Turn errors of the file system into a `ResultError`."""
-    try:
-        yield
-    except OSError as error:
-        raise ResultError(
-            f"{out}: cannot be written: {error.strerror or error}; what was written before is "
-            "kept, and can be resumed"
-        ) from None

@@ -77,11 +77,17 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
     """Write the store as a whole or not at all; every chunk has a checksum."""
     from zarr.codecs import Crc32cCodec, ZstdCodec
 
-    shutil.rmtree(new, ignore_errors=True)
     encoding = {name: {"compressors": [ZstdCodec(), Crc32cCodec()]} for name in dataset.variables}
-    with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
-        dataset.to_zarr(new, mode="w-", zarr_format=3, consolidated=True, encoding=encoding)
-    new.replace(out)
+    try:
+        with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
+            dataset.to_zarr(
+                new, mode="w-", zarr_format=3, consolidated=True, encoding=encoding,
+                write_empty_chunks=True,
+            )  # fmt: skip
+        new.replace(out)
+    except BaseException:
+        shutil.rmtree(new, ignore_errors=True)  # a full disk has room for the journal again
+        raise
 
 
 def read(out: Path) -> xr.Dataset:

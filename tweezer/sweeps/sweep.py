@@ -10,11 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tweezer.arguments import in_si
+from tweezer.beside import held, telling
 from tweezer.ensembles.scheduler import client_of
 from tweezer.errors import ResultError, SceneError
 from tweezer.scene import Scene, checked_scene
 from tweezer.sweeps.cases import Cases, cases_of
-from tweezer.sweeps.journal import Journal, at_work, check_same, remove_part, telling
+from tweezer.sweeps.journal import Journal, check_same, part_of
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import USED, Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
@@ -103,7 +104,7 @@ def sweep(
     attributes = _attributes(asked, grid, scene)
     with contextlib.ExitStack() as stack:
         if path is not None:
-            stack.enter_context(at_work(path))
+            stack.enter_context(held(path))
             if path.exists():
                 return _finished(path, attributes, resume=resume)
         computing: Computing = here
@@ -114,19 +115,22 @@ def sweep(
         elif count > 1:
             computing = functools.partial(processes, workers=count)
         journal = Journal(path, attributes, resume=resume)
-        complete = False
         try:
             with contextlib.suppress(KeyboardInterrupt):
                 left = set(range(grid.count)) - journal.done.keys()
                 results = computing(asked, tasks_of(grid, of, left, count))
                 _record(results, journal, grid.count, progress)
             dataset = dataset_of(grid, of, journal.done, attributes)
-            complete = dataset.attrs["status"] == "complete"
-            if complete and path is not None:
-                with telling(path):
-                    write(dataset, journal.new, path)
+            if dataset.attrs["status"] == "complete" and path is not None:
+                try:
+                    with telling(path):
+                        write(dataset, journal.new, path)
+                except KeyboardInterrupt:
+                    return dataset.assign_attrs(status="interrupted")
         finally:
-            journal.close(complete=complete)
+            journal.close()
+        if dataset.attrs["status"] == "complete":
+            journal.remove()
     return dataset
 
 
@@ -166,7 +170,7 @@ def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.
         raise ResultError(f"{path}: exists; resume it, or name another file")
     dataset = read(path)
     check_same(path, dataset.attrs, attributes)
-    remove_part(path.with_name(path.name + ".part"))
+    part_of(path).remove()
     return dataset
 
 

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from tweezer import style
 from tweezer.arguments import check_seed
 from tweezer.errors import ResultError, SceneError
-from tweezer.io import replacing, write_json
+from tweezer.files import replacing
+from tweezer.io import write_json
 from tweezer.thesis.captures import Capture, captures
 from tweezer.thesis.figures import (
     FIGURES,

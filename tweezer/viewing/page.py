@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tweezer.io import replacing
+from tweezer.files import replacing
 from tweezer.saved import SHOWN, check_ending
 from tweezer.version import __version__
 from tweezer.viewing.content import Content
