@@ -428,6 +428,28 @@ def test_an_interrupted_run_is_not_run_again_for_its_error(monkeypatch):
     assert np.isnan(run.attrs["integration_error"])
 
 
+@pytest.mark.parametrize(
+    "simulation",
+    [
+        {"model": "overdamped", "method": "dormand-prince", "step": 1.5e-4},
+        {"model": "overdamped", "method": "dop853", "step": 2e-4},
+        {"model": "full", "method": "exponential", "step": 1e-3},
+    ],
+)
+def test_integration_error_without_a_finer_run_is_not_known(simulation):
+    """Half of a given step takes more force calls than are allowed: nothing is compared."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"inertia": "none"}, simulation=simulation
+    )
+    calls = tweezer.simulate(scene).attrs["force_calls"]
+    assert calls >= 100
+    run = tweezer.simulate(scene.replace(simulation={"most_force_calls": int(calls)}))
+    assert run.attrs["status"] == "complete"
+    assert np.isnan(run.attrs["integration_error"])
+    summary = tweezer.summarise(run)
+    assert summary.overshoot_error is summary.outcome_time_error is None
+
+
 # --- failures -------------------------------------------------------------------------------------
 
 

@@ -103,6 +103,22 @@ def test_few_poles_are_told_in_the_error():
     assert few.attrs["fluid_inertia"] == "memory, 8 poles"
 
 
+@pytest.mark.parametrize("viscosity", [1e-3, 0.05, 0.2, 1.4])
+def test_integration_error_contains_the_missing_poles(viscosity):
+    """Compared with 40 poles and tighter tolerances. From 8 to 12 poles little changes."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        medium={"viscosity": viscosity},
+        optics={"theory": "rays", "evaluator": "map"},
+        simulation={"model": "full", "duration": 0.05, "samples": 201},
+    )
+    run = tweezer.simulate(scene)
+    finer = tweezer.simulate(
+        scene.replace(medium={"inertia": "memory", "poles": 40}), tolerance=1e-10
+    )
+    off = np.linalg.norm(finer["position"].values - run["position"].values, axis=1).max()
+    assert off < run.attrs["integration_error"] < 5 * off
+
+
 def test_poles_follow_duration_and_tolerance():
     def poles(**simulation):
         scene = tweezer.load_scene("silica-1um").replace(simulation=simulation)

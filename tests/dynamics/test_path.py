@@ -5,6 +5,8 @@ import math
 import numpy as np
 import pytest
 
+import tweezer
+from tweezer.dynamics import Event, events, path
 from tweezer.dynamics.path import greatest, last_fall
 
 
@@ -62,3 +64,80 @@ def test_the_greatest_of_many_peaks_that_are_nearly_equal():
     )
     assert found.time == pytest.approx(0.925, abs=1e-4)
     assert abs(found.value - (1 + 0.925e-4)) <= found.error < 1e-7
+
+
+@pytest.mark.parametrize("level", [0.0, 1.0, -3e-7])
+def test_the_greatest_of_rounding_alone_is_not_looked_for(level):
+    """A constant with a wobble of its last digits has a maximum at every third point."""
+    times, looked = np.linspace(0.0, 1.0, 10_001), []
+
+    def value(at):
+        looked.append(len(at))
+        return level * (1 + 4e-16 * np.round(np.sin(1e6 * at)))
+
+    found = greatest(value, times)
+    assert len(looked) <= 5
+    assert found.value == pytest.approx(level, rel=1e-14)
+    assert found.error < 1e-13
+
+
+@pytest.fixture
+def looked(monkeypatch):
+    """Number of maxima and of crossings that were located."""
+    count = dict.fromkeys(("_located", "crossing"), 0)
+    for name, module in (("_located", path), ("crossing", path), ("crossing", events)):
+
+        def counted(*args, name=name, located=getattr(module, name)):
+            count[name] += 1
+            return located(*args)
+
+        monkeypatch.setattr(module, name, counted)
+    return count
+
+
+def test_a_bead_at_rest_is_summarised_without_a_search(looked):
+    """Each of 2000 steps is a maximum of its speed and of its distances, which are all equal."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"optical": False, "gravity": False, "buoyancy": False},
+        medium={"inertia": "none"},
+        simulation={"model": "overdamped", "method": "dormand-prince", "step": 1e-6,
+                    "duration": 2e-3},
+    )  # fmt: skip
+    run = tweezer.simulate(scene)
+    assert run.attrs["steps"] >= 2000
+    assert tweezer.summarise(run).overshoot == 0
+    assert looked["_located"] < 20
+    assert looked["crossing"] == 0
+
+
+def test_slow_motion_in_short_steps_is_summarised_without_a_search(looked):
+    """The distance to the focus and the speed wobble in each of 3700 steps by rounding."""
+    scene = tweezer.load_scene("thesis-500nm").replace(
+        medium={"viscosity": 60.0}, simulation={"duration": 1e-4, "samples": 11}
+    )
+    run = tweezer.simulate(scene)
+    assert run.attrs["steps"] > 3000
+    assert run.attrs["events"] == "[]"
+    assert looked["_located"] + looked["crossing"] < 30
+
+
+def test_signs_of_rounding_are_no_events(looked):
+    """A bead beside the axis: y is rounding alone, x crosses 100 nm once."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        start={"position": [3e-7, 1e-21, 0]},
+        beam={"polarisation": "linear"},
+        medium={"inertia": "none"},
+        simulation={"model": "overdamped", "method": "dormand-prince", "step": 1e-6,
+                    "duration": 1e-3},
+    )  # fmt: skip
+    wobbles = 1e-21
+
+    def of_y(t, y):
+        return y[:, 1] + wobbles * np.sin(1e8 * t)
+
+    run = tweezer.simulate(
+        scene, events=[Event("y", of_y), Event("x", lambda _, y: y[:, 0] - 1e-7)]
+    )
+    assert '"y"' not in run.attrs["events"]
+    assert run.attrs["events"].count('"x"') == 1
+    assert looked["crossing"] < 10

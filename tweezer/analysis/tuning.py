@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tweezer.dynamics import Integration, bind, bound_once, integrate
-from tweezer.dynamics.budget import TIGHTER
+from tweezer.dynamics.budget import TIGHTER, same_steps
 from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.errors import TweezerError
@@ -34,7 +34,7 @@ class Tuned:
     if the run failed"""
     deviation_error: float | None
     """its error, m, by integrating both responses to tighter tolerances; None if one of these runs
-    failed"""
+    failed, or if tighter tolerances do not change the steps"""
     steps: int
     force_calls: int
     seconds: float
@@ -186,8 +186,9 @@ def _response(scene: Scene) -> _Response:
     if run.path is None:
         return _Response(run, None, seconds)
     tighter = integrate(equations, times, tightened=TIGHTER, most_held=sys.maxsize)
-    path = _uninterrupted(tighter).path
-    error = None if path is None else largest_distance(run.path, path).value
+    path, error = _uninterrupted(tighter).path, None
+    if path is not None and not same_steps(run, tighter):
+        error = largest_distance(run.path, path).value
     return _Response(run, error, seconds)
 
 

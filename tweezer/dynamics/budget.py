@@ -45,9 +45,10 @@ class ErrorBudget:
     """Errors of the positions of a run, m; NaN where unknown."""
 
     integration_error: float
-    """of a compiled method, thrice the largest distance to a run with every step halved, and
-    another number of poles of the fluid's memory; a solver of SciPy's is compared with a compiled
-    method of tighter tolerances instead"""
+    """of a compiled method, thrice the largest distance to a run with every step halved and the
+    most poles of the fluid's memory. A solver of SciPy's is compared with a compiled method of
+    tighter tolerances instead. NaN if no finer run can be made, for example because half of
+    `simulation.step` takes more than `simulation.most_force_calls`"""
     model_error: float
     """largest distance to the unscaled equations with all inertia, the fluid's too, integrated by
     the exponential method; 0 for them, or beside a wall how far its drag would hold the bead up.
@@ -89,13 +90,26 @@ def _of_integration(
         problem = _with_other_poles(equations.problem.changed(method=run.method))
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
     compared, distance = _compared(problem, run, position, events=events, **how)
-    if compared is None and "prescribed" in how:  # a force that bends may want shorter steps still
+    fixed = equations.scene.simulation.step is not None
+    if compared is None and "prescribed" in how and not fixed:
+        # a force that bends may want shorter steps still
         compared, distance = _compared(problem, run, position, events=events, tightened=TIGHTER)
+        if compared is not None and same_steps(run, compared):
+            compared, distance = None, math.nan
     return Finer(compared, ratio) if compared else None, ratio * distance
 
 
+def same_steps(one: Integration, other: Integration) -> bool:
+    """Return whether two runs took the same steps, so that their difference is not their error.
+
+    Tighter tolerances do not change a step that is given, nor steps at the smallest tolerance.
+    """
+    a, b = one.step_lengths, other.step_lengths
+    return len(a) > 0 and len(a) == len(b) and bool(np.allclose(a, b, rtol=_ROUNDING, atol=0.0))
+
+
 def _with_other_poles(problem: Problem) -> Problem:
-    """The same with another number of poles, a larger one if there is, if it has a memory."""
+    """The same with many more poles, or fewer for a run that has the most, if it has a memory."""
     poles = problem.scene.medium.poles
     return problem.decided(medium={"poles": other_poles(poles)}) if poles else problem
 

@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 #: Number of parts into which a time with a change of sign is divided
 _PARTS = 64
+#: Depth of a minimum, over the rise that makes it count, below which it is not located at once
+_SHALLOW = 1e-3
 
 
 class Piece(Protocol):
@@ -75,9 +77,14 @@ class Event:
     """of the last value, from piece to piece"""
     _since: Occurrence | None = field(default=None, init=False, repr=False)
     _done: bool = field(default=False, init=False, repr=False)
+    _close: Array = field(default_factory=lambda: np.zeros(1), init=False, repr=False)
+    """(state,) or (1,), changes of the states that do not count"""
 
-    def restarted(self, state: Array) -> Event:
-        """The same, for a new run from `state`.
+    def restarted(self, state: Array, close: Array | None = None) -> Event:
+        """Return the same event for a new run from `state`.
+
+        A sign that changes of the state as small as `close`, (state,), could change does not count:
+        a bead at rest wobbles by rounding.
 
         Raises `SceneError` if `value` does not give one finite number for each time.
         """
@@ -92,6 +99,8 @@ class Event:
             raise SceneError(
                 f"event {self.name!r}: its value must be (n,) finite numbers for n times"
             )
+        if close is not None:
+            again._close = close
         return again
 
     def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
@@ -99,22 +108,35 @@ class Event:
         if self._done:
             return
         times = piece.checkpoints()
-        values = self._values(piece, times)
+        signs = self._signs(piece, times)
         if self._sign == 0.0:  # a run that begins at 0 begins on the side where it goes
-            self._sign = float(np.sign(values[np.flatnonzero(values)[:1]]).sum())
+            self._sign = float(signs[np.flatnonzero(signs)[:1]].sum())
             if self.hold and self._sign == self.direction:
                 self._since = self._at(piece, piece.begin, piece.begin + self.hold)
-        before = times[0]
-        for time, value in zip(times.tolist(), values.tolist(), strict=True):
-            sign = float(np.sign(value))
-            # a value of 0 belongs to what was before
-            if sign not in (0.0, self._sign):
-                self._sign = sign
-                yield from self._changed(piece, self._root(piece, before, time))
-                if self._done:
-                    return
-            before = time
+        # a value of 0 belongs to what was before
+        told = np.flatnonzero(signs)
+        changed = np.flatnonzero(np.diff(signs[told], prepend=self._sign))
+        for k in changed.tolist():
+            before = times[told[k - 1]] if k else times[max(told[0] - 1, 0)]
+            self._sign = float(signs[told[k]])
+            yield from self._changed(piece, self._root(piece, before, float(times[told[k]])))
+            if self._done:
+                return
         yield from self._held(piece.end)
+
+    def _signs(self, piece: Piece, times: Array) -> Array:
+        """Signs of the value at some times, (n,): 0 where changes that do not count may make it."""
+        values = self._values(piece, times)
+        signs: Array = np.sign(values)
+        if (signs == self._sign).all():
+            return signs
+        states = piece.states(times)
+        doubt = np.zeros(len(times))
+        for k in range(states.shape[1]):
+            moved = states.copy()
+            moved[:, k] += self._close[min(k, len(self._close) - 1)]
+            doubt += np.abs(np.asarray(self.value(times, moved), np.float64) - values)
+        return np.where(np.abs(values) > doubt, signs, 0.0)
 
     def _changed(self, piece: Piece, time: float) -> Iterator[Occurrence]:
         """What a change of sign means."""
@@ -164,6 +186,19 @@ def crossing(value: Callable[[Array], Array], begin: float, end: float, toleranc
     return (begin + end) / 2
 
 
+@dataclass(frozen=True)
+class _Low:
+    """A local minimum of the distance to the focus."""
+
+    piece: Piece
+    begin: float
+    """s, a time before it; that of the minimum once it is located"""
+    end: float
+    """s, a time after it, or the same"""
+    distance: float
+    """m, the least that is known"""
+
+
 @dataclass
 class ClosestApproach(Event):
     """The first local minimum of the distance to the focus.
@@ -173,32 +208,54 @@ class ClosestApproach(Event):
     """
 
     rise: float = 0.0
-    _lowest: Occurrence | None = field(default=None, init=False, repr=False)
+    _lowest: _Low | None = field(default=None, init=False, repr=False)
 
-    def restarted(self, state: Array) -> Event:  # noqa: ARG002
-        """The same, for a new run."""
+    def restarted(self, state: Array, close: Array | None = None) -> Event:  # noqa: ARG002
+        """Return the same event for a new run."""
         return closest_approach(self.rise)
 
     def occurrences(self, piece: Piece) -> Iterator[Occurrence]:
-        """The minimum, when it counts."""
+        """The minimum, when it counts.
+
+        A minimum no deeper than a part of `rise` is located only if it is the one that counts.
+        """
         if self._done:
             return
-        for lowest in super().occurrences(piece):
-            if self._lowest is not None and self._has_risen(piece, lowest.time):
-                break
-            if self._lowest is None or _distance(lowest) < _distance(self._lowest):
-                self._lowest = lowest
-        if self._lowest is not None and self._has_risen(piece, piece.end):
-            self._done = True
-            yield self._lowest
-
-    def _has_risen(self, piece: Piece, before: float) -> bool:
-        """Whether the distance has risen enough since the lowest one."""
-        assert self._lowest is not None
         times = piece.checkpoints()
-        times = times[(times >= self._lowest.time) & (times <= before)]
         far = np.linalg.norm(piece.states(times)[:, :3], axis=1)
-        return bool(far.max(initial=0.0) > _distance(self._lowest) + self.rise)
+        signs = np.sign(self._values(piece, times))
+        told = np.flatnonzero(signs)
+        rising = np.diff(signs[told], prepend=self._sign or signs[told][:1]) > 0
+        if len(told):
+            self._sign = float(signs[told[-1]])
+        reached = 0  # up to where the distances have been compared
+        for k in told[rising].tolist():
+            if self._has_risen(far[reached:k]):
+                break
+            before, reached = max(k - 1, 0), k
+            least = float(far[before : k + 1].min())
+            low = _Low(piece, float(times[before]), float(times[k]), least)
+            if np.ptp(far[max(before - 1, 0) : k + 2]) > _SHALLOW * self.rise:
+                low = self._located(low)
+            if self._lowest is None or low.distance < self._lowest.distance:
+                self._lowest = low
+        if self._lowest is not None and self._has_risen(far[reached:]):
+            self._done = True
+            low = self._located(self._lowest)
+            yield self._at(low.piece, low.begin, low.begin)
+
+    def _has_risen(self, far: Array) -> bool:
+        """Whether distances since the lowest one are larger by enough."""
+        lowest = self._lowest
+        return lowest is not None and far.max(initial=0.0) > lowest.distance + self.rise
+
+    def _located(self, low: _Low) -> _Low:
+        """The same minimum, at its time."""
+        if low.begin == low.end:
+            return low
+        time = self._root(low.piece, low.begin, low.end)
+        state = low.piece.states(np.array([time]))[0]
+        return _Low(low.piece, time, time, float(np.linalg.norm(state[:3])))
 
     def _values(self, piece: Piece, times: Array) -> Array:
         """Change of the distance squared, over a short time about each time."""
@@ -210,10 +267,6 @@ class ClosestApproach(Event):
         squared = np.empty(len(both))
         squared[ascending] = np.sum(piece.states(both[ascending])[:, :3] ** 2, axis=1)
         return squared[len(times) :] - squared[: len(times)]
-
-
-def _distance(event: Occurrence) -> float:
-    return float(np.linalg.norm(event.state[:3]))
 
 
 def closest_approach(rise: float = 0.0) -> Event:

@@ -19,7 +19,7 @@ from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece
 from tweezer.dynamics.models import EquationsOfMotion
-from tweezer.dynamics.path import Path
+from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver
 from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, SceneError
@@ -113,7 +113,8 @@ def integrate(
     method: str = simulation.method
     if method == "auto":
         method, _ = method_for(equations)
-    events = [event.restarted(equations.initial_state) for event in events]
+    start, close = equations.initial_state, UNTOLD * equations.absolute_tolerance
+    events = [event.restarted(start, close) for event in events]
     sampled: list[Array] = [equations.initial_state[None]]
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]

@@ -21,6 +21,10 @@ Value = Callable[[Array], Array]
 _ROUNDS = 4
 #: Number of points of each round
 _POINTS = 17
+#: Part of the tolerance of a position, or of a speed, below which its changes are not looked at
+UNTOLD = 1e-3
+#: Rounding of a value, as a part of it
+_ROUNDING = 1e-14
 #: Tolerance of the time of a crossing, as a part of the run
 _CROSSING = 1e-12
 
@@ -47,6 +51,19 @@ class Path:
         return np.concatenate(
             [released(piece).states(part)[:, :3] for piece, part in self._parts(times)]
         )
+
+    @property
+    def position_tolerance(self) -> float:
+        """Distance below which two positions are not told from each other, m."""
+        return UNTOLD * float(self.equations.absolute_tolerance[:3].max())
+
+    @property
+    def speed_tolerance(self) -> float:
+        """Difference below which two speeds are not told from each other, m/s.
+
+        It moves the bead by the tolerance of the position in the time between two checkpoints.
+        """
+        return self.position_tolerance * len(self.checkpoints) / self.end
 
     def speeds(self, times: Array) -> Array:
         """At ascending times (n,) s, (n,) m/s."""
@@ -78,13 +95,15 @@ class Greatest(NamedTuple):
     """by which the function may exceed the value between the points looked at"""
 
 
-def greatest(value: Value, times: Array) -> Greatest:
-    """The greatest value from times[0] to times[-1] of a function smooth between `times`.
+def greatest(value: Value, times: Array, tolerance: float = 0.0) -> Greatest:
+    """Return the greatest value from times[0] to times[-1] of a function smooth between `times`.
 
-    Its local maxima at `times` are located between their neighbours, where they may be the
-    greatest.
+    Its local maxima at `times` are located between their neighbours where they may be greater than
+    the greatest by more than `tolerance`. A function that is constant up to rounding has a maximum
+    at every second point. What may be left is part of the error.
     """
     values = value(times)
+    tolerance = max(tolerance, _ROUNDING * float(np.abs(values).max()))
     best = int(values.argmax())
     drop = np.maximum(values[1:-1] - values[:-2], values[1:-1] - values[2:])
     peaks = (values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:])
@@ -94,8 +113,9 @@ def greatest(value: Value, times: Array) -> Greatest:
     last = len(times) - 1
     found = _located(value, times[max(best - 1, 0)], times[min(best + 1, last)])
     for k in sorted(np.flatnonzero(peaks) + 1, key=lambda k: -float(reach[k])):
-        if reach[k] < found.value:
-            break
+        if reach[k] <= found.value + tolerance:
+            left = float(reach[k]) - found.value
+            return found._replace(error=max(found.error, left))
         if k != best:
             other = _located(value, times[k - 1], times[k + 1])
             found = max(found, other, key=lambda each: each.value)
@@ -118,21 +138,26 @@ def largest_distance(one: Path, other: Path) -> Greatest:
     """Between two motions at the same time, m, up to where both have come."""
     end = min(one.end, other.end)
     times = np.union1d(one.checkpoints, other.checkpoints)
+    times = times[times <= end]
     return greatest(
         lambda at: np.linalg.norm(one.positions(at) - other.positions(at), axis=1),
-        times[times <= end],
+        times,
+        min(one.position_tolerance, other.position_tolerance),
     )
 
 
-def last_fall(value: Value, times: Array) -> float:
-    """When a function that ends below 0 last fell to it, s; times[0] if it was never above."""
+def last_fall(value: Value, times: Array, tolerance: float = 0.0) -> float:
+    """Return when a function that ends below 0 last fell to it, s; times[0] if never above it.
+
+    A peak between `times` that may be above 0 by less than `tolerance` is not looked for.
+    """
     fell = float(times[0])
     while times.size:
         above = times[value(times) > 0]
         if above.size:
             latest = float(above[-1])
         else:
-            peak = greatest(value, times)
+            peak = greatest(value, times, tolerance)
             if not peak.value > 0:
                 break
             latest = peak.time
@@ -167,13 +192,14 @@ def passage(
     near: m, how far it may be from there.
     """
     times = path.checkpoints
-    fastest = greatest(path.speeds, times)
+    close = path.position_tolerance
+    fastest = greatest(path.speeds, times, path.speed_tolerance)
     over = _overshoot(path, times)
     approach = next((each for each in events if each.name == "closest approach"), None)
     distance = time = settled = np.nan
     nearest = Greatest(np.nan, 0.0, np.nan)
     if (scene := path.equations.scene).wall is not None:
-        nearest = greatest(lambda at: -scene.room(path.positions(at)[:, 2]), times)
+        nearest = greatest(lambda at: -scene.room(path.positions(at)[:, 2]), times, close)
     if approach is not None:
         distance, time = float(np.linalg.norm(approach.state[:3])), approach.time
 
@@ -181,7 +207,7 @@ def passage(
         return np.linalg.norm(path.positions(at) - rest, axis=1) - near
 
     if away(times[-1:])[0] < 0:
-        settled = last_fall(away, times)
+        settled = last_fall(away, times, close)
     rounding = _CROSSING * path.end
     return (
         Passage(fastest.value, over.value, distance, time, settled, -nearest.value),
@@ -196,5 +222,7 @@ def _overshoot(path: Path, times: Array) -> Greatest:
     none = Greatest(0.0, 0.0, 0.0)
     if size == 0.0:
         return none
-    found = greatest(lambda at: -(path.positions(at)[:, :2] @ start) / size, times)
+    found = greatest(
+        lambda at: -(path.positions(at)[:, :2] @ start) / size, times, path.position_tolerance
+    )
     return found if found.value > 0 else none

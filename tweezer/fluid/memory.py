@@ -109,6 +109,10 @@ def enough_poles(way: float, tolerance: float) -> int:
 
 
 def other_poles(poles: int) -> int:
-    """The next larger number of poles; of the largest one the next smaller."""
+    """Return the largest number of poles, or for that one the next smaller number.
+
+    The next larger number would not do for a comparison: in a viscous liquid the motion changes
+    less from 8 poles to 12 than from 12 to 40.
+    """
     numbers = sorted(NODES)
-    return min((n for n in numbers if n > poles), default=numbers[-2])
+    return numbers[-1] if poles < numbers[-1] else numbers[-2]
