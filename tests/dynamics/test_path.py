@@ -85,13 +85,18 @@ def test_the_greatest_of_rounding_alone_is_not_looked_for(level):
 def looked(monkeypatch):
     """Number of maxima and of crossings that were located."""
     count = dict.fromkeys(("_located", "crossing"), 0)
-    for name, module in (("_located", path), ("crossing", path), ("crossing", events)):
 
-        def counted(*args, name=name, located=getattr(module, name)):
+    def count_calls(name, module):
+        located = getattr(module, name)
+
+        def counted(*args):
             count[name] += 1
             return located(*args)
 
         monkeypatch.setattr(module, name, counted)
+
+    for name, module in (("_located", path), ("crossing", path), ("crossing", events)):
+        count_calls(name, module)
     return count
 
 
