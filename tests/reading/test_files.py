@@ -337,11 +337,16 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text("t [s],x [um]", T, X), {"columns": "t [ms],x"}, "is in ms, and in s"),
      ("a.csv", text("t,x", STAMPS, X), {}, 'give the rate: --rate "999.7 Hz"'),
      ("a.csv", text("t,x", STAMPS, X), {"rate": "50 Hz"}, "its times have 99"),
-     ("a.csv", text("t,x", T + 4 * (STAMPS - T), X), {"rate": "1 kHz"}, '--columns "x=..."'),
-     ("a.csv", text("t,x", T[::-1], X), {}, '--columns "x=..." --rate "1 kHz"'),
+     ("a.csv", text("t,x", T + 4 * (STAMPS - T), X), {"rate": "1 kHz"},
+      '--columns "x=x" --rate "1000 Hz"'),
+     ("a.csv", text("t,x", T - 0.0503 * (T > 0.2), X), {},
+      'its clock goes back; if the rows are in order and evenly spaced, read them without it: '
+      '--columns "x=x" --rate "1000 Hz"'),
+     ("a.csv", text("t,x", T // 0.005, X), {}, 'stamps repeat; if'),
+     ("a.csv", text("t,x", T % 0.2, X), {}, 'such as --columns "bead=ID,..."'),
      ("a.csv", text("t,x", T, X, decimal=","), {}, "decimals need a point, or ; between the cells"),
      ("a.csv", text("t,x\n12:30:01.001,5", T, X), {}, '--columns "x=..." --rate "1 kHz"'),
-     ("a.csv", BEADS, {"rate": 15}, "keep the rows of one of them in a file of its own"),
+     ("a.csv", BEADS, {"rate": 15}, 'has 2 beads; name the one to be read, such as --bead "0"'),
      ("a.csv", gap(*range(0, 400, 15), fill=""), {},
       "the longest stretch without a gap has 14 samples"),
      ("a.csv", text("frame,x [um]", FRAMES / 7, 1e6 * X), {"rate": 15},
@@ -368,7 +373,7 @@ def test_refused_with_the_way_out(name, write, options, way):
 
 @pytest.mark.parametrize(
     ("options", "complaint"),
-    [({"columns": "t,foo"}, "columns: 'foo' is not known; must be t, frame, x, y or z"),
+    [({"columns": "t,foo"}, "columns: 'foo' is not known; must be t, frame, bead, x, y or z"),
      ({"columns": "t=1,x"}, "must name all columns in their order"),
      ({"columns": "t,t,x"}, "has two columns for t"),
      ({"columns": "t,-"}, "must have x, y or z among them"),
@@ -412,3 +417,110 @@ def test_command(command_line):
     )  # fmt: skip
     assert done.code == 0
     assert "y: stiffness by" in done.out
+
+
+@pytest.mark.parametrize(
+    "order",
+    [FRAMES[::-1], np.random.default_rng(3).permutation(N), np.roll(FRAMES, 150)],
+    ids=["descending", "shuffled", "blocks"],
+)
+@pytest.mark.parametrize("stamp", ["t", "frame"])
+def test_rows_are_sorted_by_their_stamps(order, stamp):
+    stamps = T if stamp == "t" else FRAMES
+    text(f"{stamp},x", stamps[order], X[order])("a.csv")
+    recording = tweezer.load_recording("a.csv", rate=None if stamp == "t" else 1000)
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
+    assert recording.note == "rows sorted by time"
+
+
+def test_sorted_frames_keep_their_gap():
+    order = np.random.default_rng(4).permutation(FRAMES[FRAMES != 70])
+    text("frame,x [um]", order, 1e6 * X[order])("a.csv")
+    recording = tweezer.load_recording("a.csv", rate=1000)
+    there = FRAMES != 70
+    np.testing.assert_allclose(recording.positions[there, 0], X[there], rtol=1e-8)
+    assert recording.note.startswith("rows sorted by time; samples missing: 1 of 400, filled in")
+
+
+def test_rows_that_repeat_others_are_left_out():
+    """Two parts of a record that overlap by 50 rows."""
+    rows = np.concatenate([FRAMES[:250], FRAMES[200:]])
+    text("t,x", T[rows], X[rows])("a.csv")
+    recording = tweezer.load_recording("a.csv")
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
+    assert recording.note == "50 rows that repeat another one left out"
+
+
+def test_rows_in_another_order_are_not_read_at_a_rate():
+    order = np.random.default_rng(5).permutation(FRAMES)
+    text("frame,x,y", order, X[order], Y[order])("a.csv")
+    with pytest.raises(tweezer.ResultError, match=r"not in the order of its column 'frame'; read "):
+        tweezer.load_recording("a.csv", columns="x=x,y=y", rate=1000)
+    text("x,y,t", X, Y, T - 0.0503 * (T > 0.2))("a.csv")  # a clock that is set back once
+    assert len(tweezer.load_recording("a.csv", columns="x=x,y=y", rate=1000).times) == N
+
+
+SPOTS = np.arange(2 * N)
+
+
+@pytest.mark.parametrize(
+    ("heading", "labels"),
+    [("particle", SPOTS % 2), ("TRACK_ID", SPOTS // N),
+     ("Bead", np.array(["left", "B2"])[SPOTS % 2]),
+     ("Trajectory number", np.where(SPOTS % 2, 7.0, 3.0))],
+    ids=["in turn", "one after the other", "names", "numbers"],
+)  # fmt: skip
+def test_one_bead_of_several_is_read(heading, labels):
+    first = str(labels[0]).removesuffix(".0")
+    mine = labels == labels[0]
+    frames = np.where(mine, np.cumsum(mine), np.cumsum(~mine)) - 1
+    lines = [f"frame,x,{heading}"]
+    lines += [
+        f"{f},{X[f] if a else Y[f]:.9g},{b}" for f, a, b in zip(frames, mine, labels, strict=True)
+    ]
+    Path("a.csv").write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(tweezer.ResultError, match=f'has 2 beads; .* --bead "{first}"'):
+        tweezer.load_recording("a.csv", rate=1000)
+    recording = tweezer.load_recording("a.csv", rate=1000, bead=first)
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
+    with pytest.raises(tweezer.ResultError, match="bead = 'none': is not in the column"):
+        tweezer.load_recording("a.csv", rate=1000, bead="none")
+
+
+def nested(name, **others):
+    """Time and position in a group, and other datasets."""
+    with h5py.File(name, "w") as file:
+        file["0/data/time"], file["0/data/xBead"] = T, 1e6 * X
+        file["0/data/xBead"].attrs["units"] = "um"
+        for path, values in others.items():
+            file[path.replace("__", "/")] = values
+
+
+@pytest.mark.parametrize(
+    "others",
+    [{"meta__beadId": np.frombuffer(b"bead 12", np.uint8)},  # letters by their codes
+     {"meta__particle": SPOTS[:N] % 3},  # as long as the record, in another group
+     {"meta__time": T[:9], "1__time": T, "1__x": X}, {"meta__frame": FRAMES[:7]},
+     {"meta__particle": "bead 12", "x": np.zeros((3, 4, 5))}],
+    ids=["letters", "another group", "another time", "frames", "text"],
+)  # fmt: skip
+def test_only_named_columns_of_a_file_count(others):
+    nested("a.h5", **others)
+    recording = tweezer.load_recording("a.h5", columns="x=0/data/xBead")
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-9)
+    np.testing.assert_allclose(recording.times, T, rtol=0, atol=1e-12)
+
+
+def test_other_columns_of_a_text_do_not_count():
+    lines = ["t;x;note;bead id", *(f"{t:.9g};{x:.9g};1,5;" for t, x in zip(T, X, strict=True))]
+    lines[1] += "bead 12"
+    Path("a.csv").write_text("\n".join(lines), encoding="utf-8")
+    recording = tweezer.load_recording("a.csv", columns="t=t,x=x")
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
+
+
+def test_a_structure_of_matlab_beside_the_record():
+    meta = {"particle": np.array([4.0, 5.0, 6.0]), "time": T[:4]}
+    mat(rec={"t": T, "x_um": 1e6 * X}, meta=meta)("a.mat")
+    recording = tweezer.load_recording("a.mat", columns="t=rec.t,x=rec.x_um [um]")
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-9)

@@ -22,7 +22,9 @@ from tweezer.reading import (
     Wanted,
     damaged,
     datasets,
+    only,
     read_table,
+    refuse_too_long,
     without_gaps,
 )
 from tweezer.scene import Scene
@@ -252,6 +254,7 @@ def load_recording(
     columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
     rate: QuantityLike | None = None,
     scale: QuantityLike | None = None,
+    bead: str | int | None = None,
 ) -> Recording:
     """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
 
@@ -271,6 +274,9 @@ def load_recording(
     a column counts; or that at which samples with uneven stamps of time were taken.
     scale: m, or text such as "85.8 nm", "11.66 px/um" or "0.5 um/V": of a pixel or a volt, for
     positions without a unit or in it.
+    bead: of a table of several beads the one that is read, as its column names it.
+
+    Rows are sorted by their times if that makes these even.
 
     Rows that lack numbers: gaps of up to 10 samples, and of 5 % of them in all, are filled in from
     the samples around them; else the longest stretch without a gap is taken. `Recording.note` says
@@ -279,12 +285,13 @@ def load_recording(
     Raises `ResultError`, naming the file and the sample, for a file of another kind, and for what
     `Recording` refuses.
     """
-    reading = Reading.of(columns, rate, scale, drive)
-    found = _read(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
-    if not isinstance(found, Columns):
+    reading = Reading.of(columns, rate, scale, drive, bead)
+    read = _read(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
+    if isinstance(read, _Run):
         if drive is not None:
-            raise ResultError(f"{found[0]}: a run of tweezer has no column {drive!r}")
-        return Recording(**found._asdict())
+            raise ResultError(f"{read.name}: a run of tweezer has no column {drive!r}")
+        return Recording(**read._asdict())
+    found = only(str(source), read)
     there = [axis for axis in _AXES if axis in found.columns]
     still = [axis for axis in there if axis != "x" and _is_still(found.columns[axis])]
     if reading.columns:
@@ -314,6 +321,7 @@ def load_track(
     columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
     rate: QuantityLike | None = None,
     scale: QuantityLike | None = None,
+    bead: str | int | None = None,
 ) -> Track:
     """A run of tweezer, or the table of a file as in `load_recording`: columns t, x and y.
 
@@ -323,10 +331,10 @@ def load_track(
     Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
     refuses.
     """
-    found = _read(source, Reading.of(columns, rate, scale), Wanted(("x", "y")))
-    if not isinstance(found, Columns):
-        places = found.positions[:, :2]
-        return Track(found.name, found.times, places, found.scene, found.exposure)
+    read = _read(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
+    if isinstance(read, _Run):
+        return Track(read.name, read.times, read.positions[:, :2], read.scene, read.exposure)
+    found = only(str(source), read)
     if found.note:
         warn(f"{source}: {found.note}", UserWarning)
     positions = np.stack([found.columns["x"], found.columns["y"]], axis=1)
@@ -351,8 +359,10 @@ class _Run(NamedTuple):
     noise: tuple[float, ...] | None = None
 
 
-def _read(source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted) -> _Run | Columns:
-    """A run of tweezer, or the columns of a table."""
+def _read(
+    source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
+) -> _Run | dict[str, Columns]:
+    """A run of tweezer, or the columns of a table by the bead."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)
@@ -374,7 +384,11 @@ def _read(source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted) -> 
 def _is_run(path: Path) -> bool:
     """Whether an HDF5 file is of a run; it is refused if its data lie in other files."""
     with h5py.File(path) as file:
-        return "scene" in file.attrs and "position" in file and bool([*datasets(path, file)])
+        if "scene" not in file.attrs or "position" not in file:
+            return False
+        for name, dataset in datasets(path, file):
+            refuse_too_long(str(path), name, max(dataset.shape or (), default=0))
+        return True
 
 
 def _of_run(run: xr.Dataset, name: str, reading: Reading) -> _Run:

@@ -74,6 +74,12 @@ Scale = Annotated[
         help='Length of a pixel or a volt: "85.8 nm", "11.66 px/um", "0.5 um/V".', metavar="LENGTH"
     ),
 ]
+Bead = Annotated[
+    str | None,
+    typer.Option(
+        help="Bead to read from a table of several, as its column names it.", metavar="ID"
+    ),
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
 JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
 Overwrite = Annotated[

@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.cli.app import Columns, FigureFile, JsonFile, Overwrite, Rate, Scale, app, quantity_in
+from tweezer.cli.app import (
+    Bead,
+    Columns,
+    FigureFile,
+    JsonFile,
+    Overwrite,
+    Rate,
+    Scale,
+    app,
+    quantity_in,
+)
 from tweezer.cli.console import (
     FIGURE_FORMATS,
     OUT,
@@ -90,6 +100,7 @@ def calibrate(
     columns: Columns = None,
     rate: Rate = None,
     scale: Scale = None,
+    bead: Bead = None,
     drive: Annotated[
         str | None,
         typer.Option(
@@ -181,7 +192,9 @@ def calibrate(
     if places and "fluid-density" in given:
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
     loaded = [
-        load_recording(each, drive, columns=columns, rate=rate, scale=scale).since(skipped)
+        load_recording(each, drive, columns=columns, rate=rate, scale=scale, bead=bead).since(
+            skipped
+        )
         for each in recordings
     ]
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]

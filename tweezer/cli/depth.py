@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from tweezer.cli.app import (
+    Bead,
     Changes,
     Columns,
     FigureFile,
@@ -70,6 +71,7 @@ def fit_depth(
     columns: Columns = None,
     rate: Rate = None,
     scale: Scale = None,
+    bead: Bead = None,
     set: Changes = None,
     out: JsonFile = None,
     plot: FigureFile = None,
@@ -95,7 +97,7 @@ def fit_depth(
     from tweezer.analysis import load_track
     from tweezer.optics import ray_optics_worth, rows_of_light
 
-    loaded = load_track(track, columns=columns, rate=rate, scale=scale)
+    loaded = load_track(track, columns=columns, rate=rate, scale=scale, bead=bead)
     if loaded.scene is not None and loaded.scene.bead != described.bead:
         raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
     with showing_progress(described.name, 1.0) as progress:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from tweezer.cli.app import (
+    Bead,
     Changes,
     Columns,
     FigureFile,
@@ -64,6 +65,7 @@ def fit(
     columns: Columns = None,
     rate: Rate = None,
     scale: Scale = None,
+    bead: Bead = None,
     skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
     out: JsonFile = None,
     plot: FigureFile = None,
@@ -87,7 +89,7 @@ def fit(
     from tweezer.analysis import load_recording
 
     loaded = [
-        load_recording(each, columns=columns, rate=rate, scale=scale).since(skipped)
+        load_recording(each, columns=columns, rate=rate, scale=scale, bead=bead).since(skipped)
         for each in recordings
     ]
     with showing_progress(loaded[0].name, 1.0) as progress:

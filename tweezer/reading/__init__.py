@@ -4,11 +4,12 @@ A file is opened as a `Table` of columns; those that are wanted are chosen by th
 name (`Reading`), and put into SI units (`read_table`). `without_gaps` is the rule on what lacks.
 """
 
-from tweezer.reading.columns import Columns, Wanted
+from tweezer.reading.columns import Columns, Wanted, only
 from tweezer.reading.formats import HDF5, damaged, read_table
 from tweezer.reading.gaps import without_gaps
 from tweezer.reading.hdf5 import datasets
 from tweezer.reading.options import Reading
+from tweezer.reading.table import refuse_too_long
 
 __all__ = [
     "HDF5",
@@ -17,6 +18,8 @@ __all__ = [
     "Wanted",
     "damaged",
     "datasets",
+    "only",
     "read_table",
+    "refuse_too_long",
     "without_gaps",
 ]

@@ -20,6 +20,7 @@ from tweezer.reading.table import (
     columns_of,
     last_part,
     rate_among,
+    refuse_too_long,
 )
 
 #: First bytes of a .npy
@@ -58,7 +59,7 @@ def open_matlab(path: Path) -> Table:
     from scipy.io import loadmat, matlab, whosmat
 
     for name, shape, _ in whosmat(path):
-        columns_of(str(path), name, name, shape)
+        refuse_too_long(str(path), name, max(shape, default=0))  # loadmat reads all of them
     variables = loadmat(path, squeeze_me=True, struct_as_record=False)
     arrays, opaque = {}, False
     for name, value in _fields(variables, _DEPTH):
@@ -101,7 +102,7 @@ def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
         if array.size == 1:
             scalars[label] = float(array.reshape(()))
             continue
-        found = columns_of(name, label, last_part(label), array.shape)
+        found = columns_of(label, last_part(label), array.shape)
         columns += found
         places += [(label, number) for number in range(len(found))]
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple, NoReturn
+from collections.abc import Iterator, Sequence, Set
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tweezer.errors import ResultError
 from tweezer.reading.headings import (
@@ -19,7 +20,8 @@ from tweezer.reading.headings import (
     understood,
 )
 from tweezer.reading.options import Chosen, Reading
-from tweezer.reading.table import Array, Table
+from tweezer.reading.order import in_order, refuse_another_order
+from tweezer.reading.table import Array, Table, refuse_too_long
 from tweezer.reading.times import at_even_times, of_frames
 
 #: Largest number of headings in an error message
@@ -57,14 +59,14 @@ class _Place(NamedTuple):
     """that it is said to be in, by who chose it, by its heading and beside it"""
 
 
-def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
-    """The columns of `table` that are wanted.
+def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
+    """The columns of `table` that are wanted, by the bead; a table of one bead has the label "".
 
     Raises `ResultError`, naming the file, and what to do about it where that is known.
     """
     places = _places(table, reading, wanted)
-    _refuse_many_beads(table)
     beside = places.pop("t", None) if "frame" in places else None
+    of_bead = places.pop("bead", None)
     axes = [axis for axis in AXES if axis in places]
     factors = {
         name: _factor(table, name, place, reading, wanted) for name, place in places.items()
@@ -76,11 +78,19 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
             f"{table.name}: {axes[0]} is in {units[axes[0]]}, and {other[0]} in "
             f"{units[other[0]]}; must be in one unit"
         )
+    for place in places.values():
+        column = table.columns[place.column]
+        refuse_too_long(table.name, column.name, column.samples)
     values = dict(
         zip(places, table.numbers([place.column for place in places.values()]), strict=True)
     )
-    if len({len(each) for each in values.values()}) > 1:
-        raise ResultError(f"{table.name}: {', '.join(values)}: must have the same length")
+    lengths = {name: len(each) for name, each in values.items()}
+    if len(set(lengths.values())) > 1:
+        told = " and ".join(f"{each:,} of {name}" for name, each in lengths.items())
+        raise ResultError(
+            f"{table.name}: has {told}; must have as many of each: name columns of one length by "
+            "--columns"
+        )
     values = {
         name: each if name == "frame" else factors[name][0] * each for name, each in values.items()
     }
@@ -89,12 +99,149 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> Columns:
     steps = {column.step for column in chosen if column.step is not None}
     if len(steps) > 1:
         raise ResultError(f"{table.name}: {', '.join(values)}: must have one rate")
-    times, said = _times(table, reading, values, min(steps, default=None))
     if beside is not None:
-        said = _said_by_times(table, reading, wanted, values["frame"], beside)
-    notes |= {said: None}
-    columns = {name: each for name, each in values.items() if name not in ("t", "frame")}
-    return Columns(times, columns, units[axes[0]], "; ".join(filter(None, notes)))
+        notes[_said_by_times(table, reading, wanted, values["frame"], beside)] = None
+    found = {}
+    for label, rows, note in _beads(table, places, reading, of_bead, lengths[axes[0]]):
+        name = f"{table.name}, bead {label}" if label else table.name
+        part = {quantity: each[rows] for quantity, each in values.items()}
+        part, sorted_ = _sorted(name, table, places, part, reading.rate)
+        if not {"t", "frame"} & set(places):
+            _refuse_another_order(name, table, places, rows)
+        times, said = _times(table, reading, part, min(steps, default=None))
+        every = "; ".join(filter(None, dict.fromkeys([*notes, note, sorted_, said])))
+        columns = {name: each for name, each in part.items() if name not in ("t", "frame")}
+        found[label] = Columns(times, columns, units[axes[0]], every)
+    return found
+
+
+def only(name: str, found: dict[str, Columns]) -> Columns:
+    """The columns of the one bead. Raises `ResultError` if there are several."""
+    if len(found) > 1:
+        raise ResultError(
+            f"{name}: has {len(found)} beads; name the one to be read, such as --bead "
+            f'"{next(iter(found))}"'
+        )
+    return next(iter(found.values()))
+
+
+def _sorted(
+    name: str,
+    table: Table,
+    places: dict[str, _Place],
+    values: dict[str, Array],
+    rate: float | None,
+) -> tuple[dict[str, Array], str]:
+    """The values by time, and what was done to them."""
+    stamps = values.get("frame", values.get("t"))
+    if stamps is None:
+        return values, ""
+    others = {name: each for name, each in values.items() if name not in ("t", "frame")}
+    without = _option(table, {each: places[each] for each in others if each in places})
+    rows, note = in_order(name, stamps, others, without, rate if "t" in values else None)
+    return {name: each[rows] for name, each in values.items()}, note
+
+
+def _option(table: Table, places: dict[str, _Place]) -> str:
+    """Return these columns as `--columns` names them."""
+    named = []
+    for quantity, place in places.items():
+        column = table.columns[place.column]
+        called = column.name.strip(AROUND) or f"{place.column + 1}"
+        own = understood(column.heading).unit, column.unit
+        unit = next((f" [{each}]" for each in place.units[:1] if each not in own), "")
+        named.append(f"{quantity}={called}{unit}")
+    return ",".join(named)
+
+
+def _refuse_another_order(
+    name: str, table: Table, places: dict[str, _Place], rows: NDArray[Any]
+) -> None:
+    """Refuse rows whose column of frames or times, which is not read, has them in another order."""
+    groups = {table.columns[place.column].group for place in places.values()}
+    for index, column in enumerate(table.columns):
+        quantity = understood(column.heading).quantity
+        if quantity not in ("t", "frame") or column.group not in groups:
+            continue
+        try:
+            (stamps,) = table.numbers([index])
+        except ResultError:  # dates, say
+            continue
+        if len(stamps) == len(rows):
+            way = _option(table, {quantity: _Place(index), **places})
+            refuse_another_order(
+                name, column.name.strip(AROUND), stamps[rows], f'--columns "{way}"'
+            )
+
+
+def _beads(
+    table: Table, places: dict[str, _Place], reading: Reading, chosen: _Place | None, length: int
+) -> Iterator[tuple[str, NDArray[Any], str]]:
+    """Each bead that is wanted: its label, which rows it has, and a note.
+
+    Only a column that is as long as those that are read, and in a group of the file with one of
+    them, distinguishes beads, unless it is chosen.
+    """
+    groups = {table.columns[place.column].group for place in places.values()}
+    of_beads = [
+        index for index, column in enumerate(table.columns)
+        if understood(column.heading).quantity == "bead" and column.group in groups
+    ]  # fmt: skip
+    for index in [chosen.column] if chosen else of_beads:
+        labels = _labels(table, index)
+        if len(labels) != length:
+            if chosen:
+                raise ResultError(
+                    f"{table.name}: has {length:,} positions and {len(labels):,} names of beads; "
+                    "must have as many"
+                )
+            continue
+        distinct = [each for each in dict.fromkeys(labels.tolist()) if each]
+        if len(distinct) == length > 1:  # a number of each row
+            continue
+        if reading.bead is not None and distinct:
+            if _label(reading.bead) not in distinct:
+                there = ", ".join(distinct[:_NAMES_TOLD]) + ", ..." * (len(distinct) > _NAMES_TOLD)
+                raise ResultError(
+                    f"{table.name}: bead = {reading.bead!r}: is not in the column "
+                    f"{table.columns[index].name.strip(AROUND)!r}; must be one of {there}"
+                )
+            distinct = [_label(reading.bead)]
+        none = int((labels == "").sum())
+        if reading.bead is None and len(distinct) < 2:
+            if len(distinct) == 1 and 0 < none < length / 2:
+                yield "", labels != "", f"{none:,} rows without a bead left out"
+                return
+            continue
+        note = f"{none:,} rows without a bead left out" if none else ""
+        for label in distinct:
+            yield label, labels == label, note
+        return
+    if reading.bead is not None:
+        raise ResultError(
+            f"{table.name}: bead = {reading.bead!r}: no column distinguishes beads; name it, such "
+            'as --columns "bead=ID,..."'
+        )
+    yield "", np.ones(length, bool), ""
+
+
+def _labels(table: Table, index: int) -> NDArray[Any]:
+    """The labels of beads in a column; "" for none."""
+    try:
+        (numbers,) = table.numbers([index])
+    except ResultError:
+        if table.labels is None:
+            raise
+        return np.array(table.labels(index), object)
+    distinct, of = np.unique(numbers, return_inverse=True)
+    return np.array(["" if np.isnan(x) else f"{x:.15g}" for x in distinct], object)[of]
+
+
+def _label(text: str) -> str:
+    try:
+        return f"{float(text):.15g}"
+    except ValueError:
+        return text
 
 
 def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]:
@@ -102,7 +249,8 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
     if reading.columns:
         places = {each.quantity: _place(table, each) for each in reading.columns}
         if not {"t", "frame"} & set(places) and reading.rate is None:
-            places |= _by_headings(table, ("t", "frame"))
+            groups = {table.columns[place.column].group for place in places.values()}
+            places |= _by_headings(table, ("t", "frame"), groups)
     elif not table.headed:
         count = len(table.columns)
         names = ["t [s]", "x [um]", "y [um]", *["-"] * count][:count]
@@ -204,9 +352,12 @@ def _folded(name: str) -> str:
     return " ".join(name.strip(AROUND).lower().split())
 
 
-def _by_headings(table: Table, quantities: Sequence[str]) -> dict[str, _Place]:
-    """The columns whose headings name one of `quantities`; of several those without words beside
-    it.
+def _by_headings(
+    table: Table, quantities: Sequence[str], groups: Set[str] = frozenset()
+) -> dict[str, _Place]:
+    """The columns whose headings name one of `quantities`.
+
+    Columns in one of `groups` of the file come first, then those whose heading has no other words.
     """
     found: dict[str, list[tuple[bool, _Place]]] = {}
     for index, column in enumerate(table.columns):
@@ -217,7 +368,9 @@ def _by_headings(table: Table, quantities: Sequence[str]) -> dict[str, _Place]:
         units = units or tuple(each for each in (heading.assumed,) if each)
         found.setdefault(heading.quantity, []).append((heading.plain, _Place(index, units)))
     places = {}
-    for quantity, alike in found.items():
+    for quantity, every in found.items():
+        near = [each for each in every if table.columns[each[1].column].group in groups]
+        alike = near or every
         first = [place for plain, place in alike if plain] or [place for _, place in alike]
         if len(first) > 1:
             names = [table.columns[place.column].name.strip(AROUND) for place in first]
@@ -340,19 +493,3 @@ def _said_by_times(
     if len(times) != len(frames):
         return ""
     return of_frames(table.name, frames, factor * times, reading.rate)
-
-
-def _refuse_many_beads(table: Table) -> None:
-    for index, column in enumerate(table.columns):
-        if understood(column.heading).quantity != "beads":
-            continue
-        try:
-            (numbers,) = table.numbers([index])
-        except ResultError:  # names of beads
-            continue
-        beads = len(np.unique(numbers[np.isfinite(numbers)]))
-        if beads > 1:
-            raise ResultError(
-                f"{table.name}: has {beads} beads in its column {column.name.strip(AROUND)!r}; "
-                "keep the rows of one of them in a file of its own"
-            )

@@ -29,8 +29,8 @@ _CALLED = {
 }  # fmt: skip
 
 
-def read_table(path: Path, reading: Reading, wanted: Wanted) -> Columns:
-    """The columns of a file that are wanted, by the end of its name.
+def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
+    """The columns of a file that are wanted, by the bead (`read`).
 
     Raises `ResultError` for a file of another kind, one that is damaged, or has more samples than
     are read, and where `read` does.

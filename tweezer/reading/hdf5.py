@@ -12,7 +12,6 @@ import numpy as np
 
 from tweezer.errors import ResultError
 from tweezer.reading.table import (
-    MOST_SAMPLES,
     Array,
     Column,
     Table,
@@ -42,7 +41,7 @@ def open_hdf5(path: Path) -> Table:
                 scalars[name] = float(np.asarray(dataset[()]).reshape(()))
                 continue
             heading, unit = name.rpartition("/")[2], _unit(dataset)
-            found = columns_of(str(path), name, heading, dataset.shape, unit)
+            found = columns_of(name, heading, dataset.shape, unit)
             columns += found
             places += [(name, number) for number in range(len(found))]
 
@@ -56,8 +55,8 @@ def open_hdf5(path: Path) -> Table:
 def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
     """The datasets of a file and of groups in it, by their paths; each group once.
 
-    A dataset may claim any length without data, and may name any file as the place of its data:
-    raises `ResultError` for one with data in other files, or with more than memory holds.
+    A dataset may name any file as the place of its data: raises `ResultError` for one with data in
+    other files. It may also claim any length without data (`refuse_too_long`).
     """
     waiting: list[tuple[str, h5py.Group, int]] = [("", file, 0)]
     seen: set[int] = set()
@@ -68,11 +67,6 @@ def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
             if isinstance(link, h5py.ExternalLink) or _lies_elsewhere(item, file):
                 raise ResultError(f"{path}: {label}: lies in another file; must be in this one")
             if isinstance(item, h5py.Dataset):
-                if item.shape and item.shape[0] > MOST_SAMPLES:
-                    raise ResultError(
-                        f"{path}: {label}: has {item.shape[0]:,} samples; must have at most "
-                        f"{MOST_SAMPLES:,}"
-                    )
                 yield label, item
             elif isinstance(item, h5py.Group) and depth < _DEPTH and not name.startswith("#"):
                 address = h5py.h5o.get_info(item.id).addr

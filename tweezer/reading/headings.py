@@ -34,8 +34,8 @@ _OF_AXES = {
 }  # fmt: skip
 #: Words that say volts where no unit stands
 _ELECTRIC = {"voltage", "volt", "volts"}
-#: Headings of what tells several beads apart
-_BEADS = {"particle", "particle id", "track id", "trajectory", "trajectory id", "bead id"}
+#: First words of a heading that distinguishes beads; words as those of frames may follow
+_BEADS = {"particle", "track", "trajectory", "bead", "molecule", "object"}
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W_]+")
 _JOINED = re.compile(r"(?:(?P<before>[a-z]{3,12})[xyz]|[xyz](?P<after>[a-z]{3,12}))")
 
@@ -44,7 +44,7 @@ class Heading(NamedTuple):
     """What a heading names."""
 
     quantity: str | None
-    """t, x, y, z; frame: the number of a frame; beads: what tells beads apart; None: another"""
+    """t, x, y, z; frame: the number of a frame; bead: what tells beads apart; None: another"""
     unit: str | None = None
     """as it is written; None without one"""
     plain: bool = False
@@ -89,8 +89,8 @@ def _split(text: str) -> tuple[str, str | None]:
 
 def _quantity(words: list[str]) -> Heading:
     of = set(words)
-    if " ".join(words) in _BEADS:
-        return Heading("beads")
+    if words and words[0] in _BEADS and len(words) <= 2 and of - {words[0]} <= _OF_FRAMES:
+        return Heading("bead")
     if len(words) == 1 and words[0] in _SECONDS:
         return Heading("t", assumed=_SECONDS[words[0]])
     if len(of & _TIMES) == 1 and of <= _TIMES | _OF_TIME and words.count("t") < 2:

@@ -11,7 +11,7 @@ import numpy as np
 
 from tweezer.errors import ResultError
 from tweezer.reading.hdf5 import datasets, text_of
-from tweezer.reading.table import Array, Column, Table
+from tweezer.reading.table import Array, Column, Table, refuse_too_long
 
 #: Attribute of the file by which it is known
 _VERSION = "Bluelake version"
@@ -37,14 +37,15 @@ def open_lumicks(path: Path) -> Table:
             '"tweezer[recordings]"'
         ) from None
     with h5py.File(path) as file:
-        names = [
-            name for name, dataset in datasets(path, file)
+        names = {
+            name: dataset.shape[0] for name, dataset in datasets(path, file)
             if text_of(dataset.attrs.get("Kind", "")) in ("Continuous", "TimeSeries")
             and not name.startswith(_CALIBRATIONS)
-        ]  # fmt: skip
+        }  # fmt: skip
     opened = pylake.File(path)
     columns, channels = [], []
-    for name in names:
+    for name, samples in names.items():
+        refuse_too_long(str(path), name, samples)
         group, _, channel = name.rpartition("/")
         piece = opened[group][channel]
         rate = piece.sample_rate

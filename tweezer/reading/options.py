@@ -12,7 +12,7 @@ from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
 from tweezer.units import QuantityLike, as_given, bare, to_si
 
 #: Quantities that a column may be named as
-_QUANTITIES = ("t", "frame", *AXES)
+_QUANTITIES = ("t", "frame", "bead", *AXES)
 #: Hz, from and to: of a rate
 _RATES = (1e-6, 1e12)
 #: m, from and to: of a pixel or a volt
@@ -27,7 +27,7 @@ class Chosen(NamedTuple):
     """A column, as it is chosen."""
 
     quantity: str
-    """t, frame, x, y or z"""
+    """t, frame, bead, x, y or z"""
     place: int | None
     """number of the column, from 0"""
     heading: str = ""
@@ -57,6 +57,8 @@ class Reading:
     """of positions in pixels or volts"""
     drive: str | None = None
     """heading, without its unit, of the column with the motion of the stage"""
+    bead: str | None = None
+    """of a table of several beads, the one to be read"""
 
     @classmethod
     def of(
@@ -65,6 +67,7 @@ class Reading:
         rate: QuantityLike | None = None,
         scale: QuantityLike | None = None,
         drive: str | None = None,
+        bead: str | int | None = None,
     ) -> Self:
         """How to read a file, as it is said in `load_recording`.
 
@@ -76,12 +79,15 @@ class Reading:
             None if rate is None else _rate(rate),
             None if scale is None else _scale(scale),
             drive,
+            None if bead is None else str(bead).strip(),
         )  # fmt: skip
 
     @property
     def given(self) -> list[str]:
         """Options that say how a table is to be read."""
-        by_name = {"columns": self.columns, "rate": self.rate, "scale": self.scale}
+        by_name = {
+            "columns": self.columns, "rate": self.rate, "scale": self.scale, "bead": self.bead,
+        }  # fmt: skip
         return [name for name, value in by_name.items() if value]
 
 
@@ -137,8 +143,8 @@ def _chosen(name: str, place: str) -> Chosen:
 def _known(quantity: str | None, text: str) -> str:
     if quantity not in _QUANTITIES:
         raise ResultError(
-            f"columns: {text!r} is not known; must be t, frame, x, y or z, perhaps with a unit as "
-            'in "x [um]", or - for a column that is not read'
+            f"columns: {text!r} is not known; must be t, frame, bead, x, y or z, perhaps with a "
+            'unit as in "x [um]", or - for a column that is not read'
         )
     return quantity
 

@@ -38,6 +38,13 @@ class Column:
     """s, between its rows, as the file says"""
     note: str = ""
     """what was done to its numbers"""
+    samples: int = 0
+    """its length, where the file tells it"""
+
+    @property
+    def group(self) -> str:
+        """The group of the file that contains the column: its name without the heading."""
+        return self.name.removesuffix(self.heading)
 
 
 @dataclass(frozen=True)
@@ -53,24 +60,31 @@ class Table:
     """whether its columns have headings"""
     rate_beside: str = ""
     """a number of the file that may be its rate: "fs = 10000\""""
+    labels: Callable[[int], list[str]] | None = None
+    """of the cells of a column as text; None: columns have numbers alone"""
 
 
 def columns_of(
-    file: str, name: str, heading: str, shape: Sequence[int], unit: str | None = None
+    name: str, heading: str, shape: Sequence[int], unit: str | None = None
 ) -> list[Column]:
-    """The columns of an array of that shape: one, or those of its rows; none if it is no table.
-
-    Raises `ResultError` for more samples than are read.
-    """
-    if max(shape, default=0) > MOST_SAMPLES:
-        raise ResultError(
-            f"{file}: {name}: has {max(shape):,} samples; must have at most {MOST_SAMPLES:,}"
-        )
-    if len(shape) == 1 or (len(shape) == 2 and min(shape) == 1 < max(shape)):
-        return [Column(name, heading, unit)]
+    """The columns of an array of that shape: one, or those of its rows; none if it is no table."""
+    samples = max(shape, default=0)
+    if len(shape) == 1 or (len(shape) == 2 and min(shape) == 1 < samples):
+        return [Column(name, heading, unit, samples=samples)]
     if len(shape) != 2 or not 1 < min(shape) <= _MOST_COLUMNS:
         return []
-    return [Column(f"{name}:{i + 1}", f"{heading}:{i + 1}", unit) for i in range(min(shape))]
+    return [
+        Column(f"{name}:{i + 1}", f"{heading}:{i + 1}", unit, samples=samples)
+        for i in range(min(shape))
+    ]
+
+
+def refuse_too_long(file: str, name: str, samples: int) -> None:
+    """Raise `ResultError` for more samples than are read."""
+    if samples > MOST_SAMPLES:
+        raise ResultError(
+            f"{file}: {name}: has {samples:,} samples; must have at most {MOST_SAMPLES:,}"
+        )
 
 
 def column_of(array: NDArray[Any], column: int) -> Array:

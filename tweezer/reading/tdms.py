@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tweezer.errors import ResultError
-from tweezer.reading.table import MOST_SAMPLES, Array, Column, Table
+from tweezer.reading.table import Array, Column, Table
 
 #: First bytes of a TDMS file
 _BEGINNING = b"TDSm"
@@ -38,15 +38,12 @@ def open_tdms(path: Path) -> Table:
             if channel.dtype.kind not in "fiu" or len(channel) < 2:
                 continue
             name = f"{group.name}/{channel.name}"
-            if len(channel) > MOST_SAMPLES:
-                raise ResultError(
-                    f"{path}: {name}: has {len(channel):,} samples; must have at most "
-                    f"{MOST_SAMPLES:,}"
-                )
             told = channel.properties
             unit = next((str(told[each]) for each in _UNITS if told.get(each)), None)
             step = float(told.get("wf_increment", 0.0))
-            columns.append(Column(name, channel.name, unit, step if step > 0 else None, cut))
+            columns.append(
+                Column(name, channel.name, unit, step if step > 0 else None, cut, len(channel))
+            )
             places.append((group.name, channel.name))
 
     def numbers(chosen: Sequence[int]) -> list[Array]:

@@ -78,8 +78,9 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
         Column(heading.strip(AROUND), heading.strip(AROUND), unit.strip(AROUND + "()[]") or None)
         for heading, unit in zip(headings, units, strict=True)
     ]
-    numbers = partial(_numbers, str(path), content, encoding, layout, _commas(head, layout))
-    return Table(str(path), columns, numbers, headed=bool(layout.headings))
+    numbers = partial(_numbers, str(path), content, encoding, layout, head)
+    labels = partial(_labels, content, encoding, layout)
+    return Table(str(path), columns, numbers, headed=bool(layout.headings), labels=labels)
 
 
 def _encoding(head: bytes) -> str:
@@ -157,7 +158,7 @@ def _are_units(headings: list[str], cells: list[str]) -> bool:
     told = False
     for heading, cell in zip(headings, cells, strict=True):
         quantity, unit = understood(heading).quantity, cell.strip(AROUND + "()[]")
-        if quantity in (None, "frame", "beads") or not unit:
+        if quantity in (None, "frame", "bead") or not unit:
             continue
         if not is_unit(unit, str(quantity)):
             return False
@@ -184,20 +185,26 @@ def _of_numbers(line: str) -> tuple[str, int] | None:
     return None
 
 
-def _commas(head: list[str], layout: _Layout) -> bool:
-    """Whether decimals have a comma."""
+def _commas(head: list[str], layout: _Layout, places: Sequence[int]) -> bool:
+    """Whether decimals in these columns have a comma."""
     for line in head[layout.first :]:
-        for cell in _cells(line, layout.delimiter):
-            if _WITH_COMMA.fullmatch(cell.strip(AROUND)):
-                return True
+        cells = _cells(line, layout.delimiter)
+        if any(_WITH_COMMA.fullmatch(cells[i].strip(AROUND)) for i in places if i < len(cells)):
+            return True
     return False
 
 
 def _numbers(
-    name: str, content: bytes, encoding: str, layout: _Layout, commas: bool, places: Sequence[int]
+    name: str,
+    content: bytes,
+    encoding: str,
+    layout: _Layout,
+    head: list[str],
+    places: Sequence[int],
 ) -> list[Array]:
     import pandas as pd
 
+    commas = _commas(head, layout, places)
     lines = content.count(b"\n") + (not content.endswith(b"\n"))
     if lines - layout.first > MOST_SAMPLES:
         raise ResultError(
@@ -227,6 +234,27 @@ def _numbers(
         why = _complaint(content, encoding, layout, commas, places)
         raise ResultError(f"{name}: {why or str(error).splitlines()[0]}") from None
     return [table[place].to_numpy(np.float64) for place in places]
+
+
+def _labels(content: bytes, encoding: str, layout: _Layout, place: int) -> list[str]:
+    """The cells of a column as they are written; empty ones as nothing."""
+    import pandas as pd
+
+    table = pd.read_csv(
+        BytesIO(content),
+        sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+        header=None,
+        names=range(place + 1),
+        index_col=False,
+        usecols=[place],
+        skiprows=layout.first,
+        dtype=str,
+        na_values=_MISSING,
+        skipinitialspace=True,
+        encoding=encoding,
+        encoding_errors="replace",
+    )
+    return [label.strip() for label in table[place].fillna("")]
 
 
 def _start(content: bytes, line: int) -> int:
