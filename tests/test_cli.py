@@ -279,8 +279,8 @@ def test_a_run_of_other_settings_is_not_replaced(command_line):
     refused = command_line(*other)
     assert (refused.code, refused.out) == (2, "")
     assert refused.err == (
-        "a.nc: is there, and is of simulation.duration = 1e-06, not 2e-06; name another --out, or "
-        "--overwrite it\n"
+        "a.nc: already holds a run with simulation.duration = 1 us; choose another --out or pass "
+        "--overwrite\n"
     )
     assert content("a.nc", "a.png") == before
     assert command_line(*other, "--overwrite").code == 0
@@ -288,11 +288,32 @@ def test_a_run_of_other_settings_is_not_replaced(command_line):
     assert sorted(path.name for path in Path().iterdir()) == ["a.nc", "a.png"]
 
 
+def test_familiar_words_stand_for_commands_options_and_keys(command_line):
+    setting = ["--set", "lens.NA=1.1", "--set", "bead.size=0.9 um"]
+    done = command_line("characterise", "silica-1um", *setting, "--json", "trap.json")
+    assert done.code == 0
+    scene = tweezer.load_scene(json.loads(Path("trap.json").read_text())["scene"])
+    assert scene.lens.numerical_aperture == 1.1
+    assert scene.bead.radius == pytest.approx(0.45e-6)
+
+
+def test_thermal_motion_at_a_rate_takes_two_options(command_line):
+    options = ["--thermal", "--rate", "100 kHz", "--seed", "3", "--duration", "0.2 ms"]
+    assert command_line("run", "silica-1um", *options).code == 0
+    run = tweezer.load_run("silica-1um.nc")
+    assert (run.sizes["time"], run.attrs["seed"]) == (21, 3)
+    scene = tweezer.load_scene(json.loads(run.attrs["scene_as_given"]))
+    assert scene.forces.brownian
+    assert scene.optics.evaluator == "map"
+
+
 def test_a_file_that_is_no_run_is_not_replaced(command_line):
     Path("a.nc").write_text("an old file")
     refused = command_line("run", *FREE, "--out", "a.nc")
     assert (refused.code, refused.out) == (2, "")
-    assert refused.err.startswith("a.nc: is there, and is no run that can be compared; name ")
+    assert refused.err.startswith(
+        "a.nc: already exists, and is no run that can be compared; choose "
+    )
     assert Path("a.nc").read_text() == "an old file"
     assert command_line("run", *FREE, "--out", "a.nc", "--overwrite").code == 0
     assert tweezer.load_run("a.nc").sizes["time"] == 3
@@ -316,7 +337,7 @@ def test_a_result_that_is_there_is_not_replaced(command_line, option, name, argu
     Path(name).write_text("the only copy")
     refused = command_line(*arguments, option, name)
     assert (refused.code, refused.out) == (2, "")
-    assert refused.err == f"{name}: is there; name another {option}, or --overwrite it\n"
+    assert refused.err == f"{name}: already exists; choose another {option} or pass --overwrite\n"
     assert Path(name).read_text() == "the only copy"
 
 
@@ -442,7 +463,7 @@ def interrupted(*_, **__):
         (["view", *SHORT[:1], "--out", "a.html"], "tweezer.dynamics.solution.Solver.__init__"),
         (["run", *FREE, "--set", "forces.brownian=true"], "tweezer.dynamics.walk.Walk.filmed"),
         (["trap", *SHORT[:1], "--out", "a.json"], "tweezer.analysis.characterise"),
-        (["ensemble", *SHORT, "--trajectories", "2"], "tweezer.arguments.check_ensemble"),
+        (["ensemble", *FREE, "--trajectories", "2"], "tweezer.arguments.check_ensemble"),
         (["sweep", *SHORT[:1]], "tweezer.sweeps.sweep"),
         (["calibrate", "a.csv"], "tweezer.analysis.load_recording"),
     ],
@@ -594,8 +615,17 @@ def test_a_reader_that_leaves_costs_no_file(tmp_path):
       "seed: is for forces.brownian = true, and a camera with noise"),
      (["run", *FREE, "--set", "forces.brownian=true", "--seed", "-3"],
       "seed = -3: must be a whole number from 0 to 2^63 - 1"),
-     (["ensemble", "silica-1um", "--trajectories", "3"],
-      "forces.brownian = False: there is no thermal motion; allowed: true"),
+     (["run", "silica-1um", "--rate", "1 Hz"],
+      "--rate '1 Hz': gives less than one sample in 0.004 s; choose a higher rate or a longer "
+      "--duration"),
+     (["run", "silica-1um", "--rate", "1 kHz", "--set", "simulation.samples=3"],
+      "--rate '1 kHz': simulation.samples is set too; give one of the two"),
+     (["run", "silica-1um", "--set", "lens.NA=1.1", "--set", "lens.numerical_aperture=1"],
+      "lens.numerical_aperture: lens.numerical_aperture is set twice"),
+     (["run", "silica-1um", "--set", "lens.NA=1.4"],
+      'lens.numerical_aperture = 1.4: must be less than medium.refractive_index = 1.326 for the '
+      'sine map; give lens.cover for an oil immersion objective, as `tweezer new --objective '
+      '"100x/1.40 oil"` does'),
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--skip", "5 ms"],
       "skip: is for sweeps of ensemble, calibrate, not of trap"),
      (["sweep", "silica-1um", "--over", "beam.power=1mW,2mW", "--seed", "0"],

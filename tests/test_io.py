@@ -251,15 +251,15 @@ THERMAL = FREE.replace(forces={"brownian": True})
     [((FREE, 0), (FREE, 0), ""),
      ((FREE, 0), (FREE, 1), ""),
      ((THERMAL, 1), (THERMAL, 1), ""),
-     ((THERMAL, 1), (THERMAL, 0), "of seed = 1, not 0"),
-     ((FREE, 0), (THERMAL, 0), "of forces.brownian = False, not True"),
-     ((THERMAL, 0), (FREE, 0), "of forces.brownian = True, not False"),
+     ((THERMAL, 1), (THERMAL, 0), "already holds a run with seed = 1"),
+     ((FREE, 0), (THERMAL, 0), "already holds a run with forces.brownian = False"),
+     ((THERMAL, 0), (FREE, 0), "already holds a run with forces.brownian = True"),
      ((FREE, 0), (FREE.replace(beam={"wavelength": 1e-6}), 0),
-      "of beam.wavelength = 1.064e-06, not 1e-06"),
+      "already holds a run with beam.wavelength = 1.064 um"),
      ((FREE, 0), (FREE.replace(simulation={"model": "full"}), 0),
-      "of simulation.model = none, not full"),
+      "already holds a run without simulation.model"),
      ((FREE.replace(simulation={"model": "full"}), 0), (FREE, 0),
-      "of simulation.model = full, not none")],
+      "already holds a run with simulation.model = full")],
 )  # fmt: skip
 def test_a_run_tells_how_it_differs_from_another(first, second, difference, turning_run, tmp_path):
     """By what was given, not by what was decided for it."""
@@ -276,8 +276,10 @@ def test_what_is_no_run_differs_from_all(turning_run, turning_scene, tmp_path):
     for attributes in ({}, {"scene_as_given": "{"}, {"scene_as_given": "[]"}):
         run = turning_run.drop_attrs().assign_attrs(scene=turning_run.attrs["scene"], **attributes)
         tweezer.save_run(run, path)
-        assert unlike(path, turning_scene, 0) == "no run that can be compared"
+        assert (
+            unlike(path, turning_scene, 0) == "already exists, and is no run that can be compared"
+        )
     path.write_bytes(path.read_bytes()[:-1000])
-    assert unlike(path, turning_scene, 0) == "no run that can be compared"
+    assert unlike(path, turning_scene, 0) == "already exists, and is no run that can be compared"
     tweezer.save_run(turning_run, path)
     assert not unlike(path, turning_scene, 0)

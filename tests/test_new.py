@@ -94,7 +94,7 @@ def test_a_file_that_is_there_is_kept(command_line):
     Path("mine.toml").write_text("mine")
     done = command_line("new")
     assert (done.code, done.out) == (2, "")
-    assert done.err == "mine.toml: is there; name another FILE, or --overwrite it\n"
+    assert done.err == "mine.toml: already exists; choose another FILE or pass --overwrite\n"
     assert Path("mine.toml").read_text() == "mine"
     assert command_line("new", "--overwrite").code == 0
     assert Path("mine.toml").read_text() != "mine"
@@ -109,11 +109,13 @@ def test_a_file_that_is_there_is_kept(command_line):
                              "silicon"),
         (["--diameter", "1 mw"], "--diameter '1 mw': has a unit that is not known; must be"),
         (["--diameter", "5 mm"], "--diameter '5 mm': must be from 2e-09 to 0.002 m"),
-        (["--objective", "60x/1.2"], "--objective '60x/1.2': did you mean 60x/1.20 water?"),
+        (["--diameter", "1.5"], 'must be from 2e-09 to 0.002 m; for 1.5 um write "1.5 um"'),
+        (["--objective", "60x/1.3"], "--objective '60x/1.3': did you mean 100x/1.30 oil?"),
+        (["--objective", "100x"], "--objective '100x': did you mean 100x/1.30 oil?"),
         (["--laser", "1550 nm"], "--laser '1550 nm': the index of polystyrene is known from"),
         (["--laser", "1550 nm", "--bead", "silica"], "--laser '1550 nm': the index of water is"),
         (["--power", "20mw"], "did you mean mW?"),
-        (["--power", "0 mW"], "no light holds no bead"),
+        (["--power", "0 mW"], "--power '0 mW': must be greater than 0"),
         (["--depth", "1 um"], "--depth '1 um': must be more than 1.2 um, for a bead of 1 um"),
         (["--depth", "none", "--objective", "100x/1.40 oil"], "--depth 'none': must be a length"),
     ],
@@ -123,6 +125,31 @@ def test_bad_options_are_one_line(command_line, options, line):
     assert (done.code, done.out) == (2, "")
     assert line in done.err.splitlines()[-1]
     assert not list(Path().iterdir())
+
+
+@pytest.mark.parametrize(
+    ("option", "text", "named"),
+    [("bead", "PS", "polystyrene"), ("bead", "SiO2", "silica"), ("bead", "poly", "polystyrene"),
+     ("bead", "Au", "gold"), ("bead", "si", "silicon"),
+     ("objective", "60x 1.2", "60x/1.20 water"), ("objective", "100x1.4", "100x/1.40 oil")],
+)  # fmt: skip
+def test_other_words_and_beginnings_are_understood(option, text, named):
+    read = {"bead": new._material, "objective": new._objective}[option]
+    assert read(text).name == named
+
+
+def test_at_a_terminal_numbers_choose_and_enter_accepts_what_was_meant(command_line, monkeypatch):
+    answers = ["2", "", "60 water", "", "2", "", ""]
+    monkeypatch.setattr(new, "_asks", lambda: True)
+    monkeypatch.setattr(sys, "stdin", io.StringIO("\n".join(answers) + "\n"))
+    done = command_line("new", "chosen.toml")
+    assert done.code == 0
+    assert "did you mean 60x/1.20 water? Press Enter to accept." in done.out
+    assert "focus depth behind the cover glass (none: far from it) [none]: " in done.out
+    scene = load_scene("chosen.toml")
+    assert scene.bead.material == "silica"
+    assert (scene.lens.radius, scene.lens.numerical_aperture) == (4e-3, 1.2)
+    assert scene.beam.wavelength == pytest.approx(980e-9)
 
 
 def test_at_a_terminal_it_asks_again_after_a_bad_answer(command_line, monkeypatch):

@@ -65,7 +65,7 @@ def check_run(scene: Scene, seed: int | None) -> None:
 def check_thermal(scene: Scene, seed: int) -> None:
     """Raises `SceneError` for a scene without thermal motion, and a seed that is none."""
     if not scene.forces.brownian:
-        raise SceneError("forces.brownian = False: there is no thermal motion; allowed: true")
+        raise SceneError("forces.brownian = False: all trajectories would be equal; set it to true")
     check_seed(seed)
 
 

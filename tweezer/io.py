@@ -19,7 +19,8 @@ from tweezer.errors import ResultError
 from tweezer.files import replacing
 from tweezer.run import Run
 from tweezer.saved import check_ending, kind_of
-from tweezer.scene import Scene, by_key
+from tweezer.scene import Scene, by_key, described_at
+from tweezer.units import usual_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -184,9 +185,9 @@ def scene_in(attributes: Mapping[str, Any]) -> Scene:
 
 
 def unlike(path: Path, scene: Scene, seed: int) -> str:
-    """How the file at `path` differs from a run of `scene` and `seed`: "" if it does not.
+    """Return how the file at `path` differs from a run of `scene` and `seed`; "" if it does not.
 
-    In words that follow "is". What only names a run, and how it was computed, does not count.
+    The name of a run, and how it was computed, do not count.
     """
     import h5netcdf
 
@@ -195,13 +196,25 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
             made = dict(file.attrs)
         there = by_key(json.loads(made["scene_as_given"]))
     except (ResultError, KeyError, ValueError, AttributeError):
-        return "no run that can be compared"
+        return "already exists, and is no run that can be compared"
     if made.get("other_forces"):
-        return "a run with forces beside those of its scene"
+        return "already holds a run with forces beside those of its scene"
     here = by_key(scene.model_dump(mode="json", exclude_none=True))
     if scene.draws:
         there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}
-    for key in here | there:
-        if here.get(key) != there.get(key):
-            return f"of {key} = {there.get(key, 'none')}, not {here.get(key, 'none')}"
-    return ""
+    different = [key for key in here | there if here.get(key) != there.get(key)]
+    for key in different:
+        if key in there:
+            return f"already holds a run with {key} = {_shown(key, there[key])}"
+    return f"already holds a run without {different[0]}" if different else ""
+
+
+def _shown(key: str, value: Any) -> str:
+    """Return the value of a scene's key as text, a quantity in a usual unit."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or key == "seed":
+        return str(value)
+    quantity, _ = described_at(key)
+    if quantity is None or not quantity.unit:
+        return f"{value:.6g}"
+    factor, unit = usual_unit(value, quantity.unit)
+    return f"{value / factor:.6g} {unit}"

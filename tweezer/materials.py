@@ -33,6 +33,8 @@ class Material(NamedTuple):
     density: float
     """kg/m^3"""
     density_source: str
+    aliases: tuple[str, ...] = ()
+    """other words that people use for it"""
 
     def refractive_index(self, wavelength: float) -> complex:
         """Refractive index n + jk at a vacuum wavelength, m.

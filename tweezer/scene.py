@@ -11,14 +11,14 @@ import itertools
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args, get_origin
 
 from pydantic import Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from tweezer.choices import EVALUATORS, METHODS, MODELS, methods
+from tweezer.choices import EVALUATORS, METHODS, MODELS, Evaluator, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.materials import Material, materials
@@ -270,8 +270,8 @@ class Scene(Section):
         for beam in self.beams:
             if self.lit and self.optics.evaluator == "grid":
                 self._wider_than_a_square(beam)
-            if by and self.theory in by.symmetric and beam.polarisation == "linear":
-                raise refusal(NO_MAP)
+        if by and not self.allows(by):
+            raise refusal(NO_MAP)
         if self.lit and self.theory == "rays":
             self._map_of_rays()
         if self.lens.cover is not None:
@@ -290,15 +290,26 @@ class Scene(Section):
         beam = self.beam.model_copy(update={"power": None, "power_through_pupil": power})
         return self.model_copy(update={"beam": beam})
 
+    def allows(self, by: Evaluator) -> bool:
+        """Return whether the light has the symmetry that an evaluator needs in its theory."""
+        linear = any(beam.polarisation == "linear" for beam in self.beams)
+        return not (self.theory in by.symmetric and linear)
+
     def _aperture_in_reach(self) -> None:
         """Refuse a sine map whose outermost rays leave the lens at a right angle or beyond."""
         lens, key, index = self.lens, "medium", self.medium.refractive_index
         if lens.cover is not None:
             key, index = "lens.cover", lens.cover.refractive_index
         if lens.map == "sine" and lens.numerical_aperture and lens.numerical_aperture >= index:
+            remedy = (
+                "give lens.cover for an oil immersion objective, as "
+                '`tweezer new --objective "100x/1.40 oil"` does'
+                if lens.cover is None
+                else "give the index of the immersion oil"
+            )
             raise refusal(
-                f"lens.numerical_aperture = {lens.numerical_aperture}: must be less than "
-                f"{key}.refractive_index = {index} for the sine map"
+                f"lens.numerical_aperture = {lens.numerical_aperture:g}: must be less than "
+                f"{key}.refractive_index = {index:.5g} for the sine map; {remedy}"
             )
 
     def _map_of_rays(self) -> None:
@@ -939,9 +950,10 @@ def _shipped_like(path: Path) -> str:
 
 
 def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
-    """`scene` with dotted keys set to text values, as given on a command line.
+    """Return `scene` with dotted keys set to text values, as given on a command line.
 
-    A key is `section.key`, `beam[2].key` of several beams, or `beam.motion.key`.
+    A key is `section.key`, `beam[2].key` of several beams, or `beam.motion.key`. Familiar words
+    such as lens.NA stand for keys, see `FAMILIAR`.
     A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
     ("80 mW"); "True" and "False" are as Python has them. Raises `SceneError`.
     """
@@ -965,6 +977,10 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
             value = tomllib.loads(f"value = {text}")["value"]
         except _NOT_TOML:
             value = {"True": True, "False": False}.get(text, text)
+        if not dot and name not in of:
+            name = familiar(section, name)
+        if name in within:
+            raise SceneError(f"{key}: {section}.{name} is set twice")
         within[name] = value
     return scene.replace(**sections)
 
@@ -982,8 +998,7 @@ def described_at(key: str) -> tuple[Quantity | None, str]:
         name = _HALVES.get((within, part), part)
         fields = section.model_fields if section else {}
         if name not in fields:
-            halves = [key for pair in ALTERNATIVES.get(within, ()) for key in pair]
-            near = difflib.get_close_matches(part, [*fields, *halves], n=1)
+            near = _meant(within, part, fields)
             meant = ".".join([first, *parts[: parts.index(part)], *near])
             raise SceneError(f"{key}: unknown key{f'; did you mean {meant}?' if near else ''}")
         within, field = f"{within}.{name}", fields[name]
@@ -1163,8 +1178,39 @@ def _known_keys(details: ErrorDetails) -> str:
         keys += [key for key in pair if key not in keys]
     if "times" in keys:
         keys.append("file")
-    near = difflib.get_close_matches(str(details["loc"][-1]), keys, n=1)
+    near = _meant(".".join(names).replace("more_beams", "beam"), str(details["loc"][-1]), keys)
     return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
+
+
+#: what people call keys of a scene, by section
+FAMILIAR = {
+    "bead": {
+        "size": "diameter", "d": "diameter", "a": "radius", "r": "radius", "n": "refractive_index",
+        "index": "refractive_index", "rho": "density",
+    },
+    "medium": {
+        "n": "refractive_index", "index": "refractive_index", "T": "temperature",
+        "eta": "viscosity", "mu": "viscosity", "rho": "density",
+    },
+    "lens": {"NA": "numerical_aperture", "f": "focal_length"},
+    "beam": {"lambda": "wavelength", "w0": "waist", "P": "power"},
+    "simulation": {"dt": "step", "time": "duration", "steps": "samples"},
+    "forces": {"thermal": "brownian", "noise": "brownian", "weight": "gravity"},
+}  # fmt: skip
+
+
+def familiar(section: str, name: str) -> str:
+    """Return the key of a section that a word such as NA stands for, or the word itself."""
+    words = {word.lower(): key for word, key in FAMILIAR.get(_kind(section), {}).items()}
+    return words.get(name.lower(), name)
+
+
+def _meant(section: str, name: str, keys: Iterable[str]) -> list[str]:
+    """Return the key of a section that an unknown one probably means, if any, in a list."""
+    if (key := familiar(section, name)) != name:
+        return [key]
+    halves = [key for pair in ALTERNATIVES.get(section, ()) for key in pair]
+    return difflib.get_close_matches(name, [*keys, *halves], n=1)
 
 
 def _section_of(annotation: Any) -> Any:

@@ -47,6 +47,7 @@ from tweezer.units import (
     Temperature,
     Viscosity,
     WallPosition,
+    Wavelength,
     complex_number,
     entries,
     to_si,
@@ -408,7 +409,7 @@ class Lens(Section):
 class Beam(Section):
     """The laser in the pupil. `waist` (1/e^2 radius, 2 sigma) may be given in place of `sigma`."""
 
-    wavelength: PositiveLength = Field(description="vacuum wavelength")
+    wavelength: Wavelength = Field(description="vacuum wavelength")
     power: Power | None = Field(
         None, description="total power P_t before the pupil cuts the beam (3.4)"
     )

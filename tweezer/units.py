@@ -111,8 +111,23 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
     if not math.isfinite(number):
         raise ValueError("must be finite")
     if not low <= number <= high:
-        raise ValueError(f"must be from {low:g} to {high:g} {unit}".rstrip())
+        meant = "" if isinstance(value, str) else in_usual_unit(number, unit, (low, high))
+        written = f'; for {meant} write "{meant}"' if meant else ""
+        raise ValueError(f"must be from {low:g} to {high:g} {unit}".rstrip() + written)
     return number
+
+
+def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
+    """Return a bare number with the unit in which it probably was meant, such as "1.5 um".
+
+    The unit is the first usual one in which the size of the number lies within `bounds`, given in
+    the SI unit `unit`. Return "" if there is none.
+    """
+    for other in _USUAL.get(unit, ()):
+        size = abs(_from_text(f"{number:.17g} {other}", unit))
+        if other != unit and bounds[0] <= size <= bounds[1]:
+            return f"{number:g} {other}"
+    return ""
 
 
 def array_in_si(values: Any, unit: str) -> NDArray[np.float64]:
@@ -323,8 +338,9 @@ class Quantity:
         least, most = self.usual
         if value == 0 or not math.isfinite(value) or least <= abs(value) <= most:
             return ""
-        other = _USUAL[self.unit][0]
-        return f'is {value:g} {self.unit}; {value:g} {other} is written "{value:g} {other}"'
+        meant = in_usual_unit(value, self.unit, (max(least, self.low), min(most, self.high)))
+        written = f'; {meant} is written "{meant}"' if meant else ""
+        return f"is {value:g} {self.unit}{written}"
 
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
@@ -473,6 +489,7 @@ RadiiOrLength = Annotated[
 ]  # fmt: skip
 Length = Annotated[float, Quantity("m", -1, 1, usual=(0, 0.05))]
 PositiveLength = Annotated[float, Quantity("m", 1e-18, 1, usual=(0, 0.05))]
+Wavelength = Annotated[float, Quantity("m", 1e-18, 1e-3, usual=(1e-8, 1e-4))]
 #: Any length: 1 m says that the bead is never lost.
 LossDistance = Annotated[float, Quantity("m", 1e-18, 1)]
 #: m, from and to: also the ranges of half a diameter and half a waist

@@ -218,7 +218,7 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
         ({"over": {"bead.diameter": [1e-6]}, "of": "traps"}, "of = 'traps': allowed: trap, run"),
         ({"over": {"lens.numerical_aperture": [1.4]}}, "lens.numerical_aperture = 1.4: must be"),
         ({"over": {"beam.power": [1.0]}, "workers": 0}, "workers = 0: must be a whole number"),
-        ({"over": {"beam.power": [1.0]}, "of": "ensemble"}, "there is no thermal motion"),
+        ({"over": {"beam.power": [1.0]}, "of": "ensemble"}, "all trajectories would be equal"),
         ({"over": {"beam.power": [1.0]}, "out": "sweep.nc"}, "must end in .zarr"),
         ({"over": {"beam.power": [1.0]}, "out": 3}, "out = 3: must be the name of a Zarr store"),
         ({"over": {"bead.diameter": [1e-6], "bead.radius": [1e-6]}}, "bead"),

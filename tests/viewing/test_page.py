@@ -241,7 +241,10 @@ def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypa
     assert command_line("view", "run.nc", "--out", "page.html").code == 0
     (tmp_path / "own.html").write_text("<h1>not of tweezer</h1>")
     outcome = command_line("view", "run.nc", "--out", "own.html")
-    said = "own.html: is there, and is no page of tweezer; name another --out, or --overwrite it\n"
+    said = (
+        "own.html: already exists, and is no page of tweezer; choose another --out or pass "
+        "--overwrite\n"
+    )
     assert (outcome.code, outcome.err) == (2, said)
     assert (tmp_path / "own.html").read_text() == "<h1>not of tweezer</h1>"
     assert command_line("view", "run.nc", "--out", "own.html", "--overwrite").code == 0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import typer.core
 
+from tweezer.choices import EVALUATORS
 from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import show_warning, showing_progress, telling_interrupt
 from tweezer.errors import PhysicsWarning, SceneError
@@ -18,8 +19,21 @@ if TYPE_CHECKING:
     from tweezer.scene import Scene
 
 
+#: other words for commands
+_FAMILIAR = {
+    "simulate": "run", "characterise": "trap", "characterize": "trap", "stiffness": "trap",
+    "show": "view", "plot": "view", "optimise": "tune", "optimize": "tune", "init": "new",
+}  # fmt: skip
+
+
 class _Commands(typer.core.TyperGroup):
-    """The commands; one that is interrupted says what there is."""
+    """The commands. An interrupted command reports what was written."""
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return the command of a name, or of another word for it."""
+        return super().get_command(ctx, cmd_name) or super().get_command(
+            ctx, _FAMILIAR.get(cmd_name, cmd_name)
+        )
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the line of the command."""
@@ -81,7 +95,7 @@ Bead = Annotated[
     ),
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
-JsonFile = Annotated[Path | None, typer.Option(help="JSON file to write.")]
+JsonFile = Annotated[Path | None, typer.Option("--out", "--json", help="JSON file to write.")]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace a file that is there, whatever it is.")
 ]
@@ -113,6 +127,18 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
     for key in settings.keys() & named.keys():
         raise SceneError(f"--{key.partition('.')[2]}: {key} is set twice, by --set too")
     return {**settings, **named}
+
+
+def with_thermal_motion(scene: Scene) -> Scene:
+    """Return the scene with thermal motion, and with a map of the force where it can have one.
+
+    A map is chosen only where the scene leaves the evaluator open.
+    """
+    thermal = scene.replace(forces={"brownian": True})
+    if thermal.optics.evaluator != "auto":
+        return thermal
+    by_map = EVALUATORS["map"]
+    return thermal.replace(optics={"evaluator": by_map.name}) if thermal.allows(by_map) else thermal
 
 
 def bind_light(scene: Scene) -> None:

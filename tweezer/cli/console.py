@@ -74,7 +74,7 @@ def writable_result(
     formats: tuple[str, ...],
     *,
     overwrite: bool,
-    obstacle: Callable[[Path], str] = lambda _: "is there",
+    obstacle: Callable[[Path], str] = lambda _: "already exists",
     option: str = "--out",
 ) -> Path:
     """`path` of a result, report or scene; refused too if a file is there that must be kept.
@@ -85,7 +85,7 @@ def writable_result(
     """
     path = writable(path, formats)
     if path.exists() and not overwrite and (reason := obstacle(path)):
-        raise ResultError(f"{path}: {reason}; name another {option}, or --overwrite it")
+        raise ResultError(f"{path}: {reason}; choose another {option} or pass --overwrite")
     return path
 
 

@@ -18,6 +18,7 @@ from tweezer.cli.app import (
     quantity_in,
     scene_with,
     settings_of,
+    with_thermal_motion,
 )
 from tweezer.cli.console import (
     INTERRUPTED,
@@ -69,15 +70,17 @@ def ensemble(
     ] = None,
     set: Changes = None,
 ) -> None:
-    """Release the bead of SCENE many times.
+    """Simulate the bead in SCENE many times.
 
-    Each time with thermal motion of its own. Stopped at any time, by Ctrl-C or worse, it goes on
-    with --resume where it was.
+    Each trajectory has independent thermal motion, which the command adds to a scene without it.
+    Continue an interrupted ensemble with --resume.
     """
     from tweezer.arguments import check_ensemble
     from tweezer.units import Time
 
     described = scene_with(scene, settings_of(set or [], duration=duration))
+    if not described.forces.brownian:
+        described = with_thermal_motion(described)
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     out = writable(out, ("nc",) if statistics else STORES)

@@ -8,7 +8,7 @@ import re
 import shlex
 import sys
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
 
@@ -37,6 +37,25 @@ _WATER, _VISCOSITY, _C = 1.33, 1e-3, 2.998e8
 _SMALL = 0.3e-6
 
 
+#: what `tweezer new` asks at a terminal, by the option that answers it
+QUESTIONS = {
+    "bead": "material of the bead",
+    "diameter": "diameter of the bead",
+    "objective": "objective",
+    "laser": "wavelength of the laser in vacuum",
+    "power": "power behind the objective",
+    "depth": "focus depth behind the cover glass (none: far from it)",
+}
+
+
+class _NearlyError(SceneError):
+    """An answer that is no choice, but close to one."""
+
+    def __init__(self, message: str, choice: str) -> None:
+        super().__init__(message)
+        self.choice = choice
+
+
 class _Experiment(NamedTuple):
     """The answers, in SI."""
 
@@ -57,37 +76,41 @@ def new(
     bead: Annotated[
         str | None,
         typer.Option(
-            help=f"Material: {', '.join(materials())}.",
+            help=f"Material of the bead: {', '.join(materials())}.",
             metavar="NAME",
             autocompletion=among(materials()),
         ),
     ] = None,
-    diameter: Annotated[str | None, typer.Option(help='Of the bead: "1 um".')] = None,
+    diameter: Annotated[str | None, typer.Option(help='Diameter of the bead, e.g. "1 um".')] = None,
     objective: Annotated[
         str | None,
         typer.Option(
-            help=f"{', '.join(OBJECTIVES)}.", metavar="NAME", autocompletion=among(OBJECTIVES)
+            help=f"Objective: {', '.join(OBJECTIVES)}.",
+            metavar="NAME",
+            autocompletion=among(OBJECTIVES),
         ),
     ] = None,
     laser: Annotated[
         str | None,
         typer.Option(
-            help=f"{', '.join(LASERS)}, or another wavelength.",
+            help=f"Laser: {', '.join(LASERS)}, or another wavelength in vacuum.",
             metavar="WAVELENGTH",
             autocompletion=among(LASERS),
         ),
     ] = None,
-    power: Annotated[str | None, typer.Option(help='Behind the objective: "50 mW".')] = None,
+    power: Annotated[
+        str | None, typer.Option(help='Power behind the objective, e.g. "50 mW".')
+    ] = None,
     depth: Annotated[
         str | None,
-        typer.Option(help='Of the focus behind the cover glass: "5 um"; none if that is far.'),
+        typer.Option(help='Focus depth behind the cover glass, e.g. "5 um"; none if far from it.'),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Write a scene of your own.
 
-    To FILE, or mine.toml if none is given.
-    What no option says is asked for; without a terminal it is the default, which is then said.
+    FILE is mine.toml by default. The command asks for each quantity that no option gives. Without
+    a terminal it takes the default and prints it.
     """
     file = writable_result(file, ("toml",), overwrite=overwrite, option="FILE")
     material = _answer("bead", bead, "polystyrene", _material, _of_materials)
@@ -128,11 +151,13 @@ def _answer(
     given: str | None,
     default: str,
     read: Callable[[str], Answer],
-    choices: Callable[[], Table] | None = None,
+    choices: Callable[[], tuple[Table, list[str]]] | None = None,
 ) -> Answer:
-    """What an option says, or else somebody at a terminal, or else the default.
+    """Return what an option says, or else somebody at a terminal, or else the default.
 
-    read: gives the value of an answer, or raises `SceneError`.
+    `read` returns the value of an answer, or raises `SceneError`. At a terminal the number of a row
+    in the table of choices is an answer too, and Enter accepts the choice that an answer was close
+    to.
     """
     if given is not None:
         return read(given)
@@ -140,38 +165,55 @@ def _answer(
         ERR.print(f"--{option} not given: {default}", highlight=False, soft_wrap=True)
         return read(default)
 
-    def checked(text: str) -> Answer:
+    rows: list[str] = []
+    if choices:
+        table, rows = choices()
+        OUT.print(table)
+    while True:
+        text = typer.prompt(QUESTIONS[option], default=default).strip()
+        if text.isdecimal() and 1 <= int(text) <= len(rows):
+            text = rows[int(text) - 1]
         try:
             return read(text)
+        except _NearlyError as error:
+            default = error.choice
+            OUT.print(f"{error} Press Enter to accept.", highlight=False, soft_wrap=True)
         except SceneError as error:
-            raise typer.BadParameter(str(error)) from None
-
-    if choices:
-        OUT.print(choices())
-    answer: Answer = typer.prompt(f"{option}", default=default, value_proc=checked)
-    return answer
+            OUT.print(f"Error: {error}", highlight=False, soft_wrap=True)
 
 
-def _named(option: str, text: str, names: Iterable[str]) -> str:
-    """The one of the names that a text means, whatever its capitals and spaces."""
-    folded = {_folded(name): name for name in names}
+def _named(option: str, text: str, names: Mapping[str, Iterable[str]]) -> str:
+    """Return the name that a text means: the name, its only beginning, or another word for it.
+
+    Capitals, spaces and signs do not count. `names` has the other words by name.
+    """
+    folded = {_folded(word): name for name, more in names.items() for word in (name, *more)}
     if (name := folded.get(_folded(text))) is not None:
         return name
-    near = difflib.get_close_matches(_folded(text), folded, n=1)
-    meant = f"did you mean {folded[near[0]]}?" if near else f"allowed: {', '.join(names)}"
-    raise SceneError(f"--{option} {text!r}: {meant}")
+    start = _folded(text)
+    begun = {word: name for word, name in folded.items() if start and word.startswith(start)}
+    whole = {name for word, name in begun.items() if not word[len(start)].isdigit()}
+    for only in (whole, set(begun.values())):
+        if len(only) == 1:
+            return only.pop()
+    near = [folded[each] for each in difflib.get_close_matches(_folded(text), folded, n=1)]
+    if near or begun:
+        choice = (near or list(begun.values()))[0]
+        raise _NearlyError(f"--{option} {text!r}: did you mean {choice}?", choice)
+    raise SceneError(f"--{option} {text!r}: allowed: {', '.join(names)}")
 
 
 def _folded(text: str) -> str:
-    return re.sub(r"(?<=\.[0-9])0|[\s_-]", "", text.lower())  # 1.3 is 1.30
+    return re.sub(r"(?<=\.[0-9])0|[\s_/-]", "", text.lower())  # 1.3 is 1.30
 
 
 def _material(text: str) -> Material:
-    return materials()[_named("bead", text, materials())]
+    names = {name: each.aliases for name, each in materials().items()}
+    return materials()[_named("bead", text, names)]
 
 
 def _objective(text: str) -> Objective:
-    return OBJECTIVES[_named("objective", text, OBJECTIVES)]
+    return OBJECTIVES[_named("objective", text, dict.fromkeys(OBJECTIVES, ()))]
 
 
 def _diameter(text: str) -> float:
@@ -206,7 +248,7 @@ def _power(text: str) -> float:
 
     found = quantity_in("--power", text, Power)
     if not found:
-        raise SceneError(f"--power {text!r}: no light holds no bead")
+        raise SceneError(f"--power {text!r}: must be greater than 0")
     return found
 
 
@@ -229,25 +271,33 @@ def _depth(text: str, objective: Objective, diameter: float) -> float | None:
     return depth
 
 
-def _of_materials() -> Table:
-    table = table_of("material", "index at 1064 nm", "source")
-    for each in materials().values():
-        table.add_row(each.name, f"{_index(each.refractive_index(1.064e-6))}", each.cited)
-    return table
+def _numbered(
+    headings: Iterable[str], rows: Mapping[str, Iterable[str]]
+) -> tuple[Table, list[str]]:
+    """Return a table of choices with their numbers, and their names in order."""
+    table = table_of("", *headings)
+    for number, (name, cells) in enumerate(rows.items(), 1):
+        table.add_row(f"{number}", name, *cells)
+    return table, list(rows)
 
 
-def _of_objectives() -> Table:
-    table = table_of("objective", "radius of the pupil", "such as")
-    for each in OBJECTIVES.values():
-        table.add_row(each.name, _millimetres(each.pupil_radius), each.example)
-    return table
+def _of_materials() -> tuple[Table, list[str]]:
+    rows = {
+        each.name: (_index(each.refractive_index(1.064e-6)), each.cited)
+        for each in materials().values()
+    }
+    return _numbered(("material", "index at 1064 nm", "source"), rows)
 
 
-def _of_lasers() -> Table:
-    table = table_of("laser", "")
-    for each in LASERS.values():
-        table.add_row(each.name, each.kind)
-    return table
+def _of_objectives() -> tuple[Table, list[str]]:
+    rows = {
+        each.name: (_millimetres(each.pupil_radius), each.example) for each in OBJECTIVES.values()
+    }
+    return _numbered(("objective", "pupil radius", "for example"), rows)
+
+
+def _of_lasers() -> tuple[Table, list[str]]:
+    return _numbered(("laser", "kind"), {each.name: (each.kind,) for each in LASERS.values()})
 
 
 def _index(index: complex) -> str:

@@ -18,8 +18,10 @@ from tweezer.cli.app import (
     SceneName,
     app,
     bind_light,
+    quantity_in,
     scene_with,
     settings_of,
+    with_thermal_motion,
 )
 from tweezer.cli.completion import among
 from tweezer.cli.console import (
@@ -35,7 +37,7 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import add_light, add_rows, table_of
-from tweezer.errors import PhysicsWarning
+from tweezer.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
     from tweezer.run import Run
@@ -75,24 +77,37 @@ def run(
             autocompletion=among(["auto", *METHODS]),
         ),
     ] = None,
-    seed: Annotated[int | None, typer.Option(help="Of the thermal motion; 0 if not given.")] = None,
+    thermal: Annotated[
+        bool, typer.Option("--thermal", help="Add thermal motion, and compute forces by a map.")
+    ] = False,
+    rate: Annotated[
+        str | None, typer.Option(help='Samples kept per second, e.g. "50 kHz".', metavar="RATE")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(help="Seed of the thermal motion. Default: 0.")
+    ] = None,
     set: Changes = None,
     out: Annotated[
-        Path | None, typer.Option(help="NetCDF file to write; SCENE.nc if not given.")
+        Path | None, typer.Option(help="NetCDF file to write. Default: SCENE.nc.")
     ] = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Follow the bead of SCENE.
+    """Simulate the bead in SCENE.
 
-    Writes the trajectory. An OUT that is there is replaced by a run of the same scene, settings and
-    seed, and by no other without --overwrite. A run that is interrupted, or fails, replaces none:
-    it is written beside.
+    Writes the trajectory to a NetCDF file.
+
+    An existing OUT is replaced by a run of the same scene, settings and seed. Any other run needs
+    --overwrite. An interrupted or failed run replaces no file: it is written to a new one.
     """
     from tweezer.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
     described = scene_with(scene, settings)
+    if thermal:
+        described = with_thermal_motion(described)
+    if rate is not None:
+        described = _sampled(described, rate, settings)
     check_run(described, seed)
     out = writable_result(
         out or Path(f"{described.name}.nc"),
@@ -127,12 +142,26 @@ def run(
         raise typer.Exit(FAILED if failed else INTERRUPTED)
 
 
+def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
+    """Return the scene with as many samples as `rate` gives over its duration."""
+    if "simulation.samples" in settings:
+        raise SceneError(f"--rate {rate!r}: simulation.samples is set too; give one of the two")
+    from tweezer.units import Frequency
+
+    intervals = quantity_in("--rate", rate, Frequency) * scene.simulation.duration
+    if intervals < 1:
+        raise SceneError(
+            f"--rate {rate!r}: gives less than one sample in {scene.simulation.duration:g} s; "
+            "choose a higher rate or a longer --duration"
+        )
+    return scene.replace(simulation={"samples": round(intervals) + 1})
+
+
 def _obstacle(out: Path, scene: Scene, seed: int | None) -> str:
-    """Why a run of `scene` must not replace the file at `out`; "" if it may."""
+    """Return why a run of `scene` must not replace the file at `out`; "" if it may."""
     from tweezer.io import unlike
 
-    reason = unlike(out, scene, seed or 0)
-    return reason and f"is there, and is {reason}"
+    return unlike(out, scene, seed or 0)
 
 
 def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:

@@ -63,7 +63,10 @@ def trap(
         int | None, typer.Option(help="How many heights; 19 if not given.", min=1, max=10_000)
     ] = None,
     set: Changes = None,
-    out: Annotated[Path | None, typer.Option(help="JSON file to write; of heights NetCDF.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "--json", help="JSON file to write; a NetCDF file with --heights."),
+    ] = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:

@@ -101,7 +101,7 @@ def _obstacle(out: Path) -> str:
     with contextlib.suppress(OSError), out.open("rb") as file:
         if _SIGN in file.read(_HEAD):
             return ""
-    return "is there, and is no page of tweezer"
+    return "already exists, and is no page of tweezer"
 
 
 def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
