@@ -38,6 +38,7 @@ for _group in (
     "ensemble",
     "sweep",
     "compare",
+    "examples",
     "calibrate",
     "fit",
     "depth",

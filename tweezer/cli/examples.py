@@ -1,0 +1,67 @@
+"""The command examples: recordings to try calibrations with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from tweezer.cli.app import Overwrite, app
+from tweezer.cli.completion import among
+from tweezer.cli.console import OUT, writable_result
+from tweezer.cli.tables import table_of
+from tweezer.errors import ResultError
+
+FOLDER = Path(__file__).parents[1] / "examples"
+
+
+class Example(NamedTuple):
+    """A shipped recording."""
+
+    about: str
+    command: str
+    """what to try with it"""
+
+
+EXAMPLES = {
+    "trapped-bead.csv": Example(
+        "1 um silica bead in a trap of 41.8 pN/um, 4 kHz, simulated",
+        'tweezer calibrate trapped-bead.csv --temperature "20 degC" --radius "0.5 um" '
+        '--viscosity "1.002 mPa s" --blur 0',
+    ),
+    "free-beads.csv": Example(
+        "12 free beads that diffuse by 0.43 um^2/s, 20 frames a second, simulated",
+        'tweezer calibrate free-beads.csv --rate "20 Hz" --temperature "20 degC" --blur 0',
+    ),
+}
+
+
+@app.command()
+def examples(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            help="Recording to copy here.", metavar="NAME", autocompletion=among(EXAMPLES)
+        ),
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Copy a recording to try, or list them.
+
+    The recordings are simulated, so that the right answer is known.
+    """
+    if name is None:
+        table = table_of("recording", "what it is")
+        for each, example in EXAMPLES.items():
+            table.add_row(each, example.about)
+        OUT.print(table)
+        OUT.print("tweezer examples NAME copies one here", highlight=False)
+        return
+    file = Path(name).with_suffix(".csv")
+    if file.name not in EXAMPLES:
+        raise ResultError(f"NAME = {name!r}: no such recording; choose from: {', '.join(EXAMPLES)}")
+    path = writable_result(file, ("csv",), overwrite=overwrite, option="folder")
+    path.write_bytes((FOLDER / path.name).read_bytes())
+    OUT.print(f"wrote {path}", highlight=False)
+    OUT.print(f"  {EXAMPLES[path.name].command}", highlight=False, soft_wrap=True)
