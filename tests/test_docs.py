@@ -51,8 +51,6 @@ NOT_RUN = {
     "tracks of others",
     'tweezer calibrate 3rdyearphys-optical_tweezers_experiment/data/3um*bead1.csv --rate "15 Hz" '
     '--scale "11.66 px/um" --temperature "20 degC" --viscosity "1.002 mPa s"': "reads those tracks",
-    'tweezer calibrate recording.csv --temperature "20 degC" --report page.html': "wants a "
-    "recording of the reader's; docs/first-minutes.md has one",
     "tweezer sweep silica-1um --over bead.diameter=0.5um,1um,2um "
     "--over beam.power_through_pupil=1mW..1W:20:log --plot map.png": "docs/sweeps.md has a shorter",
     "tweezer fit recording.csv --scene mine.toml --free bead.diameter "
