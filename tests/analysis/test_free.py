@@ -26,7 +26,8 @@ def seen(seed, samples=800, count=2, **how):
 
 
 def found(positions, given=KNOWN):
-    return free_bead("mine", ("x", "y", "z")[: positions.shape[1]], positions, STEP, given)
+    axes = ("x", "y", "z")[: positions.shape[1]]
+    return free_bead("mine", axes, [positions], STEP, given)
 
 
 def test_the_likelihood_is_that_of_the_dense_gaussian():
@@ -53,7 +54,7 @@ def test_the_likelihood_is_that_of_the_dense_gaussian():
     ours = [fit.misfit(math.log(A), math.log(B)) for A, B in places]
     theirs, drifts = zip(*(dense(A, B) for A, B in places), strict=True)
     np.testing.assert_allclose(np.diff(ours), np.diff(theirs), rtol=1e-9)
-    own = [fit.drift(math.log(A), math.log(B))[0] for A, B in places]
+    own = [fit.drifts(math.log(A), math.log(B))[0][0] for A, B in places]
     np.testing.assert_allclose(own, np.array(drifts) / STEP, rtol=1e-9)
 
 

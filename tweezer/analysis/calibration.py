@@ -17,14 +17,17 @@ from scipy.constants import Boltzmann
 from scipy.linalg import LinAlgWarning
 from scipy.special import chdtrc
 
+from tweezer.analysis import digits
 from tweezer.analysis.driving import Answer, Drive, KnownDrag
 from tweezer.analysis.equipartition import corrected, equipartition
 from tweezer.analysis.findings import (
+    HARM,
     IMPROBABLE,
     SLOW,
     Finding,
     Fits,
     examine,
+    relative_variance_of_variance,
     spectrum_p_value,
 )
 from tweezer.analysis.free import Diffusion, Given, not_trapped
@@ -475,10 +478,12 @@ def calibrate(
     if recording.scene is not None and recording.scene.simulation.method == "one-call":
         text = "simulated by one-call: displacements from step to step are not the bead's"
         made_by.append(Finding("one-call", text))
+    recorded = None if recording.scene is not None else recording.positions
     known = _Known(
         given, detector, exposure is not None or "exposure" in detector,
         bool(height and height.uncertainty), recording.unit, made_by, left,
         () if moved is None else moved.frequencies,
+        recorded, () if recorded is None else digits.of_samples(recorded),
     )  # fmt: skip
     signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
     if moved and not any(answers for _, answers in signals):
@@ -502,7 +507,7 @@ def calibrate(
                     axis,
                     signal,
                     step,
-                    known.along(axis, drags.get(axis), noises[axis]),
+                    known.along(i, axis, drags.get(axis), noises[axis]),
                     beside,
                 )
                 axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
@@ -522,6 +527,9 @@ def calibrate(
         recording.name, {axis: axes[axis].findings for axis in recording.axes},
         np.stack([signal for signal, _ in signals], axis=1), step, of_free,
     )  # fmt: skip
+    if free is not None and known.unmeasured:
+        against = digits.first(known.unmeasured, free.findings)
+        free = dataclasses.replace(free, findings=tuple(against))
     return Calibration(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
@@ -661,12 +669,18 @@ class _Known:
     """what is left out of the record"""
     driven: Sequence[float]
     """frequencies of a drive, Hz, whose ordinates and the two beside each are not fitted"""
+    recorded: Array | None
+    """(n, axes) positions as the digits of a file show them; None for a run of tweezer, and (n,)
+    along one axis"""
+    unmeasured: tuple[Finding, ...]
+    """findings against the samples of all axes"""
 
-    def along(self, axis: str, drag: float | None, noise: float) -> _Known:
-        """The same of one axis, with what is known of its drag, kg/s, and the detector's noise."""
+    def along(self, axis: int, name: str, drag: float | None, noise: float) -> _Known:
+        """Return the known quantities of one axis: its drag, kg/s, and the detector's noise."""
         exact = drag if drag is not None and not self.uncertain else math.nan
-        bead = dataclasses.replace(self.bead, drag=exact, noise=noise, across=axis == ACROSS)
-        return dataclasses.replace(self, bead=bead)
+        bead = dataclasses.replace(self.bead, drag=exact, noise=noise, across=name == ACROSS)
+        recorded = None if self.recorded is None else self.recorded[:, axis]
+        return dataclasses.replace(self, bead=bead, recorded=recorded)
 
     @property
     def all_frequencies(self) -> bool:
@@ -814,6 +828,10 @@ def _calibrated(
     own = _spectrum_fit(positions, step, fit)
     of_free = own if free is fit else _spectrum_fit(positions, step, free)
     findings = examine(positions, step, fits, known.exposure)
+    if known.recorded is not None:
+        harmless = HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
+        shown = digits.of_axis(known.recorded, known.bead.noise, known.unit, harmless)
+        findings = digits.first([*known.unmeasured, *([shown] if shown else [])], findings)
     # a drift slower than all frequencies of the fits is not in their way
     beyond = known.left_out.fit_range[0] > (
         (known.left_out.cosines(len(positions), step) + SLOW) / (2 * len(positions) * step)

@@ -29,10 +29,10 @@ Array = NDArray[np.float64]
 
 #: Probability of such a record from a trapped bead below which a finding is reported.
 IMPROBABLE = 1e-3
-#: The same for a disturbance that would shift an estimate by `_HARM` or more.
+#: The same for a disturbance that would shift an estimate by `HARM` or more.
 _UNLIKELY = 1e-2
 #: Shift of an estimate that is harmless, in its standard uncertainties.
-_HARM = 0.5
+HARM = 0.5
 #: Shortest record, in relaxation times: with 21 of them one free bead in a hundred looks trapped
 #: (D. A. Dickey and W. A. Fuller, J. Am. Stat. Assoc. 74, 427 (1979)).
 _RELAXATIONS = 30.0
@@ -56,7 +56,7 @@ SLOW = 4
 _SLOWEST = 40
 #: Largest distance of ordinates of one line, and largest number of lines that are told.
 _LINE, _LINES_TOLD = 3, 3
-#: The same as `_HARM` for an exposure that is not known, and may be 0.
+#: The same as `HARM` for an exposure that is not known, and may be 0.
 _HARM_IF_ANY = 1.0
 #: Exposures that are tried if none is given, in steps.
 _EXPOSURES = (1.0, 0.5, 0.25)
@@ -75,7 +75,8 @@ class Finding:
     """A reason not to trust a record or an estimate."""
 
     name: str
-    """of the record: "stuck", "clipped", "start", "outlier", "free", "drift", "halves", "line",
+    """of the digits: "lost", "repeated", "interpolated", "copied", "rounded", "turns", "order"; of
+    the record: "stuck", "clipped", "start", "outlier", "free", "drift", "halves", "line",
     "noise", "blur", "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart",
     "undetermined\""""
     text: str
@@ -219,7 +220,7 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
     share = excess / steady.bead.variance
     found: list[Finding | None] = []
     strays = looks_free and samples * step < _LONG * steady.bead.relaxation_time
-    if p_value < _UNLIKELY and share > _HARM * math.sqrt(relative) and not strays:
+    if p_value < _UNLIKELY and share > HARM * math.sqrt(relative) and not strays:
         text = (
             f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms slower than {at[-1]:.2g} Hz: by "
             f"that alone the variance is {100 * share:.0f} % too large, unless it is taken off"
@@ -293,7 +294,7 @@ def _white(positions: Array, step: float, fits: Fits, exposure_known: bool) -> F
         abs(variance) / free.bead.variance
         / math.sqrt(relative_variance_of_variance(free.bead, fits.whole)),
     )  # fmt: skip
-    if max(harm) < _HARM:
+    if max(harm) < HARM:
         return None
     deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
     if variance > 0:
@@ -364,7 +365,7 @@ def _line(positions: Array, step: float, fits: Fits, above: float) -> Finding | 
     high = np.flatnonzero(ratio > least)
     excess = float((density[high] - expected[high]).sum()) / (len(positions) * step)
     share = excess / bead.variance
-    harmless = _HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
+    harmless = HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
     if not high.size or share < harmless:
         return None
     lines = np.split(high, np.flatnonzero(np.diff(high) > _LINE) + 1)

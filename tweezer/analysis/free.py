@@ -97,7 +97,18 @@ class FreeAxis:
     p_value: float
     """probability of a spectrum of the steps that differs as much or more, in ten bands"""
     jumps: tuple[int, ...]
-    """samples before which the bead jumped: those steps are left out"""
+    """samples before which the bead jumped: those steps are left out; of several tracks none"""
+
+
+@dataclass(frozen=True)
+class FreeTrack:
+    """The diffusion of one bead of several, with the localisation error of all."""
+
+    name: str
+    diffusion: float
+    """m^2/s"""
+    uncertainty: float
+    """standard uncertainty, m^2/s"""
 
 
 @dataclass(frozen=True)
@@ -131,6 +142,10 @@ class Diffusion(Shown):
     remarks: tuple[str, ...]
     """what was left out, or widens the interval"""
     axes: tuple[FreeAxis, ...]
+    tracks: tuple[FreeTrack, ...] = ()
+    """each by itself, if there are several"""
+    homogeneity: float | None = None
+    """probability of tracks that differ as much or more; None of a single one"""
 
     def card(self) -> Card:
         """The diffusion, and what it tells, with what speaks against it."""
@@ -184,7 +199,7 @@ def not_trapped(
     def fitted(axes: Sequence[str]) -> Diffusion | None:
         columns = [i for i, axis in enumerate(found) if axis in axes]
         try:
-            return free_bead(name, axes, positions[:, columns], step, given)
+            return free_bead(name, axes, [positions[:, columns]], step, given)
         except ResultError:
             return None
 
@@ -199,16 +214,41 @@ def not_trapped(
 
 
 def free_bead(
-    name: str, axes: Sequence[str], positions: Array, step: float, given: Given
+    name: str,
+    axes: Sequence[str],
+    tracks: Sequence[Array],
+    step: float,
+    given: Given,
+    names: Sequence[str] = (),
 ) -> Diffusion:
-    """Diffusion from positions (n, axes), m, one every `step` (s), and what it tells.
+    """Return the diffusion of a free bead, or the common one of several, and what follows from it.
 
     D is that of the largest restricted likelihood over D, drifts and, for each axis, s; where
     exposure and noise are known, s follows from D, unless the record contradicts it. Steps of more
     than six standard deviations are left out. Where steps have heavier tails than a Gaussian, the
-    interval is as much wider. Raises `ResultError` for a record all of whose steps are the same.
+    interval is as much wider. The likelihood of several tracks is the product of theirs, with a
+    drift for each; their ratio of likelihoods with one D and with a D for each tests whether they
+    differ (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)).
+
+    Parameters
+    ----------
+    name : str
+    axes : sequence of str
+    tracks : sequence of ndarray, shape (n, axes)
+        Positions, m, one every `step` (s); NaN where they are missing.
+    step : float
+    given : Given
+    names : sequence of str
+        Of the tracks.
+
+    Raises
+    ------
+    ResultError
+        If all steps are the same, or no four positions are in a row.
     """
-    fits = [_Fit.of(axis, x, step, given) for axis, x in zip(axes, positions.T, strict=True)]
+    fits = [
+        _Fit.of(axis, [each[:, i] for each in tracks], step, given) for i, axis in enumerate(axes)
+    ]
     every = [fit for fit in fits if fit is not None]
     if len(every) < len(fits):
         raise ResultError(f"{name}: all of its steps are the same: no diffusion to tell")
@@ -228,11 +268,21 @@ def free_bead(
     D, low, high = (math.exp(a) / (2 * step) for a in (best, *ends))
     findings = [finding for fit in every for finding in fit.findings(step)]
     apart = max(least - sum(fit.least for fit in every), 0.0) / wider
+    unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
     if len(every) > 1 and chdtrc(len(every) - 1, apart) < IMPROBABLE:
-        unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
         values = " and ".join(f"{1e12 * fit.diffusion(step):.3g}" for fit in every)
         text = f"its diffusion differs between {' and '.join(axes)}: {values} {unit}"
         findings.append(Finding("axes", text))
+    alone, p_value = _alone(every, best, names, step, wider)
+    if p_value is not None and p_value < IMPROBABLE:
+        farthest = max(alone, key=lambda each: abs(math.log(each.diffusion / D)) / (
+            each.uncertainty / each.diffusion
+        ))  # fmt: skip
+        text = (
+            f"the tracks differ in their diffusion (p = {p_value:.2g}), most {farthest.name}: "
+            f"{1e12 * farthest.diffusion:.3g} {unit}"
+        )
+        findings.append(Finding("tracks", text))
     inferred = expected = None
     if given.temperature is not None and given.unit == "m":
         inferred = _inferred(given, D, (low, high))
@@ -245,13 +295,56 @@ def free_bead(
     return Diffusion(
         name, D, D * math.sqrt(wider / information), (low, high), inferred, expected,
         tuple(findings), _remarks(every, step), tuple(fit.result(step, given) for fit in every),
+        alone, p_value,
     )  # fmt: skip
+
+
+def _alone(
+    fits: Sequence[_Fit], best: float, names: Sequence[str], step: float, wider: float
+) -> tuple[tuple[FreeTrack, ...], float | None]:
+    """Each of several tracks by itself, and the probability of tracks that differ as much."""
+    if len(names) < 2:
+        return (), None
+    pairs = [(fit, *fit.noise_beside(best)) for fit in fits]
+    gain, found = 0.0, []
+    for number, name in enumerate(names):
+        parts = [
+            (Steps(pieces, step, fit.without, square=fit.steps.square), fit.shift, noise, ratio)
+            for fit, noise, ratio in pairs
+            if (pieces := [p for p, t in zip(fit.pieces, fit.of_track, strict=True) if t == number])
+        ]
+        if not parts:
+            continue
+
+        def b(a: float, noise: float, ratio: float) -> float:
+            return math.log(ratio * math.exp(a) + noise)
+
+        def misfit(a: float, parts: list[tuple[Steps, float, float, float]] = parts) -> float:
+            return sum(
+                each.misfit(a + shift, b(a + shift, noise, ratio))
+                for each, shift, noise, ratio in parts
+            )
+
+        own, least = _least(misfit, best)
+        gain += max(misfit(best) - least, 0.0)
+        information = 0.0
+        for each, shift, noise, ratio in parts:
+            A = ratio * math.exp(own + shift)
+            along = np.array([1.0, A / (A + noise)])
+            information += float(
+                along @ each.information(own + shift, math.log(A + noise)) @ along
+            ) * (1 - 1 / each.count)
+        D = math.exp(own) / (2 * step)
+        found.append(FreeTrack(name, D, D / math.sqrt(information)))
+    return tuple(found), float(chdtrc(max(len(found) - 1, 1), gain / wider))
 
 
 def _remarks(fits: Sequence[_Fit], step: float) -> tuple[str, ...]:
     """What was left out, what widens the interval, and what looks odd."""
     said = []
     jumps = [f"{step * jump:.4g} s ({fit.axis})" for fit in fits for jump in fit.jumps]
+    if of_all := sum(fit.left_out for fit in fits) - len(jumps):
+        said.append(f"left out: {of_all} steps as jumps")
     if jumps:
         more = ", ..." if len(jumps) > _TOLD else ""
         said.append(f"left out: jumps before {', '.join(jumps[:_TOLD])}{more}")
@@ -316,27 +409,53 @@ class _Fit:
     known: tuple[float, float] | None
     """exposure over the step, and squared noise over the mean squared step; None: s is fitted"""
     jumps: tuple[int, ...]
-    """samples before which the bead jumped"""
+    """samples of a single track before which the bead jumped"""
+    left_out: int
+    """number of jumps of all tracks"""
     tails: float
     """excess kurtosis of the steps; 0 if that may be chance"""
+    pieces: Sequence[Array]
+    """steps in a row, m"""
+    of_track: Sequence[int]
+    """number of the track of each piece"""
+    without: Sequence[tuple[float, float]]
+    """bands of frequencies (Hz) that are not used"""
     by_covariance: tuple[float, float]
     halves: float
     """difference of the diffusion between the halves, in its standard uncertainties"""
 
     @classmethod
-    def of(cls, axis: str, x: Array, step: float, given: Given) -> _Fit | None:
-        """The fit of positions (n,), m; None if all steps are the same but for rounding."""
-        every = np.diff(x)
-        if np.std(every) <= _ROUNDING * np.ptp(x):
+    def of(cls, axis: str, tracks: Sequence[Array], step: float, given: Given) -> _Fit | None:
+        """The fit of positions (n,), m, of each track; None if all steps are the same."""
+        moves = [np.diff(x) for x in tracks]
+        every = np.concatenate(moves)
+        every = every[np.isfinite(every)]
+        extent = max((float(np.nanmax(x) - np.nanmin(x)) for x in tracks), default=0.0)
+        if not len(every) or np.std(every) <= _ROUNDING * extent:
             return None
-        off = np.abs(every - np.median(every))
+        middle = float(np.median(every))
+        off = np.abs(every - middle)
         spread = _DEVIATION_PER_MEDIAN * float(np.median(off)) or float(np.std(every))
-        jumps = np.flatnonzero(off > _JUMP * spread)
-        if len(jumps) > _FEW_JUMPS * len(every):
-            jumps = jumps[:0]
-        pieces = [piece[int(i > 0) :] for i, piece in enumerate(np.split(every, jumps))]
-        pieces = [piece for piece in pieces if len(piece) >= _LEAST_STEPS]
-        steps = Steps(pieces, step, given.without)
+        limit = _JUMP * spread
+        if (off > limit).sum() > _FEW_JUMPS * len(every):
+            limit = math.inf
+        pieces, of_track, left_out = [], [], 0
+        jumps: tuple[int, ...] = ()
+        for track, move in enumerate(moves):
+            far = np.abs(move - middle) > limit
+            left_out += int(far.sum())
+            if len(moves) == 1:
+                jumps = tuple(map(int, 1 + np.flatnonzero(far)))
+            whole = np.concatenate([[False], np.isfinite(move) & ~far, [False]])
+            ends = np.flatnonzero(np.diff(whole.astype(int)))
+            for first, end in zip(ends[::2], ends[1::2], strict=True):
+                if end - first >= _LEAST_STEPS:
+                    pieces.append(move[first:end])
+                    of_track.append(track)
+        if not pieces:
+            return None
+        numbers = {track: number for number, track in enumerate(dict.fromkeys(of_track))}
+        steps = Steps(pieces, step, given.without, [numbers[track] for track in of_track])
         kept = np.concatenate(pieces)
         kurtosis = float(((kept - kept.mean()) ** 4).mean() / np.var(kept) ** 2) - 3
         known = None
@@ -344,10 +463,16 @@ class _Fit:
             known = given.exposure / step, given.noise[axis] ** 2 / steps.square
         mobility = given.mobilities.get(axis, 1.0)
         return cls(
-            axis, steps, math.log(mobility / steps.square), known, tuple(map(int, jumps + 1)),
+            axis, steps, math.log(mobility / steps.square), known, jumps, left_out,
             kurtosis if kurtosis > _TAILED * math.sqrt(24 / len(kept)) else 0.0,
-            *_by_covariance(pieces, step),
+            pieces, of_track, given.without, *_by_covariance(pieces, of_track, step),
         )  # fmt: skip
+
+    def noise_beside(self, a: float) -> tuple[float, float]:
+        """4 s where noise prevails, and B/A where the exposure does, at the common a."""
+        A = math.exp(a + self.shift)
+        B = math.exp(self._at(a + self.shift)[1])
+        return (B - A, 1.0) if B > A else (0.0, B / A)
 
     def _noisy(self, a: float) -> tuple[float, float]:
         """ln B as exposure and noise make it, and its slope by ln A."""
@@ -407,7 +532,8 @@ class _Fit:
         """Fisher's, of a."""
         own = a + self.shift
         b = self._at(own)[1]
-        matrix = self.steps.information(own, b)
+        drifts = len(set(self.of_track))
+        matrix = self.steps.information(own, b) * (1 - drifts / self.steps.count)
         if self.known is None or self.contradicted:
             return float(matrix[0, 0] - matrix[0, 1] ** 2 / matrix[1, 1])
         along = np.array([1.0, self._noisy(own)[1]])
@@ -416,17 +542,19 @@ class _Fit:
     def findings(self, step: float) -> list[Finding]:
         """What speaks against a free bead with a steady drift."""
         a, b, _ = self._own
-        ratios = self.steps.ratios(a, b)
+        ratios, means = self.steps.ratios(a, b)
         found = []
         if self.contradicted:
             text = (
                 f"{self.axis}: exposure and noise as given contradict the record: both are fitted"
             )
             found.append(Finding("noise", text))
-        slow = [each for each in _SLOW if each <= len(ratios) // 4]
-        sums = [float(ratios[:each].sum()) for each in slow]
-        more = [float(chdtrc(n - 1, total)) for n, total in zip(slow, sums, strict=True)]
-        less = [1 - float(chdtrc(n - 1, total)) for n, total in zip(slow, sums, strict=True)]
+        tracks = len(set(self.of_track))
+        slow = [tracks * each for each in _SLOW if tracks * each <= len(ratios) // 4]
+        slow = slow or [max(len(ratios) // 4, 1)]
+        sums = [(float(means[:each].sum()), float(ratios[:each].sum())) for each in slow]
+        more = [float(chdtrc(freedom, total)) for freedom, total in sums]
+        less = [1 - each for each in more]
         duration = self.steps.count * step
         if min(more) < IMPROBABLE / len(slow):
             n = slow[int(np.argmin(more))]
@@ -450,8 +578,11 @@ class _Fit:
     @cached_property
     def p_value(self) -> float:
         """By the mean squares in bands of the spectrum, of which two parameters are fitted."""
-        bands = np.array_split(self.steps.ratios(*self._own[:2]), _BANDS)
-        squares = sum(len(band) / 2 * (float(band.mean()) - 1) ** 2 for band in bands)
+        ratios, means = (np.array_split(each, _BANDS) for each in self.steps.ratios(*self._own[:2]))
+        squares = sum(
+            float(band.sum() - mean.sum()) ** 2 / (2 * float(mean.sum()))
+            for band, mean in zip(ratios, means, strict=True)
+        )
         return float(chdtrc(_BANDS - 2, squares))
 
     @property
@@ -473,8 +604,14 @@ class _Fit:
         )
         return FreeAxis(
             self.axis, unit * math.exp(a), (unit * math.exp(ends[0]), unit * math.exp(ends[1])),
-            *self.by_covariance, *self.steps.drift(a, b), noise, limit, self.p_value, self.jumps,
+            *self.by_covariance, *self._drift(a, b), noise, limit, self.p_value, self.jumps,
         )  # fmt: skip
+
+    def _drift(self, a: float, b: float) -> tuple[float, float]:
+        """Drift, m/s, and its standard uncertainty: the weighted mean of the tracks'."""
+        drifts, errors = self.steps.drifts(a, b)
+        weights = 1 / errors**2
+        return float(weights @ drifts / weights.sum()), 1 / math.sqrt(weights.sum())
 
     def _noise(self, exposure: float) -> tuple[float | None, float]:
         """Standard deviation of the localisation error, m, if it is seen, and its upper limit.
@@ -491,15 +628,24 @@ class _Fit:
         return seen, unit * math.sqrt(max(square, 0.0) + _ONE_SIDED * error)
 
 
-def _by_covariance(pieces: Sequence[Array], step: float) -> tuple[tuple[float, float], float]:
+def _by_covariance(
+    pieces: Sequence[Array], of_track: Sequence[int], step: float
+) -> tuple[tuple[float, float], float]:
     """D and its uncertainty, m^2/s, by covariances; and by how much its halves differ.
 
-    Vestergaard et al., (14) and (16), the drift being that of the record.
+    Vestergaard et al., (14) and (16), the drift of each track being its mean step. Several tracks
+    have no halves.
     """
-    count = sum(map(len, pieces))
-    drift = sum(float(piece.sum()) for piece in pieces) / count
-    squares = np.concatenate([(piece[:-1] - drift) ** 2 for piece in pieces])
-    products = np.concatenate([(piece[:-1] - drift) * (piece[1:] - drift) for piece in pieces])
+    tracks = set(of_track)
+    count = sum(map(len, pieces)) / len(tracks)
+    drift = {
+        track: float(np.concatenate(own).mean())
+        for track in tracks
+        if (own := [piece for piece, of in zip(pieces, of_track, strict=True) if of == track])
+    }
+    off = [piece - drift[track] for piece, track in zip(pieces, of_track, strict=True)]
+    squares = np.concatenate([piece[:-1] ** 2 for piece in off])
+    products = np.concatenate([piece[:-1] * piece[1:] for piece in off])
 
     def estimated(part: slice) -> tuple[float, float]:
         square, product = float(squares[part].mean()), float(products[part].mean())
@@ -509,6 +655,8 @@ def _by_covariance(pieces: Sequence[Array], step: float) -> tuple[tuple[float, f
         relative = (6 + 4 * ratio + 2 * ratio**2) / n + 4 * (1 + ratio) ** 2 / n**2
         return D * (1 + 3 / count), abs(D) * math.sqrt(relative)
 
+    if len(tracks) > 1:
+        return estimated(slice(None)), 0.0
     half = len(squares) // 2
     (first, error), (second, other) = estimated(slice(half)), estimated(slice(half, None))
     return estimated(slice(None)), (first - second) / math.hypot(error, other)

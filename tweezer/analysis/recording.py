@@ -22,6 +22,7 @@ from tweezer.reading import (
     Wanted,
     damaged,
     datasets,
+    measured,
     only,
     read_table,
     refuse_too_long,
@@ -300,13 +301,15 @@ def load_recording(
     notes = [found.note, *(f"{axis} does not change, and is left out" for axis in still)]
     names = [*axes, *(["drive"] if drive is not None else [])]
     table = np.stack([found.columns[name] for name in names], axis=1)
+    kept, times, positions, of_digits = measured(found.times, table[:, : len(axes)])
+    table = np.hstack([positions, table[kept, len(axes) :]])
     times, table, note = without_gaps(
-        str(source), found.times, table, LEAST_SAMPLES, len(names) - len(axes)
+        str(source), times, table, LEAST_SAMPLES, len(names) - len(axes)
     )
     return Recording(
         str(source), times, table[:, : len(axes)], axes, unit=found.unit,
         drive=table[:, -1] if drive is not None else None,
-        note="; ".join(filter(None, [*notes, note])),
+        note="; ".join(filter(None, [*notes, of_digits, note])),
     )  # fmt: skip
 
 

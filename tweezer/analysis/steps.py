@@ -23,21 +23,39 @@ EXACT = 1e-5
 
 
 class Steps:
-    """The steps of one coordinate between jumps, as sums over blocks of frequencies.
+    """The steps of one coordinate between jumps and gaps, as sums over blocks of frequencies.
 
     The spectrum of the steps is A (1 + cos)/2 + B (1 - cos)/2 of the angle of a frequency, with
-    A = 2 D dt and B = A + 4 s, in units of the mean squared step.
+    A = 2 D dt and B = A + 4 s, in units of the mean squared step. Each track has its own drift.
+
+    Parameters
+    ----------
+    pieces : sequence of ndarray
+        Rows of successive steps, m.
+    step : float
+        s.
+    without : sequence of (float, float)
+        Bands of frequencies (Hz) whose ordinates are not used.
+    tracks : sequence of int
+        Number of the track of each piece, from 0; all of one track if not given.
+    square : float
+        Unit of A and B, m^2; the mean squared step if not given.
     """
 
     def __init__(
-        self, pieces: Sequence[Array], step: float, without: Sequence[tuple[float, float]] = ()
+        self,
+        pieces: Sequence[Array],
+        step: float,
+        without: Sequence[tuple[float, float]] = (),
+        tracks: Sequence[int] | None = None,
+        square: float | None = None,
     ):
-        """pieces: rows of successive steps, m; without: bands (Hz) whose ordinates are not used."""
         every = np.concatenate(pieces)
         self.count, self.step = len(every), step
-        self.square = float(np.var(every))
+        self.square = square or float(np.var(every))
+        tracks = tracks or [0] * len(pieces)
         rows = []
-        for piece in pieces:
+        for piece, track in zip(pieces, tracks, strict=True):
             n = len(piece)
             angle = np.pi * np.arange(1, n + 1) / (n + 1)
             # of a steady drift: the transform of ones
@@ -47,9 +65,10 @@ class Steps:
             kept = np.ones(n, bool)
             for low, high in without:
                 kept &= (frequency < low) | (frequency > high)
-            rows.append(np.stack([angle, ordinate, ones])[:, kept])
-        angle, ordinate, ones = np.concatenate(rows, axis=1)
+            rows.append(np.stack([angle, ordinate, ones, np.full(n, track)])[:, kept])
+        angle, ordinate, ones, of = np.concatenate(rows, axis=1)
         order = np.argsort(angle, kind="stable")
+        self.track = of[order].astype(int)
         self.ordinates, self.ones = ordinate[order] / math.sqrt(self.square), ones[order]
         self.share = (1 + np.cos(angle[order])) / 2
         n = len(order)
@@ -58,20 +77,21 @@ class Steps:
             starts = np.unique(np.geomspace(1, n + 1, _BLOCKS).astype(int))[:-1] - 1
         self._counts = np.diff([*starts, n]).astype(np.float64)
         self._share = np.add.reduceat(self.share, starts) / self._counts
-        products = self.ordinates**2, self.ordinates * self.ones, self.ones**2
-        self._squares, self._cross, self._drift = (
-            np.add.reduceat(each, starts) for each in products
-        )
+        self._squares = np.add.reduceat(self.ordinates**2, starts)
+        block = np.repeat(np.arange(len(starts)), self._counts.astype(int))
+        self._cross, self._drift = np.zeros((2, 1 + max(tracks), len(starts)))
+        np.add.at(self._cross, (self.track, block), self.ordinates * self.ones)
+        np.add.at(self._drift, (self.track, block), self.ones**2)
         self._near = 0.0  # ln B of the last fit
 
     def misfit(self, a: float, b: float) -> float:
-        """-2 times the log-likelihood with any drift, of ln A and ln B."""
+        """-2 times the log-likelihood with any drifts, of ln A and ln B."""
         A, B = math.exp(a), math.exp(b)
         spectrum = A * self._share + B * (1 - self._share)
         per = 1 / spectrum
-        of_drift = float(self._drift @ per)
+        of_drift = self._drift @ per
         value = self._counts @ np.log(spectrum) + self._squares @ per
-        return float(value - (self._cross @ per) ** 2 / of_drift) + math.log(of_drift)
+        return float(value - ((self._cross @ per) ** 2 / of_drift - np.log(of_drift)).sum())
 
     def best(self, a: float) -> tuple[float, float]:
         """The smallest misfit with that ln A, and its ln B: by Fisher's scoring, or by search."""
@@ -81,10 +101,10 @@ class Steps:
             per = 1 / (A * self._share + of_b)
             slope = of_b * per
             again = slope * per
-            of_drift, cross = float(self._drift @ per), float(self._cross @ per)
+            of_drift, cross = self._drift @ per, self._cross @ per
             change = self._counts @ slope - self._squares @ again
-            change += 2 * cross * float(self._cross @ again) / of_drift
-            change -= float(self._drift @ again) * (cross**2 / of_drift + 1) / of_drift
+            change += (2 * cross * (self._cross @ again) / of_drift).sum()
+            change -= ((self._drift @ again) * (cross**2 / of_drift + 1) / of_drift).sum()
             move = -float(change) / float(self._counts @ slope**2)
             b = min(max(b + min(max(move, -1.0), 1.0), a + _NOISY[0]), a + _NOISY[1])
             if abs(move) < EXACT:
@@ -103,15 +123,21 @@ class Steps:
         slopes = np.stack([A * self._share, B * (1 - self._share)]) / spectrum
         return np.asarray((slopes * self._counts) @ slopes.T / 2)
 
-    def drift(self, a: float, b: float) -> tuple[float, float]:
-        """m/s, and its standard uncertainty."""
+    def drifts(self, a: float, b: float) -> tuple[Array, Array]:
+        """Return the drift of each track, m/s, and its standard uncertainty."""
         per = 1 / (math.exp(a) * self._share + math.exp(b) * (1 - self._share))
-        of_drift = float(self._drift @ per)
+        of_drift = self._drift @ per
         unit = math.sqrt(self.square) / self.step
-        return unit * float(self._cross @ per) / of_drift, unit / math.sqrt(of_drift)
+        return unit * (self._cross @ per) / of_drift, unit / np.sqrt(of_drift)
 
-    def ratios(self, a: float, b: float) -> Array:
-        """Squares over their expectations: each of one degree of freedom, by frequency."""
-        drift = self.drift(a, b)[0] * self.step / math.sqrt(self.square)
+    def ratios(self, a: float, b: float) -> tuple[Array, Array]:
+        """Return squares over their expectations by frequency, and the mean of each ratio.
+
+        A ratio has one degree of freedom, less what the drift of its track takes of it.
+        """
+        drifts, errors = self.drifts(a, b)
+        unit = self.step / math.sqrt(self.square)
         spectrum = math.exp(a) * self.share + math.exp(b) * (1 - self.share)
-        return np.asarray((self.ordinates - drift * self.ones) ** 2 / spectrum)
+        off = self.ordinates - unit * drifts[self.track] * self.ones
+        taken = (unit * errors[self.track] * self.ones) ** 2 / spectrum
+        return off**2 / spectrum, 1 - taken

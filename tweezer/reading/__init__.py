@@ -5,6 +5,7 @@ name (`Reading`), and put into SI units (`read_table`). `without_gaps` is the ru
 """
 
 from tweezer.reading.columns import Columns, Wanted, only
+from tweezer.reading.digits import copied, measured, step_of, unmeasured
 from tweezer.reading.formats import HDF5, damaged, read_table
 from tweezer.reading.gaps import without_gaps
 from tweezer.reading.hdf5 import datasets
@@ -16,10 +17,14 @@ __all__ = [
     "Columns",
     "Reading",
     "Wanted",
+    "copied",
     "damaged",
     "datasets",
+    "measured",
     "only",
     "read_table",
     "refuse_too_long",
+    "step_of",
+    "unmeasured",
     "without_gaps",
 ]

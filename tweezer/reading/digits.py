@@ -1,0 +1,269 @@
+"""What the digits of a recording show before any physics: samples that were not measured.
+
+Each test compares exact coincidences with near ones: positions that move by a few of their last
+digits are as probable as positions that do not move at all.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.reading.filling import LONGEST
+from tweezer.reading.table import Array
+
+Rows = NDArray[np.bool_]
+
+#: Number of exact coincidences, and their ratio to those expected, that are not chance
+_LEAST, _RATIO = 5, 5.0
+#: The same number for one mark, the most frequent of all positions
+_LEAST_MARKS = 10
+#: Number of neighbouring values to either side in which near coincidences are counted
+_NEAR = 3
+#: Largest step of the digits, over the scatter, with which coincidences and lines are counted
+_FINE, _FINEST = 0.3, 0.05
+#: Largest number of marks of lost frames
+_MARKS = 3
+#: Distance of a mark from all other positions, in their standard deviations
+_ALONE = 0.5
+#: Deviation of a number from a whole one that is rounding
+_WHOLE = 1e-3
+#: Part of an extent that is no difference
+_ROUNDING = 1e-12
+#: Fraction of rows that repeat earlier ones at one lag, beyond which they are a copy
+_COPIED = 0.02
+#: Number of samples from which on coincidences are looked for
+_SHORTEST = 20
+#: Number of samples whose copies are looked for
+_PROBES = 50
+#: Largest number of samples in which a step or a mark is looked for
+_LOOKED_AT = 50_000
+#: Fraction of samples that may be missing
+_FEW = 0.05
+
+
+class Unmeasured(NamedTuple):
+    """Rows whose positions were not measured."""
+
+    marks: Rows
+    """(n,) those with the number that stands for a lost frame"""
+    repeated: Rows
+    """(n,) those that are the row before"""
+    between: Rows
+    """(n,) those that lie on the line between their neighbours"""
+    said: tuple[str, ...]
+    """how many of each"""
+
+    @property
+    def copies(self) -> Rows:
+        """Rows that follow from their neighbours."""
+        return self.repeated | self.between
+
+
+def unmeasured(positions: Array) -> Unmeasured:
+    """Return which rows of positions, (n, axes), were not measured, as their digits show."""
+    if np.isfinite(positions).all(axis=1).sum() < _SHORTEST:
+        none = np.zeros(len(positions), bool)
+        return Unmeasured(none, none, none, ())
+    marks, of_marks = _marks(positions)
+    repeated = _repeated(positions, marks)
+    between = _between(positions, marks | repeated)
+    said = list(of_marks)
+    n = len(positions)
+    if repeated.any():
+        said.append(f"{_share(repeated, n)} samples repeat the one before to the last digit")
+    if between.any():
+        said.append(f"{_share(between, n)} samples lie on the line between their neighbours")
+    return Unmeasured(marks, repeated, between, tuple(said))
+
+
+def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, Array, str]:
+    """Return the rows that are kept, their times and positions, and a note on what was done.
+
+    Marks of lost frames and long stretches without motion become missing (NaN), and so do up to 5 %
+    of repeated or interpolated samples. If more are repeated and the others are even within half a
+    step, as those of a camera that is slower than its recorder, the others are the recording. Else
+    the samples stay as they are, for a finding to report.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        s.
+    positions : ndarray, shape (n, axes)
+        Positions, NaN where a row has none.
+    """
+    every = np.arange(len(positions))
+    found = unmeasured(positions)
+    if not found.said:
+        return every, times, positions, ""
+    notes = [each for each in found.said if "the same numbers" in each]
+    lost = found.marks | _long(found.repeated)
+    if _long(found.repeated).any():
+        notes.append(f"{int(_long(found.repeated).sum()):,} samples in stretches without motion")
+    copies = found.copies & ~lost
+    kept = np.flatnonzero(~copies)
+    if copies.mean() <= _FEW:
+        if copies.any():
+            notes += [each for each in found.said if "the same numbers" not in each]
+        lost = lost | copies
+    elif not lost.any() and len(kept) > 2 and np.isfinite(times).all():
+        slope, start = np.polyfit(np.arange(len(kept)), kept, 1)
+        if np.abs(kept - start - slope * np.arange(len(kept))).max() <= 0.5 + _WHOLE:
+            step = float(times[-1] - times[0]) / (len(times) - 1)
+            at = times[kept]
+            if len(set(np.diff(kept).tolist())) > 1:
+                at = times[0] + step * (kept[0] + slope * np.arange(len(kept)))
+            rate = f"the {len(kept):,} others, at {1 / (slope * step):.4g} Hz, are taken"
+            return kept, at, positions[kept], f"{found.said[0]}: {rate}"
+    positions = np.where(lost[:, None], np.nan, positions)
+    return every, times, positions, "; ".join(notes)
+
+
+def step_of(values: Array) -> float:
+    """Return the step of which all values are whole multiples; 0 for values without one."""
+    distinct = np.unique(_some(values[np.isfinite(values)]))
+    if len(distinct) < 2:
+        return 0.0
+    gaps = np.diff(distinct)
+    gaps = gaps[gaps > _ROUNDING * (distinct[-1] - distinct[0])]
+    step = float(gaps.min()) if len(gaps) else 0.0
+    if not step or (distinct[-1] - distinct[0]) / step > 1e8:
+        return 0.0
+    numbers = gaps / step
+    if np.abs(numbers - np.rint(numbers)).max() > 0.1:
+        return 0.0
+    return float(gaps.sum() / np.rint(numbers).sum())
+
+
+def copied(positions: Array) -> str:
+    """Say which rows are a copy of earlier ones; "" if none are.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, axes)
+    """
+    n, lags = len(positions), []
+    for place in np.linspace(0, n - 1, _PROBES).astype(int):
+        alike = np.flatnonzero(positions[:, 0] == positions[place, 0])
+        if len(alike) <= _PROBES:  # else the digits are too few
+            lags += [abs(int(each) - int(place)) for each in alike if abs(int(each) - place) > 1]
+    if not lags:
+        return ""
+    lag = max(set(lags), key=lambda each: (lags.count(each), -each))
+    same = (positions[lag:] == positions[:-lag]).all(axis=1)
+    beside = (positions[lag + 1 :] == positions[: -lag - 1]).all(axis=1)
+    if same.sum() <= max(_LEAST + _RATIO * beside.sum(), _COPIED * n):
+        return ""
+    first = lag + int(same.argmax())
+    return (
+        f"{100 * same.sum() / n:.2g} % of its samples are a copy of those {lag:,} before, as "
+        f"sample {first + 1:,} is of sample {first + 1 - lag:,}"
+    )
+
+
+def _share(rows: Rows, n: int) -> str:
+    count = int(rows.sum())
+    return f"{count:,} of {n:,}" if count < 0.01 * n else f"{100 * count / n:.2g} % of the"
+
+
+def _marks(positions: Array) -> tuple[Rows, list[str]]:
+    """Rows with a mark of a lost frame: the same numbers in all axes, again and again."""
+    n = len(positions)
+    found, said = np.zeros(n, bool), []
+    finite = np.isfinite(positions).all(axis=1)
+    for _ in range(_MARKS):
+        rest = finite & ~found
+        if rest.sum() < 2:
+            break
+        begins = rest & ~(np.concatenate([[False], _same_as_before(positions)]))
+        rows, counts = np.unique(_some(positions[begins]), axis=0, return_counts=True)
+        mark = rows[counts.argmax()]
+        runs = int((begins & (positions == mark).all(axis=1)).sum())
+        if counts.max() < 2 or runs <= _LEAST_MARKS:
+            break
+        others = positions[rest & (positions != mark).any(axis=1)]
+        if not len(others):
+            break
+        near, cells, edge = np.ones(len(others), bool), 1, False
+        for column, value in zip(others.T, mark, strict=True):
+            outside = value >= column.max() or value <= column.min()
+            away = np.abs(column - value)
+            edge |= outside and away[away > 0].min() < _ALONE * column.std()
+            distinct = np.unique(np.append(_some(column), value))
+            at = int(np.searchsorted(distinct, value))
+            if len(distinct) > 2 * _NEAR / _FINE:
+                around = distinct[max(at - _NEAR, 0) : at + _NEAR + 1]
+                near &= (column >= around[0]) & (column <= around[-1])
+                cells *= 2 * _NEAR + 1
+        expected = near.sum() / (cells - 1) if cells > 1 else np.inf
+        if edge or runs <= _LEAST_MARKS + _RATIO * expected:
+            break
+        rows_of_mark = rest & (positions == mark).all(axis=1)
+        found |= rows_of_mark
+        numbers = ", ".join(f"{each:.4g}" for each in mark)
+        said.append(
+            f"{int(rows_of_mark.sum()):,} samples have the same numbers ({numbers}): taken as lost"
+        )
+    return found, said
+
+
+def _same_as_before(positions: Array) -> Rows:
+    return np.asarray((positions[1:] == positions[:-1]).all(axis=1))
+
+
+def _repeated(positions: Array, without: Rows) -> Rows:
+    """Rows that equal the one before in all axes, more often than chance allows."""
+    none = np.zeros(len(positions), bool)
+    same = np.concatenate([[False], _same_as_before(positions)]) & ~without
+    for column in positions.T if same.any() else ():  # a range that ends there also repeats
+        for end in np.nanmin(column), np.nanmax(column):
+            if ((column == end) & ~same).sum() > _LEAST:
+                same &= column != end
+    if same.sum() <= _LEAST:
+        return none
+    near, cells = np.ones(len(positions) - 1, bool), 1
+    for column in positions.T:
+        moves = np.diff(np.unique(column, return_inverse=True)[1].astype(np.int64))
+        if moves.any() and moves[moves != 0].std() > 1 / _FINE:
+            near &= np.abs(moves) <= _NEAR
+            cells *= 2 * _NEAR + 1
+    expected = (near & ~same[1:]).sum() / (cells - 1) if cells > 1 else np.inf
+    return same if same.sum() > _LEAST + _RATIO * expected else none
+
+
+def _between(positions: Array, without: Rows) -> Rows:
+    """Rows on the line between their neighbours in all axes, more often than chance allows."""
+    exact, near = np.ones(len(positions), bool), np.ones(len(positions), bool)
+    exact[[0, -1]] = near[[0, -1]] = False
+    exact[1:-1] &= (positions[2:] != positions[:-2]).any(axis=1)
+    inside, levels = 2.1, 0
+    for column in positions.T:
+        bends = np.diff(column, 2)
+        scatter = bends[np.isfinite(bends)].std()
+        step = max(step_of(column), _ROUNDING * float(np.nanmax(np.abs(column))))
+        if step > _FINEST * scatter:
+            continue
+        exact[1:-1] &= np.abs(bends) <= inside * step
+        near[1:-1] &= np.abs(bends) <= 5 * inside * step
+        levels += 1
+    if not levels:
+        return np.zeros(len(positions), bool)
+    exact &= ~without
+    expected = (near & ~exact & ~without).sum() / (5**levels - 1)
+    return exact if exact.sum() > _LEAST + _RATIO * expected else np.zeros(len(positions), bool)
+
+
+def _some(rows: Array) -> Array:
+    """Some of many rows, evenly spread."""
+    return rows[:: max(len(rows) // _LOOKED_AT, 1)]
+
+
+def _long(rows: Rows) -> Rows:
+    """The rows that are in a row with more others than gaps that are filled in."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
+    found = np.zeros(len(rows), bool)
+    for first, end in zip(edges[::2], edges[1::2], strict=True):
+        found[first:end] = end - first > LONGEST
+    return found
