@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
 from tweezer.analysis.calibration import Calibration
+from tweezer.analysis.saved_trap import load_trap
 from tweezer.analysis.spectra import statistical_inefficiency
 from tweezer.analysis.trap import Trap
 from tweezer.errors import ResultError
@@ -25,6 +26,7 @@ from tweezer.io import load_result, scene_of
 from tweezer.run import Run
 from tweezer.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.scene import Scene, by_key
+from tweezer.schema import of_validation, plain
 from tweezer.shown import Card, Row, Shown, Table, clipped
 from tweezer.sweeps.quantities import FAILED, MISSING, errors_of_trap
 from tweezer.units import usual_unit
@@ -482,19 +484,47 @@ def _of_json(path: Path) -> Source:
     kind = kind_of(made)
     if kind is None or not kind.compared:
         raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
+    if kind.name == "trap":
+        trap, version = load_trap(path)
+        about = {"tweezer_version": version}
+        return _of_trap(path.name, dataclasses.asdict(trap), made["scene"], about)
     try:
-        if kind.name == "trap":
-            about = {"tweezer_version": made["tweezer_version"]}
-            return _of_trap(path.name, made["trap"], made["scene"], about)
-        return _of_calibration(path.name, made)
-    except (TypeError, KeyError, ValidationError):
-        raise ResultError(f"{path}: not {kind.told} as tweezer saves it") from None
+        found = _SavedCalibration.model_validate(made)
+    except ValidationError as error:
+        raise ResultError(
+            f"{path}: not {kind.told} as tweezer saves it: {of_validation(error)}"
+        ) from None
+    return _of_calibration(path.name, found.model_dump())
+
+
+class _SavedEstimate(BaseModel):
+    method: str
+    stiffness: float | None
+    uncertainty: float | None
+    findings: list[Any]
+
+
+class _SavedAxis(BaseModel):
+    axis: str
+    estimates: list[_SavedEstimate]
+
+
+class _SavedCalibration(BaseModel):
+    """What is compared of a file of `tweezer calibrate --out`."""
+
+    axes: list[_SavedAxis]
+    temperature: Any
+    drag: Any
+    mass: Any
+    exposure: Any
+    samples: Any
 
 
 def _about(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """Keys of the scene as it was given, and attributes that say how it was computed."""
     scene = json.loads(attributes.get("scene_as_given", attributes["scene"]))
-    return _keys(scene) | {name: attributes[name] for name in _ATTRIBUTES if name in attributes}
+    made = {name: plain(attributes[name]) for name in _ATTRIBUTES if name in attributes}
+    return _keys(scene) | made
 
 
 def _keys(scene: Mapping[str, Any]) -> dict[str, Any]:

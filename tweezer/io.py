@@ -16,10 +16,11 @@ import pydantic_core
 from pydantic import ValidationError
 
 from tweezer.errors import ResultError
-from tweezer.files import replacing
+from tweezer.files import check_regular, replacing
 from tweezer.run import Run
 from tweezer.saved import check_ending, kind_of
 from tweezer.scene import Scene, by_key, described_at
+from tweezer.schema import checked
 from tweezer.units import usual_unit
 
 if TYPE_CHECKING:
@@ -115,30 +116,29 @@ def load_run(path: str | Path) -> xr.Dataset:
 def load_result(path: Path) -> xr.Dataset:
     """A saved result: a store (.zarr), of which only what is used is read, or a file (.nc).
 
-    Raises `ResultError` for a file or folder that is none, or a file that is damaged.
+    Raises `ResultError` for a file or folder that is none, is damaged, or lacks a part.
     """
+    if path.suffix == ".zarr":
+        from tweezer.stores import open_store
+
+        return checked(open_store(path), f"{path}")
     import xarray as xr
 
-    if path.suffix != ".zarr":
-        with _reading(path):
-            result = xr.load_dataset(path, engine=_ENGINE)
-        if "scene" not in result.attrs:
-            raise ResultError(f"{path}: not a saved run: it names no scene")
-        return result
-    if not path.is_dir():
-        raise ResultError(f"{path}: no such folder")
-    try:
-        return xr.open_zarr(path, chunks=None)
-    except Exception as error:  # Zarr raises of any kind where a store is damaged
-        reason = " ".join(str(error).split())
-        raise ResultError(f"{path}: not a result of tweezer: {reason}") from None
+    with _reading(path):
+        result = xr.load_dataset(path, engine=_ENGINE, decode_times=False)
+    if "scene" not in result.attrs:
+        raise ResultError(f"{path}: not a saved run: it names no scene")
+    return checked(result, f"{path}")
 
 
 @contextlib.contextmanager
 def _reading(path: Path) -> Iterator[None]:
     """A context in which the file of a run is read. Raises `ResultError` if it is not sound."""
+    from tweezer.hdf5 import check_result
+
     try:
         check_seal(path)
+        check_result(path)
         yield
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
@@ -153,6 +153,7 @@ def _reading(path: Path) -> Iterator[None]:
 
 def check_seal(path: Path) -> None:
     """Raise `ResultError` if the digest is not that of the content; a file may have none."""
+    check_regular(path)
     behind = len(_SEAL) + hashlib.sha256().digest_size
     end = path.stat().st_size - behind
     if end <= 0:

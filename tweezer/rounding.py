@@ -38,7 +38,7 @@ def located(value: float, error: float | None, scale: float, unit: str) -> str:
     text = f"{scale * value:.3g}"
     if error == 0:
         text = f"{scale * value:.4g}"
-    elif error is not None:
+    elif error is not None and math.isfinite(value) and math.isfinite(error):
         digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
         text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
     return f"{text} {unit}".rstrip()

@@ -7,8 +7,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tweezer.choices import RESULTS, SAVED_TRAP
+from tweezer.choices import SAVED_TRAP
 from tweezer.errors import ResultError
+from tweezer.files import read_text
 
 
 class Kind(NamedTuple):
@@ -54,10 +55,13 @@ COMPARED = tuple(each for each in KINDS if each.compared)
 def kind_of(result: Any) -> Kind | None:
     """The kind of a dataset, or of what a file of JSON holds; None if it is none of the table."""
     if hasattr(result, "attrs"):
-        there = {*result.attrs, *result.variables, *result.sizes}
-    else:
-        there = set(result) if isinstance(result, dict) else set()
-    return next((kind for kind in KINDS if there.issuperset(kind.marks)), None)
+        return _kind_with({*result.attrs, *result.variables, *result.sizes})
+    return _kind_with(set(result) if isinstance(result, dict) else set())
+
+
+def _kind_with(names: set[Any]) -> Kind | None:
+    """The kind of a result that has attributes, variables and dimensions of these names."""
+    return next((kind for kind in KINDS if names.issuperset(kind.marks)), None)
 
 
 def kind_of_file(path: Path) -> Kind | None:
@@ -65,16 +69,17 @@ def kind_of_file(path: Path) -> Kind | None:
     try:
         if path.suffix == SAVED_TRAP:
             return kind_of(read_json(path))
-        if path.suffix not in RESULTS:
-            return None
-        import xarray as xr
-
         if path.suffix == ".zarr":
-            return kind_of(xr.open_zarr(path, chunks=None))
-        with xr.open_dataset(path, engine="h5netcdf") as dataset:
-            return kind_of(dataset)
+            from tweezer.stores import names_in_store
+
+            return _kind_with(names_in_store(path))
+        if path.suffix == ".nc":
+            from tweezer.hdf5 import names_in
+
+            return _kind_with(names_in(path))
     except Exception:  # readers raise of any kind where a file is damaged
         return None
+    return None
 
 
 def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
@@ -86,7 +91,7 @@ def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
 def read_json(path: Path) -> Any:
     """What a file of JSON holds. Raises `ResultError` if it cannot be read."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
+        return json.loads(read_text(path))
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except IsADirectoryError:

@@ -162,7 +162,7 @@ def test_the_same_bytes_on_any_threads(scene, gathered, small, tmp_path):
         contents.append(content(out))
     assert contents[0] == contents[1] == contents[2]
     if scene is LEAVING:
-        assert len(contents[0]) == (1 if gathered else 4 * 13 + 13 + 7)
+        assert len(contents[0]) == (1 if gathered else 4 * 13 + 13 + 8)
 
 
 def test_angular_velocity_is_about_the_axes_of_the_body(small, tmp_path):
@@ -721,7 +721,7 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
                 tweezer.ensemble(scene, trajectories, seed=seed, **kind, resume=True)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(job, "FORMAT", 0)
-            with pytest.raises(tweezer.ResultError, match="format 5, which cannot be"):
+            with pytest.raises(tweezer.ResultError, match="format 6, which cannot be"):
                 tweezer.ensemble(FREE, 50, **kind, resume=True)
         assert content(tmp_path) == before
 

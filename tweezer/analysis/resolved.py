@@ -18,5 +18,7 @@ def resolved(run: Run) -> bool:
     ends = position[[0, -1]]
     gradient = light(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
     mobility = drag(scene).mobilities(ends).value[:, :2].max(axis=1)
+    if not (np.isfinite(gradient).all() and np.isfinite(mobility).all()):
+        return False  # as far from the light as no bead is
     rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
     return bool((time[1] - time[0]) * rates.max() < 1)

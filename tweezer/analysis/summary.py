@@ -11,14 +11,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
 
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, passage
 from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.errors import ResultError
 from tweezer.io import scene_in
 from tweezer.rounding import located
 from tweezer.run import Run
+from tweezer.schema import events_in, of_validation
 from tweezer.shown import Card, Row, Shown
 
 if TYPE_CHECKING:
@@ -221,8 +224,11 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
 
 
 def _read(text: str) -> Summary:
-    values = json.loads(text)
-    return Summary(**{**values, "end": tuple(values["end"])})
+    """The summary that a run holds. Raises `ResultError` if it is none."""
+    try:
+        return TypeAdapter(Summary).validate_json(text)
+    except ValidationError as error:
+        raise ResultError(f"not a run: its summary: {of_validation(error)}") from None
 
 
 def _errors(
@@ -326,10 +332,10 @@ def _overshoot(position: Array) -> float:
 
 def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
     """Distance, m, and time, s, of the first closest approach; None where there is none."""
-    for event in json.loads(run.attributes.get("events", "[]")):
-        within = run["time"][0] <= event["time"] <= run["time"][-1]  # of a part of a run too
-        if event["name"] == "closest approach" and within:
-            return float(np.linalg.norm(event["position"])), event["time"]
+    for event in events_in(run.attributes):
+        within = run["time"][0] <= event.time <= run["time"][-1]  # of a part of a run too
+        if event.name == "closest approach" and within:
+            return float(np.linalg.norm(event.position)), event.time
     distance = run["distance"]
     change = np.diff(distance)
     minima = np.flatnonzero((change[:-1] < 0) & (change[1:] >= 0)) + 1

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 Attributes = dict[str, Any]
 
 #: Version of the files; those of another version cannot be resumed
-FORMAT = 5
+FORMAT = 6
 #: Trajectories of a block are a multiple of this
 _BATCH = 64
 #: Largest number of trajectories in a block

@@ -19,7 +19,7 @@ import xarray as xr
 import zarr
 from numpy.typing import NDArray
 from pydantic import ValidationError
-from zarr.codecs import Crc32cCodec
+from zarr.codecs import Crc32cCodec, ZstdCodec
 
 from tweezer.beside import held, remove, telling
 from tweezer.dynamics.walk import Walk
@@ -39,6 +39,7 @@ from tweezer.errors import ResultError
 from tweezer.files import write_whole
 from tweezer.io import load_result, save_run
 from tweezer.scene import Scene
+from tweezer.stores import attributes_of_store, open_store, seal
 from tweezer.version import FORMAL
 
 #: Arrays by name, in memory or in the store
@@ -94,7 +95,7 @@ def _made(job: Job) -> Attributes | None:
     try:
         if job.out.exists():
             if job.skipped is None:
-                return dict(zarr.open_group(job.out, mode="r").attrs)
+                return attributes_of_store(job.out)
             return dict(load_result(job.out).attrs)
         if job.skipped is not None and job.total.exists():
             return dict(json.loads(str(_read(job.total)["attributes"])))
@@ -151,7 +152,7 @@ def stored(job: Job) -> Samples:
     """The arrays of the store. Empty chunks are written too, so a missing one is an error."""
     return {
         name: array.with_config({"write_empty_chunks": True})
-        for name, array in zarr.open_group(job.out, mode="r+").arrays()
+        for name, array in zarr.open_group(job.out, mode="r+", zarr_format=3).arrays()
     }
 
 
@@ -208,7 +209,7 @@ class Trajectories:
                             if _TORN.fullmatch(path.name):
                                 path.unlink(missing_ok=True)
                 job.beside.remove()
-            dataset = xr.open_zarr(job.out, chunks=None)
+            dataset = open_store(job.out)
         left = (job.members(index) for index in self.left)
         done = job.trajectories - sum(members.stop - members.start for members in left)
         return _ended(dataset, complete, done)
@@ -219,7 +220,8 @@ class Trajectories:
         try:
             self.arrays = stored(self.job)
             own = {
-                name: zarr.open_array(f"{self.job.out}/{name}", mode="r") for name in self.arrays
+                name: zarr.open_array(f"{self.job.out}/{name}", mode="r", zarr_format=3)
+                for name in self.arrays
             }
             as_written = (
                 _described(own) == _described(self.arrays)
@@ -353,10 +355,12 @@ class Trajectories:
             array = group.create_array(
                 name, shape=values.shape, dtype=str if values.dtype.kind == "U" else values.dtype,
                 dimension_names=(dimension,), attributes=attributes,
+                compressors=[ZstdCodec(), Crc32cCodec()], config={"write_empty_chunks": True},
             )  # fmt: skip
             array[:] = values
         with warnings.catch_warnings(action="ignore"):  # not yet in Zarr's specification
             zarr.consolidate_metadata(whole)
+        seal(whole)
         whole.replace(out)
 
 

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from tweezer.errors import ResultError
+from tweezer.hdf5 import item_of
 from tweezer.reading.table import (
     Array,
     Column,
@@ -62,10 +63,8 @@ def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
     seen: set[int] = set()
     for before, group, depth in waiting:
         for name in islice(group, _MOST_ITEMS):
-            link, label = group.get(name, getlink=True), f"{before}{name}"
-            item = None if isinstance(link, h5py.ExternalLink) else group.get(name)
-            if isinstance(link, h5py.ExternalLink) or _lies_elsewhere(item, file):
-                raise ResultError(f"{path}: {label}: lies in another file; must be in this one")
+            label = f"{before}{name}"
+            item = item_of(path, group, name, label)
             if isinstance(item, h5py.Dataset):
                 yield label, item
             elif isinstance(item, h5py.Group) and depth < _DEPTH and not name.startswith("#"):
@@ -73,12 +72,6 @@ def datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]:
                 if address not in seen:
                     seen.add(address)
                     waiting.append((f"{label}/", item, depth + 1))
-
-
-def _lies_elsewhere(item: Any, file: h5py.File) -> bool:
-    if item is None or item.file != file:
-        return item is not None
-    return isinstance(item, h5py.Dataset) and (bool(item.external) or item.is_virtual)
 
 
 def text_of(value: Any) -> str:

@@ -15,7 +15,7 @@ from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
 from tweezer.equilibria import DIRECTIONS
-from tweezer.errors import SceneError, TweezerError
+from tweezer.errors import ResultError, SceneError, TweezerError
 from tweezer.scene import Scene, with_settings
 from tweezer.theory import largest_wavenumber
 
@@ -95,6 +95,15 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
 }
 #: What a sweep can be of
 WHAT = tuple(QUANTITIES)
+
+
+def quantities_of(of: str) -> dict[str, Quantity]:
+    """Return the quantities of a sweep of that name. Raises `ResultError` if there is none."""
+    if of not in QUANTITIES:
+        raise ResultError(f"is a sweep of {of[:20]!r}; allowed: {', '.join(WHAT)}")
+    return QUANTITIES[of]
+
+
 #: Arguments that only some sweeps use: of each its value if it is not given
 _DEFAULTS: dict[str, Any] = {"trajectories": 100, "seed": 0, "skip": 0.0}
 #: Those that a sweep of each kind uses

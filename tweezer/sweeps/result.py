@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 import warnings
 from collections.abc import Mapping
@@ -12,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from tweezer.errors import ResultError
+from tweezer.io import load_result
+from tweezer.saved import kind_of
+from tweezer.stores import seal
 from tweezer.sweeps.cases import Cases
 from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, Values
 
@@ -84,6 +86,7 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
                 new, mode="w-", zarr_format=3, consolidated=True, encoding=encoding,
                 write_empty_chunks=True,
             )  # fmt: skip
+        seal(new)
         new.replace(out)
     except BaseException:
         shutil.rmtree(new, ignore_errors=True)  # a full disk has room for the journal again
@@ -91,14 +94,8 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
 
 
 def read(out: Path) -> xr.Dataset:
-    """The store of a sweep, in memory. Raises `ResultError` if it is none."""
-    import xarray as xr
-
-    try:
-        with warnings.catch_warnings(action="ignore"):
-            dataset = xr.open_zarr(out, chunks=None).load()
-        json.loads(dataset.attrs["over"])
-    except Exception as error:  # Zarr raises of any kind where a file is damaged
-        reason = " ".join(str(error).split())
-        raise ResultError(f"{out}: not a sweep: {reason}") from None
-    return dataset
+    """The store of a sweep, in memory. Raises `ResultError` if it is none, or is not whole."""
+    dataset = load_result(out)
+    if (kind := kind_of(dataset)) is None or kind.name != "sweep":
+        raise ResultError(f"{out}: not a sweep{f': is {kind.told}' if kind else ''}")
+    return dataset.load()

@@ -33,7 +33,7 @@ Results = Generator[Done, None, None]
 Computing = Callable[..., Results]
 
 #: Version of the files; those of another version cannot be resumed
-FORMAT = "1"
+FORMAT = "2"
 #: Largest number of processes
 _MOST = 10_000
 

@@ -9,8 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tweezer.errors import ResultError
+
 #: Number of steps of a range that 16 bits tell apart; one more number is that of what is missing
 _STEPS = 65534
+
+
+class TooLargeError(ResultError, ValueError):
+    """Values that a page cannot hold."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +54,13 @@ class Packed:
 def float32(values: ArrayLike, unit: str) -> Packed:
     """`values` in 4 bytes each: rounded to 6e-8 of each value. One that is not finite is missing.
 
-    Raises `ValueError` for values that 4 bytes do not hold: beyond 3.4e38 in `unit`.
+    Raises `TooLargeError` for values that 4 bytes do not hold: beyond 3.4e38 in `unit`.
     """
     given = np.asarray(values, dtype=np.float64)
     with np.errstate(over="ignore"):
         short = np.where(np.isfinite(given), given, np.nan).astype("<f4")
     if np.isinf(short).any():
-        raise ValueError(f"values in {unit}: too large for 4 bytes")
+        raise TooLargeError(f"values in {unit}: too large for 4 bytes")
     return _packed(short, given, short.astype(np.float64), unit)
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, TweezerError
 from tweezer.saved import SHOWN, kind_of, refusal
+from tweezer.schema import rising
 
 if TYPE_CHECKING:
     from tweezer.viewing.content import Content
@@ -23,5 +24,10 @@ def content_of(given: Any, name: str) -> Content:
         page = "trap"
     if not page:
         raise ResultError(f"{name}: {refusal(kind, 'view', SHOWN)}")
-    content: Content = importlib.import_module(f"tweezer.viewing.of_{page}").content(given)
+    try:
+        for reason in rising(given, "time") if "time" in getattr(given, "sizes", ()) else ():
+            raise ResultError(reason)
+        content: Content = importlib.import_module(f"tweezer.viewing.of_{page}").content(given)
+    except TweezerError as error:  # of a scene too, such as a bead too far from the light
+        raise ResultError(f"{error}" if name in str(error) else f"{name}: {error}") from None
     return content

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import bound_once
 from tweezer.ensembles.statistics import error_of_part, joined, moments
+from tweezer.errors import ResultError
 from tweezer.io import scene_of
 from tweezer.scene import Scene
 from tweezer.viewing.arrays import Packed, float32, uint16
@@ -63,6 +64,8 @@ def content(dataset: xr.Dataset) -> Content:
 def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     times, lost_time = dataset["time"].values, dataset["lost_time"].values
     computed = ~np.isnan(lost_time)
+    if not computed.any():
+        raise ResultError("holds no trajectory that was computed")
     lost_time = lost_time[computed]
     kept, beads, taken = _thinned(len(times), len(lost_time))
     place = bound_once(scene).equilibrium if scene.lit else None

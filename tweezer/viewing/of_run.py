@@ -13,6 +13,7 @@ from tweezer.analysis.resolved import resolved
 from tweezer.analysis.summary import Summary, summary_of
 from tweezer.bead import bead_properties
 from tweezer.dynamics import Problem, bound_once
+from tweezer.errors import ResultError
 from tweezer.io import scene_of
 from tweezer.optics import Beams, ray_optics_caveat
 from tweezer.run import Run
@@ -40,6 +41,8 @@ _AS_THEY_ARE = {
 def content(dataset: xr.Dataset) -> Content:
     """What the page of a run shows. Raises `ResultError` if its scene is none."""
     run, scene = Run.of(dataset), scene_of(dataset)
+    if not np.isfinite(run["position"]).all():
+        raise ResultError("holds samples without a position, which no page can show")
     problem = bound_once(scene)
     thermal, close = scene.forces.brownian, resolved(run)
     forces, about_forces = _forces(run, problem)

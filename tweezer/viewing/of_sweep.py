@@ -8,7 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.io import scene_of
-from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, SHOWN, STABLE
+from tweezer.sweeps.quantities import (
+    DIMENSIONS,
+    FAILED,
+    MISSING,
+    SHOWN,
+    STABLE,
+    quantities_of,
+)
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, named, of_changes
@@ -39,7 +46,7 @@ def content(dataset: xr.Dataset) -> Content:
     words = {name: _words(dataset[name].values) for name in ("outcome", "reason", "caveat")}
     arrays = {name: numbers for name, (_, numbers) in words.items()}
     quantities = []
-    for name, quantity in QUANTITIES[of].items():
+    for name, quantity in quantities_of(of).items():
         about, unit = about_and_unit(quantity)
         scale, unit = _unit(unit, apart=name in _IN_SI)
         along = DIMENSIONS[quantity.dimension] if quantity.dimension else []

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from tweezer.errors import ResultError
 from tweezer.files import replacing
 from tweezer.saved import SHOWN, check_ending
 from tweezer.version import __version__
@@ -109,8 +110,11 @@ def _typeset(words: str) -> str:
 
 
 def _in_script(value: object) -> str:
-    """JSON that may stand in a script: no `<` ends it. Raises `ValueError` for NaN."""
-    text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    """JSON that may stand in a script: no `<` ends it. Raises `ResultError` for NaN."""
+    try:
+        text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
+    except ValueError:
+        raise ResultError("holds a number that is not finite, which no page can show") from None
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 

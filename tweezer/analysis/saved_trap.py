@@ -1,0 +1,94 @@
+"""Traps as `tweezer trap --out` saves them, read and checked."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from tweezer.analysis.escape import Escape
+from tweezer.analysis.holding import Lifetime
+from tweezer.analysis.trap import Trap
+from tweezer.equilibria import DIRECTIONS
+from tweezer.errors import ResultError
+from tweezer.saved import kind_of, read_json
+from tweezer.schema import of_validation
+
+#: What the file has beside the fields of `Trap`
+_BESIDE = ("lifetime", "lifetime_caveat")
+#: Largest distance from the focus, m: no light holds a bead so far from it
+_FARTHEST = 1.0
+
+
+def load_trap(path: Path) -> tuple[Trap, str]:
+    """Return the trap that a file of `tweezer trap --out` holds, and the version that computed it.
+
+    Raises `ResultError` for a file that is none.
+    """
+    saved = read_json(path)
+    if (kind := kind_of(saved)) and kind.name != "trap":
+        raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way}")
+    try:
+        found, version = _known(Trap, saved["trap"]), str(saved["tweezer_version"])
+        lifetime, _ = (found.pop(name, None) for name in _BESIDE)
+        escapes = [_known(Escape, each) for each in found["escapes"]]
+        trap = TypeAdapter(Trap).validate_python(
+            found | {"scene": saved["scene"], "escapes": escapes}
+        )
+        if trap.equilibrium is not None:  # the file has it a second time
+            same = trap.equilibria.index(trap.equilibrium)
+            trap = dataclasses.replace(trap, equilibrium=trap.equilibria[same])
+        for reason in _wrong(trap):
+            raise ValueError(reason)
+        if "lifetime" in saved["trap"]:
+            vars(trap)["lifetime"] = lifetime and _lifetime(lifetime)
+    except ValidationError as error:
+        raise ResultError(f"{path}: no saved trap: {of_validation(error)}") from None
+    except KeyError as error:
+        raise ResultError(f"{path}: no saved trap: it has no {error.args[0]}") from None
+    except (TypeError, ValueError, AttributeError) as error:
+        raise ResultError(f"{path}: no saved trap: {' '.join(str(error).split())}") from None
+    return trap, version
+
+
+def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, Any]:
+    """With NaN for numbers that are null: JSON has none that is not finite."""
+    lost = [each.name for each in dataclasses.fields(of) if each.type == "float"]
+    return saved | {name: math.nan for name in lost if saved[name] is None}
+
+
+def _lifetime(saved: dict[str, Any]) -> Lifetime:
+    """A time that is null is infinite."""
+    time = math.inf if saved["time"] is None else saved["time"]
+    return TypeAdapter(Lifetime).validate_python(saved | {"time": time})
+
+
+def _wrong(trap: Trap) -> Iterator[str]:
+    """What cannot be of a trap."""
+    place = trap.equilibrium
+    if bool(trap.escapes) != (place is not None):
+        yield "it has ways out of no equilibrium, or none of one"
+    if place is not None:
+        if trap.corner_frequencies is None or trap.drag is None:
+            yield "it has an equilibrium without its drag or corner frequencies"
+        if not all(0 < each < math.inf for each in place.eigenvalues):
+            yield "its equilibrium is not stable"
+        if [each.direction for each in trap.escapes] != list(DIRECTIONS):
+            yield f"its ways out are not {', '.join(DIRECTIONS)}"
+    lengths = {
+        "reach": [trap.reach],
+        "equilibria": [z for each in trap.equilibria for z in each.position],
+        "escapes": [
+            length
+            for each in trap.escapes
+            for length in (each.force_at, each.range, each.wall_at)
+            if length is not None
+        ],
+    }
+    for name, found in lengths.items():
+        if not all(-_FARTHEST <= each <= _FARTHEST for each in found):
+            yield f"{name}: must be within {_FARTHEST:g} m of the focus"
