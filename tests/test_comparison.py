@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -339,8 +340,10 @@ def test_traps_and_calibrations(tmp_path):
     (tmp_path / "c.json").write_text(json.dumps(dataclasses.asdict(found[1]), default=str))
     assert tweezer.compare(found[0], found[1]).agrees
     assert not tweezer.compare(found[0], found[2]).agrees
-    with pytest.raises(tweezer.ResultError, match="they cannot be compared"):
-        tweezer.compare(trap, found[0])
+    assert not tweezer.compare(trap, found[0]).agrees
+    lost = dataclasses.replace(trap, equilibrium=None)
+    with pytest.raises(tweezer.ResultError, match="first: has no equilibrium, so no stiffness"):
+        tweezer.compare(lost, found[0])
     with pytest.raises(
         tweezer.ResultError, match=r"c\.json: is a calibration; `tweezer view` takes"
     ):
@@ -396,3 +399,34 @@ def test_sweeps_case_by_case(tmp_path):
     second.attrs["over"] = "{}"
     with pytest.raises(tweezer.ResultError, match="swept over other keys or values"):
         tweezer.compare(first, second)
+
+
+@pytest.mark.parametrize(("off", "agrees"), [(0.0, True), (1.0, True), (6.0, False)])
+def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, agrees):
+    """By the stiffness along each axis; an estimate with a finding against it does not count."""
+    assert command_line("trap", "silica-1um", "--out", "trap.json").code == 0
+    trap = json.loads(Path("trap.json").read_text())
+    k = np.diag(trap["trap"]["equilibrium"]["stiffness"])
+
+    def axis(name, size):
+        estimates = [
+            {"method": "power spectrum", "stiffness": size + off * 0.01 * size,
+             "uncertainty": 0.01 * size, "findings": []},
+            {"method": "potential", "stiffness": 3 * size, "uncertainty": 0.01 * size,
+             "findings": ["short"]},
+        ]  # fmt: skip
+        return {"axis": name, "estimates": estimates}
+
+    command_line("examples", "trapped-bead")
+    options = ["--temperature", "20 degC", "--radius", "0.5 um", "--viscosity", "1 mPa s"]
+    command_line("calibrate", "trapped-bead.csv", *options, "--blur", "0", "--out", "k.json")
+    calibration = json.loads(Path("k.json").read_text())
+    calibration["axes"] = [axis("y", k[1]), axis("z", k[2])]
+    Path("k.json").write_text(json.dumps(calibration))
+    for pair in (("trap.json", "k.json"), ("k.json", "trap.json")):
+        found = tweezer.compare(*pair)
+        assert [each.name for each in found.quantities] == [
+            "stiffness y, power spectrum", "stiffness z, power spectrum",
+        ]  # fmt: skip
+        assert (found.agrees, found.kind) == (agrees, "trap and calibration")
+    assert command_line("compare", "trap.json", "k.json").code == (0 if agrees else 1)

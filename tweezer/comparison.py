@@ -224,6 +224,9 @@ def compare(a: Result, b: Result) -> Comparison:
     `same` of the result says that all numbers of both, and their times, are equal bit for bit: also
     those that are not compared otherwise.
 
+    A trap and a calibration are compared by their stiffnesses: each estimate of the calibration
+    that has no finding against the stiffness of the trap along that axis.
+
     A number that only one of them has is a difference without thermal motion, and with it is left
     out; so is one without a known error. The notes tell how many were left out of each quantity.
 
@@ -232,6 +235,8 @@ def compare(a: Result, b: Result) -> Comparison:
     """
     first, second = _source(a, "first"), _source(b, "second")
     names = first.name, second.name
+    if {first.kind, second.kind} == {"trap", "calibration"}:
+        first, second = _stiffnesses(first, second), _stiffnesses(second, first)
     if first.kind != second.kind:
         raise ResultError(
             f"{names[0]} is of the kind {first.kind}, {names[1]} of the kind {second.kind}: they "
@@ -777,6 +782,35 @@ def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
     }
     about = {key: found[key] for key in ("temperature", "drag", "mass", "exposure", "samples")}
     return Source(name, "calibration", True, about, None, lambda _: Found(numbers))
+
+
+def _stiffnesses(one: Source, other: Source) -> Source:
+    """Return one of a trap and a calibration as stiffnesses that both have.
+
+    The estimates of the calibration name them. The trap has one stiffness along each axis.
+    """
+    nowhere = np.empty(0, np.int64)
+    found, estimates = one.found(nowhere), other.found(nowhere).numbers
+    if one.kind == "calibration":
+        temperature = one.about["temperature"]
+    else:
+        temperature = one.about.get("medium.temperature")
+        trap, numbers = found.numbers.get("stiffness"), {}
+        if trap is None:
+            raise ResultError(f"{one.name}: has no equilibrium, so no stiffness to compare")
+        for name in estimates:
+            axis = "xyz".index(name.removeprefix("stiffness ")[0])
+            one_axis = slice(axis, axis + 1)
+            numbers[name] = trap._replace(
+                values=trap.values[one_axis], errors=trap.errors[one_axis], where=_nowhere
+            )
+        found = Found(numbers)
+    return one._replace(
+        kind="trap and calibration",
+        statistical=True,
+        about={"temperature": temperature},
+        found=lambda _: found._replace(words=None),
+    )
 
 
 #: By the name of the kind

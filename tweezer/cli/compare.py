@@ -21,11 +21,13 @@ Result = Annotated[
 
 @app.command()
 def compare(first: Result, second: Result) -> None:
-    """Whether two results agree within errors.
+    """Test whether two results agree.
 
-    Of runs the distance at common times and the sum of both errors; with thermal motion means and
-    variances, told to differ by chance in at most 1 % of comparisons. And which keys of the scene,
-    methods and versions differ. Exit code: 0 they agree, 1 they differ, 2 they cannot be compared.
+    Both results are of one kind, or a trap and a calibration, whose stiffnesses are compared. Runs
+    are compared by their distance at common times and the sum of both errors. With thermal motion
+    means and variances are compared; at most 1 % of comparisons differ by chance. The table lists
+    the keys of the scene, methods and versions that differ. Exit status: 0 if the results agree,
+    1 if they differ, 2 if they cannot be compared.
     """
     from tweezer.comparison import compare as compared
 
