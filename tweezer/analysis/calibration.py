@@ -33,6 +33,7 @@ from tweezer.analysis.findings import (
 from tweezer.analysis.free import Diffusion, Given, not_trapped
 from tweezer.analysis.histogram import potential
 from tweezer.analysis.in_time import autocorrelation, displacement, lags_of
+from tweezer.analysis.inertia import Inertia
 from tweezer.analysis.left_out import NOTHING, LeftOut
 from tweezer.analysis.recording import Recording, load_recording
 from tweezer.analysis.spectra import (
@@ -56,7 +57,6 @@ from tweezer.errors import ResultError
 from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of
 from tweezer.rounding import rounded, with_uncertainty
-from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown, Table
 from tweezer.units import TEMPERATURE, QuantityLike, bare
 
@@ -280,6 +280,15 @@ class Calibration(Shown):
     viscosity: float | None = None
     """of the medium, Pa s; None if not known"""
 
+    @property
+    def determined(self) -> bool:
+        """Whether each axis has a stiffness, or a free bead a diffusion, without a finding."""
+        free = [] if self.free is None else [each.axis for each in self.free.axes]
+        trapped = [axis for axis in self.axes if axis.axis not in free]
+        return (self.free is None or not self.free.findings) and all(
+            any(not each.findings for each in axis.estimates) for axis in trapped
+        )
+
     def card(self) -> Card:
         """For each axis the first stiffness that is trusted; what was given; tables of all."""
         free = [] if self.free is None else [each.axis for each in self.free.axes]
@@ -418,7 +427,7 @@ def calibrate(
         if drag is None:
             drag = bead_properties(recording.scene).drag
             on_the_way = wall is None
-        of_scene = _inertia(recording.scene)
+        of_scene = Inertia.of(recording.scene).masses(recording.scene)
         mass = of_scene[0] if mass is None else mass
         if fluid is None:
             fluid = of_scene[1]
@@ -636,18 +645,6 @@ def _in_si(recording: Recording, name: str, value: QuantityLike | None, unit: st
     if value is None:
         return None
     return in_si(f"{recording.name}: {name}", value, unit, error=ResultError)
-
-
-def _inertia(scene: Scene) -> tuple[float | None, float | None]:
-    """Mass of the bead in the scene's model, and of the fluid in its place if it remembers."""
-    model, fluid = scene.simulation.model, scene.medium.inertia
-    if model not in ("full", "scaled"):
-        return None, None
-    bead = bead_properties(scene)
-    mass = bead.mass / (scene.simulation.scaling_factor or 1.0) if model == "scaled" else bead.mass
-    if fluid == "memory":
-        return mass, bead.displaced_mass
-    return mass + (bead.displaced_mass / 2 if fluid == "added-mass" else 0.0), None
 
 
 @dataclass(frozen=True)

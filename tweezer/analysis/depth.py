@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 from scipy.stats.qmc import Sobol
 
+from tweezer.analysis.findings import REFUTED
 from tweezer.analysis.profile import JUMP, LEVEL, Profile, below
 from tweezer.analysis.recording import Track, load_track
 from tweezer.analysis.residuals import p_value as p_value_of
@@ -64,8 +65,6 @@ _FIRST = 7
 _GUESS = 4.5
 #: Relative excess of an exposure over the time between frames that is allowed: times are rounded
 _UNEVEN = 1e-3
-#: Probability of the residuals below which they are not white
-_IMPROBABLE = 1e-3
 
 
 class _Free(NamedTuple):
@@ -168,7 +167,7 @@ class DepthFit(Shown):
             *(Row(each.name, *each.told) for each in self.parameters),
             Row("frames, outliers", f"{self.frames}, {self.outliers}", detail=True),
             Row("residuals white, p", f"{self.p_value:.2g}",
-                "they are not those of the scene" if self.p_value < _IMPROBABLE else ""),
+                "they are not those of the scene" if self.p_value < REFUTED else ""),
         ]  # fmt: skip
         return Card("DepthFit", f"{self.name}, {self.scene}", tuple(rows), notes=(self.statement,))
 
@@ -221,7 +220,7 @@ def fit_depth(
     z if a jump is left at an end of it, if a fit near it has not converged, if power, radius or
     scaling factor meets an end of what was tried within it (1/4 to 4, 1/2 to 2 and 1e-4 to 1e4
     times what the scene says), or noise or release their upper ones, or if the p-value is below
-    0.001. The p-value is of the correlations of the residuals (G. M. Ljung and G. E. P. Box,
+    0.01. The p-value is of the correlations of the residuals (G. M. Ljung and G. E. P. Box,
     Biometrika 65, 297 (1978)), and of their size where the noise is given.
 
     Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, an exposure, a
@@ -556,7 +555,7 @@ def _doubts(
                 False,
             )
         )
-    if p_value < _IMPROBABLE:
+    if p_value < REFUTED:
         doubts.append(
             _Doubt(
                 f"the residuals are not white (p = {p_value:.1g}): "

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc, ndtr
 
 from tweezer.analysis.left_out import NOTHING, LeftOut
+from tweezer.analysis.settling import FAR, spread, unsettled
 from tweezer.analysis.spectra import (
     TrappedBead,
     power_spectrum,
@@ -24,11 +25,14 @@ from tweezer.analysis.whittle import (
     best_start,
     fitted,
 )
+from tweezer.rounding import time_taken
 
 Array = NDArray[np.float64]
 
 #: Probability of such a record from a trapped bead below which a finding is reported.
 IMPROBABLE = 1e-3
+#: The same for a p-value that is printed beside the result.
+REFUTED = 1e-2
 #: The same for a disturbance that would shift an estimate by `HARM` or more.
 _UNLIKELY = 1e-2
 #: Shift of an estimate that is harmless, in its standard uncertainties.
@@ -42,14 +46,10 @@ _LONG = 300.0
 _INTERVAL = 1.96
 #: Lowest frequency of a fit from which on slow motion is left out, in that of one period a record.
 _NEXT = 1.5
-#: Largest distance of a position from the median, in standard deviations.
-_FAR = 6.0
 #: Fraction of the samples at one extreme value above which the range of the detector may end there.
 _CLIPPED = 0.01
 #: Smallest ratio of their number to that at the next value; rounding alone gives 1 or less.
 _HEAPED = 2
-#: Standard deviation of a Gaussian over its median absolute deviation.
-_DEVIATION_PER_MEDIAN = 1.4826
 #: Number of cosines that describe slow motion: with half a period in the record, one, ...
 SLOW = 4
 #: Number of half periods in a record up to which a drift looks like lines.
@@ -110,7 +110,7 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
     # a drift is mostly at the lowest frequencies
     slowest = _SLOWEST / (2 * len(positions) * step) if drifts else 0.0
     found = [
-        _unsettled(positions),
+        _stray(positions, step),
         few,
         *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
@@ -139,23 +139,25 @@ def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> floa
     return float((power**2 / whole.counts).sum() / power.sum() ** 2)
 
 
-def _unsettled(positions: Array) -> Finding | None:
-    """By the median, which outliers do not shift."""
-    off = np.abs(positions - np.median(positions))
-    spread = _DEVIATION_PER_MEDIAN * float(np.median(off))
+def _stray(positions: Array, step: float) -> Finding | None:
+    """Samples far off, by the median, which outliers do not shift."""
+    off, deviation = np.abs(positions - np.median(positions)), spread(positions)
     farthest = int(off.argmax())
-    if spread == 0:
+    if deviation == 0:
         return Finding("stuck", "more than half of its samples are the same number")
     for end, signed in (("largest", positions), ("smallest", -positions)):
         heap, following = (int((signed == each).sum()) for each in _two_largest(signed))
         if heap > max(_CLIPPED * len(positions), _HEAPED * following):
             share = f"{100 * heap / len(positions):.2g} % of its samples are the {end} number"
             return Finding("clipped", f"{share}: does the range of the detector end there?")
-    if off[0] > _FAR * spread:
-        away = f"{off[0] / spread:.2g} standard deviations off"
-        return Finding("start", f"it starts {away}: leave out the beginning")
-    if off[farthest] > _FAR * spread:
-        away = f"{off[farthest] / spread:.2g} standard deviations off"
+    begin = unsettled(positions, step)
+    if begin is not None:
+        return Finding(
+            "start", f"it starts {begin.off:.2g} standard deviations off: leave out the beginning, "
+            f"--skip \"{time_taken(begin.time)}\""
+        )  # fmt: skip
+    if off[farthest] > FAR * deviation:
+        away = f"{off[farthest] / deviation:.2g} standard deviations off"
         return Finding("outlier", f"sample {farthest + 1} is {away}")
     return None
 
@@ -380,7 +382,7 @@ def _line(positions: Array, step: float, fits: Fits, above: float) -> Finding | 
 
 
 def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None:
-    if spectrum_p_value(positions, step, free) >= IMPROBABLE:
+    if spectrum_p_value(positions, step, free) >= REFUTED:
         return None
     text = "the spectrum is not that of a trapped bead"
     highest = float(free.periodogram.frequencies[-1])

@@ -21,7 +21,7 @@ from scipy.constants import Boltzmann
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, ndtr
 
-from tweezer.analysis.findings import IMPROBABLE, Finding
+from tweezer.analysis.findings import IMPROBABLE, REFUTED, Finding
 from tweezer.analysis.steps import EXACT, Steps
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
@@ -567,7 +567,7 @@ class _Fit:
                 "more: is it held?"
             )
             found.append(Finding("confined", text))
-        elif self.p_value < IMPROBABLE:
+        elif self.p_value < REFUTED:
             text = f"{self.axis}: its steps are not those of a free bead, blurred and with noise"
             found.append(Finding("spectrum", text))
         if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE / 10:

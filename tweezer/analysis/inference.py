@@ -1,15 +1,15 @@
 """Keys of a scene from recordings of its trapped bead, by maximum likelihood.
 
-The likelihood is that of the Kalman filter (`tweezer.dynamics.filter`): of the whole scene, the
-exact force of its light among it, not of a stiffness. So a record tells what the force depends on:
-power, size, index, aperture, the height above a wall; as far as it does.
+The likelihood is that of the power spectrum of the bead in the scene's light, with the inertia of
+bead and fluid. The stiffness follows from the scene, so a recording determines what the stiffness
+and the drag depend on: power, size, index, aperture, the height above a wall.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,13 +17,14 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import brentq
 
+from tweezer.analysis.findings import REFUTED
 from tweezer.analysis.profile import LEVEL
 from tweezer.analysis.recording import Recording, load_recording
-from tweezer.analysis.residuals import p_value
 from tweezer.analysis.scene_misfit import Least, Misfit
+from tweezer.analysis.settling import unsettled
 from tweezer.errors import ResultError
 from tweezer.optics import rows_of_light
-from tweezer.rounding import with_uncertainty
+from tweezer.rounding import time_taken, with_uncertainty
 from tweezer.scene import Scene, checked_scene
 from tweezer.shown import Card, Row, Shown
 from tweezer.units import usual_unit
@@ -38,14 +39,12 @@ _END = 0.01
 _SMOOTH = 0.9
 #: Smallest number of relaxation times, of the slowest axis that is seen
 _FEW = 50.0
-#: Probability of the residuals below which the scene is not that of the record
-_IMPROBABLE = 1e-3
 #: Change that a key must be told to within, as a factor or in radii, or it is not determined
 _DETERMINED = 0.5
+#: Systematic error that is told, in the least relative uncertainty of a key
+_HARM = 0.5
 #: Change of a key by which a pair that is not told apart is described
 _TEN_PER_CENT = math.log(1.1)
-#: Relaxation times of inertia, of the bead with its fluid, in a step: faster records show it
-_INERTIA = 3.0
 
 
 @dataclass(frozen=True)
@@ -88,12 +87,19 @@ class SceneFit(Shown):
     """with the fitted values"""
     keys: tuple[FittedKey, ...]
     log_likelihood: float
-    """of the coordinates seen, in m: to compare fits to the same recordings"""
+    """to compare fits to the same recordings"""
     frames: int
     p_value: float
-    """how probable residuals are that are as far from white, of the size that the scene says"""
+    """probability of spectra that deviate as much or more from those of the scene"""
+    likelihood: str
+    """what was compared with the scene, in words: bands, steps and inertia"""
     statement: str
     """what the recordings tell, in words"""
+
+    @property
+    def determined(self) -> bool:
+        """Whether every key is determined."""
+        return all(each.determined for each in self.keys)
 
     def __getitem__(self, key: str) -> FittedKey:
         return next(each for each in self.keys if each.key == key)
@@ -101,11 +107,12 @@ class SceneFit(Shown):
     def card(self) -> Card:
         """A row for each key, what the residuals say, and the light."""
         rows = [Row(each.key, *each.told) for each in self.keys]
-        unlikely = self.p_value < _IMPROBABLE
+        unlikely = self.p_value < REFUTED
         rows += [
+            Row("likelihood", self.likelihood),
             Row("frames", f"{self.frames}", detail=True),
-            Row("residuals white, p", f"{self.p_value:.2g}",
-                "they are not those of the scene" if unlikely else ""),
+            Row("spectrum, p", f"{self.p_value:.2g}",
+                "it is not that of the scene" if unlikely else ""),
             *rows_of_light(self.scene),
         ]  # fmt: skip
         names = ", ".join(Path(name).name for name in self.names)
@@ -119,35 +126,52 @@ def fit(
     free: Sequence[str],
     progress: Callable[[float], None] | None = None,
 ) -> SceneFit:
-    """Values of keys of a scene from recordings of its bead at rest in the trap.
+    """Fit keys of a scene to recordings of its bead at rest in the trap.
 
-    recordings: one or several, of the same scene, or what `load_recording` takes; of x, of x and y,
-    or of all three axes. scene: bead, medium, light, and `camera` for exposure and noise; for a run
-    of ours its own if not given. free: keys of the scene, such as "bead.diameter", "beam.power",
-    "medium.viscosity", "camera.noise"; the scene has the first guesses. progress: called with the
-    part done, 0 to 1.
+    The likelihood is that of the whitened power spectrum of each coordinate (P. Whittle, Ark. Mat.
+    2, 423 (1953)). The expected spectrum has the inertia of the bead and the memory of the fluid,
+    aliases, motion blur and the noise of the camera, without approximation
+    (`TrappedBead.sampled_spectrum`). Its stiffness and drag are means over the thermal motion in
+    the scene's force (statistical linearisation), which is right to first order in the anharmonic
+    part of the trap. A statement says where the second order may matter.
 
-    Assumed: the bead is in equilibrium in the trap throughout; the place of the trap in the record
-    is not known, so that the mean of each coordinate is taken from it; the bead has no inertia;
-    without a camera, positions are exact and at once, but for the exposure and noise that the
-    record has of itself. The start has Boltzmann's distribution. The motion goes by the scene's
-    force wherever the bead is.
+    The bead is in equilibrium in the trap throughout. Its position in the recording is unknown, so
+    the mean of each coordinate is subtracted. The coordinates count as independent.
 
-    The misfit is -2 log(likelihood) of the filter. It differs little from that of the spectra of a
-    bead with the scene's stiffness and drag at its equilibrium (P. Whittle, Ark. Mat. 2, 423
-    (1953)), which costs next to nothing. So what is minimised is that of the spectra and the
-    difference of both, which is measured at a place and to both sides of it along each principal
-    direction of the misfit that tells more than a quarter, and taken as a parabola along each,
-    level beyond; and is measured again where the minimum turns out to be, until it stays. The
-    minimum is found by Gauss's and Newton's steps in the logarithms of the keys, or in radii for a
-    key that is not positive, from the best of 17 places about the guesses, up to a factor of 5 or 5
-    radii from them. The interval of a key holds its values whose least misfit over the other keys
-    is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)). Keys that the
-    likelihood does not tell apart are named. The p-value is that of `tweezer.fit_depth`.
+    Parameters
+    ----------
+    recordings : Recording, dataset, path or a sequence of them
+        One or several recordings of the same scene, or what `load_recording` takes, with x, x and
+        y, or all three coordinates.
+    scene : Scene, optional
+        Bead, medium and light, with the first guesses of the free keys, and `camera` for exposure
+        and noise. The default is the scene of a run. Without a camera the exposure and noise are
+        those of the recording, or zero. The inertia is what its `simulation.model` and
+        `medium.inertia` name; what they leave open is the inertia of the bead and the memory of the
+        fluid. A run of tweezer has the inertia that it was made with.
+    free : sequence of str
+        Keys of the scene, such as "bead.diameter", "beam.power", "medium.viscosity" or
+        "camera.noise".
+    progress : callable, optional
+        Called with the part done, 0 to 1.
 
-    Raises `ResultError` for what `load_recording` refuses, without a scene, for voltages, for a
-    camera of another rate, and where no bead is trapped; `SceneError` for keys that are no
-    quantities of the scene, and for light that changes in time.
+    Returns
+    -------
+    SceneFit
+        Values with 95 % confidence intervals: values whose least misfit, -2 log(likelihood), over
+        the other keys is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60
+        (1938)). The minimum is the lowest of those reached from the best four of 17 places about
+        the guesses, up to a factor of 5 or 5 radii from them. Keys that the likelihood does not
+        distinguish are named, and so are other minima in the 95 % region. The p-value is that of
+        Bartlett's test of the spectra, and of their size.
+
+    Raises
+    ------
+    ResultError
+        For what `load_recording` refuses, without a scene, for voltages, for a camera of another
+        rate, for a recording that begins before the bead has settled, and where no bead is trapped.
+    SceneError
+        For keys that are no quantities of the scene, and for light that changes in time.
     """
     loaded = _loaded(recordings)
     scene = loaded[0].scene if scene is None else checked_scene(scene)
@@ -155,21 +179,25 @@ def fit(
         raise ResultError(f"{loaded[0].name}: needs a scene")
     free = (free,) if isinstance(free, str) else tuple(free)
     misfit = Misfit(loaded, scene, free)
+    for each in loaded:
+        _refuse_unsettled(each)
     tell = progress or (lambda _: None)
-    best = misfit.best(lambda part: tell(0.4 * part))
-    paths = misfit.filtered(best.at)
-    p = min(len(paths) * min(p_value(path, sized=True) for path in paths), 1.0)
-    sound = best.converged and p >= _IMPROBABLE
+    best, *others = misfit.minima(lambda part: tell(0.4 * part))
+    rivals = [each for each in others if each.value < best.value + LEVEL]
+    p = misfit.p_value(best.at)
+    sound = best.converged and p >= REFUTED
     found: list[FittedKey] = []
     for i in range(len(free)):
         tell(0.4 + 0.6 * i / len(free))
-        found.append(_Interval(misfit, best, i).found(sound=sound))
+        key = _Interval(misfit, best, i).found(rivals, sound=sound)
+        if key.uncertainty and misfit.curved(best.at) * abs(key.value) > key.uncertainty:
+            key = replace(key, uncertainty=None, determined=False)
+        found.append(key)
     tell(1.0)
     return SceneFit(
-        tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found),
-        sum(path.log_likelihood for path in paths),
+        tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found), -best.value / 2,
         sum(len(each.times) for each in loaded), p,
-        "; ".join(_told(misfit, best, found, p)),
+        _likelihood(misfit), "; ".join(_told(misfit, best, rivals, found, p)),
     )  # fmt: skip
 
 
@@ -190,7 +218,45 @@ def _loaded(recordings: Any) -> list[Recording]:
     return loaded
 
 
-def _told(misfit: Misfit, best: Least, found: Sequence[FittedKey], p: float) -> list[str]:
+def _refuse_unsettled(recording: Recording) -> None:
+    """Refuse a recording that begins before the bead rests in the trap; give the time to skip."""
+    every = zip(recording.axes, recording.positions.T, strict=True)
+    found = [(unsettled(positions, recording.step), axis) for axis, positions in every]
+    begins = [(each, axis) for each, axis in found if each is not None]
+    if begins:
+        farthest, axis = max(begins)
+        time = time_taken(max(each.time for each, _ in begins))
+        raise ResultError(
+            f"{recording.name}: {axis} starts {farthest.off:.2g} standard deviations off, before "
+            f'the bead rests in the trap; leave out the beginning: --skip "{time}", or '
+            f'Recording.since("{time}")'
+        )
+
+
+def _likelihood(misfit: Misfit) -> str:
+    """Which spectra are fitted, in words."""
+    steps = [each.step for each in misfit.recordings]
+    lowest = min(float(each.periodogram.frequencies[0]) for each in misfit.spectra)
+    bands = [_short(lowest, "1/s"), _short(0.5 / min(steps), "1/s")]
+    every = list(dict.fromkeys(_short(step, "s") for step in sorted(steps)))
+    return (
+        f"power spectrum from {bands[0]} to {bands[1]}, steps of {' and '.join(every)}, "
+        f"{misfit.inertia.words}"
+    )
+
+
+def _short(value: float, unit: str) -> str:
+    factor, name = usual_unit(value, unit)
+    return f"{value / factor:.3g} {name}"
+
+
+def _told(
+    misfit: Misfit,
+    best: Least,
+    rivals: Sequence[Least],
+    found: Sequence[FittedKey],
+    p: float,
+) -> list[str]:
     """What the recordings tell, in words; first of all what they do not."""
     lines = []
     at_ends = [
@@ -201,28 +267,27 @@ def _told(misfit: Misfit, best: Least, found: Sequence[FittedKey], p: float) -> 
     lost = [each.key for each in found if not each.determined and each.key not in at_ends]
     if not best.converged:
         lines.append("the fit has not converged: nothing of it is to be trusted")
-    if p < _IMPROBABLE:
+    if p < REFUTED:
         lines.append(
-            f"the residuals are not those of the scene (p = {p:.1g}): what is not free in it is "
-            "not that of the record, or its noise or exposure"
+            f"the spectrum is not that of the scene (p = {p:.1g}): a fixed key, the noise, the "
+            "exposure or the inertia is not that of the recording"
         )
     if at_ends:
         lines.append(f"{' and '.join(at_ends)} at an end of what was tried: begin nearer")
     if lost and not lines:
         lines.append(f"the record does not determine {' and '.join(lost)}")
-        lines += _degenerate(misfit, best, lost)
+        lines += _degenerate(misfit, best, lost) or _rivals(misfit, rivals)
     if not lines:
         lines.append(f"the record determines {' and '.join(each.key for each in found)}")
-    bound = misfit.bound(tuple(best.at.tolist()))
-    assert not isinstance(bound, str)
-    axes = max(seen.shape[1] for seen in misfit.seen)
-    slowest = float((bound.drag / bound.stiffness)[:axes].max())
+    slowest = max(bead.relaxation_time for bead in misfit.beads(best.at))
     length = sum(each.step * len(each.times) for each in misfit.recordings)
     if length < _FEW * slowest:
         lines.append(f"only {length / slowest:.2g} relaxation times: intervals are too short")
-    momentum_time = bound.problem.bead.mass / float(bound.drag[0])
-    if min(each.step for each in misfit.recordings) < _INERTIA * momentum_time:
-        lines.append("its steps are as short as the bead's inertia lasts, which is left out")
+    errors = [(high - low) / 3.92 / abs(each.value) for each in found
+              for low, high in [each.interval] if low is not None and high is not None]  # fmt: skip
+    off = misfit.curved(best.at)
+    if errors and off > _HARM * min(errors):
+        lines.append(f"the trap is not harmonic: values may be off by about {100 * off:.2g} %")
     return lines
 
 
@@ -243,6 +308,18 @@ def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
     return [f"{misfit.keys[first].change(step[first])} with {with_it} fits as well"]
 
 
+def _rivals(misfit: Misfit, rivals: Sequence[Least]) -> list[str]:
+    """Other scenes that the recordings do not exclude."""
+    lines = []
+    for rival in rivals:
+        values = (
+            f"{key.key} = {_short(key.value(float(at)), key.quantity.unit)}"
+            for key, at in zip(misfit.keys, rival.at, strict=True)
+        )
+        lines.append(f"{' with '.join(values)} fits as well")
+    return lines
+
+
 class _Interval:
     """The interval of a key by the least misfit over the others."""
 
@@ -256,14 +333,19 @@ class _Interval:
         self._along = covariance[:, index] / variance
         self._known: dict[float, float] = {float(best.at[index]): 0.0}
 
-    def found(self, *, sound: bool) -> FittedKey:
-        """What is told of the key; sound: whether the fit may be trusted."""
+    def found(self, rivals: Sequence[Least], *, sound: bool) -> FittedKey:
+        """What is told of the key.
+
+        rivals: other minima that are not excluded; sound: whether the fit may be trusted.
+        """
         key, at = self._misfit.keys[self._index], float(self._best.at[self._index])
         ends = [self._end(at, way) for way in (-1.0, 1.0)]
         low, high = (None if end is None else key.value(end) for end in ends)
         uncertainty = None
         if sound and low is not None and high is not None:
-            uncertainty = (high - low) / 3.92
+            others = [key.value(float(each.at[self._index])) for each in rivals]
+            if all(low <= other <= high for other in others):
+                uncertainty = (high - low) / 3.92
         return FittedKey(
             key.key, key.quantity.unit, key.value(at), uncertainty, (low, high),
             uncertainty is not None,

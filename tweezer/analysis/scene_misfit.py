@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.optimize import least_squares
 from scipy.stats.qmc import Sobol
 
+from tweezer.analysis.inertia import Inertia
+from tweezer.analysis.mean_spring import mean_spring
 from tweezer.analysis.recording import Recording
 from tweezer.analysis.spectra import TrappedBead
-from tweezer.analysis.whittle import Periodogram
-from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
-from tweezer.dynamics.models import bind_translation
-from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.analysis.wall import ACROSS
+from tweezer.analysis.whitened import Whitened
+from tweezer.dynamics.problem import bound_once
 from tweezer.equilibria import nearest_stable
-from tweezer.errors import IntegrationError, PhysicsWarning, ResultError, SceneError, UnitWarning
+from tweezer.errors import PhysicsWarning, ResultError, SceneError, UnitWarning
+from tweezer.fluid import LOWEST
 from tweezer.scene import Scene, described_at, value_at, with_settings
 from tweezer.units import RefractiveIndex, quantity_of
 
@@ -36,23 +38,20 @@ _DIFFERENCE = 1e-3
 _GAIN, _SHORT = 1e-5, 1e-4
 #: Deviance where there is no trap
 _HOPELESS = 1e4
-#: Misfit added to the change of a difference, so that its root is a residual
-_OFFSET = 1e3
-#: Number of places that the best start is taken from, and how far they reach
-_TRIALS, _ABOUT = 16, 0.5
-#: Longest distance at which the filter is asked about a place; farther off its answer stays
-_ASIDE = 0.2
-#: Standard uncertainty along a direction above which it is not asked: nothing is told there
-_VAGUE = 0.25
-#: Distance of the best place from where the filter was asked, in those at which it was, up to which
-#: it is not asked again, and the largest number of times that it is
-_NEAR, _TIMES = 0.25, 6
+#: Number of places about the guesses that are tried, how far off they are, and number of the best
+#: that minima are sought from; distance of two minima
+_TRIALS, _ABOUT, _DESCENTS, _SAME = 16, 0.5, 4, 0.02
+#: Number of places whose scenes are kept bound
+_REMEMBERED = 16
 #: Keys that the motion of a bead at rest in the trap depends on
 _FITTED = re.compile(
     r"(bead|medium|lens|beam(\[\d+\])?|wall|forces)\..+|camera\.(exposure|noise|noise_along)"
 )
 #: Largest relative difference of a camera's rate from that of a record
 _UNEVEN = 1e-3
+#: Distance from a wall, in radii, from which on it does not change the memory of the fluid
+_FAR = 20.0
+_AXES = ("x", "y", "z")
 
 
 class FreeKey:
@@ -121,52 +120,6 @@ class FreeKey:
         return f"{self.value(q)!r} {self.quantity.unit}".rstrip()
 
 
-class Difference:
-    """How the filter's misfit less that of the spectra changes about a place."""
-
-    def __init__(
-        self, of: Callable[[Array], float], centre: Array, directions: Array, bounds: Array
-    ) -> None:
-        """directions: (d, n), orthogonal, as long as the distances at which it is measured."""
-        self._centre = centre
-        self._along = directions / (directions**2).sum(axis=1, keepdims=True)
-        here = of(centre)
-        if not math.isfinite(here):
-            raise IntegrationError("the motion cannot be followed")
-        slopes, curvatures = [], []
-        for direction in directions:
-            sides = []
-            for way in (-1.0, 1.0):
-                t = way * _within(centre, way * direction, bounds)
-                sides.append((t, of(centre + t * direction) - here))
-            (a, below), (b, above) = sides
-            if not (a < 0 < b and math.isfinite(below) and math.isfinite(above)):
-                usable = [(t, rise) for t, rise in sides if t and math.isfinite(rise)]
-                slopes.append(usable[0][1] / usable[0][0] if usable else 0.0)
-                curvatures.append(0.0)
-                continue
-            # the parabola t (slope + curvature t/2) through both
-            slopes.append((below / a * b - above / b * a) / (b - a))
-            curvatures.append(2 * (above / b - below / a) / (b - a))
-        self._slopes, self._curvatures = np.array(slopes), np.array(curvatures)
-
-    def __call__(self, q: Array) -> float:
-        """At a place, above that at the centre."""
-        t = np.clip(self._along @ (q - self._centre), -1.0, 1.0)
-        return float(self._slopes @ t + self._curvatures @ t**2 / 2)
-
-    def distance(self, q: Array) -> float:
-        """Of a place from the centre, in the distances of the measurement."""
-        return float(np.abs(self._along @ (q - self._centre)).max(initial=0.0))
-
-
-def _within(centre: Array, direction: Array, bounds: Array) -> float:
-    """The part of a direction, up to 1, that does not leave the bounds."""
-    ends = np.where(direction > 0, bounds[:, 1], bounds[:, 0])
-    moved = direction != 0
-    return float(min(1.0, *((ends - centre)[moved] / direction[moved])))
-
-
 class Least(NamedTuple):
     """A minimum of the misfit."""
 
@@ -183,12 +136,12 @@ class Bound:
     """A scene with a trap."""
 
     scene: Scene
-    problem: Problem
-    bead: Bead
-    stiffness: Array
-    """(3,) N/m, along the axes, where the bead rests"""
-    drag: Array
-    """(3,) kg/s, there"""
+    beads: dict[str, TrappedBead]
+    """along each axis: stiffness and drag are means over the thermal motion"""
+    bending: float
+    """largest part that is not harmonic, of the stiffness: how far the mean stiffness is from that
+    at the equilibrium, or how strongly the light turns the bead about the axis. Spectra are right
+    to first order in it"""
 
 
 class Misfit:
@@ -201,138 +154,108 @@ class Misfit:
             if list(free).count(key) > 1:
                 raise SceneError(f"free = {key!r}: given more than once")
         self._scene, self.recordings = _with_camera(scene, recordings, free), recordings
+        # a run has the inertia that it was made with, whatever the scene of the fit says
+        every = {Inertia.of(each.scene or scene) for each in recordings}
+        if len(every) > 1:
+            raise ResultError("recordings: are of runs with different inertia; fit them apart")
+        (self.inertia,) = every
         self.keys = [FreeKey(self._scene, key) for key in free]
         self.bounds = np.array([each.bounds for each in self.keys])
-        self.seen = [_seen(each) for each in recordings]
-        self._spectra = [
-            ("xyz".index(axis), Periodogram.of(positions, each.step))
+        self.spectra = [
+            Whitened.of(axis, positions, each.step)
             for each in recordings
             for axis, positions in zip(each.axes, each.positions.T, strict=True)
         ]
-        self._difference: Difference | None = None
-        self._latest: tuple[tuple[float, ...], Bound | str] | None = None
-        begin = self.bound(tuple([0.0] * len(free)))
+        self._bound = functools.lru_cache(_REMEMBERED)(self._bind)
+        begin = self.bound(np.zeros(len(free)))
         if isinstance(begin, str):
             raise ResultError(f"{scene.name}: {begin}")
-        if not begin.problem.force.steady:
-            raise SceneError("beam: a scene is fitted whose forces do not change in time")
 
     def scene(self, q: Array) -> Scene:
         """The scene at a place."""
         settings = {key.key: key.setting(at) for key, at in zip(self.keys, q, strict=True)}
         return with_settings(self._scene, settings)
 
-    def bound(self, q: tuple[float, ...]) -> Bound | str:
-        """What filters recordings in the scene at a place, or why there is nothing to filter."""
-        if self._latest is None or self._latest[0] != q:
-            self._latest = q, self._bind(q)
-        return self._latest[1]
+    def bound(self, q: Array) -> Bound | str:
+        """The beads that the scene at a place traps, or why it traps none."""
+        return self._bound(tuple(q.tolist()))
 
-    def _bind(self, q: tuple[float, ...]) -> Bound | str:
+    def _bind(self, place: tuple[float, ...]) -> Bound | str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UnitWarning)
             warnings.simplefilter("ignore", PhysicsWarning)
             try:
-                scene = self.scene(np.array(q))
+                scene = self.scene(np.array(place))
                 problem = bound_once(scene)
             except SceneError as error:
                 return str(error)
-        place = nearest_stable(problem.equilibria(problem.net_force_apart))
-        if place is None:
+        if not problem.force.steady:
+            raise SceneError("beam: a scene is fitted whose forces do not change in time")
+        rest = nearest_stable(problem.equilibria(problem.net_force_apart))
+        if rest is None:
             return "the light holds no bead; change the first guesses"
-        stiffness = np.array(place.stiffness)
-        stiffness = (stiffness + stiffness.T) / 2
-        kT = Boltzmann * scene.medium.temperature
-        spread = np.sqrt(kT * np.diag(np.linalg.inv(stiffness)))
-        mobility = problem.mobilities(np.array([place.position]))[0, :3]
-        bead = Bead(scene.bead.radius, 1.0, kT, np.array(place.position), spread, np.zeros(3), 0.0)
-        return Bound(
-            scene, problem, bead, np.diag(stiffness), 1 / mobility,
-        )  # fmt: skip
-
-    def filtered(self, q: Array) -> list[Filtered]:
-        """The recordings as the filter sees them.
-
-        Raises `IntegrationError` where there is no trap, or the motion cannot be followed.
-        """
-        bound = self.bound(tuple(q.tolist()))
-        if isinstance(bound, str):
-            raise IntegrationError(bound)
-        camera = bound.scene.camera
+        mean = mean_spring(problem, rest)
+        if mean is None:
+            return "thermal motion takes the bead out of the light; change the first guesses"
+        camera = scene.camera
         assert camera is not None
-        out = []
-        for recording, seen in zip(self.recordings, self.seen, strict=True):
-            noise = np.array([*camera.noises, camera.noise][: seen.shape[1]])
-            out.append(
-                kalman_filter(bind_translation(bound.problem, "overdamped"))(
-                    bound.bead,
-                    Camera(
-                        recording.times - recording.times[0],
-                        seen + bound.bead.start[: seen.shape[1]], noise, 0.0,
-                        min(camera.exposure, recording.step),
-                    ),
-                )
+        mass, fluid = self.inertia.masses(scene)
+        height = _height(scene, mean.position[2])
+        noises = (camera.noise, camera.noise, camera.noise_along or 0.0)
+        beads = {}
+        for i, axis in enumerate(_AXES):
+            way = "across" if axis == ACROSS else "along"
+            beads[axis] = TrappedBead(
+                mean.stiffness[i], mean.drag[i], scene.medium.temperature, mass, camera.exposure,
+                fluid if height is None or height >= LOWEST[way] else None, self.inertia.poles,
+                noise=noises[i], wall=height, across=axis == ACROSS,
             )  # fmt: skip
-        return out
-
-    def _deviances(self, q: Array) -> Array:
-        """Roots of twice the likelihood ratio of each ordinate of the spectra to the best one.
-
-        Of a bead in a linear force; their squares add up to the misfit. Out of reach where there is
-        no trap.
-        """
-        bound = self.bound(tuple(np.clip(q, *self.bounds.T).tolist()))
-        if isinstance(bound, str):
-            return np.full(sum(each.counts.size for _, each in self._spectra), _HOPELESS)
-        camera = bound.scene.camera
-        assert camera is not None
-        deviances = []
-        for axis, spectrum in self._spectra:
-            bead = TrappedBead(
-                bound.stiffness[axis], bound.drag[axis], bound.scene.medium.temperature,
-                exposure=min(camera.exposure, spectrum.step),
-                noise=(*camera.noises, camera.noise)[axis],
-            )  # fmt: skip
-            ratio = spectrum.density / spectrum.expected(bead)
-            above = np.maximum(ratio - 1 - np.log(ratio), 0.0)
-            deviances.append(np.sign(ratio - 1) * np.sqrt(2 * spectrum.counts * above))
-        return np.concatenate(deviances)
+        bending = np.abs(mean.stiffness / np.diag(rest.stiffness) - 1).max()
+        return Bound(scene, beads, max(float(bending), abs(rest.turn) / mean.stiffness[:2].min()))
 
     def __call__(self, q: Array) -> Array:
-        """What is least in its sum of squares: deviances, and the difference of the filter's."""
-        deviances = self._deviances(q)
-        if self._difference is None:
-            return deviances
-        return np.append(deviances, math.sqrt(max(_OFFSET + self._difference(q), 0.0)))
+        """The deviances of all spectra, whose sum of squares is the misfit.
 
-    def _above_the_spectra(self, q: Array) -> float:
-        squares = float((self._deviances(q) ** 2).sum())
-        try:
-            return -2 * sum(each.log_likelihood for each in self.filtered(q)) - squares
-        except IntegrationError:
-            return math.inf
+        They are out of reach where there is no trap.
+        """
+        q = np.clip(q, *self.bounds.T)
+        if isinstance(self.bound(q), str):
+            blocks = sum(each.periodogram.counts.size for each in self.spectra)
+            return np.full(blocks, _HOPELESS)
+        pairs = zip(self.spectra, self.beads(q), strict=True)
+        return np.concatenate([each.deviances(bead) for each, bead in pairs])
 
-    def best(self, progress: Callable[[float], None]) -> Least:
-        """The least, from the best of several places; nearer and nearer to that of the filter."""
+    def beads(self, q: Array) -> list[TrappedBead]:
+        """The bead of each spectrum at a place that has a trap."""
+        bound = self.bound(q)
+        assert not isinstance(bound, str)
+        return [_exposed(bound.beads[each.axis], each) for each in self.spectra]
+
+    def p_value(self, q: Array) -> float:
+        """The probability of spectra that deviate as much or more from those of a place."""
+        pairs = zip(self.spectra, self.beads(q), strict=True)
+        every = [each.p_value(bead) for each, bead in pairs]
+        return min(len(every) * min(every), 1.0)
+
+    def curved(self, q: Array) -> float:
+        """The relative error of a stiffness at a place, for the trap is not harmonic."""
+        bound = self.bound(q)
+        assert not isinstance(bound, str)
+        return bound.bending**2
+
+    def minima(self, progress: Callable[[float], None]) -> list[Least]:
+        """The minima that the best of several places lead to, the lowest first."""
         n = len(self.keys)
         trials = _ABOUT * (2 * Sobol(n, scramble=False).random(_TRIALS) - 1)
         places = [np.zeros(n), *(np.clip(trial, *self.bounds.T) for trial in trials)]
-        found = self.least(min(places, key=lambda q: float((self(q) ** 2).sum())))
-        for time in range(_TIMES):
-            progress((time + 1) / (_TIMES + 1))
-            sizes, directions = np.linalg.eigh(found.information)
-            told = sizes > 1 / _VAGUE**2
-            lengths = np.minimum(2 / np.sqrt(sizes[told]), _ASIDE)
-            self._difference = Difference(
-                self._above_the_spectra, found.at, (directions[:, told] * lengths).T, self.bounds
-            )
-            found = self.least(found.at)
-            if self._difference.distance(found.at) < _NEAR:
-                break
-        else:
-            found = found._replace(converged=False)
-        progress(1.0)
-        return found
+        places.sort(key=lambda q: float((self(q) ** 2).sum()))
+        found: list[Least] = []
+        for i, place in enumerate(places[:_DESCENTS]):
+            progress((i + 1) / (_DESCENTS + 1))
+            reached = self.least(place)
+            if all(np.abs(reached.at - each.at).max() > _SAME for each in found):
+                found.append(reached)
+        return sorted(found, key=lambda each: each.value)
 
     def least(self, begin: Array, fixed: int | None = None) -> Least:
         """The least that Gauss's and Newton's steps reach, with all keys free but `fixed`."""
@@ -366,13 +289,17 @@ class Misfit:
         )
 
 
-def _seen(recording: Recording) -> Array:
-    """(n, 2 or 3) m, about the mean; NaN along an axis that the record does not have."""
-    axes = "xyz" if "z" in recording.axes else "xy"
-    seen = np.full((len(recording.times), len(axes)), np.nan)
-    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
-        seen[:, axes.index(axis)] = positions - positions.mean()
-    return seen
+def _height(scene: Scene, z: float) -> float | None:
+    """Distance of a bead's centre from the nearest wall, in radii; None far from walls."""
+    if scene.wall is None:
+        return None
+    height = 1 + float(scene.room(z)) / scene.bead.radius
+    return height if height < _FAR else None
+
+
+def _exposed(bead: TrappedBead, spectrum: Whitened) -> TrappedBead:
+    """The bead with an exposure no longer than the step of a recording: times are rounded."""
+    return replace(bead, exposure=min(bead.exposure, spectrum.periodogram.step))
 
 
 def _with_camera(scene: Scene, recordings: Sequence[Recording], free: Sequence[str]) -> Scene:

@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from tweezer.analysis.calibration import Calibration
-from tweezer.analysis.findings import IMPROBABLE, Finding
+from tweezer.analysis.findings import REFUTED, Finding
 from tweezer.analysis.wall import Height
 from tweezer.analysis.whittle import inverse
 from tweezer.arguments import in_si, numbers_in_si
@@ -149,7 +149,7 @@ def find_wall(
     free = shift is None and not shift_error < _UNSURE_SHIFT * of_shift
     if free or not errors.min() < _UNCERTAIN * (distances.min() - radius):
         findings.append(Finding("undetermined", "the drags do not determine the wall's place"))
-    if p_value is not None and p_value < IMPROBABLE:
+    if p_value is not None and p_value < REFUTED:
         findings.append(Finding("apart", "the drags are not those of one bead above one wall"))
     return Surface(
         float(wall), float(uncertainty),

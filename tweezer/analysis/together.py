@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from tweezer.analysis.calibration import AxisCalibration, Calibration
-from tweezer.analysis.findings import IMPROBABLE, Finding
+from tweezer.analysis.findings import REFUTED, Finding
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
     weights = 1 / np.square(errors)
     mean = float(weights @ np.array(values) / weights.sum())
     p_value = float(chdtrc(len(values) - 1, weights @ (np.array(values) - mean) ** 2))
-    if p_value < IMPROBABLE:
+    if p_value < REFUTED:
         text = f"{name}: {quantity}: the recordings differ by more than their uncertainties"
         finding = Finding("apart", text)
         return Together(name, quantity, None, None, recordings, p_value, (finding,))

@@ -21,6 +21,7 @@ from tweezer.cli.app import (
     quantity_in,
 )
 from tweezer.cli.console import (
+    FAILED,
     FIGURE_FORMATS,
     OUT,
     show_warning,
@@ -158,7 +159,8 @@ def calibrate(
     """Stiffness of a trap from a RECORDING.
 
     From the thermal motion of the bead, by several methods, and from its answer to a drive; or the
-    diffusion of a bead that is not trapped.
+    diffusion of a bead that is not trapped. Exit code: 0 each axis of each RECORDING has a number
+    that nothing speaks against, 1 one has not, 2 the input is refused.
     """
     from tweezer.analysis import calibrate as calibrated
     from tweezer.analysis import find_wall, load_recording, together
@@ -248,6 +250,9 @@ def calibrate(
 
         write_report(loaded[0], calibrations[0], report)
     tell_written(out, plot, report)
+    refuted = surface is not None and surface.findings
+    if refuted or not all(each.determined for each in calibrations):
+        raise typer.Exit(FAILED)
 
 
 def _places(

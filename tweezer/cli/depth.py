@@ -23,6 +23,7 @@ from tweezer.cli.app import (
 )
 from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
+    FAILED,
     FIGURE_FORMATS,
     showing_progress,
     tell_written,
@@ -79,7 +80,8 @@ def fit_depth(
 ) -> None:
     """Depth at which the bead of a TRACK started.
 
-    The depth is along the light, the track in the plane across it.
+    The depth is along the light, the track in the plane across it. Exit code: 0 the depth is
+    determined, 1 it is not, or the track refutes the scene, 2 the input is refused.
     """
     from tweezer.units import Length, PositiveLength, Time
 
@@ -129,3 +131,5 @@ def fit_depth(
 
         write_figure(depth_figure(loaded, found), plot)
     tell_written(out, plot)
+    if not found.determined:
+        raise typer.Exit(FAILED)

@@ -23,6 +23,7 @@ from tweezer.cli.app import (
 )
 from tweezer.cli.completion import complete_key, complete_scene
 from tweezer.cli.console import (
+    FAILED,
     FIGURE_FORMATS,
     showing_progress,
     tell_written,
@@ -71,10 +72,11 @@ def fit(
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Fit keys of SCENE to a RECORDING.
+    """Fit keys of SCENE to a RECORDING of its trapped bead, by maximum likelihood.
 
-    Of its trapped bead, by maximum likelihood, with the exact force; says what the recording does
-    not determine. Exposure and noise are those of the scene's [camera].
+    Exposure and noise are those of the scene's [camera]; the inertia is that of the scene or of the
+    run, and of a measured recording that of bead and fluid. Exit code: 0 every key is determined, 1
+    a key is not, or the recording refutes the scene, 2 the input is refused.
     """
     from tweezer.units import Time
 
@@ -109,3 +111,5 @@ def fit(
 
         write_figure(fit_figure(found), plot)
     tell_written(out, plot)
+    if not found.determined:
+        raise typer.Exit(FAILED)

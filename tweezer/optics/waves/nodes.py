@@ -164,7 +164,7 @@ class Nodes:
                 )
             largest = self._largest_phase(count)
             if largest >= 0.0:
-                x, weight = leggauss(count)
+                x, weight = _gauss(count)
                 below, slope = self.variable.at(x)
                 rules.append(Rule(below, weight * slope, largest))
             count += 4 if count < _FINE else max(4, count // 32 * 4)
@@ -181,6 +181,10 @@ class Nodes:
         of_degree = np.maximum(degrees - np.arange(len(sizes)), 0)
         good = np.flatnonzero(sizes @ tail[of_degree] < self.error)
         return 2.0 * float(arguments[good[-1]]) if good.size else -1.0
+
+
+#: Nodes and weights of Gauss and Legendre by their number: the same for every light
+_gauss = functools.lru_cache(maxsize=128)(leggauss)
 
 
 @functools.lru_cache(maxsize=64)

@@ -1,0 +1,60 @@
+"""Inertia of a bead and of the fluid about it, as an analysis assumes it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tweezer.bead import bead_properties
+from tweezer.choices import MODELS
+from tweezer.fluid.memory import USUAL
+from tweezer.scene import Scene
+
+
+class Inertia(NamedTuple):
+    """Which inertia the bead of a recording has, whatever its size."""
+
+    bead: bool
+    """whether the bead has mass"""
+    fluid: str
+    """"none", "added-mass" or "memory\""""
+    poles: int = USUAL
+    """number of poles of the memory"""
+    scale: float = 1.0
+    """a2 of the scaled model, which divides the mass of the bead"""
+
+    @classmethod
+    def of(cls, scene: Scene) -> Inertia:
+        """The inertia that a scene names, or for what it leaves open that of a measured bead.
+
+        A scene that made a run leaves nothing open. A measured bead has mass, and the memory of the
+        fluid.
+        """
+        simulation, medium = scene.simulation, scene.medium
+        model = simulation.model or "full"
+        if not MODELS[model].inertia:
+            return cls(bead=False, fluid="none")
+        fluid = medium.inertia or ("memory" if model == "full" else "none")
+        scale = (model == "scaled" and simulation.scaling_factor) or 1.0
+        return cls(True, fluid, medium.poles or USUAL, scale)
+
+    def masses(self, scene: Scene) -> tuple[float | None, float | None]:
+        """Return the mass of the bead and of the fluid in its place, kg; None without them.
+
+        The mass of the bead has the added mass of a fluid without memory in it. The mass of the
+        fluid counts with memory alone.
+        """
+        if not self.bead:
+            return None, None
+        found = bead_properties(scene)
+        mass = found.mass / self.scale
+        if self.fluid == "memory":
+            return mass, found.displaced_mass
+        return mass + (found.displaced_mass / 2 if self.fluid == "added-mass" else 0.0), None
+
+    @property
+    def words(self) -> str:
+        """What it is, for a person."""
+        if not self.bead:
+            return "without inertia"
+        fluid = {"none": "", "added-mass": " and the added mass", "memory": " and of the fluid"}
+        return f"with the inertia of the bead{fluid[self.fluid]}"

@@ -1,0 +1,54 @@
+"""Whether a recording begins before the bead has settled in its trap."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.analysis.spectra import statistical_inefficiency
+
+Array = NDArray[np.float64]
+
+#: Standard deviation of a Gaussian over its median absolute deviation
+_DEVIATION_PER_MEDIAN = 1.4826
+#: Largest distance of a settled bead from the median, in standard deviations
+FAR = 6.0
+#: Distance from the median within which the bead has arrived, in standard deviations, and the
+#: samples, in independent ones, after which nothing is left of its way
+_NEAR, _AFTER = 3.0, 3.0
+
+
+class Unsettled(NamedTuple):
+    """A beginning that is not that of a bead at rest in its trap."""
+
+    off: float
+    """distance of the first sample from the median, in standard deviations"""
+    time: float
+    """s, from the first sample on, to leave out; rounded up to two digits"""
+
+
+def spread(positions: Array) -> float:
+    """Standard deviation of positions (n,), m, by the median, which outliers do not shift."""
+    return _DEVIATION_PER_MEDIAN * float(np.median(np.abs(positions - np.median(positions))))
+
+
+def unsettled(positions: Array, step: float) -> Unsettled | None:
+    """Return how far off positions (n,), m, begin, one every `step` (s), and for how long.
+
+    None where the first is within six standard deviations of the median.
+    """
+    deviation = spread(positions)
+    off = np.abs(positions - np.median(positions))
+    if not off[0] > FAR * deviation:
+        return None
+    arrived = int(np.argmax(off < _NEAR * deviation))
+    after = _AFTER * statistical_inefficiency(positions[arrived:])
+    return Unsettled(float(off[0] / deviation), _rounded_up((arrived + after) * step))
+
+
+def _rounded_up(time: float) -> float:
+    """To two digits."""
+    unit = 10.0 ** (np.floor(np.log10(time)) - 1)
+    return float(np.ceil(time / unit) * unit)
