@@ -415,7 +415,7 @@ def test_command(command_line):
         "calibrate", "a.csv", *known, "--rate", "1 kHz", "--scale", "85.8 nm",
         "--columns", "frame=1,y=3",
     )  # fmt: skip
-    assert done.code == 0
+    assert done.code == 1  # too short to be trusted
     assert "y: stiffness by" in done.out
 
 
