@@ -9,6 +9,7 @@ import xarray as xr
 
 import tweezer
 from tweezer.forces import Course, Moved, UserForce, kernel
+from tweezer.rounding import least, most
 from tweezer.units import array_in_si, in_base_units, to_si
 
 #: a registry of a user, which is not that of tweezer
@@ -250,3 +251,28 @@ def test_the_error_of_the_force():
     )
     apart = np.linalg.norm(tweezer.optical_force(scene, places) - exact, axis=-1)
     np.testing.assert_allclose(error, apart, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "bounds", "told"),
+    [
+        (1.5, "m", (2e-9, 2e-3), 'for 1.5 um write "1.5 um"'),
+        (1064, "m", (1e-18, 1e-3), 'for 1064 nm write "1064 nm"'),
+        (20, "K", (50, 5000), 'for 20 degC write "20 degC"'),
+        (-1e-6, "m", (1e-9, 1e-3), ""),
+        (0, "Pa s", (1e-12, 1e9), ""),
+        ("0.5 km", "m", (2e-9, 2e-3), ""),
+    ],
+)
+def test_a_bare_number_out_of_range_is_answered_with_the_unit_it_needs(value, unit, bounds, told):
+    with pytest.raises(ValueError, match="must be from") as refused:
+        to_si(value, unit, *bounds)
+    assert (told in str(refused.value)) if told else ("write" not in str(refused.value))
+
+
+@pytest.mark.parametrize("value", [2.6000000000000002e-05, 2.6004e-05, 2.59999e-5, 1234.5, 0.99951])
+def test_bounds_as_they_are_written_are_allowed(value):
+    assert float(least(value)) >= value * (1 - 1e-12)
+    assert float(most(value)) <= value * (1 + 1e-12)
+    assert float(least(value)) == pytest.approx(value, rel=6e-3)
+    assert float(most(value)) == pytest.approx(value, rel=6e-3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 #: Sizes between which a number is written without a power of ten.
 _PLAIN = (1e-6, 1e7)
@@ -23,6 +24,27 @@ def rounded(value: float, uncertainty: float) -> tuple[str, str]:
         first, second = (f"{round(x, -last):z.0f}" for x in (value, uncertainty))
         return first, second
     return f"{value:z.{-last}f}", f"{uncertainty:z.{-last}f}"
+
+
+def least(value: float, digits: int = 3) -> str:
+    """Return a lower bound as text, rounded up, so that the number as written is allowed.
+
+    Bounds hold to 1 part in 1e9, as numbers that are rounded to the last bit do.
+    """
+    return _towards(math.ceil, value, digits)
+
+
+def most(value: float, digits: int = 3) -> str:
+    """Return an upper bound as text, rounded down, so that the number as written is allowed."""
+    return _towards(math.floor, value, digits)
+
+
+def _towards(rounding: Callable[[float], int], value: float, digits: int) -> str:
+    text = f"{value:.{digits}g}"
+    if not math.isfinite(value) or math.isclose(float(text), value, rel_tol=1e-12):
+        return text
+    power = math.floor(math.log10(abs(value))) - digits + 1
+    return f"{rounding(value / 10.0**power) * 10.0**power:.{digits}g}"
 
 
 def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:

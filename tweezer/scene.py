@@ -22,6 +22,7 @@ from tweezer.choices import EVALUATORS, METHODS, MODELS, Evaluator, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.materials import Material, materials
+from tweezer.rounding import least
 from tweezer.saved import kind_of_file
 from tweezer.sections import (
     ALTERNATIVES,
@@ -373,10 +374,10 @@ class Scene(Section):
         room = {"wall": self.gap(z)}
         if wall.opposite is not None:
             thickness = abs(wall.opposite - wall.position)
-            if thickness < THINNEST * radius:
+            if thickness < THINNEST * radius * (1 - 1e-9):
                 raise refusal(
                     f"wall.opposite = {wall.opposite:g}: {thickness:.3g} m from wall.position; "
-                    f"must be at least {THINNEST:g} radii, {THINNEST * radius:.3g} m: nearer "
+                    f"must be at least {THINNEST:g} radii, {least(THINNEST * radius)} m: nearer "
                     "planes do not add up"
                 )
             room["wall.opposite"] = thickness - 2 * radius - self.gap(z)
@@ -483,15 +484,15 @@ class Scene(Section):
     def _wider_than_a_square(self, beam: Beam) -> None:
         """Refuse a beam that the grid of rays would not see."""
         half_side = self.lens.radius / beam.divisions
-        if beam.sigma is not None and beam.sigma < half_side:
+        if beam.sigma is not None and beam.sigma < half_side * (1 - 1e-9):
             raise refusal(
-                f"beam.sigma = {beam.sigma:.3g}: must be at least {half_side:.3g} m, half the "
+                f"beam.sigma = {beam.sigma:.3g}: must be at least {least(half_side)} m, half the "
                 f"side of a square of the grid, for {beam.divisions} beam.divisions"
             )
-        if beam.profile_radius is not None and beam.profile_radius[-1] < 2 * half_side:
+        if beam.profile_radius is not None and beam.profile_radius[-1] < 2 * half_side * (1 - 1e-9):
             raise refusal(
                 f"beam.profile_radius ends at {beam.profile_radius[-1]:.3g}: must reach "
-                f"{2 * half_side:.3g} m, the side of a square of the grid, for {beam.divisions} "
+                f"{least(2 * half_side)} m, the side of a square of the grid, for {beam.divisions} "
                 "beam.divisions"
             )
 

@@ -25,6 +25,7 @@ from pydantic_core import PydanticCustomError
 from tweezer.choices import EVALUATORS, INERTIAS, METHODS, MODELS, THEORIES, methods, told
 from tweezer.courses import Modulation, Motion, Section, Vector, Velocity, refusal
 from tweezer.materials import materials
+from tweezer.rounding import most
 from tweezer.units import (
     BEAD_RADIUS,
     BEAM_SIGMA,
@@ -494,7 +495,8 @@ class Beam(Section):
             name = "sigma or waist" if key == "sigma" else key
             if given and choice not in choices:
                 raise refusal(
-                    f"{name}: not for {chooser} = {choice!r}, only for {' and '.join(choices)}"
+                    f"{name}: does not apply to {chooser} = {choice!r}; remove it, or set "
+                    f"{chooser} to {' or '.join(choices)}"
                 )
             if not given and choice in choices:
                 if key == "sigma":
@@ -617,8 +619,8 @@ class Camera(Section):
         longest = 1 / self.rate
         if self.exposure > longest * (1 + 1e-9):
             raise refusal(
-                f"exposure = {self.exposure:g}: must be at most {longest:.6g} s, the time from "
-                "frame to frame"
+                f"exposure = {self.exposure:g}: must be at most {most(longest, 6)} s, the time "
+                "from frame to frame"
             )
         return self
 

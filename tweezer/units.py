@@ -120,12 +120,11 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
 def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
     """Return a bare number with the unit in which it probably was meant, such as "1.5 um".
 
-    The unit is the first usual one in which the size of the number lies within `bounds`, given in
-    the SI unit `unit`. Return "" if there is none.
+    The unit is the first usual one in which the number lies within `bounds`, given in the SI unit
+    `unit`. Return "" if there is none.
     """
     for other in _USUAL.get(unit, ()):
-        size = abs(_from_text(f"{number:.17g} {other}", unit))
-        if other != unit and bounds[0] <= size <= bounds[1]:
+        if other != unit and bounds[0] <= _from_text(f"{number:.17g} {other}", unit) <= bounds[1]:
             return f"{number:g} {other}"
     return ""
 
@@ -338,7 +337,10 @@ class Quantity:
         least, most = self.usual
         if value == 0 or not math.isfinite(value) or least <= abs(value) <= most:
             return ""
-        meant = in_usual_unit(value, self.unit, (max(least, self.low), min(most, self.high)))
+        bounds = max(least, self.low), min(most, self.high)
+        if value < 0:
+            bounds = -bounds[1], -least
+        meant = in_usual_unit(value, self.unit, bounds)
         written = f'; {meant} is written "{meant}"' if meant else ""
         return f"is {value:g} {self.unit}{written}"
 

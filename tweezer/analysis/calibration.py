@@ -56,7 +56,7 @@ from tweezer.bead import bead_properties
 from tweezer.errors import ResultError
 from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of
-from tweezer.rounding import rounded, with_uncertainty
+from tweezer.rounding import most, rounded, with_uncertainty
 from tweezer.shown import Card, Row, Shown, Table
 from tweezer.units import TEMPERATURE, QuantityLike, bare
 
@@ -462,7 +462,7 @@ def calibrate(
     if exposure is not None and not 0 <= exposure <= step * (1 + _UNEVEN):
         raise ResultError(
             f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the step of the "
-            f"samples, {step:.4g} s"
+            f"samples, {most(step, 4)} s"
         )
     if noise is not None and noise < 0:
         raise ResultError(f"{recording.name}: noise = {noise:g}: must not be negative")

@@ -33,7 +33,7 @@ from tweezer.dynamics.problem import bound_once
 from tweezer.errors import IntegrationError, ResultError, SceneError
 from tweezer.fluid import drag
 from tweezer.optics import light_of_one_beam
-from tweezer.rounding import with_uncertainty
+from tweezer.rounding import most, with_uncertainty
 from tweezer.scene import Scene, checked_scene
 from tweezer.shown import Card, Row, Shown
 from tweezer.units import TABLE_RADII, QuantitiesLike, QuantityLike
@@ -248,7 +248,7 @@ def fit_depth(
     if not 0 <= exposure <= shortest * (1 + _UNEVEN):
         raise ResultError(
             f"exposure = {exposure:g} s: must be from 0 to the shortest time between two frames, "
-            f"{shortest:.4g} s"
+            f"{most(shortest, 4)} s"
         )
     likelihood = _Likelihood(track, scene, noise, min(exposure, shortest), fit)
 

@@ -10,7 +10,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tweezer.errors import ResultError
 from tweezer.hdf5 import item_of
 from tweezer.reading.table import (
     Array,
