@@ -313,7 +313,7 @@ BAD_SCENES = {
     "table without intensities": ({**TABLE, "beam.profile_intensity": ABSENT},
                                   "beam.profile_intensity: missing; profile = 'table' needs it"),
     "points of a Gaussian": ({"beam.profile_radius": "[0, 1e-3, 2e-3, 3e-3]"},
-                             "beam.profile_radius: does not apply to profile = 'gaussian'; remove it"),
+                             "beam.profile_radius: does not apply to profile = 'gaussian'; "),
     "intensities of a donut": (
         {"beam.profile": '"donut"', "beam.profile_intensity": "[0, 1, 1, 0]"},
         "beam.profile_intensity: does not apply to profile = 'donut'; remove it",
@@ -356,7 +356,7 @@ BAD_SCENES = {
                               "beam.profile_intensity.0 = '1 W/m^2': must be a number"),
     # polarisation
     "Jones vector of circular light": ({"beam.jones": "[1, 0]"},
-                                       "beam.jones: does not apply to polarisation = 'circular'; remove it"),
+                                       "beam.jones: does not apply to polarisation = 'circular'"),
     "short Jones vector": ({**LINEAR, "beam.jones": "[1]"},
                            "beam.jones = [1]: must have 2 entries"),
     "long Jones vector": ({**LINEAR, "beam.jones": "[1, 0, 0]"},

@@ -26,7 +26,8 @@ _MOST = 6
 DECIDED_BY_PEOPLE = re.compile(
     r"must be finite|must be a whole number|must be text$|must be a list|must have \d|must not|"
     r"must be a section|must begin with|: missing|one is needed|not both$|"
-    r"must be a (complex )?number|no body has a moment|must start|must be nearer|must be across|must be larger|must be 0$|"
+    r"must be a (complex )?number|no body has a moment|must start|must be nearer|"
+    r"must be across|must be larger|must be 0$|"
     r"not beside layers|has \d+ entries|goes with drawn|without rotation only|"
     r"must be at z = 0|must reach|has no meaning as waves, and|"
     r"must be true or false$|must be convertible to K|has the wrong unit; must be a number"
