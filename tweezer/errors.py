@@ -22,6 +22,14 @@ class ResultError(TweezerError):
     """A result file that cannot be written or read."""
 
 
+class TooFewError(ResultError):
+    """A recording with too few samples for the analysis of a trap."""
+
+
+class SeveralBeadsError(ResultError):
+    """A table of several beads where one is needed."""
+
+
 class PhysicsWarning(UserWarning):
     """A scene outside the range where one of the models used is known to hold."""
 

@@ -193,7 +193,7 @@ def rows(count=150, **changed):
 
 @pytest.mark.parametrize(
     ("name", "text", "complaint"),
-    [("a.csv", rows(50), "has 50 samples; must have 100 or more"),
+    [("a.csv", rows(50), "has 50 samples; for a trap it must have 100 or more"),
      ("a.csv", rows(0), "has 0 samples"),
      ("a.csv", "", "has no column t and no column x; headings are such as"),
      ("a.csv", "t,y\n0,1\n", "has no column x among 't', 'y'; headings are such as"),

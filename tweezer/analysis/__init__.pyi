@@ -12,7 +12,7 @@ from .driving import Answer
 from .escape import Escape
 from .findings import Finding
 from .first_passage import EscapeTimes, escape_times
-from .free import Diffusion, FreeAxis, Inferred
+from .free import Diffusion, FreeAxis, FreeTrack, Inferred
 from .heights import trap_over_heights
 from .histogram import Potential, potential
 from .holding import Lifetime
@@ -30,6 +30,7 @@ from .spectra import (
 from .summary import Summary, summarise
 from .surface import Surface, find_wall
 from .together import Together, together
+from .trajectories import Trajectory, diffusion, load_trajectories
 from .trap import Efficiency, Equilibrium, Trap, characterise
 from .tuning import Tuned, Tuning, tune
 from .wall import Height
@@ -50,6 +51,7 @@ __all__ = [
     "Finding",
     "FittedKey",
     "FreeAxis",
+    "FreeTrack",
     "Height",
     "Inferred",
     "LeastPower",
@@ -64,6 +66,7 @@ __all__ = [
     "Surface",
     "Together",
     "Track",
+    "Trajectory",
     "Trap",
     "TrappedBead",
     "Tuned",
@@ -72,6 +75,7 @@ __all__ = [
     "calibrate",
     "characterise",
     "derived_quantities",
+    "diffusion",
     "escape_times",
     "find_wall",
     "fit",
@@ -80,6 +84,7 @@ __all__ = [
     "least_power",
     "load_recording",
     "load_track",
+    "load_trajectories",
     "mean_squared_displacement",
     "potential",
     "power_spectrum",

@@ -59,6 +59,8 @@ _TOLD = 3
 _LEAST_START = 0.05
 #: Squared noise that is seen, in its standard uncertainties, and the 95 % upper limit of any.
 _SEEN, _ONE_SIDED = 3.0, 1.645
+#: Logarithm of B/A from which on only noise is seen.
+_NO_DIFFUSION = 12.0
 #: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
 _WHOLE_EXPOSURE = 1 / 3
 
@@ -266,6 +268,11 @@ def free_bead(
     ) / information  # fmt: skip
     ends = _ends(misfit, best, least, _LEVEL * wider)
     D, low, high = (math.exp(a) / (2 * step) for a in (best, *ends))
+    error = D * math.sqrt(wider / information)
+    if all(fit.noisy(best) for fit in every):
+        low = 0.0
+    elif len(names) > 1 and 0 < low < high < math.inf:  # each drift takes a step of its track
+        error = D * math.log(high / low) / (2 * math.sqrt(_LEVEL))
     findings = [finding for fit in every for finding in fit.findings(step)]
     apart = max(least - sum(fit.least for fit in every), 0.0) / wider
     unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
@@ -293,7 +300,7 @@ def free_bead(
                 text = f"its diffusion is {D / expected:.3g} times Einstein's for what is given"
                 findings.append(Finding("Einstein", text))
     return Diffusion(
-        name, D, D * math.sqrt(wider / information), (low, high), inferred, expected,
+        name, D, error, (low, high), inferred, expected,
         tuple(findings), _remarks(every, step), tuple(fit.result(step, given) for fit in every),
         alone, p_value,
     )  # fmt: skip
@@ -467,6 +474,10 @@ class _Fit:
             kurtosis if kurtosis > _TAILED * math.sqrt(24 / len(kept)) else 0.0,
             pieces, of_track, given.without, *_by_covariance(pieces, of_track, step),
         )  # fmt: skip
+
+    def noisy(self, a: float) -> bool:
+        """Whether no diffusion is seen beside the noise, at the common a."""
+        return self._at(a + self.shift)[1] - a - self.shift > _NO_DIFFUSION
 
     def noise_beside(self, a: float) -> tuple[float, float]:
         """4 s where noise prevails, and B/A where the exposure does, at the common a."""

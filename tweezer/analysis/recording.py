@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.arguments import in_si, numbers_in_si
-from tweezer.errors import ResultError, warn
+from tweezer.errors import ResultError, TooFewError, warn
 from tweezer.io import check_seal, scene_of
 from tweezer.reading import (
     HDF5,
@@ -81,7 +81,10 @@ class Recording(Shown):
         _of_shapes(self, len(self.axes))
         if len(self.times) < LEAST_SAMPLES:
             why = f"; {self.note}" if self.note else ""
-            self._refuse(f"has {len(self.times)} samples; must have {LEAST_SAMPLES} or more{why}")
+            raise TooFewError(
+                f"{self.name}: has {len(self.times)} samples; for a trap it must have "
+                f"{LEAST_SAMPLES} or more{why}"
+            )
         finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
         if self.drive is not None:
             drive = numbers_in_si(f"{self.name}: drive", self.drive, "m")
@@ -287,8 +290,8 @@ def load_recording(
     `Recording` refuses.
     """
     reading = Reading.of(columns, rate, scale, drive, bead)
-    read = _read(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
-    if isinstance(read, _Run):
+    read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
+    if isinstance(read, Run):
         if drive is not None:
             raise ResultError(f"{read.name}: a run of tweezer has no column {drive!r}")
         return Recording(**read._asdict())
@@ -334,8 +337,8 @@ def load_track(
     Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
     refuses.
     """
-    read = _read(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
-    if isinstance(read, _Run):
+    read = read_source(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
+    if isinstance(read, Run):
         return Track(read.name, read.times, read.positions[:, :2], read.scene, read.exposure)
     found = only(str(source), read)
     if found.note:
@@ -349,7 +352,7 @@ def load_track(
     return Track(str(source), found.times[there], positions[there])
 
 
-class _Run(NamedTuple):
+class Run(NamedTuple):
     """Arguments of a `Recording`."""
 
     name: str
@@ -362,9 +365,9 @@ class _Run(NamedTuple):
     noise: tuple[float, ...] | None = None
 
 
-def _read(
+def read_source(
     source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
-) -> _Run | dict[str, Columns]:
+) -> Run | dict[str, Columns]:
     """A run of tweezer, or the columns of a table by the bead."""
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"), reading)
@@ -394,7 +397,7 @@ def _is_run(path: Path) -> bool:
         return True
 
 
-def _of_run(run: xr.Dataset, name: str, reading: Reading) -> _Run:
+def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
     if reading.given:
         raise ResultError(f"{name}: is a run of tweezer; --{reading.given[0]} is for other files")
     if "scene" not in run.attrs or "position" not in run:
@@ -424,6 +427,6 @@ def _of_run(run: xr.Dataset, name: str, reading: Reading) -> _Run:
     if scene.camera is not None and "seen" in run:
         axes, camera = tuple(map(str, run["seen_axis"].values)), scene.camera
         times, places = run["frame_time"].values, run["seen"].values
-        return _Run(name, times, places, axes, scene, note, camera.exposure, camera.noises)
+        return Run(name, times, places, axes, scene, note, camera.exposure, camera.noises)
     axes = tuple(map(str, run["axis"].values))
-    return _Run(name, run["time"].values[:there], positions[:there], axes, scene, note)
+    return Run(name, run["time"].values[:there], positions[:there], axes, scene, note)

@@ -76,7 +76,9 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
         (each.name, axis, found)
         for each in calibrations
         for axis in each.axes
-        if axis.axis == name and (found := QUANTITIES[quantity](axis))
+        if axis.axis == name
+        and (each.free is None or name not in [free.axis for free in each.free.axes])
+        and (found := QUANTITIES[quantity](axis))
     ]
     if not every:
         return None

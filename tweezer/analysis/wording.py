@@ -70,13 +70,26 @@ def _scaled(value: float | None, uncertainty: float | None, factor: float, unit:
     return f"{with_uncertainty(factor * (value or math.nan), error)} {unit}".rstrip()
 
 
-def diffusion_in_words(free: Diffusion, unit: str) -> str:
-    """The verdict on a bead that is not trapped, in one line; unit: of the record, m or V."""
+#: Verdict on a bead that was tested for a trap
+NO_TRAP = "no trap is seen; as of a free bead"
+
+
+def diffusion_in_words(free: Diffusion, unit: str, seen: str = NO_TRAP) -> str:
+    """Return the diffusion of free beads in one line.
+
+    Parameters
+    ----------
+    free : Diffusion
+    unit : str
+        Of the recording, "m" or "V".
+    seen : str
+        What the line says of the bead before its diffusion.
+    """
     axes = ", ".join(each.axis for each in free.axes)
     relative = free.uncertainty / free.diffusion
     factor, of = (1e12, "um^2/s") if unit == "m" else (1.0, "V^2/s")
     told = _with_interval(free.diffusion, relative, free.interval, factor, of)
-    parts = [f"{axes}: no trap is seen; as of a free bead: diffusion {told}"]
+    parts = [f"{axes}: {seen}: diffusion {told}"]
     inferred = free.inferred
     if inferred is not None and free.interval[0]:
         name, factor, of = INFERRED[inferred.name]

@@ -31,19 +31,21 @@ from tweezer.cli.console import (
     write_figure,
     write_json,
 )
-from tweezer.cli.free import print_free
+from tweezer.cli.free import print_free, print_tracks
 from tweezer.cli.tables import print_table, table_of
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, SeveralBeadsError, TooFewError
 from tweezer.rounding import rounded, with_uncertainty
 
 if TYPE_CHECKING:
     from tweezer.analysis import (
         AxisCalibration,
         Calibration,
+        Diffusion,
         Height,
         Recording,
         Surface,
         Together,
+        Trajectory,
     )
 
 
@@ -162,8 +164,14 @@ def calibrate(
     diffusion of a bead that is not trapped. Exit code: 0 each axis of each RECORDING has a number
     that nothing speaks against, 1 one has not, 2 the input is refused.
     """
+    from tweezer.analysis import (
+        Trajectory,
+        find_wall,
+        load_recording,
+        load_trajectories,
+        together,
+    )
     from tweezer.analysis import calibrate as calibrated
-    from tweezer.analysis import find_wall, load_recording, together
     from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity, bare
 
     given = {
@@ -193,12 +201,26 @@ def calibrate(
     places, shift = _places(focus, focal_shift, len(recordings))
     if places and "fluid-density" in given:
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
-    loaded = [
-        load_recording(each, drive, columns=columns, rate=rate, scale=scale, bead=bead).since(
-            skipped
-        )
-        for each in recordings
-    ]
+    how = {"columns": columns, "rate": rate, "scale": scale, "bead": bead}
+    of_traps = (wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report)
+    loaded, tracks = [], []
+    for path in recordings:
+        try:
+            loaded.append(load_recording(path, drive, **how).since(skipped))
+        except (TooFewError, SeveralBeadsError):
+            if any(option is not None for option in of_traps):
+                raise
+            tracks += [track.since(skipped) for track in load_trajectories(path, **how)]
+    if tracks:
+        tracks = [*tracks, *map(Trajectory.of, loaded)]
+        common = _diffusion(tracks, given, exposed, noise)
+        print_tracks(common, tracks)
+        for note in dict.fromkeys(track.note for track in tracks if track.note):
+            show_warning(note)
+        if out:
+            write_json({"diffusion": dataclasses.asdict(common)}, out)
+        tell_written(out)
+        return
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
     if len(asked) > 1:
         raise ResultError("--wall gives what --focus finds; must be one of them")
@@ -225,6 +247,11 @@ def calibrate(
             OUT.print(f"{each.name}:", highlight=False, soft_wrap=True)
         _print_calibration(calibrations[-1])
     put_together = together(calibrations) if len(loaded) > 1 and not places else ()
+    free = None
+    if len(loaded) > 1 and not places and all(map(_is_free, calibrations)):
+        tracks = [*map(Trajectory.of, loaded)]
+        free = _diffusion(tracks, given, exposed, noise)
+        print_tracks(free, tracks)
     surface = None
     if places:
         from tweezer.fluid import stokes
@@ -238,6 +265,8 @@ def calibrate(
         written = [dataclasses.asdict(each) for each in calibrations]
         every = [dataclasses.asdict(each) for each in put_together]
         result = {"recordings": written, "together": every} if every else written[0]
+        if free:
+            result = {"recordings": written, "diffusion": dataclasses.asdict(free)}
         if surface:
             result = {"recordings": written, "surface": dataclasses.asdict(surface)}
         write_json(result, out)
@@ -253,6 +282,29 @@ def calibrate(
     refuted = surface is not None and surface.findings
     if refuted or not all(each.determined for each in calibrations):
         raise typer.Exit(FAILED)
+
+
+def _is_free(calibration: Calibration) -> bool:
+    """Whether no trap is seen along any axis."""
+    free = calibration.free
+    return free is not None and len(free.axes) == len(calibration.axes)
+
+
+def _diffusion(
+    tracks: list[Trajectory],
+    given: dict[str, float],
+    exposure: float | str | None,
+    noise: str | None,
+) -> Diffusion:
+    """The diffusion that tracks have in common, with what is given of the beads."""
+    from tweezer.analysis import diffusion
+    from tweezer.units import bare
+
+    return diffusion(
+        tracks, temperature=given.get("temperature"), radius=given.get("radius"),
+        viscosity=given.get("viscosity"), exposure=None if exposure == "fit" else exposure,
+        noise=None if noise in (None, "fit") else bare(noise),
+    )  # fmt: skip
 
 
 def _places(

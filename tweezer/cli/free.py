@@ -1,19 +1,68 @@
-"""What the command calibrate prints of a bead that is not trapped."""
+"""What the command calibrate prints of beads that are not trapped."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from tweezer.cli.console import OUT
+from tweezer.errors import ResultError
 
 if TYPE_CHECKING:
-    from tweezer.analysis import Diffusion
+    from collections.abc import Sequence
+
+    from tweezer.analysis import Diffusion, Trajectory
+
+#: Number of frames in each track from which on trapped beads are calibrated one by one
+_LONG = 100
 
 
-def print_free(free: Diffusion, unit: str) -> None:
-    """One line of verdict; below it what was left out and what speaks against it."""
-    from tweezer.analysis.wording import diffusion_in_words
+def print_free(free: Diffusion, unit: str, seen: str | None = None) -> None:
+    """Print one line with the diffusion; below it what was omitted and the findings.
 
-    OUT.print(diffusion_in_words(free, unit), highlight=False, soft_wrap=True)
+    Parameters
+    ----------
+    free : Diffusion
+    unit : str
+        Of the recording, "m" or "V".
+    seen : str, optional
+        What the line says of the bead before its diffusion.
+    """
+    from tweezer.analysis.wording import NO_TRAP, diffusion_in_words
+
+    OUT.print(diffusion_in_words(free, unit, seen or NO_TRAP), highlight=False, soft_wrap=True)
     for text in (*free.remarks, *(f"not trusted: {each.text}" for each in free.findings)):
         OUT.print(f"   {text}", highlight=False, soft_wrap=True)
+
+
+def print_tracks(free: Diffusion, tracks: Sequence[Trajectory]) -> None:
+    """Print the diffusion of one short track, or the common one of several.
+
+    Raises `ResultError` for long tracks of beads that are held, which are calibrated one by one.
+    """
+    first = tracks[0]
+    if len(tracks) == 1:
+        seen = f"{first.frames} samples are too few to see a trap; as of a free bead"
+    else:
+        held = any(each.name == "confined" for each in free.findings)
+        held |= not free.interval[0] or free.uncertainty > free.diffusion / 2
+        if held and min(each.frames for each in tracks) >= _LONG:
+            source, _, label = first.name.rpartition(", bead ")
+            way = f'--bead "{label}"' if source else first.name
+            raise ResultError(
+                f"{source or first.name}: has {len(tracks)} beads that do not diffuse freely "
+                f"as far as is seen; calibrate them one by one, such as {way}"
+            )
+        seen = f"{len(tracks)} tracks together, as of free beads"
+    print_free(free, first.unit, seen)
+    if free.homogeneity is not None:
+        OUT.print(
+            f"   diffusion of single tracks: {_spread(free)}; p = {free.homogeneity:.2g} for one "
+            "diffusion of all",
+            highlight=False, soft_wrap=True,
+        )  # fmt: skip
+
+
+def _spread(free: Diffusion) -> str:
+    values = sorted(1e12 * each.diffusion for each in free.tracks)
+    unit = "um^2/s" if free.inferred is not None or free.expected is not None else "10^-12 V^2/s"
+    return f"{values[0]:.3g} to {values[-1]:.3g} {unit}"

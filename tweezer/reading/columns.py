@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, SeveralBeadsError
 from tweezer.reading.headings import (
     AROUND,
     AXES,
@@ -116,9 +116,9 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
 
 
 def only(name: str, found: dict[str, Columns]) -> Columns:
-    """The columns of the one bead. Raises `ResultError` if there are several."""
+    """The columns of the one bead. Raises `SeveralBeadsError` if there are several."""
     if len(found) > 1:
-        raise ResultError(
+        raise SeveralBeadsError(
             f"{name}: has {len(found)} beads; name the one to be read, such as --bead "
             f'"{next(iter(found))}"'
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tweezer.errors import ResultError
+from tweezer.errors import ResultError, TooFewError
 from tweezer.reading.filling import LONGEST, filled
 from tweezer.reading.table import Array
 
@@ -29,7 +29,7 @@ def without_gaps(
 
     straight: number of columns at the end, of a stage, that are filled in by straight lines.
 
-    Raises `ResultError` if that has fewer than `least` samples.
+    Raises `TooFewError` if that has fewer than `least` samples.
     """
     dated = ~np.isnan(times)
     there = dated & ~np.isnan(columns).any(axis=1)
@@ -69,7 +69,7 @@ def without_gaps(
         return np.interp(grid, numbers, times), lines, "; ".join(notes)
     first, last = _longest(there, leaps)
     if last - first < least:
-        raise ResultError(
+        raise TooFewError(
             f"{name}: {said}; the longest stretch without a gap has {last - first} samples, and "
             f"must have {least} or more"
         )
