@@ -34,7 +34,10 @@ def kept(cache_folder, tmp_path_factory, monkeypatch):
         (compiled, "loop.march-10.py311.0123456789abcdef.nbc.0123456789abcdef", False, False),
         (compiled, "loop.march-11.py311.0123456789abcdef.nbc.0123456789abcdef", True, True),
         (compiled, "loop.cpython-311.pyc", False, True),
-        (tables, "ab.table", True, False),
+        (compiled, "my.nbc", False, False),
+        (compiled, "my.data-1.nbi", False, False),
+        (tables, f"{32 * 'ab'}.table", True, False),
+        (tables, "data.table", False, False),
         (tables, "ab.lock", False, False),
         (tables, ".saving-0123456789abcdef", False, False),
         (tables, ".saving-1123456789abcdef", True, True),
@@ -77,6 +80,28 @@ def test_cache_clears_what_tweezer_keeps_and_nothing_else(command_line, kept):
     assert (done.code, done.out) == (0, "removed 6 files, 0.006 MB\n")
     assert {path: not path.exists() for path in kept} == kept
     assert command_line("cache", "--clear", "--yes").out == "removed 0 files, 0 MB\n"
+
+
+@pytest.mark.parametrize("level", ["tables", "tweezer", "file"])
+def test_cache_follows_no_link(level, command_line, cache_folder, tmp_path, monkeypatch):
+    """A folder of tables that leads elsewhere, or a file that does."""
+    monkeypatch.setattr(folders, "folders", list)
+    victim, name = tmp_path / "victim", f"{64 * 'a'}.table"
+    (victim / "tables").mkdir(parents=True)
+    for folder in (victim, victim / "tables"):
+        (folder / name).write_text("precious")
+    own = cache_folder / "tweezer"
+    if level == "tweezer":
+        own.symlink_to(victim)
+    elif level == "tables":
+        own.mkdir()
+        (own / "tables").symlink_to(victim)
+    else:
+        (own / "tables").mkdir(parents=True)
+        (own / "tables" / name).symlink_to(victim / name)
+    assert command_line("cache", "--clear", "--yes").out == "removed 0 files, 0 MB\n"
+    assert (victim / name).exists()
+    assert (victim / "tables" / name).exists()
 
 
 def test_at_a_terminal_it_asks_first(command_line, kept, monkeypatch):

@@ -15,6 +15,11 @@ from typing import Any
 RESULTS = (".nc", ".zarr")
 #: Ending of the file of a trap
 SAVED_TRAP = ".json"
+#: Endings of recordings: texts; HDF5, which runs are too; files of NumPy, MATLAB and LabVIEW
+TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
+HDF5 = (".h5", ".hdf5", ".nc")
+NUMPY, MATLAB, TDMS = (".npy", ".npz"), ".mat", ".tdms"
+RECORDINGS = (*TEXTS, *HDF5, *NUMPY, MATLAB, TDMS)
 
 
 @dataclass(frozen=True)

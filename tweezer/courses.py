@@ -6,12 +6,14 @@ import csv
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from tweezer.files import read_text
 from tweezer.units import Angle, Frequency, Length, Quantity, Speed, Time, entries
 
 Vector = Annotated[tuple[Length, Length, Length], entries(3)]
@@ -181,8 +183,7 @@ def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
 
 def _rows(path: Path, columns: int) -> list[list[float]]:
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = [line for line in csv.reader(file) if line]
+        lines = [line for line in csv.reader(StringIO(read_text(path), newline="")) if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or error
         raise ValueError(f"{path}: cannot be read: {reason}") from None

@@ -68,9 +68,11 @@ def replacing(path: Path) -> Iterator[BytesIO]:
 
 
 def write_whole(path: Path, content: BytesIO) -> None:
-    """Replace the file at `path` by one that is whole. Raises OSError, also for a link."""
+    """Replace the file at `path` by one that is whole. Raises OSError, also for a link or pipe."""
     if path.is_symlink():
         raise OSError(f"is a link, to {path.readlink()}")
+    if path.exists():
+        check_regular(path)
     with _termination_later():
         unfinished, file = _begun(path.parent)
         try:

@@ -15,10 +15,11 @@ import numpy as np
 import pydantic_core
 from pydantic import ValidationError
 
+from tweezer.choices import RESULTS
 from tweezer.errors import ResultError
 from tweezer.files import check_regular, replacing
 from tweezer.run import Run
-from tweezer.saved import check_ending, kind_of
+from tweezer.saved import check_ending, kind_of, kind_of_file
 from tweezer.scene import Scene, by_key, described_at
 from tweezer.schema import checked
 from tweezer.units import usual_unit
@@ -122,6 +123,8 @@ def load_result(path: Path) -> xr.Dataset:
         from tweezer.stores import open_store
 
         return checked(open_store(path), f"{path}")
+    if path.suffix not in RESULTS and (kind := kind_of_file(path)):
+        raise ResultError(f"{path}: is {kind.told}, not a result{kind.way(path.name)}")
     import xarray as xr
 
     with _reading(path):

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tweezer.choices import SAVED_TRAP
+from tweezer.choices import RECORDINGS, SAVED_TRAP
 from tweezer.errors import ResultError
 from tweezer.files import read_text
 
@@ -24,12 +24,16 @@ class Kind(NamedTuple):
     """of `tweezer.viewing`: `of_PAGE.py`, `static/PAGE.js`; "" if it has none"""
     compared: bool = False
     """whether `tweezer compare` takes it"""
+    command: str = ""
+    """the command that takes it, of what is no result"""
+    endings: tuple[str, ...] = ()
+    """of the names of files by which it is known, of what is no result"""
 
-    @property
-    def way(self) -> str:
-        """What can be done with it, behind words that say what it is."""
+    def way(self, name: str) -> str:
+        """Return what can be done with the file of that name, to follow words that say its kind."""
         ways = ["`tweezer view` shows it"] if self.page else []
         ways += ["`tweezer compare` compares it with another"] if self.compared else []
+        ways += [f"use `tweezer {self.command} {name}`"] if self.command else []
         return f"; {' and '.join(ways)}" if ways else ""
 
 
@@ -48,6 +52,13 @@ KINDS = (
     Kind("depth", "a fit of the depth", ("minima", "parameters")),
     Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon")),
 )
+#: What is no result, and is known by the name of its file
+OTHERS = (
+    Kind("recording", "a recording", (), command="calibrate", endings=RECORDINGS),
+    Kind("page", "a page or a report", (), endings=(".html",)),
+    Kind("figure", "a figure", (), endings=(".png", ".svg", ".pdf")),
+    Kind("scene", "a scene", (), command="run", endings=(".toml",)),
+)
 SHOWN = tuple(each for each in KINDS if each.page)
 COMPARED = tuple(each for each in KINDS if each.compared)
 
@@ -65,7 +76,10 @@ def _kind_with(names: set[Any]) -> Kind | None:
 
 
 def kind_of_file(path: Path) -> Kind | None:
-    """The kind of the result that a file or folder holds; None if that cannot be told."""
+    """The kind of the result that a file or folder holds, or of what else its name tells.
+
+    None if that cannot be told.
+    """
     try:
         if path.suffix == SAVED_TRAP:
             return kind_of(read_json(path))
@@ -79,7 +93,8 @@ def kind_of_file(path: Path) -> Kind | None:
             return _kind_with(names_in(path))
     except Exception:  # readers raise of any kind where a file is damaged
         return None
-    return None
+    ending = path.suffix.lower()
+    return next((kind for kind in OTHERS if ending in kind.endings and path.is_file()), None)
 
 
 def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:

@@ -21,6 +21,7 @@ from pydantic_core import ErrorDetails
 from tweezer.choices import EVALUATORS, METHODS, MODELS, Evaluator, methods
 from tweezer.courses import Section, refusal, with_tables
 from tweezer.errors import SceneError, UnitWarning, warn
+from tweezer.files import read_text
 from tweezer.materials import Material, materials
 from tweezer.rounding import least
 from tweezer.saved import kind_of_file
@@ -74,6 +75,8 @@ _SWITCHES = {
 
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
+#: most bad values that are told of one scene
+_MOST_LINES = 20
 
 
 class Scene(Section):
@@ -919,14 +922,14 @@ def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
         raise SceneError("no scene is named: must be a shipped scene or a TOML file")
     path = shipped_scenes().get(name, Path(name))
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
+        data = tomllib.loads(read_text(path))
     except FileNotFoundError:
         raise SceneError(
             f"no scene file {name!r}, and no shipped scene of that name; {_shipped_like(path)}"
         ) from None
     except (*_NOT_TOML, OSError) as error:
-        if kind := kind_of_file(path):
-            reason = f"is {kind.told}, not a scene{kind.way}"
+        if (kind := kind_of_file(path)) and kind.name != "scene":
+            reason = f"is {kind.told}, not a scene{kind.way(name)}"
         elif isinstance(error, UnicodeDecodeError):
             reason = "not a text file in UTF-8"
         elif isinstance(error, OSError):
@@ -1069,7 +1072,10 @@ def _validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
     except ValidationError as error:
         several = isinstance(data.get("beam"), list | tuple) or bool(data.get("more_beams"))
         lines = (" ".join(line.splitlines()) for line in _lines(error, several))
-        raise SceneError("\n".join(lines)) from None
+        shown = list(itertools.islice(lines, _MOST_LINES))
+        if (more := error.error_count() - len(shown)) > 0 and len(shown) == _MOST_LINES:
+            shown.append(f"and {more} more")
+        raise SceneError("\n".join(shown)) from None
     knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
     if knudsen > KNUDSEN_LIMIT:
         warn(
@@ -1134,14 +1140,15 @@ def _lines(error: ValidationError, several: bool) -> Iterator[str]:
         elif where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
             where = (f"beam[{int(where[1]) + 2}]", *where[2:])
         key = ".".join(str(part) for part in where)
+        named = _clipped(key)
         if details["type"] == "scene":
             yield f"{key}.{details['msg']}" if key else details["msg"]
         elif details["type"] == "missing":
-            yield f"{key}: missing"
+            yield f"{named}: missing"
         elif details["type"] == "extra_forbidden":
-            yield f"{key} = {_short(details['input'])}: unknown key; {_known_keys(details)}"
+            yield f"{named} = {_short(details['input'])}: unknown key; {_known_keys(details)}"
         else:
-            yield f"{key} = {_short(details['input'])}: {_allowed(details, key)}"
+            yield f"{named} = {_short(details['input'])}: {_allowed(details, key)}"
 
 
 def _as_text(value: Any) -> str:

@@ -28,6 +28,7 @@ from tweezer.reading import (
     refuse_too_long,
     without_gaps,
 )
+from tweezer.saved import kind_of_file
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown
 from tweezer.units import QuantityLike
@@ -372,6 +373,9 @@ def read_source(
     if isinstance(source, xr.Dataset):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)
+    kind = kind_of_file(path)
+    if kind is not None and kind.name not in ("recording", "run"):
+        raise ResultError(f"{path}: is {kind.told}, not a recording{kind.way(path.name)}")
     if not path.is_file():
         raise ResultError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
     if path.suffix.lower() in HDF5:

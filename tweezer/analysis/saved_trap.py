@@ -31,7 +31,7 @@ def load_trap(path: Path) -> tuple[Trap, str]:
     """
     saved = read_json(path)
     if (kind := kind_of(saved)) and kind.name != "trap":
-        raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way}")
+        raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way(path.name)}")
     try:
         found, version = _known(Trap, saved["trap"]), str(saved["tweezer_version"])
         lifetime, _ = (found.pop(name, None) for name in _BESIDE)

@@ -99,7 +99,13 @@ JsonFile = Annotated[Path | None, typer.Option("--out", "--json", help="JSON fil
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace a file that is there, whatever it is.")
 ]
-FigureFile = Annotated[Path | None, typer.Option(help="Figure to write (png, pdf, svg).")]
+FigureFile = Annotated[
+    Path | None,
+    typer.Option(
+        help="Figure to write (png, pdf, svg). It replaces a figure of tweezer, and another file "
+        "only with --overwrite."
+    ),
+]
 
 
 def scene_with(scene: str, settings: dict[str, str]) -> Scene:

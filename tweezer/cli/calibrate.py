@@ -22,11 +22,10 @@ from tweezer.cli.app import (
 )
 from tweezer.cli.console import (
     FAILED,
-    FIGURE_FORMATS,
     OUT,
     show_warning,
     tell_written,
-    writable,
+    writable_figure,
     writable_result,
     write_figure,
     write_json,
@@ -190,7 +189,7 @@ def calibrate(
     if blur not in (None, "fit"):
         exposed = quantity_in("--blur", blur, Time)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
     report = report and writable_result(
         report, ("html", "pdf"), overwrite=overwrite, option="--report"
     )

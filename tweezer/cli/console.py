@@ -13,6 +13,7 @@ import typer
 from rich.console import Console
 
 from tweezer.errors import ResultError
+from tweezer.files import check_regular
 from tweezer.saved import check_ending
 
 if TYPE_CHECKING:
@@ -64,6 +65,8 @@ def writable(path: Path, formats: tuple[str, ...]) -> Path:
             raise ResultError(f"{path}: is a link; name the file it leads to: {path.readlink()}")
         if path.is_dir() and formats != STORES:
             raise ResultError(f"{path}: is a folder")
+        if path.exists() and not path.is_dir():
+            check_regular(path)
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror}") from None
     return awaited(path)
@@ -80,13 +83,35 @@ def writable_result(
     """`path` of a result, report or scene; refused too if a file is there that must be kept.
 
     obstacle: why the file that is there must not be replaced without --overwrite; "" if it may be.
-    option: by which the user names another. Figures, films, and what `tweezer bench` and
-    `tweezer reproduce` measure again are replaced.
+    option: by which the user names another. What `tweezer bench` and `tweezer reproduce` measure
+    again is replaced.
     """
     path = writable(path, formats)
     if path.exists() and not overwrite and (reason := obstacle(path)):
         raise ResultError(f"{path}: {reason}; choose another {option} or pass --overwrite")
     return path
+
+
+def writable_figure(path: Path | None, *, overwrite: bool = False) -> Path | None:
+    """`path` of a figure; refused if a file is there that is no figure of tweezer."""
+    return path and writable_result(
+        path, FIGURE_FORMATS, overwrite=overwrite, obstacle=_no_figure, option="--plot"
+    )
+
+
+#: How a figure of tweezer says what made it, by the end of its name
+_SIGNS = {
+    ".png": b"Software\0tweezer ", ".svg": b"<dc:title>tweezer ", ".pdf": b"/Creator (tweezer ",
+}  # fmt: skip
+
+
+def _no_figure(path: Path) -> str:
+    """Why a figure must not replace the file at `path`; "" if that is one of tweezer too."""
+    with contextlib.suppress(OSError):
+        check_regular(path)
+        if _SIGNS[path.suffix.lower()] in path.read_bytes():
+            return ""
+    return "already exists and is no figure of tweezer"
 
 
 @contextlib.contextmanager

@@ -24,10 +24,9 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_scene
 from tweezer.cli.console import (
     FAILED,
-    FIGURE_FORMATS,
     showing_progress,
     tell_written,
-    writable,
+    writable_figure,
     writable_result,
     write_figure,
     write_json,
@@ -93,7 +92,7 @@ def fit_depth(
         low, high = (quantity_in("--search", text, Length) for text in search)
         range_ = low, high
     out = out and writable_result(out, ("json",), overwrite=overwrite)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
 
     from tweezer.analysis import fit_depth as fitted
     from tweezer.analysis import load_track

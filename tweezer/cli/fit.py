@@ -24,10 +24,9 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import complete_key, complete_scene
 from tweezer.cli.console import (
     FAILED,
-    FIGURE_FORMATS,
     showing_progress,
     tell_written,
-    writable,
+    writable_figure,
     writable_result,
     write_figure,
     write_json,
@@ -85,7 +84,7 @@ def fit(
     described = scene_with(scene, settings_of(set or [])) if scene else None
     skipped = quantity_in("--skip", skip, Time)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
 
     from tweezer.analysis import fit as fitted
     from tweezer.analysis import load_recording

@@ -111,16 +111,22 @@ def cache(
 def _caches() -> list[_Cache]:
     """What is kept: files that others are writing, and their locks, are not among it."""
     with ERR.status("looking"):
-        from tweezer.compiled.folders import UNFINISHED, kept
+        from tweezer.compiled.folders import UNFINISHED, is_own, kept
         from tweezer.optics.table import tables_folder
 
     compiled = [each for each in kept() if _finished(each, UNFINISHED)]
     tables = tables_folder()
+    table = re.compile(r"[0-9a-f]{64}\.table")
     saving = re.compile(r"\.saving-[0-9a-f]{16}")
+    files = sorted(tables.iterdir()) if is_own(tables) else []
     maps = [
         each
-        for each in (sorted(tables.iterdir()) if tables.is_dir() else ())
-        if each.suffix == ".table" or (saving.fullmatch(each.name) and _finished(each, saving))
+        for each in files
+        if each.is_file()
+        and not each.is_symlink()
+        and (
+            table.fullmatch(each.name) or (saving.fullmatch(each.name) and _finished(each, saving))
+        )
     ]
     return [
         _Cache(

@@ -19,7 +19,7 @@ from tweezer.cli.app import Overwrite, app, quantity_in
 from tweezer.cli.completion import among
 from tweezer.cli.console import ERR, OUT, writable_result
 from tweezer.cli.tables import table_of
-from tweezer.errors import ResultError, SceneError
+from tweezer.errors import SceneError
 from tweezer.materials import Material, materials
 
 if TYPE_CHECKING:
@@ -127,14 +127,13 @@ def new(
     experiment = _Experiment(material, size, lens, wavelength, power_in_watts, behind)
     text = scene_text(experiment)
 
+    from tweezer.files import replacing
     from tweezer.scene import load_scene
 
     load_scene({"name": file.stem, **tomllib.loads(text)})
-    try:
-        with file.open("w" if overwrite else "x", encoding="utf-8") as written:
-            written.write(text)
-    except OSError as error:
-        raise ResultError(f"{file}: cannot be written: {error.strerror}") from None
+    writable_result(file, ("toml",), overwrite=overwrite, option="FILE")  # it may be there by now
+    with replacing(file) as whole:
+        whole.write(text.encode())
     OUT.print(f"wrote {file}", highlight=False, soft_wrap=True)
     for command, purpose in (("view", "to see it"), ("trap", "for its trap")):
         line = f"  tweezer {command} {shlex.quote(str(file))}"

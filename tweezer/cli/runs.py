@@ -26,13 +26,12 @@ from tweezer.cli.app import (
 from tweezer.cli.completion import among
 from tweezer.cli.console import (
     FAILED,
-    FIGURE_FORMATS,
     INTERRUPTED,
     OUT,
     complain,
     showing_progress,
     tell_written,
-    writable,
+    writable_figure,
     writable_result,
     write_figure,
 )
@@ -115,7 +114,7 @@ def run(
         overwrite=overwrite,
         obstacle=lambda there: _obstacle(there, described, seed),
     )
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
     bind_light(described)
     result = followed_with_progress(described, seed)
     status = result.attributes["status"]

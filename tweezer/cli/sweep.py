@@ -21,7 +21,6 @@ from tweezer.cli.app import (
 )
 from tweezer.cli.completion import complete_setting
 from tweezer.cli.console import (
-    FIGURE_FORMATS,
     INTERRUPTED,
     OUT,
     STORES,
@@ -29,6 +28,7 @@ from tweezer.cli.console import (
     showing_progress,
     tell_written,
     writable,
+    writable_figure,
     write_figure,
 )
 from tweezer.cli.tables import table_of
@@ -84,6 +84,9 @@ def sweep(
     ] = None,
     set: Changes = None,
     plot: FigureFile = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Overwrite an existing file by the figure.")
+    ] = False,
 ) -> None:
     """Compute the same of many scenes.
 
@@ -94,7 +97,7 @@ def sweep(
 
     described = scene_with(scene, settings_of(set or []))
     out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
     skipped = quantity_in("--skip", skip, Time) if skip else None
     if plot:
         _check_drawn(over or [], cases)

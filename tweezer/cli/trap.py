@@ -22,14 +22,13 @@ from tweezer.cli.app import (
     settings_of,
 )
 from tweezer.cli.console import (
-    FIGURE_FORMATS,
     INTERRUPTED,
     OUT,
     complain,
     show_warning,
     showing_progress,
     tell_written,
-    writable,
+    writable_figure,
     writable_result,
     write_figure,
     write_json,
@@ -77,7 +76,7 @@ def trap(
     """
     described = scene_with(scene, settings_of(set or []))
     out = out and writable_result(out, ("nc",) if heights else ("json",), overwrite=overwrite)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
     if heights:
         _trap_over(described, heights, count or 19, out, plot)
         return
@@ -164,7 +163,7 @@ def tune(
     described = scene_with(scene, settings_of(set or [], duration=duration))
     allowed = quantity_in("--deviation", deviation, PositiveLength)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
-    plot = plot and writable(plot, FIGURE_FORMATS)
+    plot = writable_figure(plot, overwrite=overwrite)
 
     from tweezer.analysis.tuning import scaled_scenes
     from tweezer.analysis.tuning import tune as compared

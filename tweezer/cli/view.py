@@ -18,7 +18,6 @@ from tweezer.cli.console import (
     complain,
     showing_progress,
     tell_written,
-    writable,
     writable_result,
 )
 from tweezer.cli.runs import followed_with_progress
@@ -71,7 +70,7 @@ def view(
     if movie is not None:
         from tweezer.viewing.movie import FORMATS, programs
 
-        writable(movie, tuple(FORMATS))
+        writable_result(movie, tuple(FORMATS), overwrite=overwrite, option="--movie")
         if not 0 < length <= 600:
             raise ResultError(f"--seconds {length:g}: must be above 0, and at most 600")
         programs()

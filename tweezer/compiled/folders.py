@@ -10,10 +10,12 @@ from pathlib import Path
 import numba
 from numba.core import caching
 
-#: Names of the files of compiled functions; .nbi is Numba's own index of them
-_KEPT = re.compile(r".+\.nbc|.+\.nbi")
+#: Names of the files of compiled functions: module, function, line and Python; .nbi is Numba's own
+#: index of them
+_FUNCTION = r"\w+\.[\w.<>]+-\d+\.py\d+[a-z]*"
+_KEPT = re.compile(rf"{_FUNCTION}\.(nbi|\d+\.nbc|[0-9a-f]{{16}}\.nbc)")
 #: Name of such a file while it is written
-UNFINISHED = re.compile(r".+\.nbc\.[0-9a-f]{16}")
+UNFINISHED = re.compile(rf"{_FUNCTION}\.[0-9a-f]{{16}}\.nbc\.[0-9a-f]{{16}}")
 
 
 def kept() -> list[Path]:
@@ -31,7 +33,12 @@ def folders() -> list[Path]:
         where.insert(0, caching.UserProvidedCacheLocator)
     sources = [min(folder.glob("*.py"), default=None) for folder in _of_sources()]
     paths = (Path(at(kept, str(file)).get_cache_path()) for file in sources if file for at in where)
-    return [each for each in dict.fromkeys(paths) if each.is_dir()]
+    return [each for each in dict.fromkeys(paths) if is_own(each)]
+
+
+def is_own(folder: Path) -> bool:
+    """Whether a cache folder is there and is no link, nor is the folder that it is in."""
+    return folder.is_dir() and not folder.is_symlink() and not folder.parent.is_symlink()
 
 
 def _of_sources() -> Iterator[Path]:
@@ -47,5 +54,7 @@ def _of_functions(folder: Path) -> list[Path]:
     return sorted(
         each
         for each in folder.iterdir()
-        if _KEPT.fullmatch(each.name) or UNFINISHED.fullmatch(each.name)
+        if (_KEPT.fullmatch(each.name) or UNFINISHED.fullmatch(each.name))
+        and each.is_file()
+        and not each.is_symlink()
     )

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 
+from tweezer.choices import HDF5, MATLAB, NUMPY, RECORDINGS, TDMS, TEXTS
 from tweezer.errors import ResultError
 from tweezer.reading.arrays import open_matlab, open_numpy
 from tweezer.reading.columns import Columns, Wanted, are_headings, read
@@ -16,16 +17,10 @@ from tweezer.reading.table import Table
 from tweezer.reading.tdms import open_tdms
 from tweezer.reading.text import open_text
 
-#: Ends of the names of texts, HDF5 files, and others
-TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
-HDF5 = (".h5", ".hdf5", ".nc")
-_NUMPY = (".npy", ".npz")
-_MATLAB, _TDMS = ".mat", ".tdms"
-_ALL = (*TEXTS, *HDF5, *_NUMPY, _MATLAB, _TDMS)
 #: What files are called by their ends, in errors
 _CALLED = {
-    **dict.fromkeys(HDF5, "an HDF5 or NetCDF 4"), **dict.fromkeys(_NUMPY, "a NumPy"),
-    _MATLAB: "a MATLAB", _TDMS: "a TDMS",
+    **dict.fromkeys(HDF5, "an HDF5 or NetCDF 4"), **dict.fromkeys(NUMPY, "a NumPy"),
+    MATLAB: "a MATLAB", TDMS: "a TDMS",
 }  # fmt: skip
 
 
@@ -36,10 +31,10 @@ def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Column
     are read, and where `read` does.
     """
     kind = path.suffix.lower()
-    if kind not in _ALL:
+    if kind not in RECORDINGS:
         raise ResultError(
-            f"{path}: must end in {', '.join(_ALL)}; programs of measurement and of tables can "
-            "save .csv"
+            f"{path}: must end in {', '.join(RECORDINGS)}; programs of measurement and of tables "
+            "can save .csv"
         )
     if kind in TEXTS:
         text = open_text(path, lambda cells: are_headings(cells, reading, wanted))
@@ -64,11 +59,11 @@ def _refuse_unnamed(text: Table, reading: Reading) -> None:
 
 
 def _opened(path: Path, kind: str) -> Table:
-    if kind in _NUMPY:
+    if kind in NUMPY:
         return open_numpy(path)
-    if kind == _TDMS:
+    if kind == TDMS:
         return open_tdms(path)
-    if kind == _MATLAB and not h5py.is_hdf5(path):
+    if kind == MATLAB and not h5py.is_hdf5(path):
         return open_matlab(path)
     return open_lumicks(path) if is_lumicks(path) else open_hdf5(path)
 

@@ -6,6 +6,7 @@ import itertools
 import math
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -135,8 +136,8 @@ def cases_of(
     if not axes:
         raise SceneError("over: nothing to sweep over; name a key with its values, or cases")
     keys = [each.key for axis in axes for each in axis.varied]
-    for key in keys:
-        if keys.count(key) > 1:
+    for key, count in Counter(keys).items():
+        if count > 1:
             raise SceneError(f"{key}: is swept over twice")
     cases = Cases(tuple(axes))
     if cases.count > _MOST:
@@ -252,9 +253,11 @@ def _varied(key: Any, given: Any) -> Varied:
 
 def _apart(varied: Varied) -> Varied:
     """The same; raises `SceneError` if one of the values is there twice."""
-    for i, value in enumerate(varied.values):
-        if value in varied.values[:i]:
+    seen: set[Value] = set()
+    for value in varied.values:
+        if value in seen:
             raise SceneError(f"over {varied.key} = {value}: is given twice")
+        seen.add(value)
     return varied
 
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterable, Mapping
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from tweezer.errors import ResultError, SceneError
+from tweezer.files import read_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,9 +63,9 @@ def _of_xarray(table: xr.Dataset) -> list[tuple[str, list[Any]]]:
 
 def _of_file(path: Path) -> list[tuple[str, list[Any]]]:
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            reader = csv.reader(file, skipinitialspace=True, strict=True)
-            rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if row]
+        text = StringIO(read_text(path), newline="")
+        reader = csv.reader(text, skipinitialspace=True, strict=True)
+        rows = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if row]
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except IsADirectoryError:

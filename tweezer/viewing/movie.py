@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from tweezer.errors import ResultError
+from tweezer.files import replacing
 
 if TYPE_CHECKING:
     from selenium.webdriver.remote.webdriver import WebDriver
@@ -67,7 +68,7 @@ def film(
     where = programs()
     rate, how = FORMATS[path.suffix[1:].lower()]
     count = max(2, round(rate * seconds))
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".filming-") as name:
+    with tempfile.TemporaryDirectory(prefix="tweezer-film-") as name:
         folder = Path(name)
         new = folder / path.name
         options = ["-loglevel", "error", "-f", "image2pipe", "-framerate", str(rate), "-i", "-"]
@@ -89,7 +90,8 @@ def film(
         if writer.returncode:
             reason = said.splitlines()[-1] if said else "it failed"
             raise ResultError(f"{path}: not written by ffmpeg: {reason}")
-        new.replace(path)
+        with replacing(path) as whole:
+            whole.write(new.read_bytes())
     return path
 
 
