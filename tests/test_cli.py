@@ -263,10 +263,13 @@ def content(*names):
 
 def test_a_rerun_replaces_the_files(command_line):
     assert command_line("run", *SHORT).code == 0
-    Path("thesis-990nm.png").write_text("an old figure")
+    Path("thesis-990nm.png").write_text("no figure of tweezer")
     first = Path("thesis-990nm.nc").stat().st_ino
-    assert command_line("run", *SHORT, *DRAWN).code == 0
-    assert Path("thesis-990nm.nc").stat().st_ino != first
+    refused = command_line("run", *SHORT, *DRAWN)
+    assert refused.err.startswith("thesis-990nm.png: already exists and is no figure of tweezer; ")
+    for overwrite in (["--overwrite"], []):  # the second time it is one
+        assert command_line("run", *SHORT, *DRAWN, *overwrite).code == 0
+        assert Path("thesis-990nm.nc").stat().st_ino != first
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     assert len(list(Path().iterdir())) == 2
 

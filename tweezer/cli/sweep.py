@@ -12,6 +12,7 @@ import typer
 from tweezer.cli.app import (
     Changes,
     FigureFile,
+    Overwrite,
     Resume,
     SceneName,
     app,
@@ -84,14 +85,12 @@ def sweep(
     ] = None,
     set: Changes = None,
     plot: FigureFile = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Overwrite an existing file by the figure.")
-    ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Compute the same of many scenes.
 
     They differ from SCENE in a few keys. Stopped at any time, by Ctrl-C or worse, it goes on with
-    --resume where it was.
+    --resume where it was. Only the figure of --plot is replaced with --overwrite, never a store.
     """
     from tweezer.units import Time
 
