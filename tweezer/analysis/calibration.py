@@ -31,7 +31,7 @@ from tweezer.analysis.findings import (
     spectrum_p_value,
 )
 from tweezer.analysis.free import Diffusion, Given, not_trapped
-from tweezer.analysis.histogram import potential
+from tweezer.analysis.histogram import potential, resolution_of
 from tweezer.analysis.in_time import autocorrelation, displacement, lags_of
 from tweezer.analysis.inertia import Inertia
 from tweezer.analysis.left_out import NOTHING, LeftOut
@@ -518,6 +518,7 @@ def calibrate(
                     step,
                     known.along(i, axis, drags.get(axis), noises[axis]),
                     beside,
+                    resolution_of(recording.positions[:, i]),
                 )
                 axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
@@ -809,6 +810,7 @@ def _calibrated(
     step: float,
     known: _Known,
     beside: tuple[Evidence, ...],
+    resolution: float,
 ) -> AxisCalibration:
     """The trap along one axis."""
     recorded, signal = signal, known.left_out.without(signal, step)
@@ -822,8 +824,8 @@ def _calibrated(
         signal, fits = signal / response, fits.per(response)
     positions, fit, free = signal, fits.fit, fits.free
     bead = fit.bead
-    own = _spectrum_fit(positions, step, fit)
-    of_free = own if free is fit else _spectrum_fit(positions, step, free)
+    own = _spectrum_fit(fit)
+    of_free = own if free is fit else _spectrum_fit(free)
     findings = examine(positions, step, fits, known.exposure)
     if known.recorded is not None:
         harmless = HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
@@ -870,7 +872,7 @@ def _calibrated(
         if known.drag:
             found = autocorrelation(positions, step, bead, lags, missing)
             add("autocorrelation", found, [*slow, *made_by])
-    well = potential(positions, bead.temperature)
+    well = potential(positions, bead.temperature, resolution / response)
     if well.stiffness is not None and well.uncertainty is not None:
         found = corrected(well.stiffness, well.uncertainty, fits)
         add("potential", found, [*slow, *too_few("potential")])
@@ -937,7 +939,7 @@ def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
     return found
 
 
-def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit:
+def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:
     bead = fit.bead
     return SpectrumFit(
         bead,
@@ -946,5 +948,5 @@ def _spectrum_fit(positions: Array, step: float, fit: WhittleFit) -> SpectrumFit
         bead.corner_frequency * fit.uncertainty(1, -1),
         float(fit.periodogram.frequencies[-1]),
         fit.log_likelihood,
-        spectrum_p_value(positions, step, fit),
+        spectrum_p_value(fit),
     )

@@ -28,6 +28,8 @@ _INDEPENDENT = 0.5
 _INCLUDED = 0.8
 #: Largest number of beads whose rows may be in turn
 _MOST_IN_TURN = 8
+#: Number of samples in which that is looked for
+_FOR_TURNS = 50_000
 #: Largest mean squared displacement over that many rows, over that of one row, of beads in turn
 _IN_TURN = 0.5
 #: Autocorrelation at one step that is none, in its standard deviation
@@ -102,6 +104,7 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 
 def _in_turn(positions: Array) -> Finding | None:
     """Rows of several beads, or of the fields of a camera, in turn."""
+    positions = positions[:_FOR_TURNS]
     for beads in range(2, _MOST_IN_TURN + 1):
         whole = len(positions) // beads * beads
         table = positions[:whole].reshape(-1, beads)

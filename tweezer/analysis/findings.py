@@ -8,13 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc, fdtrc, ndtr
+from scipy.special import chdtrc, fdtrc, kolmogorov, ndtr
 
 from tweezer.analysis.left_out import NOTHING, LeftOut
 from tweezer.analysis.settling import FAR, spread, unsettled
 from tweezer.analysis.spectra import (
     TrappedBead,
-    power_spectrum,
     standard_error,
 )
 from tweezer.analysis.whittle import (
@@ -114,9 +113,9 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
         few,
         *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
-        _line(positions, step, fits, slowest),
+        _line(fits, slowest),
         _white(positions, step, fits, exposure_known),
-        _spectrum(positions, step, fits.free),
+        _spectrum(fits.free),
         _drag(fits),
     ]
     named: dict[str, Finding] = {}
@@ -141,7 +140,7 @@ def relative_variance_of_variance(bead: TrappedBead, whole: Periodogram) -> floa
 
 def _stray(positions: Array, step: float) -> Finding | None:
     """Samples far off, by the median, which outliers do not shift."""
-    off, deviation = np.abs(positions - np.median(positions)), spread(positions)
+    off, deviation = spread(positions)
     farthest = int(off.argmax())
     if deviation == 0:
         return Finding("stuck", "more than half of its samples are the same number")
@@ -150,7 +149,7 @@ def _stray(positions: Array, step: float) -> Finding | None:
         if heap > max(_CLIPPED * len(positions), _HEAPED * following):
             share = f"{100 * heap / len(positions):.2g} % of its samples are the {end} number"
             return Finding("clipped", f"{share}: does the range of the detector end there?")
-    begin = unsettled(positions, step)
+    begin = unsettled(positions, step) if off[0] > FAR * deviation else None
     if begin is not None:
         return Finding(
             "start", f"it starts {begin.off:.2g} standard deviations off: leave out the beginning, "
@@ -191,14 +190,14 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
     Fisher's F. Free diffusion resembles a drift: for a bead that looks free, drift is reported only
     if the remainder is long.
     """
-    from scipy.fft import dct, idct
-
     samples, fit = len(positions), fits.fit
     first = 1 + fits.left_out.cosines(samples, step)
-    cosines = dct(positions, norm="ortho")
-    slow = cosines[first : first + SLOW].copy()
-    cosines[first : first + SLOW] = 0
-    rest = idct(cosines, norm="ortho")
+    slow, rest = np.empty(SLOW), positions.copy()
+    for i in range(SLOW):
+        cosine = _cosine(first + i, samples)
+        slow[i] = np.einsum("i,i", positions, cosine)
+        cosine *= slow[i]
+        rest -= cosine
     whole = Periodogram.of(rest, step, fits.whole.without)
     slowest = (first + SLOW) / (2 * samples * step)
     # the frequencies that lose nothing with the cosines
@@ -239,6 +238,19 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
         text = "its halves differ in how the bead moves from sample to sample"
         found.append(Finding("halves", text))
     return found
+
+
+def _cosine(half_periods: int, samples: int) -> Array:
+    """A cosine (samples,) of so many half periods, normalised: a row of the DCT-II.
+
+    The angle of a sample is the sum of that of a row and that of a column of a square table.
+    """
+    side = math.isqrt(samples) + 1
+    unit = 1j * np.pi * half_periods / samples
+    rows = np.exp(unit * side * np.arange(side)) * math.sqrt(2 / samples)
+    columns = np.exp(unit * (np.arange(side) + 0.5))
+    table = np.stack([rows.real, -rows.imag], axis=1) @ np.stack([columns.real, columns.imag])
+    return np.asarray(table.ravel()[:samples])
 
 
 def _short_times_differ(first: Array, second: Array) -> bool:
@@ -340,39 +352,44 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     )  # fmt: skip
 
 
-def spectrum_p_value(positions: Array, step: float, fit: WhittleFit) -> float:
-    """Bartlett's test (Kolmogorov and Smirnov) of the cumulative periodogram over the fit."""
-    from scipy.stats import kstest
+def spectrum_p_value(fit: WhittleFit) -> float:
+    """Bartlett's test (Kolmogorov and Smirnov) of the cumulative periodogram over the fit.
 
-    frequencies, density = power_spectrum(positions, step)
-    used = fit.periodogram.covers(frequencies)
-    expected = fit.bead.sampled_spectrum(frequencies[used], step, len(positions))
-    passed = np.cumsum(density[used] / expected)
-    return float(kstest(passed[:-1] / passed[-1], "uniform").pvalue)
+    J. Vrbik, Pioneer J. Theor. Appl. Stat. 15, 15 (2018), corrects the limit of its distribution
+    for a finite number of ordinates.
+    """
+    passed = np.cumsum(fit.ratios)
+    n = passed.size - 1
+    if n < 1:
+        return 1.0
+    passed = passed[:-1] / passed[-1]
+    before = np.arange(n) / n
+    farthest = max(float((passed - before).max()), float((before + 1 / n - passed).max()))
+    x = farthest * math.sqrt(n)
+    return float(kolmogorov(x + 1 / (6 * math.sqrt(n)) + (x - 1) / (4 * n)))
 
 
-def _line(positions: Array, step: float, fits: Fits, above: float) -> Finding | None:
+def _line(fits: Fits, above: float) -> Finding | None:
     """Motion at single frequencies, such as a vibration or hum.
 
     Ordinates of the periodogram over the fitted spectrum; such ratios are distributed exponentially
     (R. A. Fisher, Proc. R. Soc. A 125, 54 (1929)). above: Hz.
     """
-    frequencies, density = power_spectrum(positions, step)
-    used = fits.free.periodogram.covers(frequencies) & (frequencies > above)
-    bead = fits.free.bead
-    frequencies, density = frequencies[used], density[used]
-    expected = bead.sampled_spectrum(frequencies, step, len(positions))
-    ratio = density / expected
+    bead, part = fits.free.bead, fits.free.periodogram
+    first = int(np.searchsorted(part.covered[0], above, side="right"))
+    frequencies, ratio = part.covered[0][first:], fits.free.ratios[first:]
     least = -math.log(-math.expm1(math.log1p(-IMPROBABLE) / max(len(ratio), 1)))
     high = np.flatnonzero(ratio > least)
-    excess = float((density[high] - expected[high]).sum()) / (len(positions) * step)
+    expected = bead.sampled_spectrum(frequencies[high], part.step, part.samples)
+    excess = float((ratio[high] - 1) @ expected) / (part.samples * part.step)
     share = excess / bead.variance
     harmless = HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
     if not high.size or share < harmless:
         return None
     lines = np.split(high, np.flatnonzero(np.diff(high) > _LINE) + 1)
     peaks = [int(line[ratio[line].argmax()]) for line in lines]
-    peaks.sort(key=lambda i: -density[i])
+    size = dict(zip(high.tolist(), ratio[high] * expected, strict=True))
+    peaks.sort(key=lambda i: -size[i])
     told = [f"{frequencies[i]:.3g}" for i in sorted(peaks[:_LINES_TOLD])]
     more = " and more" if len(peaks) > _LINES_TOLD else ""
     return Finding(
@@ -381,8 +398,8 @@ def _line(positions: Array, step: float, fits: Fits, above: float) -> Finding | 
     )  # fmt: skip
 
 
-def _spectrum(positions: Array, step: float, free: WhittleFit) -> Finding | None:
-    if spectrum_p_value(positions, step, free) >= REFUTED:
+def _spectrum(free: WhittleFit) -> Finding | None:
+    if spectrum_p_value(free) >= REFUTED:
         return None
     text = "the spectrum is not that of a trapped bead"
     highest = float(free.periodogram.frequencies[-1])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import Boltzmann
 
-from tweezer.analysis.spectra import standard_error, statistical_inefficiency
+from tweezer.analysis.spectra import statistical_inefficiency, variance_of_means
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
@@ -32,6 +32,14 @@ _DENSITY_AT_TWO = math.exp(-2) / math.sqrt(2 * math.pi)
 _PARABOLA = 2.0
 #: Smallest number of bins for that fit.
 _LEAST_BINS = 5
+#: Largest number of counts, bins times blocks of the record, that errors are estimated from.
+_CELLS = 2**18
+#: Number of samples among which the step of a digitised record is looked for.
+_LOOKED_AT = 10_000
+#: Finest step that counts, and the rounding of positions, in standard deviations.
+_FINEST, _ROUNDED = 2e-3, 1e-6
+#: Distance from a whole multiple of the step, and the fraction of the samples within it.
+_ON_STEP, _STEPPED = 0.05, 0.99
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,51 +74,128 @@ class Potential(Shown):
         return Card("Potential", "", rows)
 
 
-def potential(positions: QuantitiesLike, temperature: QuantityLike) -> Potential:
-    """U = -k_B T ln p (Boltzmann) from the histogram of `positions` (n,), m, in equilibrium.
+def potential(
+    positions: QuantitiesLike, temperature: QuantityLike, resolution: QuantityLike | None = None
+) -> Potential:
+    """Return U = -k_B T ln p (Boltzmann) from the histogram of positions in equilibrium.
 
     Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard
     deviation, or larger, up to a half, if a Gaussian would leave less than 20 independent samples
-    in a bin at two. Bins with less than 10 independent samples are omitted; the number of
-    independent samples of a bin follows from the statistical inefficiency of its indicator. The
-    curvature is corrected for the width of the bins (Sheppard). Its error is that of the mean over
-    the record of its influence function, and so includes the correlation between bins. Raises
-    `ResultError` for positions of another shape, or positions that do not change.
+    in a bin at two. In a digitised record the width is a whole multiple of its resolution, so that
+    each bin holds as many of the recorded values. Bins with less than 10 independent samples are
+    omitted; the number of independent samples of a bin follows from the variance of its counts in
+    successive blocks of the record. The curvature is corrected for the width of the bins
+    (Sheppard). Its error is that of the mean over the record of its influence function, and so
+    includes the correlation between bins.
+
+    Parameters
+    ----------
+    positions : array_like, shape (n,)
+        Positions, m. Quantities with units are accepted.
+    temperature : float or str
+        Temperature of the medium, K.
+    resolution : float or str, optional
+        Step of a digitised record, m; 0 for a record that is not digitised. Default: that of the
+        positions themselves. Give it if drift was removed after the positions were digitised.
+
+    Returns
+    -------
+    Potential
+        Energy of each bin, and the parabola at the bottom.
+
+    Raises
+    ------
+    ResultError
+        For positions of another shape, or positions that do not change.
     """
     x = numbers_in_si("positions", positions, "m")
     temperature = in_si("temperature", temperature, "K", *TEMPERATURE, error=ResultError)
     if x.ndim != 1 or not x.size or not np.isfinite(x).all() or np.ptp(x) == 0:
         raise ResultError("positions: must be a row of finite numbers, not all the same")
     kT, centre, deviation = Boltzmann * temperature, x.mean(), x.std()
+    step = resolution_of(x) if resolution is None else in_si("resolution", resolution, "m")
     independent = x.size / statistical_inefficiency((x - centre) ** 2)
     width = min(max(_COUNTS_AT_TWO / (_DENSITY_AT_TWO * independent), _NARROWEST), _WIDEST)
+    if step:
+        width = max(round(width * deviation / step), 1) * step / deviation
     count = math.ceil(2 * _REACH / width)
-    edges = width * (np.arange(count + 1) - count / 2)
-    bins = np.searchsorted(edges, (x - centre) / deviation) - 1
-    at = (edges[:-1] + edges[1:]) / 2
-    visited, relative = np.zeros(count), np.full(count, np.inf)
-    for index in np.unique(bins[(bins >= 0) & (bins < count)]):
-        inside = (bins == index).astype(np.float64)
-        visited[index] = inside.mean()
-        relative[index] = standard_error(inside) / visited[index]
-    enough = relative**2 <= 1 / _COUNTS
+    low = centre - deviation * width * count / 2
+    if step:  # edges halfway between the recorded values
+        edge = _recorded_value(x, step) + step / 2
+        low = edge + step * round((low - edge) / step)
+    at = (low - centre) / deviation + width * (np.arange(count) + 0.5)
+    # the first and the last are left and right of the bins
+    bins = np.clip((x - low) * (1 / (width * deviation)) + 1, 0, count + 1).astype(np.int64)
+    blocks = _counts_of_blocks(bins, count + 2)
+    visited = np.bincount(bins, minlength=count + 2)[1:-1] / x.size
+    of_mean = np.maximum(variance_of_means(blocks[1:-1]), visited * (1 - visited) / x.size)
+    relative = np.full(count, np.inf)
+    np.divide(np.sqrt(of_mean), visited, out=relative, where=visited > 0)
+    enough = np.flatnonzero(relative**2 <= 1 / _COUNTS)
     at, visited, relative = at[enough], visited[enough], relative[enough]
     U = -np.log(visited) - relative**2 / 2  # in k_B T; the logarithm is concave
     height = U - U.min(initial=np.inf)
     stiffness = uncertainty = minimum = None
     parabola = _parabola(at, height)
     if parabola is not None:
-        (a, b, c), low, influence = parabola
+        (a, b, c), lowest, influence = parabola
         height = height - (c - b**2 / (4 * a))
         stiffness = float(2 * a * (1 + 2 * a * width**2 / 12) * kT / deviation**2)
         minimum = float(centre - deviation * b / (2 * a))
-        weights = np.zeros(count + 2)  # also left and right of the bins
-        weights[1 + np.flatnonzero(enough)[low]] = influence / visited[low]
-        error = standard_error(weights[np.clip(bins, -1, count) + 1])
-        uncertainty = float(error * kT / deviation**2)
+        error = variance_of_means((influence / visited[lowest]) @ blocks[1 + enough[lowest]])
+        uncertainty = math.sqrt(error) * kT / deviation**2
     return Potential(
         centre + deviation * at, kT * height, kT * relative, stiffness, uncertainty, minimum
     )
+
+
+def _counts_of_blocks(bins: NDArray[np.int64], count: int) -> Array:
+    """Part of each block's samples in each bin, (count, blocks), of a record's bins (n,).
+
+    The blocks are successive and equal; the last samples may be left.
+    """
+    length = math.ceil(bins.size * count / _CELLS)
+    blocks = bins.size // length
+    cells = bins[: blocks * length].reshape(blocks, length) + count * np.arange(blocks)[:, None]
+    found = np.bincount(cells.ravel(), minlength=blocks * count).reshape(blocks, count)
+    return np.ascontiguousarray(found.T / length)
+
+
+def resolution_of(positions: Array) -> float:
+    """Return the step of a digitised record, m.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Recorded positions, m. One in a hundred may lie between the recorded values, as samples that
+        were filled in.
+
+    Returns
+    -------
+    float
+        Distance of neighbouring values, m; 0 if they have no common step of a five-hundredth of a
+        standard deviation or more.
+    """
+    deviation = float(positions.std())
+    if deviation == 0:
+        return 0.0
+    some = (positions[:: -(-len(positions) // _LOOKED_AT)] - positions[0]) / deviation
+    values, counts = np.unique(np.rint(some / _ROUNDED), return_counts=True)
+    values = _ROUNDED * values[counts > 1]
+    if values.size < 2 or (step := float(np.diff(values).min())) < _FINEST:
+        return 0.0
+    step = (values[-1] - values[0]) / round((values[-1] - values[0]) / step)
+    off = some / step - _recorded_value(some, step) / step
+    if np.mean(np.abs(off - np.rint(off)) < _ON_STEP) < _STEPPED:
+        return 0.0
+    return float(step * deviation)
+
+
+def _recorded_value(positions: Array, step: float) -> float:
+    """One of the values of a digitised record, as the mean phase in its step tells it."""
+    some = positions[:: -(-len(positions) // _LOOKED_AT)] - positions[0]
+    phase = np.angle(np.exp(2j * np.pi * some / step).mean())
+    return float(positions[0] + step * phase / (2 * np.pi))
 
 
 def _parabola(at: Array, height: Array) -> tuple[Array, NDArray[np.int64], Array] | None:

@@ -55,7 +55,7 @@ def displacement(
     covariance = covariance_of_averages(
         bead, step, len(positions), lags, of_squared_displacements, missing
     )
-    values = mean_squared_displacement(positions)[lags]
+    values = mean_squared_displacement(positions, lags)
     start = np.log([bead.stiffness] if drag_known else [bead.stiffness, bead.drag])
     found, errors = _least_squares(values, covariance, predicted, start)
     k = math.exp(found[0])
@@ -78,7 +78,7 @@ def autocorrelation(
         return variance * (other.autocovariance(lags * step) / other.variance - lost)
 
     covariance = covariance_of_averages(bead, step, len(positions), lags, of_products, missing)
-    values = autocovariance(positions)[lags]
+    values = autocovariance(positions, lags)
     start = np.log([bead.stiffness, bead.variance])
     found, errors = _least_squares(values, covariance, predicted, start)
     k = math.exp(found[0])

@@ -29,9 +29,13 @@ class Unsettled(NamedTuple):
     """s, from the first sample on, to leave out; rounded up to two digits"""
 
 
-def spread(positions: Array) -> float:
-    """Standard deviation of positions (n,), m, by the median, which outliers do not shift."""
-    return _DEVIATION_PER_MEDIAN * float(np.median(np.abs(positions - np.median(positions))))
+def spread(positions: Array) -> tuple[Array, float]:
+    """Distances (n,) of positions (n,), m, from their median, and their standard deviation, m.
+
+    The deviation follows from the median distance, which outliers do not shift.
+    """
+    off = np.abs(positions - np.median(positions))
+    return off, _DEVIATION_PER_MEDIAN * float(np.median(off))
 
 
 def unsettled(positions: Array, step: float) -> Unsettled | None:
@@ -39,8 +43,7 @@ def unsettled(positions: Array, step: float) -> Unsettled | None:
 
     None where the first is within six standard deviations of the median.
     """
-    deviation = spread(positions)
-    off = np.abs(positions - np.median(positions))
+    off, deviation = spread(positions)
     if not off[0] > FAR * deviation:
         return None
     arrived = int(np.argmax(off < _NEAR * deviation))

@@ -23,6 +23,8 @@ Decays = list[tuple[complex, complex]]
 
 #: Length of Sokal's window, in statistical inefficiencies
 _WINDOW = 3.0
+#: Largest number of blocks that a series is averaged over for the variance of its mean
+_BLOCKS = 2**15
 #: Distance from critical damping below which the two rates count as equal
 _CRITICAL = 1e-5
 #: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
@@ -47,45 +49,79 @@ def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Ar
     correlation time, the ratio of each value to its expectation is an independent
     Gamma(segments)/segments.
     """
-    from scipy.signal import welch
+    from scipy.fft import rfft
 
     length = len(positions) // segments
-    frequencies, density = welch(
-        positions, 1 / step, window="boxcar", nperseg=length, noverlap=0, detrend="constant"
-    )
-    inside = slice(1, (length + 1) // 2)
-    return frequencies[inside], density[inside]
+    parts = positions[: segments * length].reshape(segments, length)
+    waves = rfft(parts - parts.mean(axis=1, keepdims=True), overwrite_x=True)
+    waves = waves[:, 1 : (length + 1) // 2]
+    density = waves.real**2
+    density += waves.imag**2
+    density *= 2 * step / length
+    mean = density[0] if segments == 1 else density.mean(axis=0)
+    return np.arange(1, mean.size + 1) / (length * step), mean
 
 
-def autocovariance(positions: Array) -> Array:
-    """Autocovariance (n,) at lags 0 to n-1 of `positions` (n,) about their mean, by FFT.
+def autocovariance(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Return the autocovariance of a record about its mean.
 
     Each lag is an average over all its pairs. The mean is that of the record, which lowers every
     value by the variance of the mean (`TrappedBead.variance_of_mean`).
+
+    Parameters
+    ----------
+    positions : ndarray, shape (..., n)
+        Records, m.
+    lags : ndarray of int, shape (m,), optional
+        Lags in samples, from 0 to n - 1, of one record. Default: all of them, by FFT. A few lags
+        cost one pass over the record each.
+
+    Returns
+    -------
+    ndarray, shape (..., m)
+        Autocovariance, m^2.
     """
-    return _products(positions) / np.arange(len(positions), 0, -1)
+    n = positions.shape[-1]
+    return _products(positions, lags) / (n - (np.arange(n) if lags is None else lags))
 
 
-def mean_squared_displacement(positions: Array) -> Array:
-    """Mean squared displacement (n,) at lags 0 to n-1 of `positions` (n,), by FFT.
+def mean_squared_displacement(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Return the mean squared displacement of a record, averaged over all overlapping pairs.
 
-    Averaged over all n - lag pairs, which overlap; unbiased.
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Record, m.
+    lags : ndarray of int, shape (m,), optional
+        Lags in samples, from 0 to n - 1. Default: all of them, by FFT.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Mean squared displacement, m^2; unbiased.
     """
     n = len(positions)
     deviations = positions - np.mean(positions)
-    squares = np.concatenate([[0.0], np.cumsum(deviations**2)])
-    lags = np.arange(n)
-    both_ends = squares[n - lags] + squares[n] - squares[lags]
-    return np.maximum(both_ends - 2 * _products(positions), 0.0) / (n - lags)
+    squares, every = deviations**2, np.arange(n) if lags is None else lags
+    ends = np.concatenate([[0.0], np.cumsum(squares)])
+    both_ends = ends[n - every] + ends[n] - ends[every]
+    return np.maximum(both_ends - 2 * _products(positions, lags), 0.0) / (n - every)
 
 
-def _products(positions: Array) -> Array:
-    """Sum at lags 0 to n-1 of the products of two deviations from the mean."""
+def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Sums (..., lags) of the products of two deviations from the mean of each record (..., n).
+
+    lags: of one record (n,); None: all.
+    """
     from scipy.fft import irfft, next_fast_len, rfft
 
-    deviations = positions - np.mean(positions)
-    length = next_fast_len(2 * len(positions), real=True)
-    return irfft(np.abs(rfft(deviations, length)) ** 2, length)[: len(positions)]
+    n = positions.shape[-1]
+    deviations = positions - positions.mean(axis=-1, keepdims=True)
+    if lags is not None:
+        pairs = ((deviations[: n - lag], deviations[lag:]) for lag in lags)
+        return np.array([np.einsum("i,i", *pair) for pair in pairs])  # on one core
+    length = next_fast_len(2 * n, real=True)
+    return np.asarray(irfft(np.abs(rfft(deviations, length)) ** 2, length)[..., :n])
 
 
 def statistical_inefficiency(series: Array) -> float:
@@ -93,22 +129,49 @@ def statistical_inefficiency(series: Array) -> float:
 
     The sum ends at a lag of three times its value (A. Sokal's window), and is corrected for the
     mean of the record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays
-    correlated to its end has n.
+    correlated to its end has n. A long series is first averaged over short blocks, which leaves its
+    mean as it is.
     """
-    covariance = autocovariance(series)
-    if covariance[0] <= 0:
+    of_one = float(np.var(series))
+    if of_one <= 0:
         return 1.0
-    sums = 2 * np.cumsum(covariance / covariance[0]) - 1
-    ends = np.flatnonzero(np.arange(len(sums)) >= _WINDOW * sums)
-    if not ends.size:
-        return float(len(series))
-    window = int(ends[0])
-    return max(float(sums[window]) * (1 + (2 * window + 1) / len(series)), 1.0)
+    of_mean = variance_of_means(block_means(series))
+    return min(max(float(of_mean) * len(series) / of_one, 1.0), float(len(series)))
 
 
 def standard_error(series: Array) -> float:
     """Standard error of the mean of a correlated `series` (n,), by its statistical inefficiency."""
     return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
+
+
+def block_means(series: Array) -> Array:
+    """Means (blocks,) of successive blocks of a long `series` (n,), without its last samples.
+
+    There are enough blocks to estimate a variance of the mean to 1 % where their length exceeds the
+    correlation time; where it does not, the blocks resolve the correlation.
+    """
+    length = -(-len(series) // _BLOCKS)
+    if length == 1:
+        return series
+    return np.asarray(series[: len(series) // length * length].reshape(-1, length).mean(axis=1))
+
+
+def variance_of_means(series: Array) -> Array:
+    """Variance (...) of the mean of each correlated series (..., n), by Sokal's window.
+
+    The variance of a series that stays correlated to its end is that of one sample.
+    """
+    n = series.shape[-1]
+    covariance = autocovariance(series)
+    variance = covariance[..., 0]
+    at_all = np.where(variance > 0, variance, 1.0)
+    sums = 2 * np.cumsum(covariance, axis=-1) / at_all[..., None] - 1
+    within = np.arange(n) >= _WINDOW * sums
+    window = within.argmax(axis=-1)
+    ends = within.any(axis=-1)
+    inefficiency = np.take_along_axis(sums, window[..., None], axis=-1)[..., 0]
+    inefficiency = np.where(ends, inefficiency * (1 + (2 * window + 1) / n), n)
+    return np.asarray(variance * np.maximum(inefficiency, 0.0) / n)
 
 
 def _overlap(v: NDArray[Any]) -> NDArray[Any]:

@@ -122,6 +122,8 @@ class Periodogram:
     """density at the highest frequencies of the record: the unit of that of white noise"""
     ends: Array
     """(blocks, 2) Hz, the lowest and the highest ordinate of each block"""
+    ordinates: Array
+    """(ordinates,) m^2/Hz, density at every Fourier frequency of the record"""
     without: tuple[tuple[float, float], ...] = ()
     """bands (Hz) whose ordinates are left out"""
     beside: tuple[Evidence, ...] = ()
@@ -148,8 +150,9 @@ class Periodogram:
         )
         ends = frequencies[np.stack([starts, [*(starts[1:] - 1), n - 1]], axis=1)][kept]
         return cls(
-            f, mean, counts[kept], step, len(positions), float(mean[-1]), ends, tuple(without)
-        )
+            f, mean, counts[kept], step, len(positions), float(mean[-1]), ends, density,
+            tuple(without),
+        )  # fmt: skip
 
     def __getitem__(self, part: slice | NDArray[np.bool_]) -> Periodogram:
         return dataclasses.replace(
@@ -160,11 +163,19 @@ class Periodogram:
             ends=self.ends[part],
         )
 
-    def covers(self, frequencies: Array) -> NDArray[np.bool_]:
-        """Which ordinates of a record, at `frequencies` (Hz), are in its blocks."""
-        block = np.searchsorted(self.ends[:, 0], frequencies, side="right") - 1
-        inside = (block >= 0) & (frequencies <= self.ends[block, 1])
-        return inside & ~_within(frequencies, self.without)
+    @cached_property
+    def covered(self) -> tuple[Array, Array]:
+        """Frequencies (Hz) of the ordinates in its blocks, and their densities (m^2/Hz)."""
+        duration = self.samples * self.step
+        index = np.rint(self.ends * duration).astype(np.int64)
+        gaps = np.flatnonzero(index[1:, 0] > index[:-1, 1] + 1)
+        runs = zip(index[[0, *(gaps + 1)], 0], index[[*gaps, -1], 1], strict=True)
+        inside = np.concatenate([np.arange(first, last + 1) for first, last in runs])
+        frequencies = inside / duration
+        if self.without:
+            kept = ~_within(frequencies, self.without)
+            inside, frequencies = inside[kept], frequencies[kept]
+        return frequencies, self.ordinates[inside - 1]
 
     def per(self, response: float) -> Periodogram:
         """That of a signal over a response."""
@@ -172,6 +183,7 @@ class Periodogram:
             self,
             density=self.density / response**2,
             floor=self.floor / response**2,
+            ordinates=self.ordinates / response**2,
             beside=tuple(each.per(response) for each in self.beside),
         )
 
@@ -253,6 +265,13 @@ class WhittleFit:
     def log_likelihood(self) -> float:
         """Log-likelihood, to compare with other fits of the same ordinates."""
         return self.periodogram.log_likelihood(self.bead)
+
+    @cached_property
+    def ratios(self) -> Array:
+        """(ordinates,) density over its expectation at the frequencies that are covered."""
+        part = self.periodogram
+        frequencies, density = part.covered
+        return density / self.bead.sampled_spectrum(frequencies, part.step, part.samples)
 
     @cached_property
     def slopes(self) -> Array:

@@ -151,7 +151,7 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
         lags = np.unique(np.geomspace(1, max(longest, 10), 24).astype(int))
-        values = analysis.mean_squared_displacement(positions)[lags]
+        values = analysis.mean_squared_displacement(positions, lags)
         errors = [
             analysis.standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags
         ]
