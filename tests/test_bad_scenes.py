@@ -257,7 +257,7 @@ BAD_SCENES = {
     ),
     "thermal motion by a method without": (
         {"forces.brownian": "true", "simulation.method": '"dop853"'},
-        "simulation.method = 'dop853': draws no thermal motion; allowed with forces.brownian: auto",
+        "simulation.method = 'dop853': draws no thermal motion; allowed: auto, heun",
     ),
     "a stochastic method without thermal motion": (
         {"simulation.method": '"heun"'}, "simulation.method = 'heun': is for forces.brownian = tr"),
@@ -278,17 +278,17 @@ BAD_SCENES = {
     "thermal first order with rotation": (
         {"forces.brownian": "true", "forces.brownian_torque": "true",
          "simulation.model": '"first-order"'},
-        "simulation.model = 'first-order': with thermal motion without rotation only",
+        "simulation.model = 'first-order': has no rotation with thermal motion; set",
     ),
     "baoab without inertia": (
         {"forces.brownian": "true", "simulation.model": '"overdamped"',
          "simulation.method": '"baoab"'},
-        "simulation.method = 'baoab': not with model = 'overdamped'; allowed: full, scaled",
+        "simulation.method = 'baoab': cannot follow simulation.model = 'overdamped'; set ",
     ),
     "thermal rotation of a body": (
         {"forces.brownian": "true", "forces.brownian_torque": "true",
          "bead.moments_of_inertia": "[1e-28, 1e-28, 1e-28]"},
-        "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a sphere",
+        "bead.moments_of_inertia: thermal rotation with inertia is computed for spheres",
     ),
     # profiles of the beam
     "unknown profile": ({"beam.profile": '"gauss"'},

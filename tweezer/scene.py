@@ -405,17 +405,18 @@ class Scene(Section):
             return
         if how and not how.thermal:
             raise refusal(
-                f"simulation.method = {method!r}: draws no thermal motion; allowed with "
-                f"forces.brownian: auto, {', '.join(each.name for each in methods(thermal=True))}"
+                f"simulation.method = {method!r}: draws no thermal motion; allowed: auto, "
+                f"{', '.join(each.name for each in methods(thermal=True))}"
             )
         if how and model and model not in how.models:
             raise refusal(
-                f"simulation.method = {method!r}: not with model = {model!r}; allowed: "
-                f"{', '.join(how.models)}"
+                f"simulation.method = {method!r}: cannot follow simulation.model = {model!r}; set "
+                f"simulation.model to {_either(how.models)}"
             )
         if model == "first-order" and self.rotates:
             raise refusal(
-                "simulation.model = 'first-order': with thermal motion without rotation only"
+                "simulation.model = 'first-order': has no rotation with thermal motion; set "
+                "simulation.model to overdamped"
             )
         if how and how.spring_only and self._turned_by_light:
             raise refusal(
@@ -424,8 +425,8 @@ class Scene(Section):
             )
         if self.rotates and self.bead.moments_of_inertia and model != "overdamped":
             raise refusal(
-                "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
-                "sphere; allowed: model = 'overdamped', or no moments"
+                "bead.moments_of_inertia: thermal rotation with inertia is computed for spheres; "
+                "remove it, or set simulation.model to overdamped"
             )
 
     def _some_frame(self) -> None:
@@ -447,8 +448,8 @@ class Scene(Section):
         method = self.simulation.method
         if method != "auto" and not METHODS[method].displacements:
             raise refusal(
-                f"simulation.method = {method!r}: not with a camera, as its displacements are not "
-                "those of the motion; allowed: auto, heun"
+                f"simulation.method = {method!r}: a camera needs displacements, which this method "
+                "does not reproduce; allowed: auto, heun"
             )
 
     def _inertia_of_the_fluid(self) -> None:
@@ -458,30 +459,33 @@ class Scene(Section):
             return
         said = f"medium.inertia = {inertia!r}"
         if model and not MODELS[model].inertia:
-            having = " and ".join(each.name for each in MODELS.values() if each.inertia)
+            having = _either([each.name for each in MODELS.values() if each.inertia])
             past = ""
             if inertia == "memory":
                 past = (
-                    ", which knows no past: it leaves out that the bead falls behind by up to "
+                    ". The model leaves out that the bead falls behind by up to "
                     f"{self.lag:.2g} s times its speed"
                 )
-            raise refusal(f"{said}: not with simulation.model = {model!r}{past}; allowed: {having}")
+            raise refusal(
+                f"{said}: needs inertia, which simulation.model = {model!r} has not; set "
+                f"simulation.model to {having}{past}"
+            )
         if inertia != "memory":
             return
         if self.wall is not None and min(self.room(self.start_position[2]), self.room(0.0)) < (
             (FREE - 1) * self.bead.radius
         ):
             raise refusal(
-                f"{said}: not with a wall nearer than {FREE:g} radii to start or focus, which "
-                "takes up the vorticity that the bead sheds (the tail falls as t^(-5/2), not "
-                "t^(-3/2)); allowed: 'none', 'added-mass'"
+                f"{said}: a wall nearer than {FREE:g} radii to start or focus takes up the "
+                "vorticity that the bead sheds (the tail falls as t^(-5/2), not t^(-3/2)); "
+                "allowed: 'none', 'added-mass'"
             )
         if method != "auto" and not METHODS[method].memory:
             brownian = self.forces.brownian
             allowed = [each.name for each in methods(thermal=brownian) if each.memory]
             raise refusal(
-                f"{said}: not with simulation.method = {method!r}; allowed: auto, "
-                f"{', '.join(allowed)}"
+                f"{said}: simulation.method = {method!r} cannot follow it; set simulation.method "
+                f"to {_either(['auto', *allowed])}"
             )
 
     def _wider_than_a_square(self, beam: Beam) -> None:
@@ -1149,6 +1153,11 @@ def _lines(error: ValidationError, several: bool) -> Iterator[str]:
             yield f"{named} = {_short(details['input'])}: unknown key; {_known_keys(details)}"
         else:
             yield f"{named} = {_short(details['input'])}: {_allowed(details, key)}"
+
+
+def _either(names: Sequence[str]) -> str:
+    """Return names as a choice, such as "a, b or c"."""
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _as_text(value: Any) -> str:

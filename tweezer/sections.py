@@ -328,7 +328,10 @@ class Medium(Filled):
     @model_validator(mode="after")
     def _poles_of_a_memory(self) -> Self:
         if self.poles is not None and self.inertia not in (None, "memory"):
-            raise refusal(f"poles = {self.poles}: not with inertia = {self.inertia!r}")
+            raise refusal(
+                f"poles: does not apply to inertia = {self.inertia!r}; remove it, or set inertia "
+                "to memory"
+            )
         return self
 
 

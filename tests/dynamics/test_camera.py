@@ -220,7 +220,7 @@ def test_frames_end_where_a_bead_is_lost():
         ({"camera": {"rate": "1 kHz", "nose": "1 nm"}}, "did you mean noise"),
         (
             {"camera": {"rate": "1 kHz"}, "simulation": {"method": "one-call"}},
-            "one-call.*not with a camera",
+            "one-call.*a camera needs displacements",
         ),
     ],
 )

@@ -161,9 +161,12 @@ def test_a_rigid_body_without_memory_is_told_its_lag():
             {"simulation": {"model": "overdamped"}},
             "falls behind by up to 3.6e-05 s times its speed",
         ),
-        ({"simulation": {"model": "first-order"}}, "knows no past"),
-        ({"simulation": {"method": "dop853"}}, "allowed: auto, exponential"),
-        ({"medium": {"inertia": "none", "poles": 16}}, "not with inertia = 'none'"),
+        ({"simulation": {"model": "first-order"}}, "set simulation.model to full or scaled"),
+        ({"simulation": {"method": "dop853"}}, "set simulation.method to auto or exponential"),
+        (
+            {"medium": {"inertia": "none", "poles": 16}},
+            "does not apply to inertia = 'none'; remove it",
+        ),
     ],
 )
 def test_what_has_no_memory_is_refused(changes, told):
