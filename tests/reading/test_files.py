@@ -524,3 +524,26 @@ def test_a_structure_of_matlab_beside_the_record():
     mat(rec={"t": T, "x_um": 1e6 * X}, meta=meta)("a.mat")
     recording = tweezer.load_recording("a.mat", columns="t=rec.t,x=rec.x_um [um]")
     np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "heading",
+    ["f [Hz],PSD X [V^2/Hz]", "Frequency (kHz),Power (nm²/Hz)", "frequency;amplitude [V/sqrt(Hz)]",
+     "freq_Hz,Pxx", "Hz [Hz],S_x [m^2/Hz],S_y [m^2/Hz]", "f,x [V/√Hz]",
+     "Frequency,X,Y\nHz,V^2/Hz,V^2/Hz", "Frequency (Hz),Magnitude (dB)"],
+)  # fmt: skip
+@pytest.mark.parametrize("options", [{}, {"columns": "t=1,x=2"}, {"columns": "x=2", "rate": 1000}])
+def test_a_spectrum_is_said_to_be_one(heading, options):
+    """A table of another kind is not answered as if a column had the wrong name."""
+    columns = heading.split("\n")[0].count(",") + heading.count(";") + 1
+    text(heading, *[FRAMES + 1.0] * columns, mark=";" if ";" in heading else ",")("a.csv")
+    with pytest.raises(tweezer.ResultError, match=r"is a spectrum: .* needs the recording itself"):
+        tweezer.load_recording("a.csv", **options)
+
+
+def test_a_spectrum_beside_a_recording_does_not_matter():
+    text("f [Hz],PSD [V^2/Hz],x [um]", FRAMES, FRAMES, 1e6 * X)("a.csv")
+    recording = tweezer.load_recording("a.csv", columns="x=x [um]", rate=1000)
+    np.testing.assert_allclose(recording.positions[:, 0], X, rtol=1e-8)
+    text("t [s],PSD X [V]", T, X)("b.csv")  # a position-sensitive detector
+    np.testing.assert_allclose(tweezer.load_recording("b.csv").positions[:, 0], X, rtol=1e-8)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator, Sequence, Set
 from typing import Any, NamedTuple, NoReturn
 
@@ -16,6 +17,7 @@ from tweezer.reading.headings import (
     SI,
     factor_of,
     is_unit,
+    of_a_spectrum,
     of_the_drive,
     understood,
 )
@@ -64,6 +66,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
 
     Raises `ResultError`, naming the file, and what to do about it where that is known.
     """
+    _refuse_spectrum(table, reading)
     places = _places(table, reading, wanted)
     beside = places.pop("t", None) if "frame" in places else None
     of_bead = places.pop("bead", None)
@@ -290,6 +293,32 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
             f'{table.name}: has frames and no times; give their rate, such as --rate "15 Hz"'
         )
     return places
+
+
+def _refuse_spectrum(table: Table, reading: Reading) -> None:
+    """Refuse a table of frequencies and powers, unless other columns are named."""
+    quantities = {understood(column.heading).quantity for column in table.columns}
+    kinds = [of_a_spectrum(column.heading, column.unit) for column in table.columns]
+    if quantities & {"t", "frame"} or "frequency" not in kinds:
+        return
+    if "power" not in kinds:
+        heading = next(
+            each.heading for each, kind in zip(table.columns, kinds, strict=True) if kind
+        )
+        if not heading.lower().startswith("freq") or len(kinds) < 2:
+            return
+        kinds = [each or "power" for each in kinds]
+    elif reading.columns:
+        with contextlib.suppress(ResultError):  # of a column that is not there
+            if not any(kinds[_place(table, each).column] for each in reading.columns):
+                return
+    frequency, power = (
+        table.columns[kinds.index(each)].name.strip(AROUND) for each in ("frequency", "power")
+    )
+    raise ResultError(
+        f"{table.name}: is a spectrum: {short(power)!r} over {short(frequency)!r}; a calibration "
+        "needs the recording itself, positions or voltages over time"
+    )
 
 
 def are_headings(cells: list[str], reading: Reading, wanted: Wanted) -> bool:

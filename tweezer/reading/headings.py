@@ -34,6 +34,11 @@ _OF_AXES = {
 }  # fmt: skip
 #: Words that say volts where no unit stands
 _ELECTRIC = {"voltage", "volt", "volts"}
+#: Words and units of a frequency, and of a power or amplitude over it
+_FREQUENCIES = {"f", "freq", "frequency", "frequencies", "nu"}
+_HERTZ = {"hz", "khz", "mhz", "1/s", "s^-1"}
+_POWERS = {"psd", "asd", "power", "spectrum", "spectral", "density", "amplitude", "pxx", "sxx"}
+_PER_HERTZ = re.compile(r"/\s*(?:hz|(?:sqrt|rt|√)\s*\(?\s*hz)|hz\s*\^?\s*-|^db", re.I)
 #: First words of a heading that distinguishes beads; words as those of frames may follow
 _BEADS = {"particle", "track", "trajectory", "bead", "molecule", "object"}
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[^\W_]+")
@@ -109,6 +114,30 @@ def _quantity(words: list[str]) -> Heading:
     if len(axes) == 1 and beside <= _OF_AXES:
         return Heading(axes[0], None, beside <= _POSITION, "V" if beside & _ELECTRIC else None)
     return Heading(None)
+
+
+def of_a_spectrum(heading: str, beside: str | None) -> str | None:
+    """Return what a column of a table of a spectrum contains.
+
+    Parameters
+    ----------
+    heading : str
+    beside : str or None
+        A unit that is given beside the heading.
+
+    Returns
+    -------
+    str or None
+        "frequency", "power", or None for something else.
+    """
+    name, unit = _split(heading.strip(AROUND)[:200])
+    words = {word.lower() for word in _WORD.findall(name)}
+    units = [each.strip() for each in (unit, beside) if each]
+    if any(_PER_HERTZ.search(each) for each in units) or _PER_HERTZ.search(heading[:200]):
+        return "power"
+    if words & _FREQUENCIES or any(each.lower() in _HERTZ for each in units):
+        return "frequency"
+    return "power" if words & _POWERS else None
 
 
 def of_the_drive(heading: str, name: str) -> Heading | None:
