@@ -74,7 +74,7 @@ def test_cache_clears_what_tweezer_keeps_and_nothing_else(command_line, kept):
         ["4", "0.004", "MB"], ["2", "0.002", "MB"],
     ]  # fmt: skip
     refused = command_line("cache", "--clear")
-    assert (refused.code, refused.err) == (2, "--clear: without a terminal it needs --yes\n")
+    assert (refused.code, refused.err) == (2, "--clear: requires --yes without a terminal\n")
     assert all(path.exists() for path in kept)
     done = command_line("cache", "--clear", "--yes")
     assert (done.code, done.out) == (0, "removed 6 files, 0.006 MB\n")

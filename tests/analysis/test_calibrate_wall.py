@@ -425,7 +425,7 @@ def test_command_that_finds_the_wall(command_line):
         outcome = command_line(*asked, *more)
         assert (outcome.code, outcome.err) == (2, why + "\n")
     outcome = command_line(*asked[:-2], "--focal-shift", "0.8")
-    assert (outcome.code, outcome.err) == (2, "--focal-shift: goes with --focus\n")
+    assert (outcome.code, outcome.err) == (2, "--focal-shift: requires --focus\n")
     outcome = command_line(*asked[:-1], "1 um")
     assert outcome.code == 2
     assert "has 1 positions; must be" in outcome.err

@@ -165,7 +165,7 @@ def test_an_interrupted_command_writes_what_was_reached(command_line, monkeypatc
     np.testing.assert_allclose(xr.load_dataset("h.nc")["height"], [1e-6, 2e-6])
     assert command_line(*command[:-2]).code == 130  # none is reached
     alone = command_line("trap", "silica-1um", "--count", "4")
-    assert (alone.code, alone.err) == (2, "--count: goes with --heights\n")
+    assert (alone.code, alone.err) == (2, "--count: requires --heights\n")
 
 
 def test_beside_a_wall_the_trap_has_its_gap_and_drag_and_the_pull_ends_at_the_wall(

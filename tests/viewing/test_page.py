@@ -268,7 +268,7 @@ def test_the_command_writes_a_page(turning_run, command_line, tmp_path, monkeypa
      (["silica-1um", "--out", "a.txt"], "a.txt: must end in .html"),
      (["silica-1um", "--movie", "a.avi"], "a.avi: must end in .mp4, .gif"),
      (["silica-1um", "--movie", "a.gif", "--seconds", "0"], "--seconds 0: must be above 0"),
-     (["silica-1um", "--out", "a.html", "--seconds", "5"], "--seconds: is for --movie")],
+     (["silica-1um", "--out", "a.html", "--seconds", "5"], "--seconds: requires --movie")],
 )  # fmt: skip
 def test_bad_input_is_one_line(command_line, arguments, said):
     outcome = command_line("view", *arguments)

@@ -317,7 +317,7 @@ def _places(
 
     if focus is None:
         if shift is not None:
-            raise ResultError("--focal-shift: goes with --focus")
+            raise ResultError("--focal-shift: requires --focus")
         return [], 1.0
     places = [quantity_in("--focus", each, Length) for each in focus.split(",")]
     if len(places) != recordings:

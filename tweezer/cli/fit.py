@@ -80,7 +80,7 @@ def fit(
     from tweezer.units import Time
 
     if set and scene is None:
-        raise SceneError("--set: changes a --scene, which is not given")
+        raise SceneError("--set: requires --scene")
     described = scene_with(scene, settings_of(set or [])) if scene else None
     skipped = quantity_in("--skip", skip, Time)
     out = out and writable_result(out, ("json",), overwrite=overwrite)

@@ -86,7 +86,7 @@ def cache(
     size = sum(each.size for each in found)
     if not yes:
         if not sys.stdin.isatty():
-            raise TweezerError("--clear: without a terminal it needs --yes")
+            raise TweezerError("--clear: requires --yes without a terminal")
         typer.confirm(f"Remove {len(files)} files, {_megabytes(size)}?", abort=True)
     removed = freed = 0
     refused: dict[str, int] = {}

@@ -81,7 +81,7 @@ def trap(
         _trap_over(described, heights, count or 19, out, plot)
         return
     if count is not None:
-        raise SceneError("--count: goes with --heights")
+        raise SceneError("--count: requires --heights")
     bind_light(described)
 
     from tweezer.analysis import characterise

@@ -75,7 +75,7 @@ def view(
             raise ResultError(f"--seconds {length:g}: must be above 0, and at most 600")
         programs()
     elif seconds is not None:
-        raise ResultError("--seconds: is for --movie; a page plays as fast as its reader asks")
+        raise ResultError("--seconds: requires --movie")
     page, code = _page(run, set or [], trap=trap)
     if out is not None:
         tell_written(page.save(out))
