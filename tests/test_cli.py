@@ -168,7 +168,7 @@ def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     x, y, z = np.round(1e6 * run["position"].values[-1], 4) + 0.0
     for row, value in {
-        "outcome": "not captured, 0.2 ms",
+        "outcome": "not captured, 0.2 ms; no stable",
         r"end \(x, y, z\)": f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus",
         "overshoot past the axis": "0 um",
         "first closest approach": "none",
@@ -684,7 +684,7 @@ def test_trap_prints_what_characterise_tells(command_line):
     worth = trap.ray_optics
     beside = {"+z": worth.escape_forward, "-z": worth.escape_backward}
     for escape in trap.escapes:
-        ends = "over 10" if escape.range is None else f"{1e6 * escape.range:.4g}"
+        ends = "over 10" if escape.faint_at is None else f"{1e6 * escape.faint_at:.4g}"
         numbers = [f"{1e12 * escape.force:.4g}", f"{1e6 * escape.force_at:.4g}",
                    f"{escape.energy_kT:.4g}", ends,
                    "{:.2g} to {:.2g}".format(
@@ -750,7 +750,8 @@ def test_trap_that_holds_nothing(command_line):
         "trap", "silica-1um", "--set", "forces.optical=false", "--out", "dark.json"
     )
     assert (outcome.code, outcome.err) == (0, "")
-    assert re.search(r"^ +equilibrium +no stable equilibrium *$", outcome.out, re.MULTILINE)
+    none = r"^ +equilibrium +no stable equilibrium on the axis within 10 um of +$"
+    assert re.search(none, outcome.out, re.MULTILINE)
     assert "escape" not in outcome.out
     written = json.loads(Path("dark.json").read_text(encoding="utf-8"))["trap"]
     assert (written["equilibrium"], written["equilibria"], written["escapes"]) == (None, [], [])

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.forces.force import Force
+from tweezer.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
-Point = tuple[float, float, float]
-Tensor = tuple[Point, Point, Point]
 #: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
 NetForce = Callable[[Array], Array]
+#: rate at which a bead that is pulled back spirals out of an equilibrium, 1/s, by the place, (3,)
+#: m, and the stiffness there, (3, 3) N/m; 0 where it comes to rest
+SpiralRate = Callable[[Array, Array], float]
 Component = Callable[[Array], Array]
 
 #: to how much a zero is located, in radii
@@ -25,6 +27,8 @@ _ZERO = 1e-14
 _ROUNDING = 4 * np.finfo(float).eps
 #: Pull where there is one by definition, N
 _PULLING = 1e-300
+#: growth of the distance of samples with the distance, where they are not even
+_GROWTH = 0.02
 #: distances of samples from where it is sought that an equilibrium off the axis may be
 _NEAR = 150.0
 #: distances of samples between two places that are two equilibria
@@ -32,9 +36,9 @@ _SAME = 0.05
 #: part of the force beside it that may be left at an equilibrium off the axis
 _VANISHED = 1e-7
 
-FOCUS: Point = (0.0, 0.0, 0.0)
+FOCUS = fixed((0.0, 0.0, 0.0))
 
-DIRECTIONS: dict[str, Point] = {
+DIRECTIONS: dict[str, tuple[float, float, float]] = {
     "+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0),
     "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0),
     "+z": (0.0, 0.0, 1.0), "-z": (0.0, 0.0, -1.0),
@@ -44,18 +48,37 @@ DIRECTIONS: dict[str, Point] = {
 class Search(NamedTuple):
     """Lengths by which a force is searched for its zeros and its largest values, m."""
 
-    reach: float
-    """how far lines are searched"""
+    near: float
+    """how far lines are sampled evenly"""
     spacing: float
-    """distance of samples on them"""
+    """distance of samples there"""
     beside: float
     """distance from an equilibrium at which the force must pull back"""
+    reach: float
+    """how far lines are searched: beyond `near` the distance of samples grows with the distance"""
+    coarsest: float = math.inf
+    """largest distance of samples"""
     besides: tuple[float, ...] = ()
     """z, m from the origin, of more samples on lines along z: next to walls, say"""
+    farthest: float = 0.0
+    """up to where on its axis light is searched for the place at which it carries a weight, m"""
+
+    def edges(self, end: float, samples: float = 1.0) -> Array:
+        """Places from 0 to `end`, m, whose distances are those of so many samples."""
+        evenly = min(end, self.near)
+        count = math.ceil(evenly / (samples * self.spacing) * (1 - 1e-9))
+        near = np.linspace(0.0, evenly, count + 1)
+        if end <= self.near * (1 + 1e-9):
+            return near
+        widest, last, far = samples * self.coarsest, self.near, []
+        while last < end:
+            last += min(samples * _GROWTH * last, widest)
+            far.append(last)
+        return np.append(near, np.array(far) * (end / last))
 
     def line(self) -> Array:
         """Samples from 0 to the reach, m."""
-        return np.linspace(0.0, self.reach, math.ceil(self.reach / self.spacing * (1 - 1e-9)) + 1)
+        return self.edges(self.reach)
 
     def whole_line(self) -> Array:
         """Samples on both sides of 0, m."""
@@ -63,21 +86,32 @@ class Search(NamedTuple):
         return np.concatenate([-ahead[:0:-1], ahead])
 
 
-@dataclass(frozen=True)
-class Equilibrium:
+@dataclass(frozen=True, eq=False)
+class Equilibrium(Comparable):
     """A place where all forces but drag cancel."""
 
-    position: Point
-    """m from the focus"""
+    position: Vector
+    """(3,) m from the focus"""
     stable: bool
-    """whether a bead beside it returns: every eigenvalue of dF_i/dx_j has a negative real part, and
-    `Search.beside` off it along every axis the force pulls back"""
-    stiffness: Tensor
-    """k_ij = -dF_i/dx_j, N/m, the light's own derivative; not symmetric in general"""
-    eigenvalues: Point
-    """real parts of the eigenvalues of k, rising, N/m; over beta_v the rates of return (5.2)"""
+    """whether a bead beside it comes to rest there: every eigenvalue of `stiffness` has a positive
+    real part, `Search.beside` off it along every axis the force pulls back, and the linear motion
+    with the inertia of the scene's model has no growing root (`spiral_rate`)"""
+    stiffness: Vector
+    """the matrix k_ij = -dF_i/dx_j, (3, 3) N/m, the light's own derivative; not symmetric in
+    general"""
+    eigenvalues: Vector
+    """real parts of the eigenvalues of k, rising, (3,) N/m; over beta_v the rates of return
+    (5.2)"""
     residual: float
     """size of the force left there, N"""
+    spiral_rate: float = 0.0
+    """rate at which a bead that is pulled back leaves the place on a growing spiral, 1/s, where
+    inertia and the push of the light round the axis are stronger than the drag; 0 elsewhere"""
+
+    @property
+    def stiffness_xyz(self) -> Array:
+        """The trap stiffness along x, y and z: k_xx, k_yy, k_zz, (3,) N/m."""
+        return fixed(np.diag(self.stiffness))
 
     @property
     def turn(self) -> float:
@@ -86,7 +120,7 @@ class Equilibrium:
         It is half the circulation of the force about the axis, per area, and zero where the force
         has a potential.
         """
-        return (self.stiffness[0][1] - self.stiffness[1][0]) / 2
+        return float(self.stiffness[0, 1] - self.stiffness[1, 0]) / 2
 
 
 def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
@@ -96,18 +130,23 @@ def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
 
 
 def equilibria(
-    radius: float, search: Search, force: Force, net_force: NetForce
+    radius: float, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Iterator[Equilibrium]:
     """Every change of sign of the net force along the axis, within the reach of the search.
 
     radius: of the bead, m. force: whose gradient is the stiffness.
     """
     for zero in _zeros_on_axis(FOCUS, radius, search, net_force):
-        yield _equilibrium(np.array([0.0, 0.0, zero]), search, force, net_force)
+        yield equilibrium_at(np.array([0.0, 0.0, zero]), search, force, net_force, spiral_rate)
 
 
 def equilibria_about(
-    foci: Array, radius: float, search: Search, force: Force, net_force: NetForce
+    foci: Array,
+    radius: float,
+    search: Search,
+    force: Force,
+    net_force: NetForce,
+    spiral_rate: SpiralRate,
 ) -> Iterator[Equilibrium]:
     """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
 
@@ -118,28 +157,48 @@ def equilibria_about(
     search = search._replace(reach=max(search.reach, float(apart)))
     found: list[Array] = []
     for focus in foci:
-        zeros = [0.0, *_zeros_on_axis(point(focus), radius, search, net_force)]
+        zeros = [0.0, *_zeros_on_axis(focus, radius, search, net_force)]
         for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
             place = _vanishing(start, radius, search, force, net_force)
             if place is not None and all(
                 np.linalg.norm(place - other) > _SAME * search.spacing for other in found
             ):
                 found.append(place)
-                yield _equilibrium(place, search, force, net_force)
+                yield equilibrium_at(place, search, force, net_force, spiral_rate)
 
 
 def _zeros_on_axis(
-    focus: Point, radius: float, search: Search, net_force: NetForce
+    focus: Array, radius: float, search: Search, net_force: NetForce
 ) -> Iterator[float]:
     """Changes of sign of the axial force along the axis through a focus, m from there."""
     axial = along(net_force, focus, "+z")
     z = np.union1d(search.whole_line(), np.array(search.besides) - focus[2])
     sign = np.sign(axial(z))
     z, sign = z[sign != 0], sign[sign != 0]
-    for i in np.flatnonzero(np.diff(sign)):
-        rising = sign[i + 1] > 0
-        pull = opposite(axial) if rising else axial
-        yield end_of_pull(pull, z[i], z[i + 1], _ZERO * radius)
+    changes = [(z[i], z[i + 1], sign[i]) for i in np.flatnonzero(np.diff(sign))]
+    for below, above, before in changes + list(_far_changes(axial, search)):
+        pull = axial if before > 0 else opposite(axial)
+        yield end_of_pull(pull, below, above, _ZERO * radius)
+
+
+def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, float, float]]:
+    """Where the light ceases to carry the weight, beyond the reach: ends of an interval, m, and the
+    sign of the axial force at the lower one.
+
+    Far from the focus light fades and weight is left. So the force on an axis that light still
+    decides at the reach changes its sign beyond, up to where a bead is lost at most.
+    """
+    if search.farthest <= search.reach:
+        return
+    ends = search.reach * np.append(
+        2.0 ** np.arange(math.ceil(math.log2(search.farthest / search.reach))),
+        search.farthest / search.reach,
+    )
+    for side in (-1.0, 1.0):
+        signs = np.sign(axial(side * ends))
+        for i in np.flatnonzero(np.diff(signs)):
+            low, high = sorted((side * ends[i], side * ends[i + 1]))
+            yield low, high, float(signs[i] if side > 0 else signs[i + 1])
 
 
 def _vanishing(
@@ -164,24 +223,28 @@ def _vanishing(
     return place if near and np.abs(scaled(found.x)).max() < _VANISHED else None
 
 
-def _equilibrium(place: Array, search: Search, force: Force, net_force: NetForce) -> Equilibrium:
+def equilibrium_at(
+    place: Array, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
+) -> Equilibrium:
     """What there is to know about a place where the net force vanishes, (3,) m."""
-    gradient = force.field(place[None], gradient=True).force_gradient[0]
-    eigenvalues = np.sort(np.linalg.eigvals(-gradient).real)
+    stiffness = -force.field(place[None], gradient=True).force_gradient[0]
+    eigenvalues = np.sort(np.linalg.eigvals(stiffness).real)
     steps = search.beside * np.array(list(DIRECTIONS.values()))
-    pulled_back = ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+    pulled_back = eigenvalues[0] > 0 and ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+    spiral = spiral_rate(place, stiffness) if pulled_back else 0.0
     return Equilibrium(
-        position=point(place),
-        stable=bool(eigenvalues[0] > 0 and pulled_back),
-        stiffness=tuple(point(-row) for row in gradient),  # type: ignore[arg-type]
-        eigenvalues=point(eigenvalues),
+        position=fixed(place),
+        stable=bool(pulled_back and spiral == 0),
+        stiffness=fixed(stiffness),
+        eigenvalues=fixed(eigenvalues),
         residual=float(np.linalg.norm(net_force(place[None]))),
+        spiral_rate=spiral,
     )
 
 
-def along(force: NetForce, origin: Point, direction: str) -> Component:
+def along(force: NetForce, origin: Array, direction: str) -> Component:
     """Component along `direction` of the force, at distances (m) from `origin` along it."""
-    start, unit = np.array(origin), np.array(DIRECTIONS[direction])
+    start, unit = origin, np.array(DIRECTIONS[direction])
 
     def component(distances: Array) -> Array:
         return force(start + np.multiply.outer(distances, unit)) @ unit
@@ -203,8 +266,3 @@ def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) ->
         return max(value, _PULLING) if distance == start else value
 
     return float(brentq(pulls, start, stop, xtol=tolerance, rtol=_ROUNDING))
-
-
-def point(values: Array) -> Point:
-    """Three numbers as a tuple of Python's."""
-    return tuple(float(value) for value in values)  # type: ignore[return-value]

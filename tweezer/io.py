@@ -97,7 +97,10 @@ def write_json(value: object, path: Path) -> None:
     `ResultError` if it cannot be written.
     """
     with replacing(path) as whole:
-        whole.write(pydantic_core.to_json(value, indent=2, inf_nan_mode="null") + b"\n")
+        text = pydantic_core.to_json(
+            value, indent=2, inf_nan_mode="null", fallback=lambda array: array.tolist()
+        )
+        whole.write(text + b"\n")
 
 
 def load_run(path: str | Path) -> xr.Dataset:

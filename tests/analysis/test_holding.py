@@ -38,7 +38,7 @@ def test_spring_in_a_ball(depth):
         mobile = np.full_like(z, MOBILITY)
         return -stiffness * rho, -stiffness * z, mobile, mobile
 
-    log, error = _log_time(Region(RADIUS, 12e-9), field, 0.0, THERMAL)
+    log, error = _log_time(Region(RADIUS, 12e-9), field, (0.0, 0.0), THERMAL)
     expected = math.log(exit_times.of_spring(depth, RADIUS, THERMAL * MOBILITY))
     assert abs(log - expected) < max(error, 2e-3)
     assert error < 0.1
@@ -63,7 +63,7 @@ def test_barrier_with_a_mobility_that_changes_along_it(wall):
         return -stiff * rho, along(z), mobility(z), mobility(z)
 
     low = -math.inf if wall is None else wall
-    log, error = _log_time(Region(0.6e-6, 8e-9, low=low), field, 0.1e-6, THERMAL)
+    log, error = _log_time(Region(0.6e-6, 8e-9, low=low), field, (0.0, 0.1e-6), THERMAL)
     z = np.linspace(max(low, -0.6e-6), 0.6e-6, 200_001)
     expected = exit_times.along_a_line(
         z, along(z), THERMAL * mobility(z), THERMAL, 0.1e-6, wall=wall is not None
@@ -85,12 +85,12 @@ def test_a_narrow_trap_far_from_the_focus_has_closer_nodes():
         return -4000 * THERMAL / RADIUS**2 * rho, along(z), mobile, mobile
 
     region = Region(1.1e-6, 30e-9)
-    log, error = _log_time(region, field, height, THERMAL)
+    log, error = _log_time(region, field, (0.0, height), THERMAL)
     z = np.linspace(-0.1e-6, 1.1e-6, 200_001)
     diffusion = THERMAL * MOBILITY
     expected = exit_times.along_a_line(z, along(z), diffusion, THERMAL, height, wall=True)
     assert abs(log - math.log(expected)) < error + 0.01
-    assert error < 0.05 < _extrapolated(region, field, height, THERMAL)[1]
+    assert error < 0.05 < _extrapolated(region, field, (0.0, height), THERMAL)[1]
 
 
 def test_work_between_nodes_is_that_of_a_force_that_bends():
@@ -113,7 +113,7 @@ def test_work_between_nodes_is_that_of_a_force_that_bends():
 def test_bead_beside_a_wall_has_its_weight_and_the_mobility_there():
     scene = weak(wall={"position": "-0.4 um"}, start={"position": [0, 0, 0]})
     rho, z = np.array([0.1e-6, 0.2e-6, 0.0]), np.array([-0.2e-6, 0.0, 0.3e-6])
-    across, along, mobile, mobile_along = _field(bound_once(scene), 0.0, 0)(rho, z)
+    across, along, mobile, mobile_along = _field(bound_once(scene), (0.0, 0.0), 0)(rho, z)
     bead = tweezer.bead_properties(scene)
     light = tweezer.optical_force(scene, np.stack([rho, 0 * rho, z], axis=1))
     np.testing.assert_allclose(across, light[:, 0], rtol=1e-9, atol=1e-24)
@@ -222,8 +222,40 @@ def test_least_power_may_be_that_of_the_least_trap():
     )
 
 
+def test_time_without_light_is_that_of_free_diffusion():
+    """(R^2 - z^2)/(6 D) from a place at a distance z from the middle of a ball."""
+    none = {"gravity": False, "buoyancy": False}
+    trap = tweezer.characterise(weak(beam={"power_through_pupil": 1e-5}, forces=none))
+    scene, z = trap.scene, trap.equilibrium.position[2]
+    diffusion = 1.380649e-23 * scene.medium.temperature / trap.drag[0]
+    free = trap.lifetime_without_light
+    expected = (free.lost_at**2 - z**2) / (6 * diffusion)
+    assert free.time == pytest.approx(expected, rel=2e-3)
+    assert abs(free.time - expected) < 4 * free.error
+    assert trap.lifetime.time < 1.1 * free.time
+    assert "the light adds nothing" in repr(trap)
+    held = tweezer.characterise(weak())
+    assert held.lifetime.time > 5 * held.lifetime_without_light.time
+    assert "the light adds nothing" not in repr(held)
+    assert tweezer.characterise(silica()).lifetime_without_light is None
+
+
+def test_least_power_that_only_carries_the_weight():
+    """Below it there is no equilibrium, and above it the light adds nothing."""
+    least = tweezer.least_power(tweezer.load_scene("silica-1um"), "1 s")
+    assert least.no_trap_below
+    assert least.lifetime.time > 5
+    assert least.without_light.time > 0.9 * least.lifetime.time
+    assert "below it there is no equilibrium" in repr(least)
+    assert "the light adds nothing" in repr(least)
+
+
 def test_least_power_of_what_is_never_held():
-    assert tweezer.least_power(silica(bead={"refractive_index": 1.2})) is None
+    searched = r"no stable equilibrium on the axis within .* um of the focus .*, nor on a ring"
+    with pytest.warns(
+        tweezer.PhysicsWarning, match=f"no power from 1 mW to 100 W .*at 100 W: {searched}"
+    ):
+        assert tweezer.least_power(silica(bead={"refractive_index": 1.2})) is None
     with pytest.raises(tweezer.SceneError, match="least power: needs one beam"):
         tweezer.least_power(silica(forces={"optical": False}))
     with pytest.raises(tweezer.SceneError, match=r"time = '5 um': "):

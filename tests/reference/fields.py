@@ -57,7 +57,8 @@ class LinearTrap(Force):
     stiffness: float
     constant_moment: tuple[float, float, float] = (0.0, 0.0, 0.0)
     #: as the light of a bead of 1 um is searched
-    search = Search(reach=20e-6, spacing=2e-8, beside=2e-8)
+    search = Search(near=20e-6, spacing=2e-8, beside=2e-8, reach=20e-6)
+    smooth, symmetric = True, False
 
     def compiled(self, *, gradient):
         return _spring, packed(self.stiffness, self.constant_moment)

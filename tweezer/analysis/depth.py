@@ -49,8 +49,8 @@ _NOISE = (1e-10, 1e-6)
 _LEAST_NOISE = 0.03
 #: Upper bound on the fitted noise, as a multiple of the guess
 _MOST_NOISE = 5.0
-#: Half-width of the search if none is given, as a part of the reach of the force's own search
-#: (`tweezer.equilibria.Search`), which is the range of its map
+#: Half-width of the search if none is given, as a part of how far the force is
+#: sampled evenly (`tweezer.equilibria.Search`), which is the range of its map
 _SEARCH = 0.75
 #: Number of values of one fitted quantity that a place of the scan is tried with; doubled by each
 #: further quantity
@@ -237,7 +237,7 @@ def fit_depth(
         for name, value, unit in (("noise", noise, "m"), ("exposure", exposure, "s"))
     )
     if search is None:
-        half = _SEARCH * light_of_one_beam(scene).search.reach
+        half = _SEARCH * light_of_one_beam(scene).search.near
         within = _between_walls(scene, -half, half)
     else:
         low, high = numbers_in_si("search", search, "m").tolist()
@@ -356,7 +356,7 @@ class _Likelihood:
         self, track: Track, scene: Scene, noise: float | None, exposure: float, fit: Sequence[str]
     ) -> None:
         if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
-            reach = light_of_one_beam(scene).search.reach
+            reach = light_of_one_beam(scene).search.near
             radii = round(reach / scene.bead.radius, 9)
             range_ = radii if radii <= TABLE_RADII[1] else f"{reach:.12g} m"
             scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
@@ -394,7 +394,7 @@ class _Likelihood:
     @property
     def reach(self) -> float:
         """How far the force is mapped, m."""
-        return self._light.search.reach
+        return self._light.search.near
 
     @functools.cached_property
     def unit(self) -> float:

@@ -14,7 +14,6 @@ from tweezer.equilibria import (
     DIRECTIONS,
     Component,
     NetForce,
-    Point,
     Search,
     along,
     end_of_pull,
@@ -28,6 +27,8 @@ Array = NDArray[np.float64]
 _END = 1e-10
 #: Tolerance of the place of a maximum, in distances of samples
 _MAXIMUM = 5e-7
+#: Part of the largest restoring force at which the range of a trap ends
+FAINT = 0.05
 #: Relative tolerance of the work
 _WORK = 1e-7
 #: Length of a panel of the work, in distances of samples
@@ -76,10 +77,13 @@ class Escape:
     """`energy` in k_B T of the medium"""
     wall_at: float | None
     """m from the equilibrium to where the bead touches a wall, if it is pulled back all the way"""
+    faint_at: float | None = None
+    """m from the equilibrium to where the restoring force, past its largest value, has fallen to
+    5 % of it; None if it is larger up to `Trap.reach` or a wall"""
 
 
 def escapes(
-    scene: Scene, search: Search, net_force: NetForce, origin: Point, *, symmetric: bool
+    scene: Scene, search: Search, net_force: NetForce, origin: Array, *, symmetric: bool
 ) -> tuple[Escape, ...]:
     """The escapes from `origin`, one for each of `DIRECTIONS`.
 
@@ -95,18 +99,29 @@ def escapes(
     return tuple(found.values())
 
 
+def escapes_from_ring(
+    scene: Scene, search: Search, net_force: NetForce, origin: Array
+) -> tuple[Escape, ...]:
+    """The escapes across a ring from its place on the x axis: outwards, inwards, +z and -z."""
+    ways = {"outwards": "+x", "inwards": "-x", "+z": "+z", "-z": "-z"}
+    return tuple(
+        dataclasses.replace(_escape(scene, search, net_force, origin, along), direction=name)
+        for name, along in ways.items()
+    )
+
+
 def largest(component: Component, distances: Array, spacing: float) -> tuple[float, float]:
     """Largest value between the ends of `distances`, and where; spacing: of samples, m."""
     return _refined(component, distances, component(distances), _MAXIMUM * spacing)
 
 
 def _escape(
-    scene: Scene, search: Search, net_force: NetForce, origin: Point, direction: str
+    scene: Scene, search: Search, net_force: NetForce, origin: Array, direction: str
 ) -> Escape:
     r = scene.bead.radius
     pull = opposite(along(net_force, origin, direction))
     wall_at = _to_wall(scene, origin, direction, search.reach)
-    edges = _panels(search.reach if wall_at is None else wall_at, search.spacing)
+    edges = search.edges(search.reach if wall_at is None else wall_at, _PANEL)
     distances = _places(edges[:-1], edges[1:]).ravel()
     values = pull(distances)
     let_go = np.flatnonzero(values <= 0)
@@ -123,6 +138,14 @@ def _escape(
         panels = panels.joined(_Panels.of(pull, np.array([begun]), np.array([end])))
     energy, energy_error = _integral(pull, panels)
     force, at = _refined(pull, distances, values, _MAXIMUM * search.spacing)
+    past = np.flatnonzero((distances > at) & (values <= FAINT * force))
+    faint_at = None
+    if past.size:
+        first = max(int(past[0]), 1)
+        faint_at = end_of_pull(
+            lambda there: pull(there) - FAINT * force, max(at, distances[first - 1]),
+            distances[first], _END * r,
+        )  # fmt: skip
     return Escape(
         direction=direction,
         force=force,
@@ -132,10 +155,11 @@ def _escape(
         energy_error=energy_error,
         energy_kT=energy / (Boltzmann * scene.medium.temperature),
         wall_at=wall_at if end is None else None,
+        faint_at=faint_at,
     )
 
 
-def _to_wall(scene: Scene, origin: Point, direction: str, reach: float) -> float | None:
+def _to_wall(scene: Scene, origin: Array, direction: str, reach: float) -> float | None:
     """How far from `origin` a bead touches a wall, m; None if beyond `reach`."""
     wall = scene.wall
     if wall is None or direction[1] != "z":
@@ -164,11 +188,6 @@ def _refined(
 
 
 # ------------------------------------------------------------------------------------------- work
-
-
-def _panels(end: float, spacing: float) -> Array:
-    """Edges of the panels from 0 to `end`, m."""
-    return np.linspace(0.0, end, int(np.ceil(end / (_PANEL * spacing))) + 1)
 
 
 def _places(low: Array, high: Array) -> Array:
@@ -216,6 +235,8 @@ def _integral(component: Component, panels: _Panels) -> tuple[float, float]:
     """
     value = error = 0.0
     places = 0
+    if not panels.low.size:  # nothing pulls back
+        return value, error
     for turn in range(_HALVINGS + 1):
         values, errors = panels.integrals()
         places += panels.values.size

@@ -165,8 +165,8 @@ def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
     return force * edge + curvature * edge**3 / 24
 
 
-def mean_time(grid: Grid, region: Region, height: float, energy: float) -> float:
-    """Mean time from a height on the axis until the bead is out of the region, s.
+def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: float) -> float:
+    """Mean time from `start`, (rho, z) m, until the bead is out of the region, s.
 
     A Markov chain between the nodes, whose rates are those of a diffusion under a constant force
     between neighbours (Scharfetter, Gummel, IEEE Trans. Electron Devices 16, 64 (1969)): the error
@@ -203,7 +203,9 @@ def mean_time(grid: Grid, region: Region, height: float, energy: float) -> float
     link((last, every), (first, every), -width, edge, -up.work, unit / heights[1:])
     times = np.zeros(n * width)
     mean_times(rates.reshape(n * width, -1), lost.ravel(), inside.ravel().astype(float), times)
-    return float(np.interp(height, along, times.reshape(n, width)[:, 0]))
+    rho, height = start
+    at_height = [np.interp(height, along, column) for column in times.reshape(n, width).T]
+    return float(np.interp(rho, across, at_height))
 
 
 def _bernoulli(x: Array) -> Array:

@@ -30,6 +30,7 @@ Array = NDArray[np.float64]
 
 #: what becomes of a bead at a height
 HELD, RESTS, LOST = "held", "rests on the wall", "not held"
+ON_RING = "held on a ring"
 #: Largest height of the focus, m
 _HIGHEST = WALL[1]
 
@@ -49,10 +50,11 @@ def trap_over_heights(
 
     Returns a dataset over `height`, and of vectors over `axis`: the stable `equilibrium` nearest
     the focus, m from there, and `equilibrium_error`, m, by the error of the force; `gap` of the
-    bead there, m; `stiffness` k_ii, N/m; `drag`, kg/s; `corner_frequency` k_ii/(2 pi drag), Hz;
-    and the drag far from the wall, kg/s. `state` says of each height "held", "rests on the wall",
-    where no equilibrium is and the forces press the bead to the wall, or "not held": numbers are
-    NaN there. The attribute `status` is "complete", or "interrupted" of a dataset with the heights
+    bead there, m; `stiffness` k_ii, N/m; `drag`, kg/s; `corner_frequency` k_ii/(2 pi drag), Hz, NaN
+    along an axis in which the bead swings; and the drag far from the wall, kg/s. `state` says of
+    each height "held", "held on a ring" around the axis, "rests on the wall", where no equilibrium
+    is and the forces press the bead to the wall, or "not held": numbers are NaN but where it is
+    held. The attribute `status` is "complete", or "interrupted" of a dataset with the heights
     reached before.
 
     Raises `SceneError` for heights that are none, and for scenes that are not valid at one of them.
@@ -114,10 +116,12 @@ def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
     """What becomes of the bead, and the variables at its equilibrium."""
     place = nearest_stable(problem.equilibria(problem.net_force_apart))
     if place is None:
+        if problem.rings(problem.net_force_apart):
+            return ON_RING, {}
         return RESTS if pressed(problem) else LOST, {}
     points = np.array([place.position])
     drag = 1 / problem.mobilities(points)[0, :3]
-    stiffness = np.diag(place.stiffness)
+    stiffness = place.stiffness_xyz
     light = problem.light.field(points)
     error = float(problem.light.error_of(points, light)[0])
     return HELD, {
@@ -126,7 +130,7 @@ def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
         "gap": problem.scene.gap(place.position[2]),
         "stiffness": stiffness,
         "drag": drag,
-        "corner_frequency": stiffness / (2 * math.pi * drag),
+        "corner_frequency": problem.linear.resonances(stiffness, 1 / drag).corner_frequencies,
     }
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
-from tweezer.analysis.holding import DEEP, LONGEST, Lifetime
+from tweezer.analysis.holding import DEEP, LONGEST, Lifetime, adds_nothing
 from tweezer.analysis.trap import Trap, characterise
 from tweezer.arguments import in_si
-from tweezer.errors import SceneError
+from tweezer.errors import SceneError, warn
 from tweezer.rounding import with_uncertainty
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown
@@ -34,13 +35,26 @@ class LeastPower(Shown):
     """estimated error, W"""
     lifetime: Lifetime
     """at that power"""
+    without_light: Lifetime | None = None
+    """of the same bead at the same place without light; None if `lifetime` is infinite"""
+    no_trap_below: bool = False
+    """whether just below that power there is no trap at all, as the light does not carry the bead's
+    weight: the lifetime is then longer than was asked for"""
 
     def card(self) -> Card:
         """The power, and the lifetime there."""
         factor, unit = usual_unit(self.power, "W")
         power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
-        rows = Row("power through the pupil", power), Row("held for", self.lifetime.words)
-        return Card("LeastPower", "", rows)
+        below = "below it there is no equilibrium" if self.no_trap_below else ""
+        rows = [
+            Row("power through the pupil", power, below), Row("held for", self.lifetime.words)
+        ]  # fmt: skip
+        if self.without_light is not None:
+            words = self.without_light.words
+            rows.append(
+                Row("without light", words, adds_nothing(self.lifetime, self.without_light))
+            )
+        return Card("LeastPower", "", tuple(rows))
 
 
 def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
@@ -48,8 +62,9 @@ def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
 
     time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
     if the bead is not held for so long by any power up to 100 W, which is far beyond what beads and
-    lenses survive. Raises `SceneError` for more than one beam, or one that moves or changes, for no
-    light, for a time that is none, and for one in which even a free bead is not lost.
+    lenses survive; a `PhysicsWarning` says what was found there. Raises `SceneError` for more than
+    one beam, or one that moves or changes, for no light, for a time that is none, and for one in
+    which even a free bead is not lost.
     """
     from scipy.optimize import brentq
 
@@ -74,6 +89,7 @@ def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
     high = math.log(_FIRST)
     while above(high) < 0:
         if high == most:
+            warn(f"least power: no power from 1 mW to 100 W holds the bead so long; {_at_most(at)}")
             return None
         high = min(high + _STRIDE, most)
     low = high - _STRIDE
@@ -83,10 +99,23 @@ def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
             raise SceneError(f"time = {time!r}: so soon the bead is not lost even without a trap")
     # on the side of the beads that are held
     root = brentq(above, low, high, xtol=_POWER) + _POWER
-    power, found = math.exp(root), at(math.exp(root)).lifetime
+    power, trap = math.exp(root), at(math.exp(root))
+    found = trap.lifetime
     assert found is not None
     relative = 2 * _POWER
-    if (before := above(root - _SLOPE)) > -DEEP:  # or else a heavy bead has no trap there at all
+    before = above(root - _SLOPE)
+    no_trap_below = before == -DEEP  # the light does not carry a heavy bead there
+    if not no_trap_below:
         slope = (above(root + _SLOPE) - before) / (2 * _SLOPE)
         relative += math.log1p(found.error / found.time) / slope
-    return LeastPower(power, power * relative, found)
+    return LeastPower(
+        power, power * relative, found, trap.lifetime_without_light, no_trap_below
+    )  # fmt: skip
+
+
+def _at_most(at: Callable[[float], Trap]) -> str:
+    """What the trap is at the largest power."""
+    trap = at(_MOST)
+    if trap.lifetime is not None:
+        return f"at 100 W it is held for {trap.lifetime.words}"
+    return f"at 100 W: {trap.reason or f'lifetime {trap.lifetime_caveat}'}"

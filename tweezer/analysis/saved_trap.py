@@ -19,7 +19,11 @@ from tweezer.saved import kind_of, read_json
 from tweezer.schema import of_validation
 
 #: What the file has beside the fields of `Trap`
-_BESIDE = ("lifetime", "lifetime_caveat")
+_BESIDE = ("lifetime", "lifetime_caveat", "lifetime_without_light")
+#: What a file of an older version lacks
+_NEWER: dict[str, Any] = {
+    "resonance_frequencies": None, "quality_factors": None, "rings": [], "searched": "",
+}  # fmt: skip
 #: Largest distance from the focus, m: no light holds a bead so far from it
 _FARTHEST = 1.0
 
@@ -33,12 +37,16 @@ def load_trap(path: Path) -> tuple[Trap, str]:
     if (kind := kind_of(saved)) and kind.name != "trap":
         raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way(path.name)}")
     try:
-        found, version = _known(Trap, saved["trap"]), str(saved["tweezer_version"])
-        lifetime, _ = (found.pop(name, None) for name in _BESIDE)
+        found = _known(Trap, _NEWER | saved["trap"])
+        version = str(saved["tweezer_version"])
+        lifetime, _, without_light = (found.pop(name, None) for name in _BESIDE)
         escapes = [_known(Escape, each) for each in found["escapes"]]
+        rings = [each | {"escapes": _escapes(each["escapes"])} for each in found["rings"]]
         trap = TypeAdapter(Trap).validate_python(
-            found | {"scene": saved["scene"], "escapes": escapes}
+            found | {"scene": saved["scene"], "escapes": escapes, "rings": rings}
         )
+        for reason in _misshapen(trap):
+            raise ValueError(reason)
         if trap.equilibrium is not None:  # the file has it a second time
             same = trap.equilibria.index(trap.equilibrium)
             trap = dataclasses.replace(trap, equilibrium=trap.equilibria[same])
@@ -46,6 +54,7 @@ def load_trap(path: Path) -> tuple[Trap, str]:
             raise ValueError(reason)
         if "lifetime" in saved["trap"]:
             vars(trap)["lifetime"] = lifetime and _lifetime(lifetime)
+            vars(trap)["lifetime_without_light"] = without_light and _lifetime(without_light)
     except ValidationError as error:
         raise ResultError(f"{path}: no saved trap: {of_validation(error)}") from None
     except KeyError as error:
@@ -61,10 +70,33 @@ def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, An
     return saved | {name: math.nan for name in lost if saved[name] is None}
 
 
+def _escapes(saved: list[dict[str, Any]]) -> list[Escape]:
+    return [TypeAdapter(Escape).validate_python(_known(Escape, each)) for each in saved]
+
+
 def _lifetime(saved: dict[str, Any]) -> Lifetime:
     """A time that is null is infinite."""
     time = math.inf if saved["time"] is None else saved["time"]
     return TypeAdapter(Lifetime).validate_python(saved | {"time": time})
+
+
+def _misshapen(trap: Trap) -> Iterator[str]:
+    """Vectors and matrices that are none."""
+    every: list[tuple[str, Any, tuple[int, ...]]] = [
+        (name, getattr(trap, name), (3,))
+        for name in (
+            "drag", "corner_frequencies", "resonance_frequencies", "quality_factors", "torque",
+        )
+    ]  # fmt: skip
+    for place in (*trap.equilibria, *([trap.equilibrium] if trap.equilibrium else ())):
+        every += [
+            ("position", place.position, (3,)), ("eigenvalues", place.eigenvalues, (3,)),
+            ("stiffness", place.stiffness, (3, 3)),
+        ]  # fmt: skip
+    every += [("stiffness", ring.stiffness, (2, 2)) for ring in trap.rings]
+    for name, found, shape in every:
+        if found is not None and found.shape != shape:
+            yield f"{name}: must have the shape {shape}"
 
 
 def _wrong(trap: Trap) -> Iterator[str]:
@@ -82,6 +114,7 @@ def _wrong(trap: Trap) -> Iterator[str]:
     lengths = {
         "reach": [trap.reach],
         "equilibria": [z for each in trap.equilibria for z in each.position],
+        "rings": [z for each in trap.rings for z in each.position],
         "escapes": [
             length
             for each in trap.escapes

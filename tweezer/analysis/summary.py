@@ -15,10 +15,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
-from tweezer.dynamics.path import Passage, Path, passage
+from tweezer.dynamics.path import Passage, Path, across_axis, distances_from, passage
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.errors import ResultError
 from tweezer.io import scene_in
+from tweezer.rings import held_on, ring_near
 from tweezer.rounding import located
 from tweezer.run import Run
 from tweezer.schema import events_in, of_validation
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 
 #: Largest distance of a captured bead from the equilibrium, in radii
 CAPTURE_RADII = 0.1
+#: Outcomes of a bead that an equilibrium holds, or a ring
+CAPTURED, ON_RING = "captured", "captured on a ring"
 
 #: Newton's method ends after so many steps, or after one shorter than this part of the distance
 #: from its start that is allowed
@@ -52,8 +55,9 @@ class Summary(Shown):
     """
 
     outcome: str
-    """"captured", "lost", "not captured"; or the status of a run that ended early, or in which no
-    equilibrium is looked for: its light changed until the end, or it had forces of your own"""
+    """"captured", "captured on a ring", "lost", "not captured"; or the status of a run that ended
+    early, or in which no equilibrium is looked for: its light changed until the end, or it had
+    forces of your own"""
     outcome_time: float
     """time of capture, of loss, or of the end of the run, s"""
     overshoot: float
@@ -88,10 +92,15 @@ class Summary(Shown):
     """between the bead and the wall, or the nearer of two, m; None without a wall"""
     smallest_gap_error: float | None = None
     """m"""
+    sought_within: float | None = None
+    """distance from the end within which an equilibrium was sought, m"""
 
     @property
     def untold(self) -> str:
-        """Why the outcome does not tell whether the bead is captured, if it does not."""
+        """Where no equilibrium was found, or why none was sought; empty if the bead is captured."""
+        if self.outcome == "not captured" and self.sought_within is not None:
+            within = f"{1e6 * self.sought_within:.3g} um"
+            return f"; no stable equilibrium within {within} of its end"
         if self.outcome != "complete":
             return ""
         return "; capture is not told: the light changes until the end, or forces are your own"
@@ -134,7 +143,10 @@ def summarise(run: xr.Dataset) -> Summary:
     """Summary of a run of `tweezer.simulate`.
 
     Captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
-    drag, located by Newton's method; the time is that from which on it stays there. Thermal
+    drag, located by Newton's method; the time is that from which on it stays there. A bead beside a
+    stable equilibrium comes to rest there by the motion with the scene's inertia. Captured on a
+    ring: it ends as near to a ring around the beam's axis on which the light holds it, at rest or
+    driven round. Thermal
     motion leaves that neighbourhood many times; with it a bead is captured if the mean position
     over the last tenth of the run is within its radius of the equilibrium, and the time is that of
     the first approach to a tenth of its radius. The first closest approach is the first local
@@ -157,6 +169,7 @@ def summary_of(run: Run) -> Summary:
             return summary
     scene = scene_in(run.attributes)
     outcome, outcome_time, _, _ = _outcome(run, times, position, scene)
+    sought = _sought(scene) if outcome == "not captured" else None
     approach, approach_time = _closest_approach(run)
     return Summary(
         outcome=outcome,
@@ -172,6 +185,7 @@ def summary_of(run: Run) -> Summary:
         end=_point(position[-1]),
         by_samples=True,
         smallest_gap=float(run["gap"].min()) if "gap" in run else None,
+        sought_within=sought,
     )
 
 
@@ -189,7 +203,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     here, located = passage(path, integrated.events, rest, nearby)
     errors = _errors(here, located, budget, rest, nearby)
     outcome_time_error = 0.0
-    if outcome == "captured":
+    if outcome in (CAPTURED, ON_RING):
         outcome_time, outcome_time_error = here.settled, errors.settled
         if here.settled > 0:
             outcome_time_error += off / float(path.speeds(np.array([here.settled]))[0])
@@ -219,6 +233,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
         largest_reynolds_number_error=_known(number * errors.largest_speed),
         smallest_gap=_known(here.smallest_gap),
         smallest_gap_error=_known(errors.smallest_gap),
+        sought_within=_sought(scene) if outcome == "not captured" else None,
     )
     return json.dumps(dataclasses.asdict(found))
 
@@ -282,30 +297,35 @@ def _outcome(
         return status, end, position[-1], 0.0
     problem = bound or bound_once(scene)
     nearby = CAPTURE_RADII * scene.bead.radius
-    if scene.forces.brownian:
-        settled = position[-max(1, len(position) // 10) :].mean(axis=0)
-        found = _stable_equilibrium(problem, settled, end, scene.bead.radius)
-        if found is not None:
-            near = np.linalg.norm(position - found[0], axis=1) < nearby
-            if near.any():
-                return "captured", float(times[near.argmax()]), *found
-        return "not captured", end, settled, 0.0
-    found = _stable_equilibrium(problem, position[-1], end, nearby)
+    settled = position[-max(1, len(position) // 10) :] if scene.forces.brownian else position[-1:]
+    outcome, found = CAPTURED, _stable_equilibrium(problem, settled, end, _sought(scene))
     if found is None:
-        return "not captured", end, position[-1], 0.0
-    away = np.linalg.norm(position - found[0], axis=1) > nearby
+        outcome, found = ON_RING, _ring(problem, settled, _sought(scene))
+    if found is None:
+        return "not captured", end, settled.mean(axis=0), 0.0
+    away = distances_from(found[0], position) > nearby
+    if scene.forces.brownian:
+        if away.all():
+            return "not captured", end, settled.mean(axis=0), 0.0
+        return outcome, float(times[away.argmin()]), *found
     last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
-    return "captured", float(times[last_away + 1]), *found
+    return outcome, float(times[last_away + 1]), *found
+
+
+def _sought(scene: Scene) -> float:
+    """Distance from the end of a run within which an equilibrium captures the bead, m."""
+    return (1.0 if scene.forces.brownian else CAPTURE_RADII) * scene.bead.radius
 
 
 def _stable_equilibrium(
-    problem: Problem, place: Array, time: float, reach: float
+    problem: Problem, settled: Array, time: float, reach: float
 ) -> tuple[Array, float] | None:
-    """The stable equilibrium less than `reach`, m, from a place, (3,) m, and its error, m.
+    """The stable equilibrium less than `reach`, m, from the mean of places, and its error, m.
 
     By Newton's method, of all forces but drag at a time, s; the error is the last step. None if
     there is none, or if a bead beside it would not return.
     """
+    place = settled.mean(axis=0)
     rest, step = place, np.full(3, math.inf)
     for _ in range(_STEPS):
         field = problem.force.field(rest[None], gradient=True, time=time)
@@ -318,7 +338,29 @@ def _stable_equilibrium(
             return None
         if np.linalg.norm(step) < _CLOSE * reach:
             break
+    if problem.spiral_rate(rest, -gradient) > 0:
+        return None
     return rest, float(np.linalg.norm(step))
+
+
+def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float] | None:
+    """Radius and height of the ring less than `reach`, m, from the mean of places, and its error.
+
+    None if there is none, or if a bead does not stay on it.
+    """
+    if not problem.round_axis:
+        return None
+    start = across_axis(settled).mean(axis=0)
+    if start[0] == 0.0:
+        return None
+    forces = problem.force, problem.net_force, problem.ring_motion
+    place = ring_near(start, problem.scene.bead.radius, *forces)
+    if place is None or not np.linalg.norm(place - start) < reach:
+        return None
+    ring = held_on(place, *forces)
+    if ring is None:
+        return None
+    return place, ring.residual / float(np.linalg.eigvals(ring.stiffness).real.min())
 
 
 def _overshoot(position: Array) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from collections.abc import Iterator
@@ -10,19 +11,24 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.analysis.escape import Escape, escapes, largest
-from tweezer.analysis.holding import Lifetime, doubt, lifetime
+from tweezer.analysis.escape import Escape, escapes, escapes_from_ring, largest
+from tweezer.analysis.holding import (
+    Lifetime,
+    adds_nothing,
+    doubt,
+    lifetime,
+    time_without_light,
+)
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import (
     FOCUS,
     Equilibrium,
     NetForce,
-    Point,
     along,
     nearest_stable,
     opposite,
-    point,
 )
+from tweezer.errors import TweezerError
 from tweezer.optics import (
     RayOpticsWorth,
     cone,
@@ -33,11 +39,13 @@ from tweezer.optics import (
     sampled,
     total_power,
 )
-from tweezer.optics.light import SPEED_OF_LIGHT
+from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
+from tweezer.rings import Ring
 from tweezer.rounding import micrometres, three
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown, Table
+from tweezer.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
 
@@ -58,9 +66,13 @@ class Efficiency:
     """where on that axis, m from the focus"""
 
 
-@dataclass(frozen=True, repr=False)
-class Trap(Shown):
-    """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from."""
+@dataclass(frozen=True, repr=False, eq=False)
+class Trap(Comparable, Shown):
+    """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from.
+
+    `equilibrium` is None where no place holds the bead: `ring` may hold it instead, and `reason`
+    says where equilibria were sought. `stiffness` and `stiffness_xyz` raise an error that says so.
+    """
 
     scene: Scene = field(compare=False)
     """the scene that it is the trap of"""
@@ -74,13 +86,23 @@ class Trap(Shown):
     lateral_efficiency: Efficiency | None
     """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
     equilibria: tuple[Equilibrium, ...]
-    """of one beam by z, of several by beam, at the time 0; may be empty"""
+    """of one beam by z, then those off its axis; of several by beam, at the time 0; may be empty"""
     equilibrium: Equilibrium | None
-    """the stable one nearest the focus"""
-    drag: Point | None
-    """1/mobility along each axis at `equilibrium`, kg/s"""
-    corner_frequencies: Point | None
-    """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, Hz"""
+    """the stable one nearest the focus; None without one, or where a ring is nearer"""
+    rings: tuple[Ring, ...]
+    """rings around the axis of the only beam that hold the bead, the nearest to the focus first"""
+    searched: str
+    """where equilibria were sought"""
+    drag: Vector | None
+    """1/mobility along each axis at `equilibrium`, (3,) kg/s"""
+    corner_frequencies: Vector | None
+    """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, (3,) Hz; NaN for an axis along
+    which the bead swings"""
+    resonance_frequencies: Vector | None
+    """of the axes along which the bead swings, (3,) Hz: sqrt(k_ii/m)/(2 pi) without the fluid's
+    inertia; NaN for the others"""
+    quality_factors: Vector | None
+    """of these axes, (3,), above 1/2: sqrt(k_ii m)/beta_v without the fluid's inertia"""
     gap: float | None
     """distance of the bead's surface at `equilibrium` from the wall, the nearer of two, m; None
     without one"""
@@ -101,7 +123,7 @@ class Trap(Shown):
     """how far equilibria and escapes were sought, m"""
     absorbed_power: float | None
     """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
-    torque: Point | None
+    torque: Vector | None
     """moment of the light about the bead's centre there, N m; None as `absorbed_power`"""
     caveat: str | None
     """what ray optics is worth for this bead (`ray_optics_caveat`); None by waves, in the dark"""
@@ -112,7 +134,7 @@ class Trap(Shown):
     def lifetime(self) -> Lifetime | None:
         """How long thermal motion leaves the bead in the trap, computed when it is asked for.
 
-        The mean time from the equilibrium until the bead is `Trap.reach` or
+        The mean time from the equilibrium, or the ring, until the bead is `Trap.reach` or
         `simulation.loss_distance` from the focus, whichever is less, at the temperature of the
         medium, whatever `forces.brownian` is. It is a mean first passage time of the overdamped
         motion in the exact force, of which no potential is asked, with the mobility at each place.
@@ -120,14 +142,77 @@ class Trap(Shown):
         planes along x and along y, whose mean is given and whose distance is in the error.
 
         None without an equilibrium, or one that is as far from the focus as a bead is lost; of more
-        than one beam, one that is moved or changes; and with `forces.dlvo`.
+        than one beam, one that is moved or changes; with `forces.dlvo`; off the axis; and where
+        inertia carries the bead, sqrt(k m) above 0.3 of the drag.
         """
-        return lifetime(self.scene, self.equilibrium, self.escapes, self.reach, self.force_error)
+        held, error = self._holds, self.force_error
+        return lifetime(self.scene, held, self._ways_out, self.reach, error)
+
+    @functools.cached_property
+    def lifetime_without_light(self) -> Lifetime | None:
+        """How long the same bead stays within the same distance without light.
+
+        From the same place, under its weight. None where `lifetime` is None or infinite.
+        """
+        if self._holds is None or self.lifetime is None or math.isinf(self.lifetime.time):
+            return None
+        return time_without_light(self.scene, self._holds, self.reach)
+
+    @property
+    def ring(self) -> Ring | None:
+        """The ring that holds the bead; None if `equilibrium` does, or nothing."""
+        return self.rings[0] if self.rings and self.equilibrium is None else None
+
+    @property
+    def stiffness(self) -> Array:
+        """The matrix -dF_i/dx_j at `equilibrium`, (3, 3) N/m. Raises `TweezerError` without one."""
+        return self._equilibrium().stiffness
+
+    @property
+    def stiffness_xyz(self) -> Array:
+        """The stiffness along x, y and z at `equilibrium`, (3,) N/m.
+
+        Raises `TweezerError` without one.
+        """
+        return self._equilibrium().stiffness_xyz
+
+    @property
+    def reason(self) -> str:
+        """Why no place holds the bead; empty if one does."""
+        if self.equilibrium is not None:
+            return ""
+        if self.ring is not None:
+            return f"held on a ring of {micrometres(self.ring.radius)} um, at no place"
+        resting = "; it rests on the wall" if self.rests else ""
+        spirals = [each for each in self.equilibria if each.spiral_rate > 0]
+        if spirals:
+            where = _where(min(spirals, key=lambda each: float(np.linalg.norm(each.position))))
+            resting = (
+                f"; at {where} it is pulled back, but too little drag lets the push of the light "
+                f"round the axis drive it out on a spiral{resting}"
+            )
+        return f"no stable equilibrium {self.searched}{resting}"
+
+    def _equilibrium(self) -> Equilibrium:
+        if self.equilibrium is None:
+            raise TweezerError(
+                f"{self.scene.name}: {self.reason}; `Trap.equilibria` has the unstable ones, and "
+                "`Trap.rings` the rings"
+            )
+        return self.equilibrium
+
+    @property
+    def _holds(self) -> Equilibrium | Ring | None:
+        return self.equilibrium or self.ring
+
+    @property
+    def _ways_out(self) -> tuple[Escape, ...]:
+        return self.ring.escapes if self.ring else self.escapes
 
     @property
     def lifetime_caveat(self) -> str | None:
         """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
-        return doubt(self.scene, self.equilibrium, self.reach, self.absorbed_power)
+        return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
 
     def card(self) -> Card:
         """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
@@ -144,7 +229,7 @@ class Trap(Shown):
                 *self._others(), Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
                 Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
             ),
-            (self._escapes(),) if self.escapes else (),
+            (self._escapes(),) if self._ways_out else (),
         )  # fmt: skip
 
     def _efficiencies(self) -> Iterator[Row]:
@@ -160,15 +245,17 @@ class Trap(Shown):
     def _held(self) -> Iterator[Row]:
         """Rows of the equilibrium."""
         place, worth = self.equilibrium, self.ray_optics
-        if place is None or self.corner_frequencies is None:
-            resting = "; it rests on the wall" if self.rests else ""
-            yield Row("equilibrium", f"no stable equilibrium{resting}")
+        if self.ring is not None:
+            yield from self._on_ring(self.ring)
+            return
+        if place is None:
+            yield Row("equilibrium", self.reason)
             return
         (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
         doubt = "" if worth is None or worth.trusted else "not to be trusted"
         if self.scene.plain:
-            where = f"z = {micrometres(place.position[2])} um"
-            yield Row("stable equilibrium", where if doubt else f"{where}, on the axis", doubt)
+            on_axis = "" if doubt or place.position[:2].any() else ", on the axis"
+            yield Row("stable equilibrium", f"{_where(place)}{on_axis}", doubt)
         else:
             yield Row("stable equilibrium", _where(place), doubt)
         if worth and worth.equilibrium_shift:
@@ -188,22 +275,62 @@ class Trap(Shown):
             yield Row("gap to the wall there", f"{micrometres(self.gap)} um")
             drag = three(*(1e9 * each for each in self.drag))
             yield Row("drag there (x, y, z)", f"{drag} nN s/m", detail=True)
-        yield Row("corner frequencies", f"{three(*self.corner_frequencies)} Hz", doubt)
-        if "lifetime" not in vars(self):
-            yield Row("held for", "not yet computed: `lifetime` does")
-        elif self.lifetime or self.lifetime_caveat:
-            told = self.lifetime.words if self.lifetime else ""
-            speaks = ", ".join(filter(None, (doubt if told else "", self.lifetime_caveat)))
-            yield Row("held for", told, speaks)
+        yield from self._frequencies(doubt)
+        yield from self._lifetime(doubt)
         if self.absorbed_power is not None and self.torque is not None:
             yield Row("absorbed power", f"{1e3 * self.absorbed_power:.4g} mW", detail=True)
             torque = three(*(1e18 * each for each in self.torque))
             yield Row("torque about the bead's centre", f"{torque} pN um", detail=True)
 
+    def _on_ring(self, ring: Ring) -> Iterator[Row]:
+        """Rows of the ring that holds the bead."""
+        radius, height = micrometres(ring.radius), micrometres(ring.height)
+        yield Row("held on a ring", f"of radius {radius} um about the axis, at z = {height} um")
+        across, along = (f"{1e6 * each:.4g}" for each in ring.stiffness_across)
+        yield Row("stiffness (radial, z)", f"{across}, {along} pN/um")
+        if abs(ring.azimuthal_force) > self.force_error:
+            yield Row("force round the axis", f"{1e12 * ring.azimuthal_force:.4g} pN")
+            told = f"{1e6 * ring.speed:.4g} um/s, {ring.rate:.4g} turns/s"
+            yield Row("driven round it at", told)
+        others = self.rings[1:]
+        if others:
+            radii = ", ".join(micrometres(each.radius) for each in others)
+            yield Row("other rings", f"of radius {radii} um", detail=True)
+        yield from self._lifetime("")
+
+    def _lifetime(self, doubt: str) -> Iterator[Row]:
+        """Rows of the time for which the bead is held, and of that without light."""
+        if "lifetime" not in vars(self):
+            yield Row("held for", "not yet computed: `lifetime` does")
+            return
+        if not (self.lifetime or self.lifetime_caveat):
+            return
+        told = self.lifetime.words if self.lifetime else ""
+        speaks = ", ".join(filter(None, (doubt if told else "", self.lifetime_caveat)))
+        yield Row("held for", told, speaks)
+        if self.lifetime and (without := self.lifetime_without_light):
+            yield Row("  without light", without.words, adds_nothing(self.lifetime, without))
+
+    def _frequencies(self, doubt: str) -> Iterator[Row]:
+        """Rows of how the bead returns: it creeps back, or swings."""
+        found = (
+            ("corner frequencies", self.corner_frequencies, " Hz"),
+            ("resonance frequencies", self.resonance_frequencies, " Hz"),
+            ("quality factors", self.quality_factors, ""),
+        )
+        for name, values, unit in found:
+            if values is None or np.isnan(values).all():
+                continue
+            known = ~np.isnan(values)
+            of = "" if known.all() else f" ({', '.join(np.array(list('xyz'))[known])})"
+            numbers = ", ".join(f"{value:.4g}" for value in values[known])
+            yield Row(name + of, numbers + unit, doubt)
+
     def _others(self) -> Iterator[Row]:
         """Rows of the other equilibria."""
         others = [each for each in self.equilibria if each is not self.equilibrium]
-        if not self.scene.plain:
+        apart = [each for each in others if each.position[:2].any()]
+        if not self.scene.plain or apart:
             for each in others:
                 kind = "another stable equilibrium" if each.stable else "unstable equilibrium"
                 yield Row(kind, _where(each), detail=True)
@@ -215,11 +342,13 @@ class Trap(Shown):
 
     def _escapes(self) -> Table:
         worth = self.ray_optics
-        headings = ["escape", "force, pN", "at, um", "energy, kT", "range, um"]
+        headings = ["escape", "force, pN", "at, um", "energy, kT", "5 % range, um"]
         rows = []
-        for each in self.escapes:
+        for each in self._ways_out:
             end = f"over {1e6 * self.reach:.4g}"
-            if each.wall_at is not None:
+            if each.faint_at is not None:
+                end = f"{1e6 * each.faint_at:.4g}"
+            elif each.wall_at is not None:
                 end = f"wall at {micrometres(each.wall_at)}"
             elif each.range is not None:
                 end = f"{1e6 * each.range:.4g}"
@@ -241,6 +370,8 @@ class Trap(Shown):
 
 
 def _where(place: Equilibrium) -> str:
+    if not place.position[:2].any():
+        return f"z = {micrometres(place.position[2])} um"
     return f"{', '.join(map(micrometres, place.position))} um"
 
 
@@ -281,31 +412,35 @@ def characterise(scene: Scene) -> Trap:
     """
     problem = bound_once(scene)
     light_force = _LightForce(problem)
-    search = problem.light.search
+    search = problem.search
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
         others = (each.field(points).force for each in problem.beside_the_light_apart)
         return sum(others, light_force(points) + weight)
 
-    places = problem.equilibria(net_force)
+    places, rings, searched = _found(problem, net_force)
     equilibrium = nearest_stable(places)
-    drag, corner_frequencies, gap = None, None, None
+    if rings and equilibrium is not None and _off(rings[0]) < _off(equilibrium):
+        equilibrium = None
+    drag, gap = None, None
+    corner, resonance, quality = None, None, None
     pulled: tuple[Escape, ...] = ()
     absorbed, torque = None, None
     if equilibrium:
         mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
-        drag = point(1 / mobility)
+        drag = fixed(1 / mobility)
         if scene.wall is not None:
             gap = float(scene.room(equilibrium.position[2]))
-        corner_frequencies = point(np.diag(equilibrium.stiffness) * mobility / (2 * math.pi))
+        found = problem.linear.resonances(equilibrium.stiffness_xyz, mobility)
+        corner, resonance, quality = map(fixed, found)
         pulled = escapes(
             scene, search, net_force, equilibrium.position, symmetric=problem.symmetric
         )
         if scene.lit and scene.bead.absorbs:
             there = np.array([equilibrium.position])
             absorbed = float(problem.light.absorbed_power(there)[0])
-            torque = point(problem.light.field(there).moment[0])
+            torque = fixed(problem.light.field(there).moment[0])
     power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
     given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
     unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
@@ -325,8 +460,12 @@ def characterise(scene: Scene) -> Trap:
         lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
         equilibria=places,
         equilibrium=equilibrium,
+        rings=rings,
+        searched=searched,
         drag=drag,
-        corner_frequencies=corner_frequencies,
+        corner_frequencies=corner,
+        resonance_frequencies=resonance,
+        quality_factors=quality,
         gap=gap,
         rests=pressed(problem),
         escapes=pulled,
@@ -340,6 +479,47 @@ def characterise(scene: Scene) -> Trap:
         caveat=ray_optics_caveat(scene),
         ray_optics=ray_optics_worth(scene),
     )
+
+
+def _found(
+    problem: Problem, net_force: NetForce
+) -> tuple[tuple[Equilibrium, ...], tuple[Ring, ...], str]:
+    """Equilibria, rings that hold the bead, and where they were sought.
+
+    Rings, or in light without symmetry places off the axis, are sought where no stable equilibrium
+    is in the focus: light that holds a bead there has its maximum on the axis.
+    """
+    search = problem.search
+    near = f"on the axis within {1e6 * search.reach:.4g} um of the focus"
+    if search.farthest > search.reach and problem.scene.lit:
+        near += f" (where light just carries the weight, {1e6 * search.farthest:.4g} um)"
+    places = problem.equilibria(net_force)
+    rings: tuple[Ring, ...] = ()
+    if not problem.about_axis:
+        return places, rings, f"{near}, for each beam, nor beside it"
+    if not (problem.scene.lit and problem.light.smooth):
+        return places, rings, near
+    assert isinstance(problem.light, LightForce)
+    box = problem.light.box
+    nearest = nearest_stable(places)
+    if nearest is not None and _off(nearest) < box.width:
+        return places, rings, near
+    if not problem.symmetric:
+        places += problem.off_axis(net_force)
+        return places, rings, f"{near}, nor off it up to {box.words}"
+    found = problem.rings(net_force)
+    rings = tuple(
+        dataclasses.replace(
+            each, escapes=escapes_from_ring(problem.scene, search, net_force, each.position)
+        )
+        for each in found
+    )
+    return places, rings, f"{near}, nor on a ring up to {box.words}"
+
+
+def _off(held: Equilibrium | Ring) -> float:
+    """Distance from the focus, m."""
+    return float(np.linalg.norm(held.position))
 
 
 def pressed(problem: Problem) -> bool:

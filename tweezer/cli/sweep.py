@@ -135,19 +135,27 @@ def _check_drawn(over: list[str], cases: Path | None) -> None:
 
 def _print_sweep(name: str, result: xr.Dataset) -> None:
     """How many cases there are of each outcome, and why some failed."""
+    from tweezer.sweeps.quantities import FAILED
+
     table = table_of(name, "")
     over = [f"{result.sizes[key]} {key}" for key in result["outcome"].dims]
     table.add_row("cases", f"{result.attrs['cases']}: {' x '.join(over)}")
     outcomes = Counter(result["outcome"].values.ravel().tolist())
     for outcome, count in outcomes.most_common():
         table.add_row(outcome, f"{count}")
-    reasons = Counter(filter(None, result["reason"].values.ravel().tolist()))
+    said = result["outcome"].values.ravel(), result["reason"].values.ravel()
+    told = [(str(outcome), str(reason)) for outcome, reason in zip(*said, strict=True) if reason]
+    reasons = Counter(reason for outcome, reason in told if outcome == FAILED)
     for reason, count in reasons.most_common(_REASONS):
         table.add_row(f"failed, {count}", reason)
     if len(reasons) > _REASONS:
         table.add_row("failed", f"for {len(reasons) - _REASONS} more reasons")
+    for outcome in outcomes:
+        of_outcome = [reason for each, reason in told if each == outcome != FAILED]
+        if of_outcome:
+            table.add_row(f"{outcome}, the first", of_outcome[0])
     caveats = result["caveat"].values.ravel()
-    if said := int((caveats != "").sum()):
+    if doubtful := int((caveats != "").sum()):
         first = str(caveats[caveats != ""][0])
-        table.add_row("not to be trusted as they stand", f"{said}; the first: {first}")
+        table.add_row("not to be trusted as they stand", f"{doubtful}; the first: {first}")
     OUT.print(table)

@@ -220,6 +220,8 @@ def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
     held = characterised.lifetime
     trap["lifetime"] = held and dataclasses.asdict(held) | {"words": held.words}
     trap["lifetime_caveat"] = characterised.lifetime_caveat
+    without = characterised.lifetime_without_light
+    trap["lifetime_without_light"] = without and dataclasses.asdict(without)
     result = {
         "tweezer_version": __version__,
         "scene": scene.model_dump(mode="json", exclude_none=True),

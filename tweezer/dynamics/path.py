@@ -188,8 +188,8 @@ def passage(
 ) -> tuple[Passage, Passage]:
     """What a motion passed through, and to how much that was located on its dense output.
 
-    events: of the run, among them its closest approach. rest: (3,) m, where the bead settles;
-    near: m, how far it may be from there.
+    events: of the run, among them its closest approach. rest: where the bead settles, as
+    `distances_from` takes it; near: m, how far it may be from there.
     """
     times = path.checkpoints
     close = path.position_tolerance
@@ -204,7 +204,7 @@ def passage(
         distance, time = float(np.linalg.norm(approach.state[:3])), approach.time
 
     def away(at: Array) -> Array:
-        return np.linalg.norm(path.positions(at) - rest, axis=1) - near
+        return distances_from(rest, path.positions(at)) - near
 
     if away(times[-1:])[0] < 0:
         settled = last_fall(away, times, close)
@@ -213,6 +213,18 @@ def passage(
         Passage(fastest.value, over.value, distance, time, settled, -nearest.value),
         Passage(fastest.error, over.error, 0.0, rounding, rounding, nearest.error),
     )
+
+
+def distances_from(rest: Array, positions: Array) -> Array:
+    """Distances of `positions` (n, 3) m from a place, (3,) m, or a ring: its radius and height."""
+    if len(rest) == 3:
+        return np.linalg.norm(positions - rest, axis=1)
+    return np.linalg.norm(across_axis(positions) - rest, axis=1)
+
+
+def across_axis(positions: Array) -> Array:
+    """rho and z of `positions` (n, 3) m, (n, 2) m."""
+    return np.column_stack([np.hypot(positions[:, 0], positions[:, 1]), positions[:, 2]])
 
 
 def _overshoot(path: Path, times: Array) -> Greatest:

@@ -13,11 +13,15 @@ from numpy.typing import NDArray
 from scipy.constants import speed_of_light
 
 from tweezer.bead import BeadProperties, bead_properties
+from tweezer.choices import METHODS, MODELS
+from tweezer.dynamics.linear import LinearMotion
 from tweezer.equilibria import (
     Equilibrium,
     NetForce,
+    Search,
     equilibria,
     equilibria_about,
+    equilibrium_at,
     nearest_stable,
 )
 from tweezer.errors import SceneError
@@ -27,6 +31,7 @@ from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
+from tweezer.rings import Motion, Ring, off_axis, rings
 from tweezer.scene import Scene, checked_scene
 
 Array = NDArray[np.float64]
@@ -140,6 +145,36 @@ class Problem:
             return modes(mass, drag, self.bead.displaced_mass, medium.poles or USUAL)
         return single(self.effective_mass / self._scale / drag)
 
+    @functools.cached_property
+    def linear(self) -> LinearMotion:
+        """The motion about an equilibrium, as the model of the scene has it.
+
+        With the inertia of the bead and of the fluid where the scene leaves the model open: where
+        a run takes the overdamped model all the same, inertia plays no part.
+        """
+        medium, simulation = self.scene.medium, self.scene.simulation
+        model = MODELS[simulation.model or "full"]
+        if not model.inertia:
+            of_order_one = simulation.model == "first-order"
+            return LinearMotion(0.0, expansion_time=self.relaxation_time if of_order_one else 0.0)
+        if medium.inertia == "memory" or (medium.inertia is None and self._may_remember):
+            displaced = self.bead.displaced_mass
+            poles = medium.poles or USUAL
+            return LinearMotion(self.bead.mass, displaced, poles, self._scale)
+        return LinearMotion(self.effective_mass, scale=self._scale)
+
+    @property
+    def _may_remember(self) -> bool:
+        """Whether a run takes the memory of the fluid where the scene leaves it open."""
+        simulation = self.scene.simulation
+        follows = simulation.method == "auto" or METHODS[simulation.method].memory
+        even = self.drag.uniform and np.ptp(self.mobility[:3]) == 0
+        return simulation.model in (None, "full") and follows and bool(even)
+
+    def spiral_rate(self, place: Array, stiffness: Array) -> float:
+        """See `LinearMotion.spiral_rate`: at a place, (3,) m."""
+        return self.linear.spiral_rate(stiffness, self.mobilities(place[None])[0, :3])
+
     @property
     def relaxation_time(self) -> float:
         """m/beta_v at the start, s: the epsilon of (4.6). The longest, if it has a direction."""
@@ -156,13 +191,61 @@ class Problem:
 
         Of one beam on its axis; of several, and with other forces, near the axis of each.
         """
-        search = self.light.search._replace(besides=self._beside_walls())
-        about = self.scene.bead.radius, search, self.force, net_force
-        if self.scene.plain and not self.others:
-            found = equilibria(*about)
-        else:
-            found = equilibria_about(self.foci(), *about)
+        search = self.search
+        about = self.scene.bead.radius, search, self.force, net_force, self.spiral_rate
+        found = equilibria(*about) if self.about_axis else equilibria_about(self.foci(), *about)
         return tuple(each for each in found if self._in_the_fluid(each.position[2]))
+
+    @property
+    def ring_motion(self) -> Motion:
+        """What the motion on a ring needs of the bead."""
+        mass = self.linear.mass + 0.5 * self.linear.displaced_mass
+        return Motion(
+            mass / self._scale, lambda places: self.mobilities(places)[:, [0, 2]],
+            self.light.search.beside,
+        )  # fmt: skip
+
+    @property
+    def about_axis(self) -> bool:
+        """Whether all forces are those of one beam at rest, and of walls across its axis."""
+        return self.scene.plain and not self.others
+
+    @property
+    def round_axis(self) -> bool:
+        """Whether there is light, and all forces are the same all around the axis of a beam."""
+        return self.about_axis and self.symmetric and self.scene.lit
+
+    def rings(self, net_force: NetForce) -> tuple[Ring, ...]:
+        """Rings around the axis of the only beam on which it holds a bead: see `rings`.
+
+        None where forces are not the same all around that axis.
+        """
+        if not self.round_axis:
+            return ()
+        assert isinstance(self.light, LightForce)
+        about = self.scene.bead.radius, self.light.box, self.force, net_force, self.ring_motion
+        return tuple(each for each in rings(*about) if self._in_the_fluid(each.height))
+
+    def off_axis(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
+        """Stable equilibria off the axis of the only beam: see `off_axis`."""
+        assert isinstance(self.light, LightForce)
+        places = off_axis(self.scene.bead.radius, self.light.box, self.force, net_force)
+        every = (
+            equilibrium_at(place, self.search, self.force, net_force, self.spiral_rate)
+            for place in places if self._in_the_fluid(place[2])
+        )  # fmt: skip
+        return tuple(each for each in every if each.stable)
+
+    @functools.cached_property
+    def search(self) -> Search:
+        """Where equilibria are sought: what the light needs, places beside walls, and the distance
+        at which light may still carry the bead.
+        """
+        farthest = 0.0
+        # behind a wall there is no light
+        if any(self.bead.weight) and self.scene.wall is None and self.light.smooth:
+            farthest = self.scene.simulation.loss_distance
+        return self.light.search._replace(besides=self._beside_walls(), farthest=farthest)
 
     def _beside_walls(self) -> tuple[float, ...]:
         """Places on the axis at ever smaller gaps from the walls, z, m from the origin."""

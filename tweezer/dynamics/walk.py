@@ -576,7 +576,7 @@ def _rate_of_drag(problem: Problem) -> float:
         return 0.0
     middle = problem.scene.start_position
     if problem.equilibrium is not None:
-        middle = problem.equilibrium.position
+        middle = tuple(problem.equilibrium.position.tolist())
     lines = problem.places_about() - np.array(middle)
     places = np.array(middle) + np.linspace(0, 1, _ON_A_LINE)[:, None, None] * lines
     value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)

@@ -50,6 +50,24 @@ class Cone:
         """Power per solid angle, W/sr, at polar angles of these cosines within the cone."""
         return np.asarray(Chebyshev(self.series)(1 - 2 * (1 - cosine) / _versine(self.half_angle)))
 
+    @functools.cached_property
+    def spread(self) -> float:
+        """sqrt(2 <sin^2 theta>), averaged over the power: sin(half_angle) of an even pupil."""
+        if self.power == 0:
+            return math.sin(self.half_angle)
+        x, weight = _nodes()
+        below = _versine(self.half_angle) * (1 + x) / 2  # 1 - cos(theta)
+        power = weight * self.radiance(1 - below)
+        return math.sqrt(2 * float(power @ (below * (2 - below))) / float(power.sum()))
+
+
+@functools.cache
+def _nodes() -> tuple[Array, Array]:
+    """Nodes and weights of the average over the light's cone."""
+    from numpy.polynomial.legendre import leggauss
+
+    return leggauss(100)
+
 
 def cone(scene: Scene) -> Cone:
     """The cone of light of `scene`; a dark one if it has no light.

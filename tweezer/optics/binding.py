@@ -47,6 +47,11 @@ class Beams(Sum):
     symmetric: ClassVar[bool] = False
     """whether the force is the same all around one axis"""
 
+    @property
+    def smooth(self) -> bool:
+        """See `LightForce.smooth`."""
+        return all(each.smooth for each in self.lights)
+
     def error_of(self, positions: Array, field: Wrench, time: float | Array = 0.0) -> Array:
         """See `LightForce.error_of`."""
         return error_by(self._certain, positions, field, time)
@@ -54,8 +59,14 @@ class Beams(Sum):
     @property
     def search(self) -> Search:
         """The farthest and finest of each light's."""
-        reach, *distances = zip(*(each.search for each in self.lights), strict=True)
-        return Search(max(reach), *map(min, distances))
+        every = [each.search for each in self.lights]
+        return Search(
+            near=max(each.near for each in every),
+            spacing=min(each.spacing for each in every),
+            beside=min(each.beside for each in every),
+            reach=max(each.reach for each in every),
+            coarsest=min(each.coarsest for each in every),
+        )
 
     def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:
         """Power of the light that the bead absorbs at `positions` (n, 3) m at a time, s, (n,) W."""

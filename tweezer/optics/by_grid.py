@@ -25,6 +25,7 @@ class ByGrid(LightForce):
     """relative, of the quadrature that the sum is compared with"""
 
     scales = True
+    smooth = False
     symmetric = False
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:

@@ -16,9 +16,13 @@ from tweezer.errors import SceneError
 from tweezer.forces.data import Data, Part
 from tweezer.forces.force import Force, Kernel, Wrench, bound, evaluated
 from tweezer.optics.beam import Cone
+from tweezer.rings import Box
 from tweezer.sections import Beam
 
 Array = NDArray[np.float64]
+
+#: How far the force is searched at least, in lengths of the light
+_LENGTHS = 5.0
 
 SPEED_OF_LIGHT = 299792458.0
 """c, m/s (Table B.1)"""
@@ -49,6 +53,19 @@ class Light(ABC):
     def search(self) -> Search:
         """Lengths by which the force is searched for zeros and largest values."""
 
+    def reach(self, depth: float, least: float) -> float:
+        """How far the force is searched, m: five lengths of the light, and `least`.
+
+        Such a length is the distance at which the light is as wide as the bead, and the depth of
+        focus, m, where its theory has one.
+        """
+        return max(least, _LENGTHS * (self.radius / self.cone.spread + depth))
+
+    @property
+    @abstractmethod
+    def box(self) -> Box:
+        """Where rings and places off the axis are sought."""
+
     def of_radius(self, radius: float) -> Self:
         """The same on a sphere scaled to that radius, m."""
         return dataclasses.replace(self, radius=radius)
@@ -71,6 +88,9 @@ class LightForce(Force):
 
     scales: ClassVar[bool] = False
     """whether the force depends on positions in radii of the bead alone, as in ray optics"""
+    smooth: ClassVar[bool] = True
+    """whether the force is that of continuous light: a sum over a grid of rays jumps, and far from
+    the focus a few rays push a bead with a force that does not fade"""
 
     def field(
         self,
@@ -87,8 +107,14 @@ class LightForce(Force):
 
     @property
     def search(self) -> Search:
-        """See `Light.search`."""
-        return self.light.search
+        """See `Light.search`; without what is far from the focus for a force that is not smooth."""
+        search = self.light.search
+        return search if self.smooth else search._replace(reach=search.near)
+
+    @property
+    def box(self) -> Box:
+        """See `Light.box`."""
+        return self.light.box
 
     @property
     def symmetric(self) -> bool:

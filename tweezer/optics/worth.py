@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from importlib import resources
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
@@ -131,7 +130,7 @@ def ray_optics_worth(scene: Scene) -> RayOpticsWorth | None:
     if not scene.lit or scene.theory == "waves":
         return None
     medium, diameter = scene.medium, 2 * scene.bead.radius
-    aperture = _effective_aperture(scene)
+    aperture = cone(scene).spread
     index_ratio = scene.bead.index.real / medium.refractive_index
     wavelengths = diameter * medium.refractive_index / scene.beam.wavelength
     focal_spot = 2 * scene.beam.wavelength / (math.pi * aperture * medium.refractive_index)
@@ -235,22 +234,6 @@ def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str,
         below = levels[levels <= value].max(initial=levels[0])
         like &= (table[name] >= below) & (table[name] <= above)
     return {name: column[like] for name, column in table.items()}
-
-
-def _effective_aperture(scene: Scene) -> float:
-    """sqrt(2 <sin^2 theta>), weighted by power: sin(theta_m) if the pupil is evenly lit."""
-    light = cone(scene)
-    versine = 2 * math.sin(light.half_angle / 2) ** 2
-    x, weight = _nodes()
-    below = versine * (1 + x) / 2  # 1 - cos(theta)
-    power = weight * light.radiance(1 - below)
-    return math.sqrt(2 * float(power @ (below * (2 - below))) / float(power.sum()))
-
-
-@functools.cache
-def _nodes() -> tuple[Array, Array]:
-    """Nodes and weights of the average over the light's cone."""
-    return leggauss(100)
 
 
 def _range(values: Array, margin: float = 1.0) -> Range | None:

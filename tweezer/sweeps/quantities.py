@@ -68,6 +68,9 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         ),
         "stiffness": Quantity("axis", "N/m", "stiffness at the equilibrium"),
         "corner_frequency": Quantity("axis", "Hz", "corner frequency at the equilibrium"),
+        "resonance_frequency": Quantity("axis", "Hz", "frequency at which the bead swings there"),
+        "quality_factor": Quantity("axis", "1", "quality factor of that swing"),
+        "ring_radius": Quantity("", "m", "radius of the ring on which the bead is held"),
         "escape_force": Quantity("direction", "N", "largest restoring force on the way out"),
         "escape_energy": Quantity("direction", "1", "work of pulling the bead out, in k_B T"),
         "lifetime": Quantity("", "s", "mean time that thermal motion leaves the bead in the trap"),
@@ -170,30 +173,48 @@ def _of_trap(scene: Scene, _: Asked) -> Values:
 
 def values_of_trap(trap: Trap) -> Values:
     """The values of a trap, with its outcome and caveat."""
-    from tweezer.analysis.heights import HELD, LOST, RESTS
+    from tweezer.analysis.heights import HELD, LOST, ON_RING, RESTS
 
     scene, place, error = trap.scene, trap.equilibrium, trap.force_error
     of_lifetime = trap.lifetime_caveat
     caveats = [trap.caveat, of_lifetime and f"lifetime: {of_lifetime}"]
     values: Values = {"force_error": error, "caveat": "; ".join(filter(None, caveats))}
-    if place is None or trap.corner_frequencies is None:
-        return values | {"outcome": RESTS if trap.rests else LOST}
-    stiffness = np.diag(place.stiffness)
-    errors = errors_of_trap(dataclasses.asdict(trap), scene)
-    corner = np.array(trap.corner_frequencies)
     thermal = Boltzmann * scene.medium.temperature
     held = trap.lifetime
-    depth = min(each.energy_kT for each in trap.escapes)
-    return values | {
-        "outcome": HELD if depth >= STABLE else SHALLOW,
+    values |= {
         "lifetime": math.nan if held is None else held.time,
         "lifetime_error": math.nan if held is None else held.error,
-        "equilibrium": list(place.position),
+    }
+    if (ring := trap.ring) is not None:
+        depth = min(each.energy_kT for each in ring.escapes)
+        softest = float(np.linalg.eigvals(ring.stiffness).real.min())
+        return values | {
+            "outcome": ON_RING if depth >= STABLE else SHALLOW,
+            "ring_radius": ring.radius,
+            "ring_radius_error": error / softest,
+        }
+    if place is None:
+        return values | {"outcome": RESTS if trap.rests else LOST, "reason": trap.reason}
+    errors = errors_of_trap(dataclasses.asdict(trap), scene)
+    relative = errors["stiffness"] / np.abs(place.stiffness_xyz)
+    depth = min(each.energy_kT for each in trap.escapes)
+    frequencies = {
+        "corner_frequency": (trap.corner_frequencies, 1.0),
+        "resonance_frequency": (trap.resonance_frequencies, 0.5),
+        "quality_factor": (trap.quality_factors, 0.5),
+    }
+    for name, (found, power) in frequencies.items():
+        numbers = np.asarray(found)
+        values |= {
+            name: numbers.tolist(),
+            f"{name}_error": (numbers * power * relative).tolist(),
+        }
+    return values | {
+        "outcome": HELD if depth >= STABLE else SHALLOW,
+        "equilibrium": place.position.tolist(),
         "equilibrium_error": [errors["equilibrium"]] * 3,
-        "stiffness": stiffness.tolist(),
+        "stiffness": place.stiffness_xyz.tolist(),
         "stiffness_error": [errors["stiffness"]] * 3,
-        "corner_frequency": corner.tolist(),
-        "corner_frequency_error": np.abs(corner * errors["stiffness"] / stiffness).tolist(),
         "escape_force": [each.force for each in trap.escapes],
         "escape_force_error": errors["escape_force"],
         "escape_energy": [each.energy_kT for each in trap.escapes],
@@ -245,6 +266,7 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
     names = [name for each in single for name in (each, f"{each}_error")]
     return {
         "outcome": found.outcome,
+        "reason": found.untold.removeprefix("; "),
         **{name: _number(getattr(found, name)) for name in names},
         "end": list(found.end),
         "end_error": [end_error] * 3,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: About what is said of every case in words
 _WORDS = {
     "outcome": "what becomes of the bead, or of the case",
-    "reason": "why a case failed",
+    "reason": "why a case failed, or where no trap was found",
     "caveat": "what speaks against the numbers of a case",
 }
 #: What the names along a dimension are

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +14,16 @@ from tweezer.forces.force import Kernel
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.rays.ray_sum import Rays, Sphere
+from tweezer.rings import Box
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
-#: How far the force is searched, and the distance of samples, in radii
-_REACH, _SPACING = 20.0, 0.02
+#: How far the force is sampled evenly, and the distance of samples, in radii
+_NEAR, _SPACING = 20.0, 0.02
+#: Distances from the axis in the plane of the focus, and from the focus along the axis, up to which
+#: rings are sought, in radii
+_ASIDE, _AHEAD = 2.0, 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +53,14 @@ class RayLight(Light):
     def search(self) -> Search:
         """See `Light.search`. The force changes over radii, and its sum over a grid jumps."""
         spacing = _SPACING * self.radius
-        return Search(_REACH * self.radius, spacing, beside=spacing)
+        near = _NEAR * self.radius
+        return Search(near, spacing, beside=spacing, reach=self.reach(0.0, near))
+
+    @property
+    def box(self) -> Box:
+        """See `Light.box`: the focus is a point."""
+        r = self.radius
+        return Box(_ASIDE * r, r, _AHEAD * r, math.tan(self.cone.half_angle))
 
     def regions(self) -> tuple[Kernel, Data]:
         """See `Force.regions`."""

@@ -15,7 +15,7 @@ from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.light import LightForce
 from tweezer.optics.waves.binding import Sums, sums
 from tweezer.optics.waves.kernel import absorption, waves_kernel
-from tweezer.optics.waves.light import Waves, waves_on_bead
+from tweezer.optics.waves.light import FARTHEST, Waves, waves_on_bead
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 _MISSED = 2.0
 #: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
 _BEYOND_LOSS = 1.25
-#: Largest distance at which the force is computed, in 1/k: 250 um in water at 1064 nm
-_FARTHEST = 2000.0
 #: Largest size parameter k a: the tables of harmonics grow as its cube
 _LARGEST = 160.0
 
@@ -103,10 +101,10 @@ class WavesByQuadrature(LightForce):
 
 def _not_too_far(light: Waves, name: str, distance: float) -> None:
     """Raise `SceneError` for a distance from the focus, m, that would take too many nodes."""
-    if light.wavenumber * distance > _FARTHEST:
+    if light.wavenumber * distance > FARTHEST:
         raise SceneError(
             f"{name} = {distance:.3g}: waves are computed up to "
-            f"{_FARTHEST / light.wavenumber:.3g} m from the focus"
+            f"{FARTHEST / light.wavenumber:.3g} m from the focus"
         )
 
 

@@ -11,13 +11,19 @@ from tweezer.equilibria import Search
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, states
+from tweezer.rings import Box
 from tweezer.scene import Scene
 
-#: How far the force is searched, in radii and in wavelengths in the medium, which add up: a small
-#: bead's trap reaches many radii
+#: How far the force is sampled evenly, in radii and in wavelengths in the medium, which add up: a
+#: small bead's trap reaches many radii
 _RADII, _WAVELENGTHS = 5.0, 10.0
+#: Largest distance at which the force is computed, in 1/k: 250 um in water at 1064 nm
+FARTHEST = 2000.0
 #: Distance of samples, in wavelengths in the medium: the force ripples at half a wavelength
 _SPACING = 0.05
+#: Distance from the axis in the plane of the focus up to which rings are sought, in 1/(k sin theta)
+#: beside the bead's radius; and along it, in depths of focus 2/(k sin^2 theta) beside its diameter
+_ASIDE, _DEPTHS = 6.0, 6.0
 #: Distance from an equilibrium at which the force must pull back, in those of samples
 _BESIDE = 0.1
 
@@ -63,8 +69,24 @@ class Waves(Light):
         """See `Light.search`. The force changes over wavelengths, and nowhere jumps."""
         wavelength = 2 * math.pi / self.wavenumber
         spacing = _SPACING * wavelength
-        reach = _RADII * self.radius + _WAVELENGTHS * wavelength
-        return Search(reach, spacing, beside=_BESIDE * spacing)
+        near = _RADII * self.radius + _WAVELENGTHS * wavelength
+        depth = wavelength / (math.pi * self.cone.spread**2)
+        # a line from a place within the reach ends where waves are computed
+        reach = min(self.reach(depth, near), max(near, FARTHEST / 2 / self.wavenumber))
+        # of two plane waves the wavenumbers along the axis differ by k (1 - cos theta) at most
+        coarsest = _SPACING * wavelength / (2 * math.sin(self.cone.half_angle / 2) ** 2)
+        return Search(near, spacing, _BESIDE * spacing, reach, coarsest)
+
+    @property
+    def box(self) -> Box:
+        """See `Light.box`. A part of the angular momentum l is brightest about l/(k sin theta) from
+        the axis.
+        """
+        parts = [abs(part.angular_momentum) for each in self.states for part in each.parts]
+        sine = self.cone.spread
+        width = self.radius + (_ASIDE + max(parts, default=0)) / (self.wavenumber * sine)
+        depth = 2 / (self.wavenumber * sine**2)
+        return Box(width, depth, 2 * self.radius + _DEPTHS * depth, sine)
 
     def of_radius(self, radius: float) -> Waves:
         """The same on a sphere scaled to that radius, m."""

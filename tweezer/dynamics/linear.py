@@ -1,0 +1,140 @@
+"""The linear motion of a bead about an equilibrium, with its inertia and that of the fluid.
+
+In a force -K x a bead of the mobility b, whose velocity has the modes (a_j, tau_j) of
+`tweezer.fluid.memory`, moves by
+
+    x' = sum_j a_j v_j,    tau_j v_j' = -b K x - v_j,
+
+of which m x'' = -beta x' - K x is the case of one mode, tau = m/beta. Where K is not symmetric, as
+in circular light, drag alone decides whether a bead that is pulled back comes to rest: of the
+eigenvalues a +- i b of K with a > 0 the motion m x'' = -beta x' - K x has a growing root if and
+only if beta < |b| sqrt(m/a).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.fluid import Modes, modes, single
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Part of an eigenvalue, and of the slowest time of a motion, that is rounding
+_ROUNDING = 1e-9
+_OF_SLOWEST = 1e-13
+#: Quality factor above which a displaced bead swings
+CRITICAL = 0.5
+
+
+class Resonances(NamedTuple):
+    """How a bead moves in the spring of each axis, (3,) each.
+
+    An axis has a corner frequency, or else a resonance with its quality factor: the others are NaN.
+    """
+
+    corner_frequencies: Array
+    """k_ii/(2 pi beta_v), Hz, where the bead creeps back"""
+    resonance_frequencies: Array
+    """|s|/(2 pi), Hz, of the root s of the motion, where it swings: sqrt(k_ii/m)/(2 pi) without the
+    fluid's inertia"""
+    quality_factors: Array
+    """|s|/(2 |Re s|), above 1/2: sqrt(k_ii m)/beta_v without the fluid's inertia"""
+
+
+@dataclass(frozen=True)
+class LinearMotion:
+    """What the motion of a bead about any equilibrium has in common."""
+
+    mass: float
+    """of the bead alone, and what moves with it of the fluid without memory, kg; 0 in a model
+    without inertia"""
+    displaced_mass: float = 0.0
+    """of the fluid in place of the bead, kg, where the fluid has a memory, by so many poles"""
+    poles: int = 0
+    scale: float = 1.0
+    """a2 of the scaled model, by which it divides the inertia of the bead"""
+    expansion_time: float = 0.0
+    """m/beta_v of the model of first order (4.11), s; 0 of others"""
+
+    def spiral_rate(self, stiffness: Array, mobility: Array) -> float:
+        """Rate at which a displaced bead that is pulled back leaves the equilibrium, 1/s.
+
+        stiffness: K, (3, 3) N/m, the real parts of whose eigenvalues are positive. mobility: of
+        translation along the axes, (3,) s/kg. Returns 0 where every displacement decays.
+        """
+        rates = mobility[:, None] * stiffness
+        kappa: Complex = np.linalg.eigvals(rates).astype(complex)
+        turning = np.abs(kappa.imag) > _ROUNDING * np.abs(kappa)
+        if self.expansion_time:
+            growing = -(kappa + self.expansion_time * kappa**2)[turning].real
+            return float(max(growing.max(initial=0.0), 0.0))
+        even = bool(np.ptp(mobility) == 0)
+        if self.mass == 0 or (even and not turning.any()):
+            return 0.0  # a passive drag takes energy from every motion in a potential
+        if even:
+            inverse = _inverse(kappa[turning, None, None], self._modes(mobility[0], self.scale))
+        else:
+            of_axes = Modes((self.mass / self.scale * mobility)[:, None], np.ones((3, 1)))
+            inverse = _inverse(rates[None], of_axes)
+        times = np.linalg.eigvals(inverse)
+        slowest = np.abs(times).max(axis=1, keepdims=True)
+        grows = times.real > _OF_SLOWEST * slowest
+        return float((1 / times[grows]).real.max(initial=0.0))
+
+    def resonances(self, stiffness: Array, mobility: Array) -> Resonances:
+        """How the bead moves in the spring of each axis.
+
+        Without the scaling of the model, which is no property of the bead. stiffness: k_ii, (3,)
+        N/m, positive. mobility: (3,) s/kg.
+        """
+        kappa = mobility * stiffness
+        corner, resonance, quality = kappa / (2 * math.pi), np.full(3, np.nan), np.full(3, np.nan)
+        for i in range(3) if self.mass else ():
+            if self.quality(float(stiffness[i]), float(mobility[i])) <= CRITICAL:
+                continue  # the fluid's memory only adds to the drag
+            of_axis = self._modes(mobility[i], 1.0)
+            roots = 1 / np.linalg.eigvals(_inverse(kappa[i, None, None, None], of_axis)[0])
+            root = roots[np.abs(roots.imag).argmax()]
+            swing = abs(root) / (2 * abs(root.real)) if root.real else math.inf
+            if root.imag != 0 and swing > CRITICAL:
+                corner[i], resonance[i], quality[i] = np.nan, abs(root) / (2 * math.pi), swing
+        return Resonances(corner, resonance, quality)
+
+    def quality(self, stiffness: float, mobility: float) -> float:
+        """sqrt(k m)/beta_v with all the mass that a sudden force meets: 0 without inertia."""
+        mass = self.mass + 0.5 * self.displaced_mass
+        return math.sqrt(stiffness * mass) * mobility
+
+    def _modes(self, mobility: float, scale: float) -> Modes:
+        """How the velocity follows a force."""
+        mass, drag = self.mass / scale, 1 / mobility
+        if self.poles:
+            return modes(mass, drag, self.displaced_mass, self.poles)
+        return single(mass / drag)
+
+
+def _inverse(rates: Array | Complex, velocity: Modes) -> Array | Complex:
+    """Inverse of the matrix of the linear motion: its eigenvalues are 1/s, s.
+
+    The slow motion keeps all digits in it, beside modes that are faster by many decades. rates:
+    b K, (sets, axes, axes), of one or more axes that a set couples.
+    """
+    sets, axes, _ = rates.shape
+    times = np.broadcast_to(velocity.times, (axes, velocity.times.shape[-1]))
+    lags = velocity.weights * times
+    n = times.shape[1]
+    made = np.zeros((sets, axes * (1 + n), axes * (1 + n)), rates.dtype)
+    within = np.linalg.inv(rates)
+    made[:, :axes, :axes] = -within
+    for i in range(axes):
+        of_axis = slice(axes + i * n, axes + (i + 1) * n)
+        made[:, :axes, of_axis] = -within[:, :, i, None] * lags[i]
+        made[:, of_axis, i] = 1.0
+        made[:, of_axis, of_axis] = lags[i] - np.diag(times[i])
+    return made

@@ -1,0 +1,266 @@
+"""Rings around the axis of a beam on which it holds a bead, and places off the axis.
+
+In light that is the same all around its axis the forces across and along it depend on the distance
+from the axis, rho, and on z alone. Where both vanish, they vanish on a ring. The force round the
+axis need not vanish there: light with angular momentum drives the bead round, at the speed v at
+which drag balances it, and the ring is where the force towards the axis carries the bead,
+
+    F_rho = -m v^2/rho,    F_z = 0,    v = F_phi/beta_v.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.equilibria import NetForce
+from tweezer.forces.force import Force
+from tweezer.vectors import Comparable, Vector, fixed
+
+Array = NDArray[np.float64]
+
+#: Samples from the axis to the rim of the box, and heights in a depth of focus
+_ACROSS, _ALONG = 24, 6
+#: Radius of a ring below which it is a place on the axis, in radii of the bead
+_ON_AXIS = 1e-3
+#: Part of the force beside a ring that may be left on it
+_VANISHED = 1e-7
+#: Distance below which two places are the same, in radii of the bead
+_SAME = 1e-3
+#: Ratio of the rate of the velocity to that of the force from which on inertia plays no part
+_MASSLESS = 1e4
+
+
+class Box(NamedTuple):
+    """Where light is intense: a region about the axis in which rings are sought, m."""
+
+    width: float
+    """distance from the axis"""
+    depth: float
+    """distance along the axis over which the light changes"""
+    reach: float
+    """distance from the focus along the axis"""
+    spread: float = 0.0
+    """growth of the width with the distance from the focus: tan of an angle"""
+
+    def nodes(self) -> tuple[Array, Array]:
+        """rho and z of samples, (heights, distances) m."""
+        count = 2 * math.ceil(self.reach / self.depth * _ALONG) + 1
+        z = np.linspace(-self.reach, self.reach, count)[:, None]
+        rho = np.linspace(0.0, 1.0, _ACROSS + 1)[1:] * (self.width + np.abs(z) * self.spread)
+        return rho, np.broadcast_to(z, rho.shape)
+
+    @property
+    def words(self) -> str:
+        """The region in words."""
+        rim = self.width + self.reach * self.spread
+        return f"{1e6 * rim:.3g} um from the axis and {1e6 * self.reach:.3g} um from the focus"
+
+
+class Motion(NamedTuple):
+    """What the motion on a ring needs of the bead."""
+
+    mass: float
+    """that moves with it, kg; 0 in a model without inertia"""
+    mobility: Callable[[Array], Array]
+    """at places (n, 3) m, across and along the axis, (n, 2) s/kg"""
+    beside: float
+    """distance from a ring at which the force must pull back, m"""
+
+
+@dataclass(frozen=True, eq=False)
+class Ring(Comparable):
+    """A ring around the axis on which light holds a bead."""
+
+    radius: float
+    """m"""
+    height: float
+    """z, m from the focus"""
+    stiffness: Vector
+    """the matrix -dF_i/dx_j over rho and z, (2, 2) N/m; in general not symmetric"""
+    azimuthal_force: float
+    """of the light on the bead along the ring, N: positive counter-clockwise, seen against the
+    light"""
+    speed: float
+    """at which it drives the bead round, m/s: that force over Stokes's drag"""
+    residual: float
+    """size of the force left across the ring, N"""
+    escapes: tuple[Any, ...] = ()
+    """pulling the bead off the ring along straight lines: outwards, inwards, +z, -z"""
+
+    @property
+    def position(self) -> Array:
+        """The place of the ring at y = 0, (3,) m from the focus."""
+        return fixed((self.radius, 0.0, self.height))
+
+    @property
+    def stiffness_across(self) -> Array:
+        """Stiffness along rho and along z, (2,) N/m."""
+        return fixed(np.diag(self.stiffness))
+
+    @property
+    def rate(self) -> float:
+        """Turns round the axis, Hz."""
+        return self.speed / (2 * math.pi * self.radius)
+
+
+def rings(
+    radius: float, box: Box, force: Force, net_force: NetForce, motion: Motion
+) -> Iterator[Ring]:
+    """The rings in a box on which a bead stays, nearest the focus first.
+
+    Their radius and height are sought by Newton's method (`scipy.optimize.root`) from each cell of
+    samples in which both forces change their sign. radius: of the bead, m.
+    """
+    found: list[Array] = []
+    for start in _starts(box, net_force, np.array([1.0, 0.0])):
+        place = ring_near(start, radius, force, net_force, motion)
+        if place is not None and all(np.abs(place - each).max() > _SAME * radius for each in found):
+            found.append(place)
+    for place in sorted(found, key=lambda each: math.hypot(*each)):
+        if ring := held_on(place, force, net_force, motion):
+            yield ring
+
+
+def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iterator[Array]:
+    """Places off the axis, (3,) m, where the net force vanishes in light that is not symmetric.
+
+    They are sought from half planes at 0, 45, 90 and 135 degrees; half a turn leaves the light as
+    it is, so that each has a partner.
+    """
+    found: list[Array] = []
+    for angle in np.pi * np.arange(4) / 4:
+        to_side = np.array([math.cos(angle), math.sin(angle)])
+        for rho, z in _starts(box, net_force, to_side):
+            start = np.append(rho * to_side, z)
+
+            def balance(place: Array) -> tuple[Array, Array]:
+                field = force.field(place[None], gradient=True)
+                return net_force(place[None])[0], field.force_gradient[0]
+
+            place = _balanced(start, balance, radius, _size(start, radius, net_force), box.width)
+            if place is None or math.hypot(*place[:2]) < _ON_AXIS * radius:
+                continue
+            for each in (place, place * [-1, -1, 1]):
+                if all(np.linalg.norm(each - other) > _SAME * radius for other in found):
+                    found.append(each)
+                    yield each
+
+
+def _starts(box: Box, net_force: NetForce, to_side: Array) -> Iterator[Array]:
+    """Middles (rho, z), m, of the cells of samples in which both forces change their sign."""
+    rho, z = box.nodes()
+    places = np.stack([rho * to_side[0], rho * to_side[1], z], axis=-1)
+    force = net_force(places.reshape(-1, 3)).reshape(places.shape)
+    across, along = force[..., :2] @ to_side, force[..., 2]
+
+    def changes(values: Array) -> NDArray[np.bool_]:
+        corners = [values[i : i + len(values) - 1, j : j + _ACROSS - 1]
+                   for i in (0, 1) for j in (0, 1)]  # fmt: skip
+        return (np.min(corners, axis=0) < 0) & (np.max(corners, axis=0) > 0)
+
+    for i, j in zip(*np.nonzero(changes(across) & changes(along)), strict=True):
+        yield np.array([rho[i : i + 2, j : j + 2].mean(), z[i : i + 2, j : j + 2].mean()])
+
+
+def _size(start: Array, radius: float, net_force: NetForce) -> float:
+    """The largest force about a place, N."""
+    return float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
+
+
+def ring_near(
+    start: Array, radius: float, force: Force, net_force: NetForce, motion: Motion
+) -> Array | None:
+    """Radius and height of the ring near `start`, (2,) m, on which the forces cancel, or None."""
+
+    def balance(place: Array) -> tuple[Array, Array]:
+        rho, z = place
+        at = np.array([[rho, 0.0, z]])
+        (across, around, along), mobility = net_force(at)[0], motion.mobility(at)[0, 0]
+        gradient = force.field(at, gradient=True).force_gradient[0]
+        slopes = gradient[np.ix_([0, 2], [0, 2])]
+        outwards = motion.mass * mobility**2 / rho
+        slopes[0] += outwards * (2 * around * gradient[1, [0, 2]] - [around**2 / rho, 0.0])
+        return np.array([across + outwards * around**2, along]), slopes
+
+    size = _size(np.array([start[0], 0.0, start[1]]), radius, net_force)
+    place = _balanced(start, balance, radius, size, radius + float(start[0]))
+    return None if place is None or place[0] < _ON_AXIS * radius else place
+
+
+def _balanced(
+    start: Array,
+    balance: Callable[[Array], tuple[Array, Array]],
+    radius: float,
+    size: float,
+    farthest: float,
+) -> Array | None:
+    """The place near `start` where forces vanish, by Newton's method; None if there is none.
+
+    balance: the forces, N, and their gradient, N/m, at a place. radius: of the bead, m; size: of
+    the forces about the start, N. farthest: distance from the start beyond which none is sought, m.
+    """
+    from scipy.optimize import root
+
+    if size == 0.0:
+        return None
+
+    def scaled(place: Array) -> tuple[Array, Array]:
+        if np.linalg.norm(radius * place - start) > farthest:
+            raise _AstrayError
+        forces, gradient = balance(radius * place)
+        return forces / size, gradient * (radius / size)
+
+    try:
+        solved = root(scaled, start / radius, jac=True, tol=1e-14)
+    except _AstrayError:
+        return None
+    place: Array = solved.x * radius
+    return place if np.abs(solved.fun).max() < _VANISHED else None
+
+
+class _AstrayError(Exception):
+    """Newton's method has left the place where it began."""
+
+
+def held_on(place: Array, force: Force, net_force: NetForce, motion: Motion) -> Ring | None:
+    """The ring at radius and height `place`, (2,) m; None if a bead does not stay on it."""
+    rho, z = place
+    at = np.array([[rho, 0.0, z]])
+    (across, around, along), (b, b_z) = net_force(at)[0], motion.mobility(at)[0]
+    gradient = force.field(at, gradient=True).force_gradient[0]
+    slopes = gradient[np.ix_([0, 2], [0, 2])]
+    speed = b * around
+    m = motion.mass
+    slow = np.linalg.eigvals(np.array([[b], [b_z]]) * slopes)
+    steps = motion.beside * np.array([[1, 0, 0], [-1, 0, 0], [0, 0, 1], [0, 0, -1]])
+    beside = net_force(at + steps) + np.array([m * speed**2 / rho, 0, 0])
+    if not (slow.real.max() < 0 and ((beside * steps).sum(axis=1) < 0).all()):
+        return None
+    if m and 1 / (m * max(b, b_z)) < _MASSLESS * np.abs(slow).max():
+        turn = speed / rho
+        # rho, z, and the speeds along rho, around the axis and along z
+        matrix = np.array(
+            [
+                [0, 0, 1, 0, 0],
+                [0, 0, 0, 0, 1],
+                [slopes[0, 0] / m - turn**2, slopes[0, 1] / m, -1 / (m * b), 2 * turn, 0],
+                [gradient[1, 0] / m, gradient[1, 2] / m, -turn, -1 / (m * b), 0],
+                [slopes[1, 0] / m, slopes[1, 1] / m, 0, 0, -1 / (m * b_z)],
+            ]
+        )
+        if not np.linalg.eigvals(matrix).real.max() < 0:
+            return None
+    return Ring(
+        radius=float(rho),
+        height=float(z),
+        stiffness=fixed(-slopes),
+        azimuthal_force=float(around),
+        speed=float(speed),
+        residual=math.hypot(across + m * speed**2 / rho, along),
+    )

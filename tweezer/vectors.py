@@ -1,0 +1,47 @@
+"""Vectors and matrices in results: NumPy arrays that nobody can change, and that files hold."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import GetPydanticSchema
+from pydantic_core import core_schema
+
+
+def fixed(values: ArrayLike) -> NDArray[np.float64]:
+    """Return a read-only copy of `values` as an array of floats; None becomes NaN."""
+    array = np.array(values, dtype=float)
+    array.flags.writeable = False
+    return array
+
+
+#: an array, and as a file holds it a list of numbers or of lists, in which null stands for NaN
+Vector = Annotated[
+    NDArray[np.float64],
+    GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(fixed)),
+]
+
+
+class Comparable:
+    """A dataclass with arrays among its fields, made with `eq=False`."""
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all fields that are compared are equal; NaN is equal to NaN."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(
+            _same(getattr(self, each.name), getattr(other, each.name))
+            for each in dataclasses.fields(self)  # type: ignore[arg-type]
+            if each.compare
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)
