@@ -64,6 +64,7 @@ docs: .venv/.dev  ## the site, into site/
 stress: .venv/.dev  ## 10,000 random scenes, 2,000 with thermal motion, 1,000 beside walls, faults from outside, and ensembles killed 20 times
 	$(BIN)/python -m tests.stress 10000
 	$(BIN)/python -m tests.stress_faults
+	$(BIN)/python -m tests.low_damping
 	TWEEZER_KILLS=20 $(BIN)/python -m pytest -n0 tests/ensembles/test_ensemble_kill.py
 
 package: .venv/.dev  ## wheel and sdist, each installed in a fresh environment and run there
