@@ -389,7 +389,7 @@ def _limited() -> Iterator[None]:
 
 
 def results(
-    count: int, seed: int, change: Callable[[np.random.Generator, Path], str]
+    count: int, first: int, seed: int, change: Callable[[np.random.Generator, Path], str]
 ) -> Counter[str]:
     """Read so many results that `change` has changed; see the beginning of this file."""
 
@@ -428,19 +428,19 @@ def results(
             ended = "read as it was" if same else "read, and told" if told else "read as edited"
         return f"{what}: {ended}"
 
-    return counted(count, seed, case)
+    return counted(count, first, seed, case)
 
 
-def damaged_results(count: int) -> Counter[str]:
+def damaged_results(count: int, first: int = 0) -> Counter[str]:
     """Files of results: bits changed, cut, emptied, removed, replaced."""
-    return results(count, 11, damaged)
+    return results(count, first, 11, damaged)
 
 
-def edited_results(count: int) -> Counter[str]:
+def edited_results(count: int, first: int = 0) -> Counter[str]:
     """Attributes, variables, descriptions and values of JSON, changed as another program may."""
-    return results(count, 12, edited)
+    return results(count, first, 12, edited)
 
 
-def hostile_results(count: int) -> Counter[str]:
+def hostile_results(count: int, first: int = 0) -> Counter[str]:
     """Results that name other files, run code, or declare more than they hold."""
-    return results(count, 13, hostile)
+    return results(count, first, 13, hostile)

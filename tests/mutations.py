@@ -125,11 +125,16 @@ def changed_text(rng: np.random.Generator, lines: list[str]) -> list[str]:
     return lines
 
 
-def counted(count: int, seed: int, case: Callable[[np.random.Generator], str]) -> Counter[str]:
-    """How so many cases end, each in a folder of its own; raises for what must not happen."""
+def counted(
+    count: int, first: int, seed: int, case: Callable[[np.random.Generator], str]
+) -> Counter[str]:
+    """How so many cases from the number `first` on end, each in a folder of its own.
+
+    Raises for what must not happen.
+    """
     outcomes: Counter[str] = Counter()
     home = Path.cwd()
-    for number in range(count):
+    for number in range(first, first + count):
         rng = np.random.default_rng([seed, number])
         with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -148,7 +153,7 @@ def counted(count: int, seed: int, case: Callable[[np.random.Generator], str]) -
     return outcomes
 
 
-def mutated_scenes(count: int) -> Counter[str]:
+def mutated_scenes(count: int, first: int = 0) -> Counter[str]:
     """Files of shipped scenes: lines and bytes changed."""
     texts = [path.read_text(encoding="utf-8") for path in tweezer.shipped_scenes().values()]
 
@@ -163,10 +168,10 @@ def mutated_scenes(count: int) -> Counter[str]:
             raise AssertionError("JSON does not keep the scene")
         return "read" if len(repr(scene)) < 800 else "read, but shown at length"
 
-    return counted(count, 1, case)
+    return counted(count, first, 1, case)
 
 
-def mutated_command_lines(count: int) -> Counter[str]:
+def mutated_command_lines(count: int, first: int = 0) -> Counter[str]:
     """Commands on short scenes: words changed, left out, doubled, and added."""
     options = [word for line in LINES for word in line if word.startswith("--")]
     scene = tweezer.shipped_scenes()["silica-1um"].read_bytes()
@@ -223,7 +228,7 @@ def mutated_command_lines(count: int) -> Counter[str]:
             raise AssertionError(f"{left} are left: {line}")
         return "refused" if isinstance(error, TweezerError) else f"exit code {ended.exit_code}"
 
-    return counted(count, 2, case)
+    return counted(count, first, 2, case)
 
 
 def _contents() -> dict[str, bytes]:
@@ -236,7 +241,7 @@ def _write_table(name: str, rows: int) -> None:
     np.savetxt(name, table, "%.6g", ",", header="t [ms],x [nm],y (nm)", comments="")
 
 
-def mutated_recordings(count: int) -> Counter[str]:
+def mutated_recordings(count: int, first: int = 0) -> Counter[str]:
     """CSV, HDF5, NetCDF, NumPy's, MATLAB's, TDMS: headings, lines and bytes changed, and cut.
 
     The options that say how a file is read are drawn too.
@@ -282,7 +287,7 @@ def mutated_recordings(count: int) -> Counter[str]:
             raise AssertionError("a saved run that is damaged is read otherwise")
         return f"{name[-4:]}: read {'as it was' if as_it_was else 'otherwise'}"
 
-    return counted(count, 3, case)
+    return counted(count, first, 3, case)
 
 
 def _write_tdms(name: str, columns: dict[str, np.ndarray]) -> None:

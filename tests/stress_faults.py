@@ -1,8 +1,11 @@
 """Faults from outside: each ends whole, or as one error of tweezer's own; never wrong in silence.
 
-`python -m tests.stress_faults` prints how they ended; `make stress` calls it. A kind of fault is a
-function `kind(count)` that makes so many and counts how they ended; what must not happen raises
-AssertionError, which names the fault.
+`python -m tests.stress_faults` prints how they ended; `make stress` calls it. With words it makes
+the faults whose names have one of them, and with numbers FIRST and COUNT that part of each:
+`python -m tests.stress_faults damaged killed 200 50`.
+
+A kind of fault is a function `kind(count, first)` that makes so many, from that number on, and
+counts how they ended; what must not happen raises AssertionError, which names the fault.
 """
 
 from __future__ import annotations
@@ -21,6 +24,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from tests import write_faults
+from tests.damaged_results import damaged_results, edited_results, hostile_results
+from tests.foreign_files import foreign_files
 from tests.mutations import mutated_command_lines, mutated_recordings, mutated_scenes
 
 ROOT = Path(__file__).parents[1]
@@ -37,12 +43,11 @@ print(*(component for place in places for component in tweezer.optical_force(sce
 """
 
 
-def damaged_caches(count: int) -> Counter[str]:
+def damaged_caches(count: int, first: int = 0) -> Counter[str]:
     """Damage files of compiled code and of a table: the forces stay the same but for rounding.
 
     What is compiled again is linked in another order, which may change the last bit.
     """
-    rng = np.random.default_rng(1)
     ended: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -58,7 +63,8 @@ def damaged_caches(count: int) -> Counter[str]:
         right = forces()
         sound = {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
         tables = [path for path in sound if path.suffix == ".table"]
-        for _ in range(count):
+        for number in range(first, first + count):
+            rng = np.random.default_rng([1, number])
             # every fifth time a table, of which there is one
             path = rng.choice(tables if rng.random() < 0.2 else list(sound))
             kind = rng.choice(["changed", "cut", "empty", "longer", "another's", "a folder"])
@@ -158,22 +164,22 @@ def _mended(out: Path, expected: dict[Path, bytes], fault: str) -> str:
 
 
 def _places(
-    count: int, outputs: tuple[str, ...] = WITH_SWEEP
+    count: int, first: int, outputs: tuple[str, ...] = WITH_SWEEP
 ) -> Iterator[tuple[int, Path, dict[Path, bytes]]]:
     """So many places for an output: number, path, and what is written if nothing goes wrong."""
     with tempfile.TemporaryDirectory() as name:
         expected = _whole(Path(name), outputs)
-        for number in range(count):
+        for number in range(first, first + count):
             out = Path(name) / f"{number}" / outputs[number % len(outputs)]
             out.parent.mkdir()
             yield number, out, expected[out.name]
 
 
-def kills(count: int) -> Counter[str]:
+def kills(count: int, first: int = 0) -> Counter[str]:
     """Kill ensembles and sweeps at random, and go on with them: the bytes are the same."""
-    rng = np.random.default_rng(2)
     ended: Counter[str] = Counter()
-    for number, out, expected in _places(count):
+    for number, out, expected in _places(count, first):
+        rng = np.random.default_rng([2, number])
         going = _ensemble(out)
         while not list(out.parent.iterdir()) and going.poll() is None:
             time.sleep(0.01)
@@ -186,11 +192,11 @@ def kills(count: int) -> Counter[str]:
     return ended
 
 
-def full_disk(count: int) -> Counter[str]:
+def full_disk(count: int, first: int = 0) -> Counter[str]:
     """Let no file be longer than so much: one line, and then the same bytes."""
-    rng = np.random.default_rng(3)
     ended: Counter[str] = Counter()
-    for _, out, expected in _places(count):
+    for number, out, expected in _places(count, first):
+        rng = np.random.default_rng([3, number])
         most = int(rng.integers(50_000))
         going = _ensemble(out, most)
         said = going.communicate()[1]
@@ -204,14 +210,14 @@ def full_disk(count: int) -> Counter[str]:
     return ended
 
 
-def damaged_stores(count: int) -> Counter[str]:
+def damaged_stores(count: int, first: int = 0) -> Counter[str]:
     """Damage a file of an ensemble begun or complete: the same bytes, or one line.
 
     A byte that is changed in a chunk is left to its checksum, which readers see.
     """
-    rng = np.random.default_rng(4)
     ended: Counter[str] = Counter()
-    for number, out, expected in _places(count, OUTPUTS):
+    for number, out, expected in _places(count, first, OUTPUTS):
+        rng = np.random.default_rng([4, number])
         going = _ensemble(out)
         if number % 4 < 2:
             while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
@@ -235,22 +241,52 @@ def damaged_stores(count: int) -> Counter[str]:
     return ended
 
 
+def failing_writes(count: int, first: int = 0) -> Counter[str]:
+    """Each write of a sweep and of ensembles fails, by a full disk, a failing one, and Ctrl-C.
+
+    So many of their numbers, from `first` on; a sweep has most, fewer than 400.
+    """
+    ended: Counter[str] = Counter()
+    for name in write_faults.KINDS:
+        ended += write_faults.at_each_write(
+            name,
+            write_faults.ERRORS,
+            lambda writes: range(1 + first, 1 + min(writes, first + count)),
+        )
+    return ended
+
+
 #: name, what makes the faults, and how many
-FAULTS: list[tuple[str, Callable[[int], Counter[str]], int]] = [
-    ("damaged files of compiled code and tables", damaged_caches, 100),
-    ("changed scenes", mutated_scenes, 1000),
-    ("changed command lines", mutated_command_lines, 1000),
-    ("changed recordings", mutated_recordings, 1000),
-    ("ensembles and sweeps that are killed", kills, 75),
-    ("ensembles and sweeps on a disk that is full", full_disk, 75),
-    ("damaged files of ensembles", damaged_stores, 100),
+FAULTS: list[tuple[str, Callable[[int, int], Counter[str]], int]] = [
+    ("damaged files of compiled code and tables", damaged_caches, 1000),
+    ("changed scenes", mutated_scenes, 10_000),
+    ("changed command lines", mutated_command_lines, 10_000),
+    ("changed recordings", mutated_recordings, 10_000),
+    ("results that are damaged", damaged_results, 10_000),
+    ("results that another program has edited", edited_results, 10_000),
+    ("results that are hostile", hostile_results, 5000),
+    ("foreign files beside outputs", foreign_files, 5000),
+    ("writes that fail, each of a sweep and of ensembles", failing_writes, 400),
+    ("ensembles and sweeps that are killed", kills, 750),
+    ("ensembles and sweeps on a disk that is full", full_disk, 750),
+    ("damaged files of ensembles", damaged_stores, 1000),
 ]
 
 
-if __name__ == "__main__":
-    began = time.perf_counter()
-    for name, make, count in FAULTS:
-        print(f"{count} {name}", flush=True)
-        for ended, times in make(count).most_common():
+def _make(arguments: list[str]) -> None:
+    """Make the faults that the arguments name, and print how they ended."""
+    words = [each for each in arguments if not each.isdigit()]
+    numbers = [int(each) for each in arguments if each.isdigit()]
+    for name, make, all_of_them in FAULTS:
+        if words and not any(word in name for word in words):
+            continue
+        first, count = numbers or (0, all_of_them)
+        began = time.perf_counter()
+        print(f"{count} {name}, from {first}", flush=True)
+        for ended, times in make(count, first).most_common():
             print(f"{times:8d}  {ended}")
-    print(f"{time.perf_counter() - began:8.0f}  s")
+        print(f"{time.perf_counter() - began:8.0f}  s", flush=True)
+
+
+if __name__ == "__main__":
+    _make(sys.argv[1:])

@@ -1,4 +1,4 @@
-"""Results that are damaged, edited or hostile: a part of what `make stress` does."""
+"""Results that are damaged, edited or hostile, and files beside them: a part of `make stress`."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ import xarray as xr
 import tweezer
 from tests import damaged_results
 from tests.damaged_results import PRIVATE, copied, sound
+from tests.foreign_files import foreign_files
 from tweezer.saved import kind_of_file
 
 
@@ -26,12 +27,13 @@ def _here(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("kind", "count"),
     [
-        (damaged_results.damaged_results, 40),
-        (damaged_results.edited_results, 40),
-        (damaged_results.hostile_results, 30),
+        (damaged_results.damaged_results, 25),
+        (damaged_results.edited_results, 25),
+        (damaged_results.hostile_results, 15),
+        (foreign_files, 10),
     ],
 )
-def test_changed_result_is_read_or_refused_in_one_line(kind, count):
+def test_fault_loses_nothing_and_is_told_in_one_line(kind, count):
     assert sum(kind(count).values()) == count
 
 

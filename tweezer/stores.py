@@ -159,8 +159,15 @@ def open_store(path: Path) -> xr.Dataset:
     tweezer, is damaged, lacks files, or has links in it. Of an ensemble whole blocks may be missing
     as long as their chunks of `lost_time` are: these were not computed.
     """
-    found = _described(path)
-    _check_whole(path, found)
+    _check_whole(path, _described(path))
+    return open_written(path)
+
+
+def open_written(path: Path) -> xr.Dataset:
+    """Return the result in a store that this program has written; see `open_store`.
+
+    Its chunks are not looked for: a file system may show those of other machines late.
+    """
     try:
         with warnings.catch_warnings(action="ignore"):  # texts are not yet in Zarr's specification
             store = xr.open_zarr(

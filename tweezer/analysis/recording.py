@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.errors import ResultError, TooFewError, warn
+from tweezer.hdf5 import check_result
 from tweezer.io import check_seal, scene_of
 from tweezer.reading import (
     HDF5,
@@ -382,6 +383,7 @@ def read_source(
         try:
             check_seal(path)
             if _is_run(path):
+                check_result(path)
                 with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
                     return _of_run(dataset, str(path), reading)
         except ResultError:

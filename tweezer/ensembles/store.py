@@ -39,7 +39,7 @@ from tweezer.errors import ResultError
 from tweezer.files import write_whole
 from tweezer.io import load_result, save_run
 from tweezer.scene import Scene
-from tweezer.stores import attributes_of_store, open_store, seal
+from tweezer.stores import attributes_of_store, open_written, seal
 from tweezer.version import FORMAL
 
 #: Arrays by name, in memory or in the store
@@ -209,7 +209,7 @@ class Trajectories:
                             if _TORN.fullmatch(path.name):
                                 path.unlink(missing_ok=True)
                 job.beside.remove()
-            dataset = open_store(job.out)
+            dataset = open_written(job.out)
         left = (job.members(index) for index in self.left)
         done = job.trajectories - sum(members.stop - members.start for members in left)
         return _ended(dataset, complete, done)
