@@ -31,8 +31,8 @@ class MeanSpring(NamedTuple):
 def _cubature() -> tuple[Array, Array]:
     """Points (19, 3) and weights (19,) for means over three independent standard normals.
 
-    They are exact for polynomials to degree 5 (A. H. Stroud, Approximate Calculation of Multiple
-    Integrals, 1971, formula 5-3 of the Gaussian weight).
+    They are exact for polynomials to degree 5 (J. McNamee and F. Stenger, Numer. Math. 10, 327
+    (1967)).
     """
     unit = np.eye(3)
     pairs = [unit[i] + sign * unit[j] for i in range(3) for j in range(i) for sign in (1, -1)]
@@ -49,8 +49,8 @@ def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
 
     The stiffness is that of statistical linearisation: the mean of -dF/dx over a Gaussian
     distribution, whose mean position has no mean force and whose covariance is k_B T over that
-    stiffness (N. Wiener; J. B. Roberts and P. D. Spanos, Random Vibration and Statistical
-    Linearization, 1990). In a weakly anharmonic trap the spectrum of the bead is that of the mean
+    stiffness (J. B. Roberts and P. D. Spanos, Random Vibration and Statistical Linearization,
+    1990). In a weakly anharmonic trap the spectrum of the bead is that of the mean
     spring, up to second order in the part by which its stiffness differs from that at the
     equilibrium. The drag is that of the mean mobility.
     """

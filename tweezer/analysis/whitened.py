@@ -20,9 +20,9 @@ class Whitened:
 
     phi is the correlation of x from sample to sample, so that y of an overdamped bead is white, and
     that of a bead with inertia nearly so. The ordinates of a white series are independent, without
-    the leakage that those of x itself have in a short recording (W. A. Fuller, Introduction to
-    Statistical Time Series, 1996, section 7.4). So their Whittle likelihood is that of x (P.
-    Whittle, Ark. Mat. 2, 423 (1953)), all but what its first sample adds.
+    the leakage that those of x itself have in a short recording (D. B. Percival and A. T. Walden,
+    Spectral Analysis for Physical Applications, 1993, section 6.5). So their Whittle likelihood is
+    that of x (P. Whittle, Ark. Mat. 2, 423 (1953)), without its first sample.
     """
 
     axis: str
