@@ -197,8 +197,8 @@ def rows(count=150, **changed):
      ("a.csv", rows(0), "has 0 samples"),
      ("a.csv", "", "has no column t and no column x; headings are such as"),
      ("a.csv", "t,y\n0,1\n", "has no column x among 't', 'y'; headings are such as"),
-     ("a.csv", rows(l1="frame,x"), "has frames and no times; give their rate, such as --rate"),
-     ("a.csv", rows(l1="t,x_px"), "x_px: is in pixels; give the length of one, such as --scale"),
+     ("a.csv", rows(l1="frame,x"), "has frames and no times; give their rate: --rate"),
+     ("a.csv", rows(l1="t,x_px"), "x_px: is in pixels; give the length of one: --scale"),
      ("a.csv", rows(l1="0,1e-9"), "has no headings over its 2 columns; name them in their order: "
       '--columns "t [s],x [um]"'),
      ("a.csv", "t," + ",".join(f"c{i}" for i in range(999)), "'c7', 'c8', ...; headings are"),

@@ -309,14 +309,14 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
 @pytest.mark.parametrize(
     ("name", "write", "options", "way"),
     [("a.csv", text("frame;x;y", FRAMES, X, Y, mark=";"), {},
-      'give their rate, such as --rate "15 Hz"'),
-     ("a.csv", text("t,x_px", T, X / PIXEL), {}, 'such as --scale "85.8 nm"'),
+      'give their rate: --rate "... Hz"'),
+     ("a.csv", text("t,x_px", T, X / PIXEL), {}, 'give the length of one: --scale "... nm"'),
      ("a.csv", text("t,x", T, X / PIXEL * 100), {},
       "Is its unit missing? Of pixels --scale has it"),
      ("a.csv", text("t,x [um]", T, X), {"scale": "1 nm"},
       "is in m, and --scale is for positions in pixels"),
      ("a.csv", text("x [um]", 1e6 * X), {},
-      'give the rate of rows at even times, such as --rate "1 kHz"'),
+      'give the rate of rows at even times: --rate "... Hz"'),
      ("a.csv", text(None, T, X, Y), {}, '--columns "t [s],x [um],y [um]"'),
      ("a.csv", text("Zeit,Pos A", T, X), {}, 'such as --columns "t=Zeit,x=Pos A"'),
      ("a.csv", text("t,x [um],x [nm]", T, X, X), {}, 'such as --columns "x=x [um]"'),
@@ -328,8 +328,8 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
       "has 2 columns and no headings, and --columns names 1; name the others -, or, if its "
       "decimals have commas, write them with points"),
      ("a.csv", text("frame,t,x", FRAMES, T, X), {"rate": 100},
-      'its times have 1000 Hz, and --rate is 100 Hz; name the columns without the time if that is '
-      'wrong: --columns "frame=...,x=..."'),
+      'its times have 1000 Hz, and --rate is 100 Hz; leave out --rate, or, if the times are wrong, '
+      'name the columns without them: --columns "frame=...,x=..."'),
      ("a.csv", text("t,x", T, X), {"columns": "t=t,x=place"},
       "no column is called 'place' among 't', 'x'"),
      ("a.csv", text("t,x", T, X), {"columns": "t=1,x=9"},
@@ -345,7 +345,7 @@ BEADS = text("x,y,frame,particle", 1e6 * X, Y, FRAMES % 200, FRAMES // 200)
      ("a.csv", text("t,x", T // 0.005, X), {}, 'stamps repeat; if'),
      ("a.csv", text("t,x", T % 0.2, X), {}, 'such as --columns "bead=ID,..."'),
      ("a.csv", text("t,x", T, X, decimal=","), {}, "decimals need a point, or ; between the cells"),
-     ("a.csv", text("t,x\n12:30:01.001,5", T, X), {}, '--columns "x=..." --rate "1 kHz"'),
+     ("a.csv", text("t,x\n12:30:01.001,5", T, X), {}, '--columns "x=..." --rate "... Hz"'),
      ("a.csv", BEADS, {"rate": 15}, 'has 2 beads; name the one to be read, such as --bead "0"'),
      ("a.csv", gap(*range(0, 400, 15), fill=""), {},
       "the longest stretch without a gap has 14 samples"),
@@ -409,7 +409,7 @@ def test_command(command_line):
     refused = command_line("calibrate", "a.csv", *known)
     assert (refused.code, refused.err) == (
         2,
-        'a.csv: has frames and no times; give their rate, such as --rate "15 Hz"\n',
+        'a.csv: has frames and no times; give their rate: --rate "... Hz"\n',
     )
     done = command_line(
         "calibrate", "a.csv", *known, "--rate", "1 kHz", "--scale", "85.8 nm",

@@ -103,8 +103,7 @@ class Recording(Shown):
         steps = np.diff(self.times)
         if (steps <= 0).any():
             self._refuse(
-                "its time is not after the one before; rows at even times are read without it, "
-                'such as --columns "x=..." --rate "1 kHz"',
+                "its time is not after the one before",
                 1 + int(np.argmax(steps <= 0)),
             )
         even = np.linspace(self.times[0], self.times[-1], len(self.times))

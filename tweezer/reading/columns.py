@@ -26,6 +26,8 @@ from tweezer.reading.order import in_order, refuse_another_order
 from tweezer.reading.table import Array, Table, refuse_too_long
 from tweezer.reading.times import at_even_times, of_frames
 
+#: Deviation of a rate from that of times which are not read, beyond which a note reports it
+_ANOTHER_RATE = 0.05
 #: Largest number of headings in an error message
 _NAMES_TOLD = 10
 
@@ -109,10 +111,11 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
         name = f"{table.name}, bead {label}" if label else table.name
         part = {quantity: each[rows] for quantity, each in values.items()}
         part, sorted_ = _sorted(name, table, places, part, reading.rate)
-        if not {"t", "frame"} & set(places):
-            _refuse_another_order(name, table, places, rows)
+        unread = ""
+        if not {"t", "frame"} & set(places) and reading.rate is not None:
+            unread = _unread_stamps(name, table, places, rows, reading.rate)
         times, said = _times(table, reading, part, min(steps, default=None))
-        every = "; ".join(filter(None, dict.fromkeys([*notes, note, sorted_, said])))
+        every = "; ".join(filter(None, dict.fromkeys([*notes, note, sorted_, said, unread])))
         columns = {name: each for name, each in part.items() if name not in ("t", "frame")}
         found[label] = Columns(times, columns, units[axes[0]], every)
     return found
@@ -157,24 +160,36 @@ def _option(table: Table, places: dict[str, _Place]) -> str:
     return ",".join(named)
 
 
-def _refuse_another_order(
-    name: str, table: Table, places: dict[str, _Place], rows: NDArray[Any]
-) -> None:
-    """Refuse rows whose column of frames or times, which is not read, has them in another order."""
+def _unread_stamps(
+    name: str, table: Table, places: dict[str, _Place], rows: NDArray[Any], rate: float
+) -> str:
+    """Return a note on a column of times that is not read and has another rate.
+
+    Raises `ResultError` for rows that a column of times or frames has in another order.
+    """
     groups = {table.columns[place.column].group for place in places.values()}
     for index, column in enumerate(table.columns):
-        quantity = understood(column.heading).quantity
-        if quantity not in ("t", "frame") or column.group not in groups:
+        heading = understood(column.heading)
+        if heading.quantity not in ("t", "frame") or column.group not in groups:
             continue
         try:
             (stamps,) = table.numbers([index])
         except ResultError:  # dates, say
             continue
-        if len(stamps) == len(rows):
-            way = _option(table, {quantity: _Place(index), **places})
-            refuse_another_order(
-                name, column.name.strip(AROUND), stamps[rows], f'--columns "{way}"'
-            )
+        if len(stamps) != len(rows):
+            continue
+        called = column.name.strip(AROUND)
+        way = f'--columns "{_option(table, {heading.quantity: _Place(index), **places})}"'
+        refuse_another_order(name, called, stamps[rows], way)
+        units = [each for each in (heading.unit, column.unit) if each]
+        if heading.quantity == "t" and all(is_unit(each, "t") for each in units):
+            factor = factor_of(units[0], "t")[0] if units else 1.0
+            dated = stamps[rows & np.isfinite(stamps)]
+            lasts = factor * float(np.ptp(dated)) if len(dated) > 1 else 0.0
+            found = (len(dated) - 1) / lasts if lasts else rate
+            if abs(rate / found - 1) > _ANOTHER_RATE:
+                return f"its column {called!r}, which is not read, has {found:.6g} Hz"
+    return ""
 
 
 def _beads(
@@ -290,7 +305,7 @@ def _places(table: Table, reading: Reading, wanted: Wanted) -> dict[str, _Place]
         places.pop("frame", None)
     if "frame" in places and reading.rate is None and not _has_rate(table, places):
         raise ResultError(
-            f'{table.name}: has frames and no times; give their rate, such as --rate "15 Hz"'
+            f'{table.name}: has frames and no times; give their rate: --rate "... Hz"'
         )
     return places
 
@@ -372,7 +387,7 @@ def _called(table: Table, chosen: Chosen) -> tuple[int, str | None]:
         which = "two columns are" if alike else "no column is"
         raise ResultError(
             f"{table.name}: {which} called {called.strip()!r}{_there(table)}; columns have numbers "
-            f'too, such as "{chosen.quantity}={alike[0] + 1 if alike else 1}"'
+            f'too, such as "{chosen.quantity}={alike[0] + 1 if alike else "N"}"'
         )
     return alike[0], unit
 
@@ -405,9 +420,14 @@ def _by_headings(
             names = [table.columns[place.column].name.strip(AROUND) for place in first]
             unique = len({_folded(name) for name in names}) == len(names)
             called = names[0] if unique else first[0].column + 1
+            others = [
+                f"{each}={table.columns[of[0][1].column].name.strip(AROUND)}"
+                for each, of in found.items() if each != quantity and each in AXES
+            ] if quantity not in AXES else []  # fmt: skip
+            way = ",".join([f"{quantity}={called}", *others])
             raise ResultError(
                 f"{table.name}: two columns for {quantity}: {names[0]!r} and {names[1]!r}; name "
-                f'those to be read, such as --columns "{quantity}={called}"'
+                f'those to be read, such as --columns "{way}"'
             )
         places[quantity] = first[0]
     return places
@@ -425,19 +445,48 @@ def _refuse_missing(
     others = [each.name for i, each in enumerate(table.columns) if i not in used]
     there = [f"{each}={table.columns[places[each].column].name}" for each in places if each in AXES]
     lacking = [each for each in missing if each != drive]
-    named = [f"{each}={name}" for each, name in zip(lacking, others, strict=False)] + there
     ways = ['headings are such as "t [s]" and "x [um]"']
     if lacking and len(others) >= len(lacking):
-        ways += [f'name others, such as --columns "{",".join(named)}"']
+        named = ",".join([*_others(table, lacking, used), *there])
+        ways += [f'name others, such as --columns "{named}"']
     if missing == ["x"] == [*wanted.axes] and there:
         ways += [f'read it without: --columns "{",".join(there)}"']
     if missing == ["t"] and table.rate_beside:
         rate = table.rate_beside.rpartition(" ")[2]
         ways += [f'{table.rate_beside} is perhaps the rate of its rows: --rate "{rate} Hz"']
     elif missing == ["t"]:
-        ways += ['give the rate of rows at even times, such as --rate "1 kHz"']
+        ways += ['give the rate of rows at even times: --rate "... Hz"']
     columns = " and ".join(f"no column {each}" for each in missing)
     raise ResultError(f"{table.name}: has {columns}{_there(table)}; {'; '.join(ways)}")
+
+
+def _others(table: Table, lacking: list[str], used: Set[int]) -> Iterator[str]:
+    """Name columns for the quantities that are lacking, as far as their numbers fit.
+
+    A time ascends, and a count of rows is no time; positions do not ascend. Columns with a unit of
+    the quantity come first.
+    """
+    left = [index for index in range(len(table.columns)) if index not in used]
+
+    def fits(index: int, quantity: str) -> bool:
+        column = table.columns[index]
+        unit = understood(column.heading).unit or column.unit or column.heading.rpartition("[")[2]
+        return is_unit(unit.rstrip("]"), quantity)
+
+    for quantity in lacking:
+        for index in sorted(left, key=lambda each: not fits(each, quantity)):
+            with contextlib.suppress(ResultError):
+                (numbers,) = table.numbers([index])
+                steps = np.diff(numbers[np.isfinite(numbers)])
+                ascends = len(steps) > 0 and bool((steps > 0).all())
+                counts = ascends and bool((steps == 1).all())
+                if len(steps) and ascends == (quantity == "t") and np.ptp(numbers):
+                    name = table.columns[index].name.strip(AROUND)
+                    yield f"{'frame' if counts else quantity}={name}"
+                    left.remove(index)
+                    break
+        else:
+            yield f"{quantity}=..."
 
 
 def _there(table: Table) -> str:
@@ -471,17 +520,17 @@ def _factor(
         if unit != scale.of:
             of = "pixels" if scale.of == PIXEL else "volts"
             raise ResultError(
-                f"{table.name}: {heading}: is in {unit}, and --scale is for positions in {of}"
+                f"{table.name}: {heading}: is in {unit}, and --scale is for positions in {of}; "
+                "leave it out"
             )
         return factor * scale.metres, "m"
     if unit == PIXEL:
         raise ResultError(
-            f"{table.name}: {heading}: is in pixels; give the length of one, such as --scale "
-            '"85.8 nm"'
+            f'{table.name}: {heading}: is in pixels; give the length of one: --scale "... nm"'
         )
     if unit == "V" and not wanted.volts:
         raise ResultError(
-            f'{table.name}: {heading}: is in volts; give their length, such as --scale "0.5 um/V"'
+            f'{table.name}: {heading}: is in volts; give their length: --scale "... um/V"'
         )
     return factor, unit
 

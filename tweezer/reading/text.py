@@ -307,7 +307,6 @@ def _complaint(
                 continue
             way = "; decimals need a point" if _WITH_COMMA.fullmatch(cell) else ""
             if _CLOCK.search(cell):
-                way = '; rows at even times are read without it, such as --columns "x=..." '
-                way += '--rate "1 kHz"'
+                way = '; rows at even times are read without it: --columns "x=..." --rate "... Hz"'
             return f"line {number}: {short(cell)!r} is not a number{way}"
     return None

@@ -60,8 +60,8 @@ def _compared(name: str, found: float, rate: float, finest: float, way: str) -> 
     off = abs(rate / found - 1) if found else np.inf
     if off > _RATE_OFF + finest:
         raise ResultError(
-            f"{name}: its times have {found:.6g} Hz, and --rate is {rate:g} Hz; name the columns "
-            f'without the time if that is wrong: --columns "{way}"'
+            f"{name}: its times have {found:.6g} Hz, and --rate is {rate:g} Hz; leave out --rate, "
+            f'or, if the times are wrong, name the columns without them: --columns "{way}"'
         )
     if off <= max(_RATE_SAID, finest):
         return ""
