@@ -135,16 +135,15 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
     return {**settings, **named}
 
 
-def with_thermal_motion(scene: Scene) -> Scene:
-    """Return the scene with thermal motion, and with a map of the force where it can have one.
+def with_thermal_motion(scene: str, settings: dict[str, str]) -> Scene:
+    """Return a scene with settings and thermal motion, by a map of the force where it can have one.
 
     A map is chosen only where the scene leaves the evaluator open.
     """
-    thermal = scene.replace(forces={"brownian": True})
-    if thermal.optics.evaluator != "auto":
-        return thermal
-    by_map = EVALUATORS["map"]
-    return thermal.replace(optics={"evaluator": by_map.name}) if thermal.allows(by_map) else thermal
+    thermal, by_map = scene_with(scene, {"forces.brownian": "true"} | settings), EVALUATORS["map"]
+    if thermal.optics.evaluator == "auto" and thermal.allows(by_map):
+        return thermal.replace(optics={"evaluator": by_map.name})
+    return thermal
 
 
 def bind_light(scene: Scene) -> None:

@@ -16,7 +16,6 @@ from tweezer.cli.app import (
     app,
     bind_light,
     quantity_in,
-    scene_with,
     settings_of,
     with_thermal_motion,
 )
@@ -78,9 +77,7 @@ def ensemble(
     from tweezer.arguments import check_ensemble
     from tweezer.units import Time
 
-    described = scene_with(scene, settings_of(set or [], duration=duration))
-    if not described.forces.brownian:
-        described = with_thermal_motion(described)
+    described = with_thermal_motion(scene, settings_of(set or [], duration=duration))
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0
     out = out or Path(f"{described.name}-statistics.nc" if statistics else f"{described.name}.zarr")
     out = writable(out, ("nc",) if statistics else STORES)

@@ -102,9 +102,7 @@ def run(
     from tweezer.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
-    described = scene_with(scene, settings)
-    if thermal:
-        described = with_thermal_motion(described)
+    described = (with_thermal_motion if thermal else scene_with)(scene, settings)
     if rate is not None:
         described = _sampled(described, rate, settings)
     check_run(described, seed)
