@@ -176,3 +176,21 @@ def test_trajectories_keep_their_gaps(tmp_path):
     (tmp_path / "b.csv").write_text("t,x\n0,1e-9\n1,2e-9\n2,3e-9\n", encoding="utf-8")
     with pytest.raises(tweezer.ResultError, match="3 samples in a row; a diffusion needs 4 or "):
         load_trajectories(tmp_path / "b.csv")
+
+
+@pytest.mark.parametrize("trapped_bead", [True, False], ids=["trapped", "free"])
+def test_a_long_track_with_many_gaps(command_line, tmp_path, trapped_bead):
+    """16 % of the frames are missing: a trap is refused, a diffusion is given."""
+    x = trapped(STEP, 400, 2e-6, 9.4e-9, None, T, 7, 2)
+    if not trapped_bead:
+        x = free(STEP, 400, D, 7, count=2, noise=NOISE)
+    there = np.random.default_rng(8).random(400) > 0.16
+    table = np.column_stack([np.arange(400)[there], 1e6 * x[:, there].T])
+    np.savetxt(tmp_path / "a.csv", table, fmt="%.5f", delimiter=",", header="frame,x [um],y [um]",
+               comments="")  # fmt: skip
+    outcome = command_line("calibrate", "a.csv", "--rate", "100 Hz", "--temperature", "20 degC")
+    if trapped_bead:
+        assert (outcome.code, outcome.out) == (2, "")
+        assert "the longest stretch without a gap has" in outcome.err
+    else:
+        assert "samples have too many gaps to see a trap; as of a free bead: diffus" in outcome.out

@@ -202,18 +202,19 @@ def calibrate(
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
     how = {"columns": columns, "rate": rate, "scale": scale, "bead": bead}
     of_traps = (wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report)
-    loaded, tracks = [], []
+    loaded, tracks, few = [], [], None
     for path in recordings:
         try:
             loaded.append(load_recording(path, drive, **how).since(skipped))
-        except (TooFewError, SeveralBeadsError):
+        except (TooFewError, SeveralBeadsError) as error:
             if any(option is not None for option in of_traps):
                 raise
+            few = error
             tracks += [track.since(skipped) for track in load_trajectories(path, **how)]
     if tracks:
         tracks = [*tracks, *map(Trajectory.of, loaded)]
         common = _diffusion(tracks, given, exposed, noise)
-        print_tracks(common, tracks)
+        print_tracks(common, tracks, few)
         for note in dict.fromkeys(track.note for track in tracks if track.note):
             show_warning(note)
         if out:
@@ -250,7 +251,7 @@ def calibrate(
     if len(loaded) > 1 and not places and all(map(_is_free, calibrations)):
         tracks = [*map(Trajectory.of, loaded)]
         free = _diffusion(tracks, given, exposed, noise)
-        print_tracks(free, tracks)
+        print_tracks(free, tracks, None)
     surface = None
     if places:
         from tweezer.fluid import stokes

@@ -34,25 +34,35 @@ def print_free(free: Diffusion, unit: str, seen: str | None = None) -> None:
         OUT.print(f"   {text}", highlight=False, soft_wrap=True)
 
 
-def print_tracks(free: Diffusion, tracks: Sequence[Trajectory]) -> None:
+def print_tracks(free: Diffusion, tracks: Sequence[Trajectory], few: ResultError | None) -> None:
     """Print the diffusion of one short track, or the common one of several.
 
-    Raises `ResultError` for long tracks of beads that are held, which are calibrated one by one.
+    Raises `ResultError` for long tracks of beads that are held: a trap is calibrated bead by bead.
+
+    Parameters
+    ----------
+    free : Diffusion
+    tracks : sequence of Trajectory
+    few : ResultError or None
+        Why the last track cannot be calibrated as that of a trapped bead, if so.
     """
     first = tracks[0]
+    held = any(each.name == "confined" for each in free.findings)
+    held |= not free.interval[0] or free.uncertainty > free.diffusion / 2
+    held &= min(each.frames for each in tracks) >= _LONG
+    if len(tracks) > 1 and held:
+        source, _, label = first.name.rpartition(", bead ")
+        way = f'--bead "{label}"' if source else first.name
+        raise ResultError(
+            f"{source or first.name}: has {len(tracks)} beads that do not diffuse freely as far as "
+            f"is seen; calibrate them one by one, such as {way}"
+        )
+    if held and few is not None:
+        raise few
+    seen = f"{len(tracks)} tracks together, as of free beads"
     if len(tracks) == 1:
-        seen = f"{first.frames} samples are too few to see a trap; as of a free bead"
-    else:
-        held = any(each.name == "confined" for each in free.findings)
-        held |= not free.interval[0] or free.uncertainty > free.diffusion / 2
-        if held and min(each.frames for each in tracks) >= _LONG:
-            source, _, label = first.name.rpartition(", bead ")
-            way = f'--bead "{label}"' if source else first.name
-            raise ResultError(
-                f"{source or first.name}: has {len(tracks)} beads that do not diffuse freely "
-                f"as far as is seen; calibrate them one by one, such as {way}"
-            )
-        seen = f"{len(tracks)} tracks together, as of free beads"
+        why = "samples are too few" if first.frames < _LONG else "samples have too many gaps"
+        seen = f"{first.frames} {why} to see a trap; as of a free bead"
     print_free(free, first.unit, seen)
     if free.homogeneity is not None:
         OUT.print(
