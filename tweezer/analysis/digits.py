@@ -18,7 +18,7 @@ from tweezer.reading import copied, step_of, unmeasured
 Array = NDArray[np.float64]
 
 #: Physical findings that samples which were not measured also cause
-_CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift", "stuck"}
+_CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}
 #: Part of the variance of displacements that rounding may have
 _ROUNDED = 0.05
 #: Smallest standard deviation of displacements, in steps of the digits, at which the errors of
@@ -82,7 +82,8 @@ def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Findin
     """Return both kinds of findings, without physical causes for what the digits explain."""
     if not digits:
         return list(physical)
-    return [*digits, *(each for each in physical if each.name not in _CAUSED)]
+    caused = _CAUSED | ({"stuck"} if "rounded" in [each.name for each in digits] else set())
+    return [*digits, *(each for each in physical if each.name not in caused)]
 
 
 def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding | None:
