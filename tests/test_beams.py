@@ -259,7 +259,7 @@ def test_what_one_beam_is_needed_for_is_refused(tmp_path):
 def test_each_of_two_traps_is_found():
     alone = tweezer.characterise(ONE.replace(beam={"power_through_pupil": "20 mW"}))
     found = tweezer.characterise(TWO)
-    stable = sorted(place.position for place in found.equilibria if place.stable)
+    stable = sorted(place.position.tolist() for place in found.equilibria if place.stable)
     for place, side in zip(stable, (-1.5e-6, 1.5e-6), strict=True):
         # the other trap, beyond the reach of its gradient, still pushes along the light
         np.testing.assert_allclose(place, [side, 0, alone.equilibrium.position[2]], atol=2e-10)

@@ -180,6 +180,8 @@ def ring_near(
 
     def balance(place: Array) -> tuple[Array, Array]:
         rho, z = place
+        if rho <= 0:
+            raise _AstrayError
         at = np.array([[rho, 0.0, z]])
         (across, around, along), mobility = net_force(at)[0], motion.mobility(at)[0, 0]
         gradient = force.field(at, gradient=True).force_gradient[0]
