@@ -29,6 +29,8 @@ _END = 1e-10
 _MAXIMUM = 5e-7
 #: Part of the largest restoring force at which the range of a trap ends
 FAINT = 0.05
+#: Tolerance of that range, in distances of samples
+_FAINT_END = 1e-3
 #: Relative tolerance of the work
 _WORK = 1e-7
 #: Length of a panel of the work, in distances of samples
@@ -144,7 +146,7 @@ def _escape(
         first = max(int(past[0]), 1)
         faint_at = end_of_pull(
             lambda there: pull(there) - FAINT * force, max(at, distances[first - 1]),
-            distances[first], _END * r,
+            distances[first], _FAINT_END * search.spacing,
         )  # fmt: skip
     return Escape(
         direction=direction,

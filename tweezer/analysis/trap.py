@@ -191,7 +191,7 @@ class Trap(Comparable, Shown):
                 f"; at {where} it is pulled back, but too little drag lets the push of the light "
                 f"round the axis drive it out on a spiral{resting}"
             )
-        return f"no stable equilibrium {self.searched}{resting}"
+        return f"{f'no stable equilibrium {self.searched}'.rstrip()}{resting}"
 
     def _equilibrium(self) -> Equilibrium:
         if self.equilibrium is None:

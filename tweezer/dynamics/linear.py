@@ -28,6 +28,9 @@ Complex = NDArray[np.complex128]
 #: Part of an eigenvalue, and of the slowest time of a motion, that is rounding
 _ROUNDING = 1e-9
 _OF_SLOWEST = 1e-13
+#: Factor by which drag is larger than it has to be where no root is computed: the root of the
+#: fluid's memory is a sum of poles, which is off by little
+_SURELY = 2.0
 #: Quality factor above which a displaced bead swings
 CRITICAL = 0.5
 
@@ -77,6 +80,8 @@ class LinearMotion:
         even = bool(np.ptp(mobility) == 0)
         if self.mass == 0 or (even and not turning.any()):
             return 0.0  # a passive drag takes energy from every motion in a potential
+        if even and self._enough_drag(kappa[turning] / mobility[0], 1 / mobility[0]):
+            return 0.0
         if even:
             inverse = _inverse(kappa[turning, None, None], self._modes(mobility[0], self.scale))
         else:
@@ -86,6 +91,17 @@ class LinearMotion:
         slowest = np.abs(times).max(axis=1, keepdims=True)
         grows = times.real > _OF_SLOWEST * slowest
         return float((1 / times[grows]).real.max(initial=0.0))
+
+    def _enough_drag(self, eigenvalues: Complex, drag: float) -> bool:
+        """Whether no root can grow, without computing the roots.
+
+        eigenvalues: a + i b of K, N/m. A root on the edge of growth is i w with
+        |b| = w (beta + r) and a = (m + m_f/2) w^2 + r w, where r > 0 is the real part of Basset's
+        force over the velocity. Then |b| > beta w, and w^2 > a/(2 m + m_f) for |b| < a/2.
+        """
+        a, b = eigenvalues.real, np.abs(eigenvalues.imag)
+        mass = (self.mass + 0.5 * self.displaced_mass) / self.scale
+        return bool(((b < a / 2) & (drag > _SURELY * b * np.sqrt(2 * mass / a))).all())
 
     def resonances(self, stiffness: Array, mobility: Array) -> Resonances:
         """How the bead moves in the spring of each axis.

@@ -97,7 +97,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
         xlabel=f"{axis} (µm)", ylabel=f"$F_{axis}$ (pN)",
     )  # fmt: skip
     axes.set_title(
-        "no stable equilibrium; through the focus"
+        f"{'held on a ring' if trap.ring else 'no stable equilibrium'}; through the focus"
         if not trap.equilibrium
         else "along the light"
         if axis == "z"

@@ -371,5 +371,5 @@ def _notes(trap: Trap, compared: _Compared) -> list[str]:
     if trap.lifetime_caveat:
         notes.append(f"Of the time for which the bead is held: {trap.lifetime_caveat}.")
     if trap.equilibrium is None:
-        notes.append("No stable equilibrium was found, so that there is nothing to escape from.")
+        notes.append(f"{trap.reason[:1].upper()}{trap.reason[1:]}.")
     return notes
