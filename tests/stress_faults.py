@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from tests import write_faults
 from tests.damaged_results import damaged_results, edited_results, hostile_results
 from tests.foreign_files import foreign_files
+from tests.mutated_kernels import mutated_kernels
 from tests.mutations import mutated_command_lines, mutated_recordings, mutated_scenes
 
 ROOT = Path(__file__).parents[1]
@@ -262,6 +263,7 @@ FAULTS: list[tuple[str, Callable[[int, int], Counter[str]], int]] = [
     ("changed scenes", mutated_scenes, 10_000),
     ("changed command lines", mutated_command_lines, 10_000),
     ("changed recordings", mutated_recordings, 10_000),
+    ("changed functions of own forces", mutated_kernels, 200),
     ("results that are damaged", damaged_results, 10_000),
     ("results that another program has edited", edited_results, 10_000),
     ("results that are hostile", hostile_results, 5000),

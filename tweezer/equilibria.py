@@ -175,7 +175,8 @@ def _zeros_on_axis(
     z = np.union1d(search.whole_line(), np.array(search.besides) - focus[2])
     sign = np.sign(axial(z))
     z, sign = z[sign != 0], sign[sign != 0]
-    changes = [(z[i], z[i + 1], sign[i]) for i in np.flatnonzero(np.diff(sign))]
+    opposed = np.flatnonzero(sign[:-1] * sign[1:] < 0)  # not where a force is undefined
+    changes = [(z[i], z[i + 1], sign[i]) for i in opposed]
     for below, above, before in changes + list(_far_changes(axial, search)):
         pull = axial if before > 0 else opposite(axial)
         yield end_of_pull(pull, below, above, _ZERO * radius)
@@ -196,7 +197,7 @@ def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, floa
     )
     for side in (-1.0, 1.0):
         signs = np.sign(axial(side * ends))
-        for i in np.flatnonzero(np.diff(signs)):
+        for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
             low, high = sorted((side * ends[i], side * ends[i + 1]))
             yield low, high, float(signs[i] if side > 0 else signs[i + 1])
 

@@ -14,6 +14,10 @@ class SceneError(TweezerError):
     """A scene that cannot be read or holds a bad value; one line per bad value."""
 
 
+class ForceError(SceneError, ValueError):
+    """A force of the user's own that breaks the contract of `tweezer.forces.UserForce`."""
+
+
 class IntegrationError(TweezerError):
     """The equations could not be integrated further: non-finite rates, collapsed step."""
 

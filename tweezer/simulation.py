@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import json
 import math
 from collections.abc import Callable, Sequence
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.analysis.derived import derived_quantities
+from tweezer.analysis.derived import derived_quantities, fault_at
 from tweezer.analysis.summary import summary_of_path
 from tweezer.arguments import check_run, in_si
 from tweezer.dynamics import (
@@ -120,6 +121,8 @@ def followed(
         equations = bind(problem)
         result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
+    if result.status != "failed" and (fault := fault_at(problem, result.times, motion)):
+        result = dataclasses.replace(result, status="failed", message=fault, path=None)
     budget = error_budget(equations, result, motion.position, [approach])
     attributes = {
         **_about_the_run(problem, why),
@@ -199,6 +202,9 @@ def _thermal_run(
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
+    motion = bound.motion(columns[0, :reached])
+    if status != "failed" and (fault := fault_at(bound.problem, bound.times[:reached], motion)):
+        status, message = "failed", fault
     attributes = {
         **_about_the_run(bound.problem, bound.why),
         **as_given,
@@ -219,7 +225,6 @@ def _thermal_run(
     }
     if status == "failed":
         warn(f"{scene.name}: {message}")
-    motion = bound.motion(columns[0, :reached])
     rate = rate_of_sticking(bound.problem)
     if rate * bound.step > 1 and scene.room(motion.position[:, 2]).min() < _TOUCHING:
         warn(

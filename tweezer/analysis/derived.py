@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
+from tweezer.forces.acting import name_of
+from tweezer.forces.own import fault_of
 from tweezer.run import Variable, variable, with_error
 
 Array = NDArray[np.float64]
@@ -18,6 +20,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
       distance to the quadrature, N
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
+    * net_force_error: with forces beside those of the scene, its error, N
     * speed; terminal_speed: |net_force|/beta_v (5.2), with the drag at the place, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
     * distance: from the focus, m
@@ -32,16 +35,17 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     weight = np.array(bead.weight)
     light = problem.light.field(places, time=times)
     net_force = light.force + weight
+    force_error = problem.light.error_of(places, light, times)
+    net_error = force_error.copy()
     for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
+        net_error += each.error_of(places, pushed, times)
     terminal = net_force * problem.mobilities(places, times)[:, :3]
     potential = -places @ weight
     variables = {
         "optical_force": with_error(_vector(light.force, "N", "force of the light"), "force_error"),
-        "force_error": _number(
-            problem.light.error_of(places, light, times), "N", "error of the force of the light"
-        ),
+        "force_error": _number(force_error, "N", "error of the force of the light"),
         "net_force": _vector(net_force, "N", "net motion force, all forces but drag"),
         "terminal_speed": _number(_length(terminal), "m/s", "terminal speed"),
         "distance": _number(_length(places), "m", "distance to the focus"),
@@ -49,6 +53,9 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
             potential, "J", "energy of gravity and buoyancy, zero at the focus"
         ),
     }
+    if problem.others:
+        variables["net_force_error"] = _number(net_error, "N", "error of the net motion force")
+        variables["net_force"] = with_error(variables["net_force"], "net_force_error")
     if scene.wall is not None:
         gap = scene.room(places[:, 2])
         variables["gap"] = _number(gap, "m", "distance of the bead's surface from the wall")
@@ -68,6 +75,20 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
             ),
         }
     return variables
+
+
+def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
+    """Return what is wrong with forces beside those of a scene at the samples of a motion.
+
+    "" if nothing is.
+    """
+    for each in problem.others:
+        pushed = each.field(motion.position, time=times, orientations=motion.orientation)
+        failed = np.flatnonzero(~np.isfinite(pushed.force).all(axis=1))
+        if len(failed):
+            said = fault_of(each) or f"{name_of(each)}: the force is not finite"
+            return f"failed at the sample of {times[failed[0]]:.6g} s: {said}"
+    return ""
 
 
 def _vector(values: Array, units: str, long_name: str) -> Variable:

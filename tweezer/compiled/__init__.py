@@ -3,7 +3,15 @@
 Importing it chooses the folder of the cache: Numba needs one before the first function is defined.
 """
 
-from tweezer.compiled.address import address, call
+from tweezer.compiled.address import (
+    address,
+    array_at,
+    attempt,
+    call,
+    native_address,
+    protected,
+    read_only,
+)
 from tweezer.compiled.cache import (
     Compilation,
     cache_functions,
@@ -17,6 +25,8 @@ from tweezer.compiled.fingerprint import fingerprint
 __all__ = [
     "Compilation",
     "address",
+    "array_at",
+    "attempt",
     "cache_functions",
     "cached_njit",
     "call",
@@ -24,4 +34,7 @@ __all__ = [
     "fingerprint",
     "found",
     "named_njit",
+    "native_address",
+    "protected",
+    "read_only",
 ]

@@ -23,6 +23,7 @@ from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver
 from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, SceneError
+from tweezer.forces.own import fault_of, forget_faults
 
 Array = NDArray[np.float64]
 
@@ -119,6 +120,8 @@ def integrate(
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]
     pieces: list[Piece] = []
+    force = equations.force
+    forget_faults(force)
     reached, step_time = 1, 0.0
     status, message = "complete", ""
     solver: Stepper | None = None
@@ -170,13 +173,17 @@ def integrate(
                     progress(end)
             if why in _FAILURES and status == "complete":
                 raise IntegrationError(_FAILURES[why])
+            # steps that shrink towards a place without a force would go on for ever
+            if piece is not None and why == integrators.FULL and fault_of(force, piece.end):
+                raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
     except KeyboardInterrupt:
         if reached == 1:  # as while it is compiled
             raise
         status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
     except (IntegrationError, ArithmeticError, np.linalg.LinAlgError) as error:
         status = "failed"
-        message = f"failed after {times[reached - 1]:.6g} s: {error}"
+        begin = float(times[reached - 1])
+        message = f"failed after {begin:.6g} s: {fault_of(force, begin) or error}"
     step_lengths = np.concatenate(lengths)
     steps = solver.steps if solver else 0
     path = None

@@ -261,7 +261,7 @@ class EquationsOfMotion(Shown):
         inputs = [np.moveaxis(np.asarray(each), 0, -1) for each in self._rhs_inputs(times, states)]
         rates = np.empty((len(states), self._size))
         self.module.rhs.py_func(times, states.T, *inputs, self.params, rates.T)
-        return _finite(rates)
+        return rates
 
     def jacobian(self, t: float, y: Array) -> Array:
         """d(rate i)/d(state j), as implicit solvers call it; raises as `rhs`."""

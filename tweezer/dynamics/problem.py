@@ -27,6 +27,7 @@ from tweezer.equilibria import (
 from tweezer.errors import SceneError
 from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
 from tweezer.fluid.memory import USUAL
+from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
@@ -317,15 +318,17 @@ class Problem:
 def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
     """The problem of a scene and of forces beside its own; of a problem, itself.
 
-    Raises `SceneError` for forces that are none.
+    Raises `SceneError` for forces that are none, or that fail a trial (`try_forces`).
     """
     if isinstance(scene, Problem):
         return scene
-    if isinstance(others, Force) or not all(isinstance(each, Force) for each in others):
-        raise SceneError("forces: must be a list of `tweezer.forces.Force`")
+    forces = forces_of(others)
     bead = bead_properties(checked_scene(scene))
     walls = _forces_of_walls(scene, bead)
-    return Problem(scene, bead, drag(scene), light(scene), walls, tuple(others))
+    problem = Problem(scene, bead, drag(scene), light(scene), walls, forces)
+    if forces:
+        try_forces(forces, problem.places_about(), scene.simulation.duration)
+    return problem
 
 
 def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:

@@ -36,6 +36,7 @@ from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
+from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
@@ -260,6 +261,8 @@ class Walk:
         (force, steps, weights), advance = self._compiled
         failed = advance(force, steps, plan, weights, trajectories, states, sample, out)
         if failed >= 0:
+            if fault := fault_of(self.problem.force):
+                raise IntegrationError(f"trajectory {trajectories[failed]}: {fault}")
             raise IntegrationError(
                 f"trajectory {trajectories[failed]}: the force or the place is not finite after "
                 f"{sample * plan.per_sample * plan.step:.6g} s: the step of {self.step:.3g} s is "
@@ -455,6 +458,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         exposure = Exposure(
             frames, problem, step, short, mobility[:3], np.diag(rates).copy(), spring
         )
+    forget_faults(problem.force)  # where equilibria were sought
     columns = ["x", "y", "z"]
     if inertial:
         columns += ["vx", "vy", "vz"]

@@ -33,6 +33,11 @@ class Resisted(Force):
     reference: Array
     """(6,) s/kg and 1/(N m s), the constant mobilities along and about the axes"""
 
+    @property
+    def parts(self) -> tuple[Force, ...]:
+        """See `Force.parts`."""
+        return (self.force,)
+
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
         kernel, data = self.drag.compiled()

@@ -4,9 +4,10 @@ A force of your own is a function for `kernel` and a `UserForce`; `tweezer.simul
 forces=[...])` takes it beside the forces of the scene.
 """
 
-from tweezer.forces.composed import Course, Moved, Sum, UserForce, kernel
-from tweezer.forces.data import matrix, number, tensor, vector
+from tweezer.forces.composed import Course, Moved, Sum
+from tweezer.forces.entries import matrix, number, tensor, vector
 from tweezer.forces.force import Force, Pose, Wrench
+from tweezer.forces.own import UserForce, kernel
 
 __all__ = [
     "Course",

@@ -5,22 +5,18 @@ A new combination compiles nothing: its kernel calls the kernels of the parts by
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numba import njit
-from numba.core.dispatcher import Dispatcher
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
 from tweezer.errors import SceneError
 from tweezer.forces.data import Data, matrix, number, packed, part, vector
 from tweezer.forces.force import (
-    KERNEL,
     Force,
     Kernel,
     Pose,
@@ -31,7 +27,7 @@ from tweezer.forces.force import (
     no_wrench,
     numbered,
 )
-from tweezer.units import QuantitiesLike, QuantityLike, array_in_si, in_base_units, to_si
+from tweezer.units import QuantityLike, array_in_si, in_base_units, to_si
 
 Array = NDArray[np.float64]
 
@@ -41,6 +37,11 @@ class Sum(Force):
     """The sum of several forces."""
 
     forces: tuple[Force, ...]
+
+    @property
+    def parts(self) -> tuple[Force, ...]:
+        """See `Force.parts`."""
+        return self.forces
 
     def field(
         self,
@@ -114,7 +115,7 @@ def _number_all(pose, data, wrench):  # type: ignore[no-untyped-def]
         digit *= _MOST_REGIONS
 
 
-def _read(name: str, read: Callable[..., Any], *arguments: Any) -> Any:
+def read_argument(name: str, read: Callable[..., Any], *arguments: Any) -> Any:
     """What `read` makes of the arguments; its `ValueError` names them."""
     try:
         return read(*arguments)
@@ -149,17 +150,17 @@ class Course:
 
     def __post_init__(self) -> None:
         """Raises `ValueError` for arrays that do not fit, times that do not ascend, wrong units."""
-        values, of_values = _read("values", in_base_units, self.values)
-        amplitude, of_amplitude = _read("amplitude", in_base_units, self.amplitude)
+        values, of_values = read_argument("values", in_base_units, self.values)
+        amplitude, of_amplitude = read_argument("amplitude", in_base_units, self.amplitude)
         if of_values != of_amplitude and of_amplitude and of_values:
             raise ValueError(f"values in {of_values} and amplitude in {of_amplitude}: do not fit")
         given = {
-            "times": np.array(_read("times", array_in_si, self.times, "s")),
+            "times": np.array(read_argument("times", array_in_si, self.times, "s")),
             "values": np.array(values),
             "amplitude": np.array(amplitude),
-            "frequency": _read("frequency", to_si, self.frequency, "1/s"),
-            "phase": _read("phase", to_si, self.phase, "rad"),
-            "period": _read("period", array_in_si, self.period, "s"),
+            "frequency": read_argument("frequency", to_si, self.frequency, "1/s"),
+            "phase": read_argument("phase", to_si, self.phase, "rad"),
+            "period": read_argument("period", array_in_si, self.period, "s"),
             "unit": of_values or of_amplitude,
         }
         if given["period"].ndim:
@@ -284,6 +285,11 @@ class Moved(Force):
         if self.strength.unit:
             raise ValueError(f"strength: has a unit, {self.strength.unit}; must be a number")
 
+    @property
+    def parts(self) -> tuple[Force, ...]:
+        """See `Force.parts`."""
+        return (self.force,)
+
     def within(self, positions: Array, time: float) -> Array:
         """Positions (n, 3) m at a time, s, as the force without motion has them."""
         turn = np.array([1.0, -1.0, -1.0]) if self.down else np.ones(3)
@@ -381,6 +387,11 @@ class Differenced(Force):
     """of the differences, m"""
 
     @property
+    def parts(self) -> tuple[Force, ...]:
+        """See `Force.parts`."""
+        return (self.force,)
+
+    @property
     def oriented(self) -> bool:
         """See `Force.oriented`."""
         return self.force.oriented
@@ -421,67 +432,3 @@ def _add_differences(pose, data, wrench):  # type: ignore[no-untyped-def]
                     wrench.moment_gradient[i, k, l] += factor * found.moment[i, k]
         for i in range(n):
             beside.position[i, l] = pose.position[i, l]
-
-
-@dataclass(frozen=True, eq=False)
-class UserForce(Force):
-    """A force of your own: a compiled function (`kernel`) and its numbers and arrays.
-
-    The function has the signature `(pose, data, wrench)`, reads its entries with `number`,
-    `vector`, `matrix` and `tensor`, and adds to `wrench`. Entries may be given as quantities of
-    pint, or text such as "20 pN/um": the function reads them in SI units.
-    """
-
-    function: Kernel
-    entries: tuple[QuantitiesLike, ...] = ()
-    gradient: bool = False
-    """whether the function adds gradients where `wrench.force_gradient` is not empty; if not, they
-    are central differences"""
-    turns: bool = False
-    """whether it turns the bead or reads `pose.orientation`; the rotation is then computed"""
-    by_time: bool = False
-    """whether it reads `pose.time`"""
-    step: float = 1e-10
-    """of the central differences, m, or a quantity"""
-
-    @property
-    def oriented(self) -> bool:
-        """See `Force.oriented`."""
-        return self.turns
-
-    @property
-    def steady(self) -> bool:
-        """See `Force.steady`."""
-        return not self.by_time
-
-    def __post_init__(self) -> None:
-        """Raises `ValueError` for a function that is not compiled, and entries that are none."""
-        if not isinstance(self.function, Dispatcher):
-            raise ValueError("function: must be made by the decorator tweezer.forces.kernel")
-        if not isinstance(self.entries, tuple | list):
-            raise ValueError("entries: must be a tuple of numbers and arrays")
-        read = (_read(f"entries[{i}]", in_base_units, e)[0] for i, e in enumerate(self.entries))
-        object.__setattr__(self, "entries", tuple(read))
-        object.__setattr__(self, "step", _read("step", to_si, self.step, "m"))
-        if not self.step > 0:
-            raise ValueError("step: must be above 0")
-
-    @functools.cached_property
-    def _data(self) -> Data:
-        return packed(*self.entries)
-
-    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
-        """See `Force.compiled`."""
-        if gradient and not self.gradient:
-            return Differenced(self, self.step).compiled(gradient=True)
-        return self.function, self._data
-
-
-def kernel(function: Kernel) -> Kernel:
-    """Decorator that compiles a function as the kernel of a `UserForce`.
-
-    The machine code is not cached: a function of a terminal or a notebook has no file in which a
-    change would show.
-    """
-    compiled: Kernel = njit(KERNEL, error_model="numpy", nogil=True)(function)
-    return compiled

@@ -13,8 +13,10 @@ from tweezer.compiled import named_njit
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part
-_COLUMNS = 6
+#: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part, kind
+_COLUMNS = 7
+#: Kinds of entries beside arrays of numbers, whose kind is the number of their axes
+_INTEGERS, _PART = 5, 6
 #: Numbers in a line of the processor's cache; every entry begins with one
 _LINE = 8
 
@@ -25,9 +27,9 @@ class Data(NamedTuple):
     numbers: Array
     """all arrays, flattened and concatenated, each from a multiple of 8 on, (n,)"""
     shapes: Integers
-    """one row for each entry, (entries, 6). For an array: its begin in `numbers` and its lengths.
+    """one row for each entry, (entries, 7). For an array: its begin in `numbers` and its lengths.
     For a part: begin and count of its numbers, begin and count of its rows of `shapes`, 0, and the
-    address of its kernel"""
+    address of its kernel. The last column is the kind of the entry"""
 
 
 class Part(NamedTuple):
@@ -47,13 +49,15 @@ def packed(*entries: Any) -> Data:
         if isinstance(entry, Part):
             numbers, shapes = entry.data
             first = sum(map(len, rows))
-            row[:] = begin, numbers.size, first, len(shapes), 0, entry.kernel
+            row[:] = begin, numbers.size, first, len(shapes), 0, entry.kernel, _PART
             rows.append(shapes)
         else:
             array = np.ascontiguousarray(entry)
             row[0] = begin
             row[1 : 1 + array.ndim] = array.shape
+            row[-1] = np.ndim(entry)
             if array.dtype == np.int32:  # two of them in the memory of one number
+                row[-1] = _INTEGERS
                 whole = array.ravel()
                 numbers = np.append(whole, np.zeros(whole.size % 2, np.int32)).view(np.float64)
             else:

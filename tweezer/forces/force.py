@@ -62,6 +62,11 @@ class Force(ABC):
         """Whether it is constant in time."""
         return True
 
+    @property
+    def parts(self) -> tuple[Force, ...]:
+        """Forces that it is made of."""
+        return ()
+
     def kinks(self, end: float) -> Array:  # noqa: ARG002
         """Times in (0, end) at which it jumps or bends, s."""
         return np.zeros(0)

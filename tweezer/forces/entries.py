@@ -1,0 +1,59 @@
+"""Entries of a force's data as a `UserForce` reads them: the number and the kind are checked.
+
+An entry that does not exist, or is of another kind, raises an `IndexError`. The forces of tweezer
+itself read theirs without the checks (`tweezer.forces.data`).
+"""
+
+from __future__ import annotations
+
+from tweezer.compiled import named_njit
+from tweezer.forces import data as unchecked
+
+_number, _vector = unchecked.number, unchecked.vector
+_matrix, _tensor = unchecked.matrix, unchecked.tensor
+
+
+@named_njit(error_model="numpy")
+def _check(data, entry, axes):  # type: ignore[no-untyped-def]
+    if entry < 0 or entry >= len(data.shapes):
+        raise IndexError("the force has no entry of this number; entries are counted from 0")
+    if data.shapes[entry, 6] != axes:
+        raise IndexError(
+            "the entry is of another kind; number, vector, matrix and tensor read one of 0, 1, 2 "
+            "and 3 axes"
+        )
+
+
+@named_njit(error_model="numpy")
+def number(data, entry):  # type: ignore[no-untyped-def]
+    """Read an entry that is one number."""
+    _check(data, entry, 0)
+    return _number(data, entry)
+
+
+@named_njit(error_model="numpy")
+def vector(data, entry):  # type: ignore[no-untyped-def]
+    """Read an array of one axis."""
+    _check(data, entry, 1)
+    return _vector(data, entry)
+
+
+@named_njit(error_model="numpy")
+def matrix(data, entry):  # type: ignore[no-untyped-def]
+    """Read an array of two axes."""
+    _check(data, entry, 2)
+    return _matrix(data, entry)
+
+
+@named_njit(error_model="numpy")
+def tensor(data, entry):  # type: ignore[no-untyped-def]
+    """Read an array of three axes."""
+    _check(data, entry, 3)
+    return _tensor(data, entry)
+
+
+READERS = {
+    "number": (number, _number), "vector": (vector, _vector),
+    "matrix": (matrix, _matrix), "tensor": (tensor, _tensor),
+}  # fmt: skip
+"""name: the reader that checks, and the one that does not; in the order of axes"""

@@ -1,0 +1,389 @@
+"""A function of the user's own as plain Python: tried before it is compiled, and explained after.
+
+A copy of the function is run, in which helpers compiled by Numba are plain Python too, and what it
+must not write is read-only. NumPy then checks every index. Floating-point faults give what
+compiled code gives, infinity or NaN.
+"""
+
+from __future__ import annotations
+
+import functools
+import linecache
+import math
+import re
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+from numba import jit
+from numba.core.dispatcher import Dispatcher
+from numba.core.errors import NumbaError
+from numpy.typing import NDArray
+
+from tweezer.errors import ForceError
+from tweezer.forces.data import Data
+from tweezer.forces.entries import READERS
+from tweezer.forces.force import Pose, Wrench, no_wrench
+
+Array = NDArray[np.float64]
+
+#: Attributes that read or write memory without a check of the index once compiled
+_UNCHECKED = ("flat", "as_strided", "carray", "farray")
+#: What a wrench is filled with before a trial, over the largest number that the function adds
+_FILLED = 1e4
+#: Relative change of that by which a function that sets is told from one that adds
+_ADDED = 1e-2
+#: Relative difference by which the force on a bead may depend on the other beads
+_SAME = 1e-9
+#: Exceptions that do not depend on the pose
+_DEFINITE = (IndexError, NameError)
+#: Names of entries by the number of their axes
+_KINDS = ("a number", "an array of 1 axis", "an array of 2 axes", "an array of 3 axes")
+#: The functions of NumPy that have another name than that of `math`
+_NUMPY = {
+    "acos": "arccos", "asin": "arcsin", "atanh": "arctanh", "acosh": "arccosh", "pow": "power",
+}  # fmt: skip
+
+
+#: What Numba says of `x -= 1` where x is read-only
+_IN_PLACE = "'NoneType' object has no attribute 'args'"
+
+
+class _MisreadError(IndexError):
+    """An entry that does not exist, or that another reader reads."""
+
+
+def checked(function: Any) -> Any:
+    """Return a compiled function, and its helpers, with checks of indices and entries."""
+
+    def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
+        for reader, without in READERS.values():
+            if each in (reader, without):
+                return reader
+        if _is_library(each.py_func):
+            return each
+        return jit(**{**each.targetoptions, "boundscheck": True})(copy(each.py_func))
+
+    for name in _names(function.py_func.__code__):
+        if name in _UNCHECKED:
+            raise ForceError(
+                f"forces: {function.__name__}: uses {name}, whose indices cannot be checked; "
+                "index the array by its axes"
+            )
+    options = {
+        **function.targetoptions, "boundscheck": True, "error_model": "numpy", "nogil": True,
+        "no_cpython_wrapper": True, "no_cfunc_wrapper": True,
+    }  # fmt: skip
+    return jit(**options)(_Copies(replace)(function.py_func))
+
+
+@functools.cache
+def plain(function: Any) -> Any:
+    """Return a function and its helpers as plain Python."""
+
+    def replace(each: Any, copy: Callable[[Any], Any]) -> Any:
+        for axes, (name, readers) in enumerate(READERS.items()):
+            if each in readers:
+                return functools.partial(_read, name, readers[1].py_func, axes)
+        return copy(each.py_func)
+
+    return _Copies(replace, _mathematics())(function.py_func)
+
+
+class _Copies:
+    """Copies of functions that refer to others: to `replace(each, self)` of compiled functions.
+
+    also: more that is replaced, and by what.
+    """
+
+    def __init__(
+        self,
+        replace: Callable[[Any, Callable[[Any], Any]], Any],
+        also: dict[Any, Any] | None = None,
+    ) -> None:
+        self._replace, self._also = replace, also or {}
+        self._made: dict[Any, Any] = {}
+
+    def __call__(self, function: Any) -> Any:
+        """Return the copy of a function."""
+        if function in self._made:
+            return self._made[function]
+        names = set(_names(function.__code__))
+        everything = dict(function.__globals__)
+        cells = function.__closure__ or ()
+        closure = tuple(type(cell)(cell.cell_contents) for cell in cells)
+        copy = FunctionType(
+            function.__code__, everything, function.__name__, function.__defaults__, closure
+        )
+        copy.__kwdefaults__, copy.__module__ = function.__kwdefaults__, function.__module__
+        copy.__qualname__ = function.__qualname__
+        self._made[function] = copy
+        for name in names & everything.keys():
+            everything[name] = self._replaced(everything[name], names)
+        for cell in closure:
+            cell.cell_contents = self._replaced(cell.cell_contents, names)
+        return copy
+
+    def _replaced(self, value: Any, names: set[str]) -> Any:
+        if isinstance(value, Dispatcher):
+            if value not in self._made:
+                self._made[value] = self._replace(value, self)
+            return self._made[value]
+        if isinstance(value, BuiltinFunctionType | ModuleType) and value in self._also:
+            return self._also[value]
+        if isinstance(value, ModuleType):
+            inside = vars(value)
+            compiled = [each for each in names if isinstance(inside.get(each), Dispatcher)]
+            if compiled:
+                module = ModuleType(value.__name__)
+                vars(module).update(inside)
+                for each in compiled:
+                    setattr(module, each, self._replaced(inside[each], names))
+                return module
+        return value
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """Global names and attributes of a function and of the functions within it."""
+    yield from code.co_names
+    for each in code.co_consts:
+        if isinstance(each, CodeType):
+            yield from _names(each)
+
+
+def _is_library(function: Any) -> bool:
+    return str(function.__module__).partition(".")[0] in ("tweezer", "numba")
+
+
+def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
+    """What a reader of entries gives; raises `_MisreadError`."""
+    many = len(data.shapes)
+    if isinstance(entry, bool) or not isinstance(entry, int | np.integer):
+        raise _MisreadError(f"{name}(data, {entry!r}): the number of an entry is a whole number")
+    if not 0 <= entry < many:
+        allowed = f"allowed: 0 to {many - 1}" if many else "it has none"
+        raise _MisreadError(
+            f"{name}(data, {entry}): the force has {many} {'entry' if many == 1 else 'entries'}; "
+            f"{allowed}"
+        )
+    found = int(data.shapes[entry, -1])
+    if found != axes:
+        reader = list(READERS)[found]
+        raise _MisreadError(
+            f"{name}(data, {entry}): entry {entry} is {_KINDS[found]}; read it by "
+            f"{reader}(data, {entry})"
+        )
+    return read(data, entry)
+
+
+def _as_compiled(function: Any) -> Any:
+    """A function of `math` that raises nothing: infinity or NaN, as in compiled code."""
+    name = function.__name__
+    other = getattr(np, _NUMPY.get(name, name), None)
+
+    def within(*arguments: Any) -> Any:
+        try:
+            return function(*arguments)
+        except (ValueError, ArithmeticError):
+            return math.nan if other is None else other(*arguments)
+
+    return within
+
+
+@functools.cache
+def _mathematics() -> dict[Any, Any]:
+    """What stands for `math` and its functions in plain Python."""
+    module = ModuleType("math")
+    found: dict[Any, Any] = {math: module}
+    for name, each in vars(math).items():
+        is_function = isinstance(each, BuiltinFunctionType)
+        setattr(module, name, _as_compiled(each) if is_function else each)
+        if is_function:
+            found[each] = getattr(module, name)
+    return found
+
+
+def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str:
+    """Run a function once for one bead and for three, and refuse what is wrong at any pose.
+
+    Returns what else it raised, which may depend on the pose, or "". Raises `ForceError` with the
+    name of the function, the problem and the line.
+    """
+    found: list[Wrench] = []
+    each = _some_pose(3, turns=turns)
+    alone = [Pose(*(values[i : i + 1] for values in each)) for i in range(3)]
+    for gradients in {False, gradient}:
+        for pose in (each, *alone):
+            wrench = no_wrench(len(pose.time), gradient=gradients)
+            try:
+                _run(function, data, pose, wrench)
+            except Exception as error:
+                if isinstance(error, _DEFINITE) or _of_shapes(error):
+                    raise ForceError(_told(function, error)) from None
+                return _told(function, error)
+            if not all(np.isfinite(values).all() for values in wrench):
+                return ""
+            found.append(wrench)
+        filled = Wrench(*(
+            np.full_like(values, _FILLED * np.abs(values).max(initial=0.0) or 1.0)
+            for values in found[-4]
+        ))  # fmt: skip
+        before = Wrench(*(values.copy() for values in filled))
+        line = _first_line(function, data, each, filled, functools.partial(_is_set, before))
+        if line is not None:
+            raise ForceError(
+                f"{_place(function, line)}: sets the wrench, which holds the other forces; add to "
+                "it with +="
+            )
+    together, *singly = found[:4]
+    for i, one in enumerate(singly):
+        if not alike(together.force[i], one.force[0]):
+            raise ForceError(
+                f"forces: {function.__name__}: the force on a bead depends on how many beads there "
+                "are; add to every row of wrench.force, and compute nothing at random"
+            )
+    return ""
+
+
+def alike(one: Array, other: Array) -> bool:
+    """Whether two forces are the same but for rounding."""
+    return bool(np.abs(one - other).max() <= _SAME * max(np.abs(one).max(), np.abs(other).max()))
+
+
+def _is_set(before: Wrench, now: Wrench) -> bool:
+    return any(
+        (np.abs(values - first) > _ADDED * np.abs(first)).any()
+        for values, first in zip(now, before, strict=True)
+    )
+
+
+def _some_pose(n: int, *, turns: bool) -> Pose:
+    rng = np.random.default_rng(n)
+    orientation = rng.normal(size=(n if turns else 0, 4))
+    orientation /= np.linalg.norm(orientation, axis=1, keepdims=True)
+    return Pose(np.full(n, 1e-4), rng.normal(size=(n, 3)) * 1e-7, orientation)
+
+
+def _run(function: Any, data: Data, pose: Pose, wrench: Wrench) -> None:
+    """Add to `wrench` by plain Python; what is to be read cannot be written."""
+    shut = Pose(*(_shut(each) for each in pose)), Data(*(_shut(each) for each in data))
+    with np.errstate(all="ignore"):
+        plain(function)(*shut, wrench)
+
+
+def _shut(values: Any) -> Any:
+    values = values.view()
+    values.flags.writeable = False
+    return values
+
+
+def _of_shapes(error: Exception) -> bool:
+    """Whether arrays that do not fit, or that are read-only, raised an error."""
+    said = str(error)
+    return isinstance(error, ValueError) and any(
+        each in said for each in ("broadcast", "read-only", "unpack", "shape")
+    )
+
+
+def explained(function: Any, data: Data, pose: Pose, *, gradient: bool, wrong_error: bool) -> str:
+    """Return what went wrong in a function at a pose, with its line.
+
+    wrong_error: it is the error of the force that is NaN or negative.
+    """
+    wrench = no_wrench(1, gradient=gradient)
+
+    def is_wrong(now: Wrench) -> bool:
+        if wrong_error:
+            return not (np.isfinite(now.error).all() and now.error.min() >= 0)
+        return not all(np.isfinite(values).all() for values in now[:4])
+
+    x, y, z = pose.position[0]
+    there = f"at the time {pose.time[0]:.6g} s and the place ({x:.4g}, {y:.4g}, {z:.4g}) m"
+    try:
+        line = _first_line(function, data, pose, wrench, is_wrong)
+    except Exception as error:
+        return f"{_told(function, error)}, {there}"
+    where = f"forces: {function.__name__}" if line is None else _place(function, line)
+    if wrong_error:
+        return f"{where}: the error of the force must be finite and not negative, {there}"
+    return f"{where}: the force is not finite, {there}"
+
+
+def _first_line(
+    function: Any,
+    data: Data,
+    pose: Pose,
+    wrench: Wrench,
+    is_wrong: Callable[[Wrench], bool],
+) -> int | None:
+    """Run a function, and return the first line after which its wrench is wrong."""
+    code, before = function.py_func.__code__, sys.gettrace()
+    line, found = 0, None
+
+    def within(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        nonlocal line, found
+        if found is None and line and is_wrong(wrench):
+            found = line
+        line = frame.f_lineno
+        return within
+
+    def tracing(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        return within if frame.f_code is code else None
+
+    sys.settrace(tracing)
+    try:
+        _run(function, data, pose, wrench)
+    finally:
+        sys.settrace(before)
+    return found
+
+
+def _place(function: Any, line: int) -> str:
+    """Name of a function, with a line of it."""
+    source = linecache.getline(function.py_func.__code__.co_filename, line).strip()
+    return f"forces: {function.__name__}, line {line}" + (f", `{source}`" if source else "")
+
+
+def _told(function: Any, error: Exception) -> str:
+    """What an exception says, in one line."""
+    code = function.py_func.__code__
+    line = code.co_firstlineno
+    for frame, number in traceback.walk_tb(error.__traceback__):
+        if frame.f_code.co_filename == code.co_filename and number is not None:
+            line = number
+    said = " ".join(str(error).split())
+    where = _place(function, line)
+    if "read-only" in said:
+        return f"{where}: writes to the pose or to an entry; change a copy of it"
+    if isinstance(error, _MisreadError | NameError):
+        return f"{where}: {said}"
+    hint = ""
+    if isinstance(error, IndexError) and "size 0" in said:
+        if "gradient" in where:
+            hint = "; it is empty unless gradients are computed: test its length"
+        elif "orientation" in where:
+            hint = "; it is empty without turns=True"
+    return f"{where}: raises {type(error).__name__}: {said}{hint}"
+
+
+def refused(function: Any, error: Exception) -> ForceError:
+    """Return the error of a function that Numba cannot compile."""
+    said = re.sub(r"\x1b\[[0-9;]*m", "", str(error))
+    if "readonly array" in said or "read-only" in said or said == _IN_PLACE:
+        problem = "writes to the pose or to an entry; change a copy of it"
+    else:
+        lines = [each.strip() for each in said.splitlines() if each.strip()]
+        useful = [each for each in lines if not each.startswith(("Failed in", "- ", ">>>"))]
+        problem = f"Numba cannot compile it: {(useful or lines or [type(error).__name__])[0]}"
+    found = re.search(r'File "[^"]*", line (\d+)', said)
+    located = getattr(getattr(error, "loc", None), "line", None)
+    line = int(found.group(1)) if found else located
+    code = function.py_func.__code__
+    return ForceError(f"{_place(function, line or code.co_firstlineno)}: {problem}")
+
+
+COMPILING = (NumbaError, AttributeError, TypeError, ValueError, AssertionError, NotImplementedError)
+"""what Numba raises for a function that it cannot compile"""
