@@ -245,7 +245,7 @@ def damaged_stores(count: int, first: int = 0) -> Counter[str]:
 def failing_writes(count: int, first: int = 0) -> Counter[str]:
     """Each write of a sweep and of ensembles fails, by a full disk, a failing one, and Ctrl-C.
 
-    So many of their numbers, from `first` on; a sweep has most, fewer than 400.
+    So many of their numbers, from `first` on; a sweep has most, fewer than 600.
     """
     ended: Counter[str] = Counter()
     for name in write_faults.KINDS:
@@ -268,7 +268,7 @@ FAULTS: list[tuple[str, Callable[[int, int], Counter[str]], int]] = [
     ("results that another program has edited", edited_results, 10_000),
     ("results that are hostile", hostile_results, 5000),
     ("foreign files beside outputs", foreign_files, 5000),
-    ("writes that fail, each of a sweep and of ensembles", failing_writes, 400),
+    ("writes that fail, each of a sweep and of ensembles", failing_writes, 600),
     ("ensembles and sweeps that are killed", kills, 750),
     ("ensembles and sweeps on a disk that is full", full_disk, 750),
     ("damaged files of ensembles", damaged_stores, 1000),

@@ -33,7 +33,7 @@ MAKES = {
 
 @pytest.mark.parametrize("name", write_faults.KINDS)
 def test_failed_write_loses_nothing(name):
-    """Of 370 writes of a sweep and 94 and 31 of ensembles some; `make stress` does all."""
+    """Some of the 475 writes of a sweep, and of 96 and 31 of ensembles; `make stress` does all."""
     ended = write_faults.at_each_write(
         name, ("full disk", "Ctrl-C"), lambda count: {*range(2, count, 83), count - 4, count - 1}
     )

@@ -11,6 +11,7 @@ import contextlib
 import errno
 import io
 import os
+import signal
 import tempfile
 import threading
 from collections import Counter
@@ -108,7 +109,11 @@ class Writes:
 
             return changed
 
-        with pytest.MonkeyPatch.context() as patch:
+        # a process in the background of a shell ignores Ctrl-C
+        before = signal.signal(signal.SIGINT, signal.default_int_handler)
+        with contextlib.ExitStack() as stack:
+            stack.callback(signal.signal, signal.SIGINT, before)
+            patch = stack.enter_context(pytest.MonkeyPatch.context())
             patch.setattr(io, "open", opened)
             patch.setattr(os, "open", opened_low)
             for name in ("replace", "rename", "unlink", "remove", "mkdir", "rmdir"):
