@@ -26,6 +26,8 @@ _ROUNDED = 0.05
 _INDEPENDENT = 0.5
 #: Smallest ratio of a known noise to that of rounding that includes it
 _INCLUDED = 0.8
+#: Number of samples that show whether rows are in turn
+_ENOUGH = 20_000
 #: Largest number of beads whose rows may be in turn
 _MOST_IN_TURN = 8
 #: Number of samples in which that is looked for
@@ -106,6 +108,7 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 def _in_turn(positions: Array) -> Finding | None:
     """Rows of several beads, or of the fields of a camera, in turn."""
     positions = positions[:_FOR_TURNS]
+    positions = positions[:_ENOUGH]
     for beads in range(2, _MOST_IN_TURN + 1):
         whole = len(positions) // beads * beads
         table = positions[:whole].reshape(-1, beads)

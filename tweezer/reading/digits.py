@@ -39,7 +39,9 @@ _SHORTEST = 20
 #: Number of samples whose copies are looked for
 _PROBES = 50
 #: Largest number of samples in which a step or a mark is looked for
-_LOOKED_AT = 50_000
+_LOOKED_AT = 20_000
+#: Parts of the coordinates in one number for a row (those of the plastic number)
+_PARTS = np.array([1.0, 0.7548776662466927, 0.5698402909980532])
 #: Fraction of samples that may be missing
 _FEW = 0.05
 
@@ -178,8 +180,12 @@ def _marks(positions: Array) -> tuple[Rows, list[str]]:
         if rest.sum() < 2:
             break
         begins = rest & ~(np.concatenate([[False], _same_as_before(positions)]))
-        rows, counts = np.unique(_some(positions[begins]), axis=0, return_counts=True)
-        mark = rows[counts.argmax()]
+        rows = _some(positions[begins])
+        # a number for each row, as one of irrational parts is in practice
+        _, first, counts = np.unique(
+            rows @ _PARTS[: rows.shape[1]], return_index=True, return_counts=True
+        )
+        mark = rows[first[counts.argmax()]]
         runs = int((begins & (positions == mark).all(axis=1)).sum())
         if counts.max() < 2 or runs <= _LEAST_MARKS:
             break
