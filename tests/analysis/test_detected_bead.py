@@ -439,9 +439,9 @@ def test_what_is_wrong_with_a_drive_is_said():
     assert "drive" in [finding.name for finding in calibrated(other, stage).findings]
     drifting = 1e-9 * np.cumsum(np.random.default_rng(1).standard_normal(len(x)))
     for other, why in (
-        (drifting, "the drive does not oscillate"),
-        (np.linspace(0, 1e-6, len(x)), "the drive does not oscillate"),
-        (0 * x, "the drive does not oscillate"),
+        (drifting, "no axis moves as the drive does"),
+        (np.linspace(0, 1e-6, len(x)), "the drive does not move to and fro"),
+        (0 * x, "the drive does not move to and fro"),
         (1e-6 * np.sin(300 * times), "no axis moves as the drive does"),
     ):
         with pytest.raises(tweezer.ResultError, match=why):

@@ -18,7 +18,8 @@ from scipy.linalg import LinAlgWarning
 from scipy.special import chdtrc
 
 from tweezer.analysis import digits
-from tweezer.analysis.driving import Answer, Drive, KnownDrag
+from tweezer.analysis.answers import Answer, KnownDrag
+from tweezer.analysis.driving import Drive
 from tweezer.analysis.equipartition import corrected, equipartition
 from tweezer.analysis.findings import (
     HARM,
@@ -359,10 +360,10 @@ def calibrate(
     a that it detects at once; noise: the standard deviation of its white noise, in the unit of the
     record. Each, and the exposure, may be "fit": the record then tells it, with its uncertainty, or
     it is said that it does not. Of a record in volts the metres a volt are fitted, which needs the
-    drag, or a drive: the column of that heading is the motion of the stage, m, that oscillates at
-    one or several frequencies, and drags the bead (active calibration, `tweezer.analysis.driving`).
-    Stiffness, drag and metres a volt then come from one fit of the spectrum and of the answers at
-    those frequencies, whole periods of the record.
+    drag, or a drive: the column of that heading is the motion of the stage, m, in any way to and
+    fro, which drags the bead (active calibration, `tweezer.analysis.driving`). Stiffness, drag and
+    metres a volt then come from one fit of the spectrum and of the answers: at single frequencies
+    of the stage, whole periods of the record, and in narrow bands of all others at which it moves.
 
     leave_out: bands of frequencies, "49 Hz..51 Hz" or two numbers, Hz, that are taken out of the
     record; drift: a frequency, Hz: what is slower is taken off as whole cosines. What both take of
@@ -471,7 +472,8 @@ def calibrate(
         moved = Drive.of(recording.drive, step)
         if moved is None:
             raise ResultError(
-                f"{recording.name}: the drive does not oscillate: at no frequency does it stand out"
+                f"{recording.name}: the drive does not move to and fro; it must be the column of a "
+                "moving stage"
             )
     if recording.unit == "V" and drag is None and moved is None:
         raise ResultError(
@@ -491,7 +493,7 @@ def calibrate(
     known = _Known(
         given, detector, exposure is not None or "exposure" in detector,
         bool(height and height.uncertainty), recording.unit, made_by, left,
-        () if moved is None else moved.frequencies,
+        0.0 if moved is None else moved.jumps, () if moved is None else moved.frequencies,
         recorded, () if recorded is None else digits.of_samples(recorded),
     )  # fmt: skip
     signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
@@ -665,6 +667,8 @@ class _Known:
     """findings against every number that uses the dynamics"""
     left_out: LeftOut
     """what is left out of the record"""
+    jumps: float
+    """part of the way of a stage that it covers within single samples"""
     driven: Sequence[float]
     """frequencies of a drive, Hz, whose ordinates and the two beside each are not fitted"""
     recorded: Array | None
@@ -839,6 +843,8 @@ def _calibrated(
     findings = [each for each in findings if each not in slow]
     answers = tuple(each for each in beside if isinstance(each, Answer))
     findings += _disagreeing(fit, answers, response)
+    if answers:
+        findings += _jumping(fit, step, known.jumps)
 
     estimates = []
 
@@ -895,6 +901,22 @@ def _disagreeing(fit: WhittleFit, answers: tuple[Answer, ...], response: float) 
     if len(answers) < 2 or chdtrc(len(answers) - 1, squares) >= IMPROBABLE:
         return []
     text = "its answers to the stage at different frequencies contradict each other"
+    return [Finding("drive", text)]
+
+
+def _jumping(fit: WhittleFit, step: float, jumps: float) -> list[Finding]:
+    """A stage that jumps between samples, with what the bead moves until the next one.
+
+    Whether it jumps just after a sample or just before the next one changes the size of an answer
+    by the step over the relaxation time, half of it to either side.
+    """
+    off = jumps * step / (2 * fit.bead.relaxation_time)
+    if off < HARM * fit.uncertainty(0, 0, 1):
+        return []
+    text = (
+        f"the stage jumps between two samples, which leaves {100 * off:.2g} % open: move it "
+        "steadily, as a triangle or a sine, or sample faster"
+    )
     return [Finding("drive", text)]
 
 

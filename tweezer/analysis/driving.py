@@ -1,14 +1,14 @@
-"""The answer of a trapped bead to an oscillating stage: what active calibration measures.
+"""The answer of a trapped bead to a moving stage: what active calibration measures.
 
 S. F. Tolic-Norrelykke et al., Rev. Sci. Instrum. 77, 103101 (2006): the fluid moves with the stage
 and drags the bead by a way that follows from stiffness and drag, so that the signal of it tells
-volts a metre.
+volts a metre. The stage may oscillate at a few frequencies. Whatever else it does is known at every
+sample too (`tweezer.analysis.following`).
 """
 
 from __future__ import annotations
 
 import cmath
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from tweezer.analysis.spectra import TrappedBead, power_spectrum
+from tweezer.analysis.answers import Answer
+from tweezer.analysis.following import Followed, jumping
+from tweezer.analysis.spectra import power_spectrum
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -125,114 +127,62 @@ class Drive:
     """The motion of a stage in one record."""
 
     frequencies: tuple[float, ...]
-    """Hz"""
+    """Hz, at which it oscillates; none for one that moves in another way"""
     amplitudes: Complex
     """(frequencies,) m, with their phases"""
     uncertainty: Array
     """(frequencies,) standard uncertainty of their real and of their imaginary parts, m"""
-    samples: int
-    """whole periods of the record"""
+    beside: Array
+    """(samples,) m, the motion at all other frequencies"""
     step: float
     """s"""
+    jumps: float
+    """part of the stage's way that it covers within single samples, from 0 to 1"""
 
     @classmethod
     def of(cls, drive: Array, step: float) -> Drive | None:
-        """That of `drive` (n,), m; None if it does not oscillate."""
+        """That of `drive` (n,), m; None if it does not move to and fro."""
         from scipy.signal import detrend
 
         extent = np.ptp(drive)
         drive = detrend(drive)
-        frequencies = driven_frequencies(drive, step)
-        if not frequencies or np.ptp(drive) < _ROUNDING * extent:
+        if np.ptp(drive) <= _ROUNDING * extent:
             return None
-        samples = whole_periods(frequencies, len(drive), step)
+        frequencies = driven_frequencies(drive, step)
+        samples = whole_periods(frequencies, len(drive), step) if frequencies else len(drive)
         amplitudes, moved = motion(drive[:samples], frequencies, step)
         still = drive[:samples] - moved
-        error = [_thermal(still, step, frequencies, each) for each in frequencies]
-        return cls(tuple(frequencies), amplitudes, np.sqrt(error), samples, step)
+        spectrum = power_spectrum(still, step)
+        error = [_thermal(spectrum, frequencies, each) for each in frequencies]
+        return cls(
+            tuple(frequencies), amplitudes, np.sqrt(error), still, step, jumping(drive)
+        )  # fmt: skip
 
     def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...]]:
         """The signal (samples,) without its answers to the drive, and those that are seen."""
-        amplitudes, moved = motion(signal[: self.samples], self.frequencies, self.step)
-        still = signal[: self.samples] - moved + signal[: self.samples].mean()
+        signal = signal[: len(self.beside)]
+        amplitudes, moved = motion(signal, self.frequencies, self.step)
+        followed = Followed.of(signal - moved, self.beside, self.step, steady=not self.jumps)
+        still = followed.still + signal.mean()
+        spectrum = power_spectrum(still, self.step)
         found = []
         for f, stage, error, answer in zip(
             self.frequencies, self.amplitudes, self.uncertainty, amplitudes, strict=True
         ):
-            variance = _thermal(still, self.step, self.frequencies, f)
+            variance = _thermal(spectrum, self.frequencies, f)
             power = abs(answer) ** 2 - variance  # thermal motion adds to it
             if power > _SEEN**2 * variance:
                 seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
                 found.append(Answer(f, float(abs(stage)), float(error), *seen))
-        return still, tuple(found)
+        return still, (*found, *followed.answers)
 
 
-def _thermal(still: Array, step: float, lines: Sequence[float], at: float) -> float:
+def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:
     """Variance of the real part of an amplitude by the spectrum around it: S/t."""
-    frequencies, density = power_spectrum(still, step)
+    frequencies, density = spectrum
     others = np.ones(len(frequencies), bool)
     for line in lines:
         others &= np.abs(frequencies - line) > 2.5 * frequencies[0]
     here = int(np.searchsorted(frequencies, at))
     around = slice(max(here - _AROUND, 0), here + _AROUND)
-    return float(density[around][others[around]].mean()) / (len(still) * step)
-
-
-@dataclass(frozen=True)
-class Answer:
-    """The amplitude of a bead's signal at one frequency of the stage."""
-
-    frequency: float
-    """Hz"""
-    stage: float
-    """amplitude of the stage, m"""
-    stage_uncertainty: float
-    """its standard uncertainty, m"""
-    signal: float
-    """amplitude of the signal, m or V"""
-    signal_uncertainty: float
-    """its standard uncertainty, by the thermal motion around it, m or V"""
-    phase: float
-    """of the signal before the stage, rad"""
-
-    def misfit(self, bead: TrappedBead) -> float:
-        """Deviation from the amplitude of that bead, in standard uncertainties."""
-        per_metre = abs(complex(bead.driven(self.frequency)))
-        error = math.hypot(self.signal_uncertainty, per_metre * self.stage_uncertainty)
-        return (self.signal - per_metre * self.stage) / error
-
-    def late(self, bead: TrappedBead) -> tuple[float, float]:
-        """Phase by which the signal, of whichever sign, is behind that bead's, and its standard
-        uncertainty, rad.
-        """
-        behind = cmath.phase(complex(bead.driven(self.frequency))) - self.phase
-        error = math.hypot(
-            self.signal_uncertainty / self.signal, self.stage_uncertainty / self.stage
-        )
-        return (behind + math.pi / 2) % math.pi - math.pi / 2, error
-
-    def per(self, response: float) -> Answer:
-        """The same, with the signal over a response."""
-        return dataclasses.replace(
-            self,
-            signal=self.signal / response,
-            signal_uncertainty=self.signal_uncertainty / response,
-        )
-
-
-@dataclass(frozen=True)
-class KnownDrag:
-    """A drag that is known from elsewhere, with an uncertainty."""
-
-    drag: float
-    """kg/s"""
-    uncertainty: float
-    """standard uncertainty of its logarithm"""
-
-    def misfit(self, bead: TrappedBead) -> float:
-        """Deviation from the drag of that bead, in standard uncertainties."""
-        return math.log(bead.drag / self.drag) / self.uncertainty
-
-    def per(self, _: float) -> KnownDrag:
-        """The same: a drag has nothing to do with the detector."""
-        return self
+    return float(density[around][others[around]].mean()) * frequencies[0]

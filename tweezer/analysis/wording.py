@@ -31,7 +31,12 @@ def _spectrum(axis: AxisCalibration) -> str:
     if free.drag_uncertainty is not None:
         diffusion = _determined(free.bead.diffusion, axis.diffusion_uncertainty, 1e12, "um^2/s")
         parts.append(f"diffusion {diffusion}")
-    return "; ".join((*parts, f"p = {free.p_value:.2g}"))
+    return "; ".join((*parts, f"p = {free.p_value:.2g}", *_not_trusted(axis)))
+
+
+def _not_trusted(axis: AxisCalibration) -> list[str]:
+    """What speaks against the record, and so against all that follows from it."""
+    return [each for each in [axis.mark(axis.findings)] if each]
 
 
 def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
@@ -44,7 +49,7 @@ def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
         if each.value is not None
     ]
     if told:
-        yield "; ".join(told)
+        yield "; ".join((*told, *_not_trusted(axis)))
     if axis.sensitivity is not None:
         drag = axis.free_fit
         metres = axis.sensitivity, axis.sensitivity_uncertainty
@@ -53,7 +58,7 @@ def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
         if unit == "V":
             parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
         parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
-        yield "; ".join(parts)
+        yield "; ".join((*parts, *_not_trusted(axis)))
     for each in axis.answers:
         answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
         yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"

@@ -1,0 +1,121 @@
+"""A trapped bead that follows a stage of any motion: exact records of known stiffness and drag."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import chirp, lfilter, sawtooth
+
+import tweezer
+from tests.reference.trapped_bead import BOLTZMANN
+from tweezer.analysis import Recording
+from tweezer.analysis.wording import axis_in_words
+
+T = 293.15
+DRAG = 18.9e-9
+K = 12e-6
+TAU = DRAG / K
+#: V/m
+RESPONSE = 2e6
+STEP = 0.25e-3
+#: parts of a step in which the stage moves at constant speed, and those before the record
+PARTS, BEFORE = 4, 4000
+
+
+def triangle(frequency):
+    return lambda t: 5e-6 * sawtooth(2 * np.pi * frequency * t, 0.5)
+
+
+def overtones(t):
+    sizes = {7: 1e-6, 14: 1e-7, 21: 3e-8, 28: 2e-8}
+    return sum(size * np.sin(2 * np.pi * f * t) for f, size in sizes.items())
+
+
+def swinging(t):
+    return 1e-6 * (1 + 0.5 * np.sin(2 * np.pi * 0.7 * t)) * np.sin(2 * np.pi * 20 * t)
+
+
+#: motion of the stage, m, samples, and noise of its column, m
+DRIVES = {
+    "triangle": (triangle(4), 12_000, 0.0),
+    "triangle in a noisy column": (triangle(4), 12_000, 2e-9),
+    "slow triangle": (triangle(1), 80_000, 1e-9),
+    "trapezium": (lambda t: np.clip(1.2 * triangle(3)(t), -4e-6, 4e-6), 24_000, 0.0),
+    "sweep": (lambda t: 1e-6 * chirp(t, 2, 6, 200, phi=-90), 24_000, 1e-9),
+    "overtones": (overtones, 24_000, 2e-9),
+    "changing amplitude": (swinging, 24_000, 0.0),
+}
+
+
+def recorded(stage, samples, seed, noise=0.0, step=STEP):
+    """A record: x' = stage' - x/tau + thermal noise is linear between steps of constant speed."""
+    h = step / PARTS
+    t = h * (np.arange(samples * PARTS + BEFORE) - BEFORE)
+    rng = np.random.default_rng(seed)
+    decay = math.exp(-h / TAU)
+    moved = np.diff(stage(t), prepend=stage(t[0])) * TAU * (1 - decay) / h
+    kicks = rng.standard_normal(len(t)) * math.sqrt(BOLTZMANN * T / K * (1 - decay**2))
+    x = lfilter([1], [1, -decay], moved + kicks)[BEFORE::PARTS]
+    column = stage(t)[BEFORE::PARTS] + noise * rng.standard_normal(samples)
+    times = step * np.arange(samples)
+    return Recording("record", times, RESPONSE * x[:, None], ("x",), unit="V", drive=column)
+
+
+def calibrated(recording):
+    return tweezer.calibrate(recording, temperature=T, exposure=0.0).axes[0]
+
+
+@pytest.mark.parametrize("name", DRIVES)
+def test_stiffness_drag_and_volts_by_any_motion_of_the_stage(name):
+    """4 records: their mean scores have a scatter of 0.5, three of each drive; false alarm 2e-4."""
+    stage, samples, noise = DRIVES[name]
+    scores = []
+    for seed in range(40, 44):
+        found = calibrated(recorded(stage, samples, seed, noise))
+        assert not found.findings
+        fit, k = found.free_fit, found.estimates[0]
+        scores.append(
+            (
+                (k.stiffness - K) / k.uncertainty,
+                (fit.bead.drag - DRAG) / fit.drag_uncertainty,
+                (found.sensitivity - 1 / RESPONSE) / found.sensitivity_uncertainty,
+            )
+        )
+        assert k.uncertainty < 0.15 * K
+    assert np.abs(np.mean(scores, axis=0)).max() < 2.2
+
+
+@pytest.mark.parametrize(
+    "stage",
+    [
+        lambda t: 5e-7 * np.sign(np.sin(2 * np.pi * 5 * t + 1e-3)),
+        lambda t: 1e-6 * sawtooth(2 * np.pi * 5 * t),
+    ],
+    ids=["square", "sawtooth"],
+)
+def test_a_stage_that_jumps_between_samples_is_said(stage):
+    """Followed as it says, "sample faster": at 80 kHz the step is 1 % of the relaxation time."""
+    found = calibrated(recorded(stage, 24_000, 45))
+    assert any("the stage jumps between two samples" in each.text for each in found.findings)
+    fast = calibrated(recorded(stage, 160_000, 46, step=STEP / 20))
+    k = fast.estimates[0]
+    assert k.findings or abs(k.stiffness - K) < 4 * k.uncertainty
+
+
+def test_what_speaks_against_the_record_speaks_against_the_drag_and_the_volts():
+    """A stage that moves as its column does, and at 33 Hz too."""
+    recording = recorded(triangle(4), 12_000, 47)
+    hum = 2e-7 * RESPONSE * np.sin(2 * np.pi * 33 * recording.times)
+    found = tweezer.calibrate(
+        Recording(
+            "record", recording.times, recording.positions + hum[:, None], ("x",), unit="V",
+            drive=recording.drive,
+        ),
+        temperature=T, exposure=0.0,
+    )  # fmt: skip
+    assert "line" in [each.name for each in found.axes[0].findings]
+    said = [
+        line for line in axis_in_words(found.axes[0], "V") if "um/V" in line or "corner" in line
+    ]
+    assert len(said) == 2
+    assert all("not trusted: 1" in line for line in said)

@@ -1,0 +1,70 @@
+"""What a driven stage, or another axis, tells of a bead beside its spectrum."""
+
+from __future__ import annotations
+
+import cmath
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from tweezer.analysis.spectra import TrappedBead
+
+
+@dataclass(frozen=True)
+class Answer:
+    """The amplitude of a bead's signal at one frequency of the stage, or in a narrow band."""
+
+    frequency: float
+    """Hz"""
+    stage: float
+    """amplitude of the stage, m"""
+    stage_uncertainty: float
+    """its standard uncertainty, m"""
+    signal: float
+    """amplitude of the signal, m or V"""
+    signal_uncertainty: float
+    """its standard uncertainty, by the thermal motion around it, m or V"""
+    phase: float
+    """of the signal before the stage, rad"""
+
+    def misfit(self, bead: TrappedBead) -> float:
+        """Deviation from the amplitude of that bead, in standard uncertainties."""
+        per_metre = abs(complex(bead.driven(self.frequency)))
+        error = math.hypot(self.signal_uncertainty, per_metre * self.stage_uncertainty)
+        return (self.signal - per_metre * self.stage) / error
+
+    def late(self, bead: TrappedBead) -> tuple[float, float]:
+        """Phase by which the signal, of whichever sign, is behind that bead's, and its standard
+        uncertainty, rad.
+        """
+        behind = cmath.phase(complex(bead.driven(self.frequency))) - self.phase
+        error = math.hypot(
+            self.signal_uncertainty / self.signal, self.stage_uncertainty / self.stage
+        )
+        return (behind + math.pi / 2) % math.pi - math.pi / 2, error
+
+    def per(self, response: float) -> Answer:
+        """The same, with the signal over a response."""
+        return dataclasses.replace(
+            self,
+            signal=self.signal / response,
+            signal_uncertainty=self.signal_uncertainty / response,
+        )
+
+
+@dataclass(frozen=True)
+class KnownDrag:
+    """A drag that is known from elsewhere, with an uncertainty."""
+
+    drag: float
+    """kg/s"""
+    uncertainty: float
+    """standard uncertainty of its logarithm"""
+
+    def misfit(self, bead: TrappedBead) -> float:
+        """Deviation from the drag of that bead, in standard uncertainties."""
+        return math.log(bead.drag / self.drag) / self.uncertainty
+
+    def per(self, _: float) -> KnownDrag:
+        """The same: a drag has nothing to do with the detector."""
+        return self

@@ -1,0 +1,236 @@
+"""How a trapped bead follows a stage that moves in any known way.
+
+The signal over the motion of the stage, by bands of frequencies, is the bead's response
+(J. S. Bendat and A. G. Piersol, Random Data, chapter 6): the sum of cross spectra over that of the
+stage's power, weighted alike. It holds for a triangle, a sweep or a pseudo-random motion.
+"""
+
+from __future__ import annotations
+
+import cmath
+import itertools
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from tweezer.analysis.answers import Answer
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Part of a record over which both signals fade in and out, so that its ends do not count.
+_FADES = 0.1
+#: Number of ordinates of a band, at least, and ratio of the ends of a band.
+_LEAST, _BAND = 8, 1.1
+#: Number of ordinates that thermal motion is measured by.
+_FREEDOM = 40
+#: Amplitude of an answer that counts as one, in standard uncertainties.
+_SEEN = 5.0
+#: Power of the stage that stands out, over that of its quietest frequencies.
+_DISTINCT = 20.0
+#: Power over that of the quietest frequencies that is taken for a sensor's noise; no power at all.
+_NOISE, _TINY = 5.0, 1e-300
+#: Number of ordinates over which the quietest frequencies are looked for.
+_AROUND = 101
+#: Step that is a jump: of the extent of a stage, and over the steps beside it.
+_JUMP, _ALONE = 0.05, 3.0
+#: Highest frequency at which a stage that jumps between samples is known, of the rate.
+_OF_JUMPS = 1 / 8
+#: Time before a record that the bead remembers, in relaxation times.
+_REMEMBERED = 20.0
+#: Number of samples, at least, by which a record is extended.
+_EXTENDED = 1000
+#: Number of corner frequencies that a first one is chosen from.
+_CORNERS = 60
+
+
+def jumping(drive: Array) -> float:
+    """Part of the way of a stage, (n,) m, in steps much longer than those beside them."""
+    way = np.abs(np.diff(drive))
+    beside = np.maximum(np.append(way[1:], 0.0), np.append(0.0, way[:-1]))
+    jumps = way[(way > _JUMP * np.ptp(drive)) & (way > _ALONE * beside)]
+    return float(jumps.sum() / way.sum())
+
+
+class _Bands(NamedTuple):
+    """The response in bands of frequencies."""
+
+    frequencies: Array
+    """(bands,) Hz, mean of those at which the stage moves"""
+    response: Complex
+    """(bands,) signal by motion of the stage"""
+    uncertainty: Array
+    """(bands,) standard uncertainty of its real and of its imaginary part"""
+    stage: Array
+    """(bands,) m, amplitude of one oscillation of that power"""
+    ordinates: tuple[NDArray[np.int64], ...]
+    """of each band, those at which the stage moves"""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A signal and what in it follows the stage."""
+
+    still: Array
+    """(n,) the signal without it, about its mean"""
+    answers: tuple[Answer, ...]
+    """in the bands in which it is seen"""
+
+    @classmethod
+    def of(cls, signal: Array, stage: Array, step: float, *, steady: bool) -> Followed:
+        """Return what in a signal (n,) follows a stage (n,), m, both every `step` (s).
+
+        steady: whether the stage does not jump between samples.
+        """
+        still = signal - signal.mean()
+        bands = _bands(still, stage, step, 0.5 / step if steady else _OF_JUMPS / step)
+        first = np.abs(bands.response) > _SEEN * bands.uncertainty
+        if not first.any():
+            return cls(still, ())
+        corner, by_position = _corner(bands, first)
+        # by what is expected: chance would choose those that are too large
+        expected = by_position * _moved(bands.frequencies, corner)
+        seen = np.abs(expected) > _SEEN * bands.uncertainty
+        still = still - _motion(stage, step, still, corner, by_position)
+        still = _without_bands(still, stage, bands, seen)
+        answers = []
+        for i in np.flatnonzero(seen):
+            amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
+            size = math.sqrt(abs(bands.response[i] * amplitude) ** 2 - error**2)
+            phase = cmath.phase(bands.response[i])
+            answers.append(
+                Answer(
+                    float(bands.frequencies[i]), float(amplitude), 0.0, size, float(error), phase
+                )
+            )
+        return cls(still, tuple(answers))
+
+
+def _waves(series: Array) -> Complex:
+    """Fourier components of a series about its mean, faded in and out."""
+    from scipy.fft import rfft
+    from scipy.signal.windows import tukey
+
+    return np.asarray(rfft(tukey(len(series), _FADES) * (series - series.mean())))
+
+
+def _quietest(power: Array) -> float:
+    """Power of a stage at the frequencies at which it is quietest: that of its sensor's noise."""
+    from scipy.ndimage import median_filter
+
+    return float(np.quantile(median_filter(power, _AROUND, mode="nearest"), 0.1))
+
+
+def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
+    of_stage, of_signal = _waves(stage), _waves(signal)
+    frequencies = np.arange(len(of_stage)) / (len(stage) * step)
+    power = np.abs(of_stage) ** 2
+    moved = power > _DISTINCT * _quietest(power)
+    moved[0] = False
+    edges = [1]
+    while edges[-1] < np.searchsorted(frequencies, highest):
+        edges.append(max(edges[-1] + _LEAST, math.ceil(edges[-1] * _BAND)))
+    half = (1 - 5 * _FADES / 8) * len(stage) / 2  # sum of the window over two
+    rows: list[tuple[Any, ...]] = []
+    for first, last in itertools.pairwise(edges):
+        within = np.arange(first, min(last, len(power)))
+        used = within[moved[within]]
+        if not used.size:
+            continue
+        S, X = of_stage[used], of_signal[used]
+        total = float(power[used].sum())
+        response = complex(np.vdot(S, X) / total)
+        rest = of_signal[within].copy()
+        rest[moved[within]] -= response * S
+        at = float(power[used] @ frequencies[used]) / total
+        rows.append((at, response, total, float((np.abs(rest) ** 2).sum()), within.size - 1, used))
+    if not rows:
+        none = np.empty(0)
+        return _Bands(none, none.astype(complex), none, none, ())
+    frequency, responses, totals, squares, counts, ordinates = zip(*rows, strict=True)
+    noise = _smooth(np.array(squares), np.array(counts))
+    return _Bands(
+        np.array(frequency), np.array(responses), np.sqrt(noise / (2 * np.array(totals))),
+        np.sqrt(totals) / half, ordinates,
+    )  # fmt: skip
+
+
+def _smooth(squares: Array, freedom: Array) -> Array:
+    """Mean squares of bands, each with as many neighbours as it takes for enough ordinates."""
+    means = np.empty(len(squares))
+    for i in range(len(squares)):
+        beside = 0
+        near = slice(i, i + 1)
+        while freedom[near].sum() < min(_FREEDOM, freedom.sum()):
+            beside += 1
+            near = slice(max(i - beside, 0), i + beside + 1)
+        means[i] = squares[near].sum() / freedom[near].sum()
+    return means
+
+
+def _corner(bands: _Bands, seen: NDArray[np.bool_]) -> tuple[float, float]:
+    """Corner frequency (Hz) and signal by position of the overdamped bead nearest to a response."""
+    f, response = bands.frequencies[seen], bands.response[seen]
+    weights = 1 / bands.uncertainty[seen] ** 2
+
+    def fitted(logarithm: float) -> tuple[float, float]:
+        moved = _moved(f, math.exp(logarithm))
+        by_position = float(weights @ (moved.conj() * response).real) / float(
+            weights @ np.abs(moved) ** 2
+        )
+        return by_position, float(weights @ np.abs(response - by_position * moved) ** 2)
+
+    grid = np.linspace(math.log(f[0] / 30), math.log(f[-1] * 30), _CORNERS)
+    best = grid[int(np.argmin([fitted(each)[1] for each in grid]))]
+    width = grid[1] - grid[0]
+    found = minimize_scalar(
+        lambda each: fitted(each)[1], bounds=(best - width, best + width), method="bounded"
+    ).x
+    return math.exp(found), fitted(found)[0]
+
+
+def _moved(frequencies: Array, corner: float) -> Complex:
+    """Motion of an overdamped bead by that of the stage, at frequencies (Hz)."""
+    return np.asarray(1j * frequencies / (1j * frequencies + corner))
+
+
+def _motion(stage: Array, step: float, signal: Array, corner: float, by_position: float) -> Array:
+    """Motion (n,) of an overdamped bead by that of the stage, from where the signal starts."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    n, rate = len(stage), 2 * math.pi * corner
+    before = min(max(math.ceil(_REMEMBERED / (rate * step)), _EXTENDED), n - 1)
+    # beyond its ends the motion goes on as it was, and fades
+    extended = np.pad(stage - stage.mean(), before, mode="reflect", reflect_type="odd")
+    fade = np.sin(np.pi / 2 * np.arange(before) / before) ** 2
+    extended[:before] *= fade
+    extended[-before:] *= fade[::-1]
+    length = next_fast_len(len(extended), real=True)
+    waves = rfft(extended, length)
+    power = np.abs(waves) ** 2
+    noise = _NOISE * _quietest(power)
+    waves *= np.clip(1 - noise / np.maximum(power, noise + _TINY), 0, 1)
+    waves *= by_position * _moved(np.arange(len(waves)) / (length * step), corner)
+    moved = irfft(waves, length)[before : before + n]
+    # what the stage did before the record is left in it for a while
+    left = np.exp(-rate * step * np.arange(min(before, n)))
+    off = (signal - moved)[: left.size]
+    moved[: left.size] += float(left @ off) / float(left @ left) * left
+    return np.asarray(moved - moved.mean())
+
+
+def _without_bands(still: Array, stage: Array, bands: _Bands, seen: NDArray[np.bool_]) -> Array:
+    """A signal without what still follows the stage, in those bands."""
+    from scipy.fft import irfft, rfft
+
+    left, of_still, of_stage = _waves(still), rfft(still), rfft(stage - stage.mean())
+    faded = _waves(stage)
+    for i in np.flatnonzero(seen):
+        used = bands.ordinates[i]
+        response = np.vdot(faded[used], left[used]) / np.vdot(faded[used], faded[used])
+        of_still[used] -= response * of_stage[used]
+    return np.asarray(irfft(of_still, len(still)))
