@@ -144,14 +144,13 @@ class Drive:
         """That of `drive` (n,), m; None if it does not move to and fro."""
         from scipy.signal import detrend
 
-        extent = np.ptp(drive)
-        drive = detrend(drive)
-        if np.ptp(drive) <= _ROUNDING * extent:
+        raw, drive = drive, detrend(drive)
+        if np.ptp(drive) <= _ROUNDING * np.ptp(raw):
             return None
         frequencies = driven_frequencies(drive, step)
         samples = whole_periods(frequencies, len(drive), step) if frequencies else len(drive)
         amplitudes, moved = motion(drive[:samples], frequencies, step)
-        still = drive[:samples] - moved
+        still = detrend(raw[:samples] - moved)  # parts of a period have a slope of their own
         spectrum = power_spectrum(still, step)
         error = [_thermal(spectrum, frequencies, each) for each in frequencies]
         return cls(

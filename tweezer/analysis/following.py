@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize
 
 from tweezer.analysis.answers import Answer
 
@@ -67,8 +67,6 @@ class _Bands(NamedTuple):
     """(bands,) standard uncertainty of its real and of its imaginary part"""
     stage: Array
     """(bands,) m, amplitude of one oscillation of that power"""
-    ordinates: tuple[NDArray[np.int64], ...]
-    """of each band, those at which the stage moves"""
 
 
 @dataclass(frozen=True)
@@ -91,12 +89,10 @@ class Followed:
         first = np.abs(bands.response) > _SEEN * bands.uncertainty
         if not first.any():
             return cls(still, ())
-        corner, by_position = _corner(bands, first)
+        bead = _Nearest.to(bands, first, step)
         # by what is expected: chance would choose those that are too large
-        expected = by_position * _moved(bands.frequencies, corner)
-        seen = np.abs(expected) > _SEEN * bands.uncertainty
-        still = still - _motion(stage, step, still, corner, by_position)
-        still = _without_bands(still, stage, bands, seen)
+        seen = np.abs(bead.moved(bands.frequencies)) > _SEEN * bands.uncertainty
+        still = still - _motion(stage, step, still, bead)
         answers = []
         for i in np.flatnonzero(seen):
             amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
@@ -147,15 +143,15 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
         rest = of_signal[within].copy()
         rest[moved[within]] -= response * S
         at = float(power[used] @ frequencies[used]) / total
-        rows.append((at, response, total, float((np.abs(rest) ** 2).sum()), within.size - 1, used))
+        rows.append((at, response, total, float((np.abs(rest) ** 2).sum()), within.size - 1))
     if not rows:
         none = np.empty(0)
-        return _Bands(none, none.astype(complex), none, none, ())
-    frequency, responses, totals, squares, counts, ordinates = zip(*rows, strict=True)
+        return _Bands(none, none.astype(complex), none, none)
+    frequency, responses, totals, squares, counts = zip(*rows, strict=True)
     noise = _smooth(np.array(squares), np.array(counts))
     return _Bands(
         np.array(frequency), np.array(responses), np.sqrt(noise / (2 * np.array(totals))),
-        np.sqrt(totals) / half, ordinates,
+        np.sqrt(totals) / half,
     )  # fmt: skip
 
 
@@ -172,37 +168,53 @@ def _smooth(squares: Array, freedom: Array) -> Array:
     return means
 
 
-def _corner(bands: _Bands, seen: NDArray[np.bool_]) -> tuple[float, float]:
-    """Corner frequency (Hz) and signal by position of the overdamped bead nearest to a response."""
-    f, response = bands.frequencies[seen], bands.response[seen]
-    weights = 1 / bands.uncertainty[seen] ** 2
+class _Nearest(NamedTuple):
+    """The overdamped bead whose response is nearest to a measured one."""
 
-    def fitted(logarithm: float) -> tuple[float, float]:
-        moved = _moved(f, math.exp(logarithm))
-        by_position = float(weights @ (moved.conj() * response).real) / float(
-            weights @ np.abs(moved) ** 2
-        )
-        return by_position, float(weights @ np.abs(response - by_position * moved) ** 2)
+    corner: float
+    """Hz"""
+    late: float
+    """s, by which the signal is behind"""
+    by_position: float
+    """signal by position"""
 
-    grid = np.linspace(math.log(f[0] / 30), math.log(f[-1] * 30), _CORNERS)
-    best = grid[int(np.argmin([fitted(each)[1] for each in grid]))]
-    width = grid[1] - grid[0]
-    found = minimize_scalar(
-        lambda each: fitted(each)[1], bounds=(best - width, best + width), method="bounded"
-    ).x
-    return math.exp(found), fitted(found)[0]
+    def moved(self, frequencies: Array) -> Complex:
+        """Signal by the motion of the stage, at frequencies (Hz)."""
+        follows = 1j * frequencies / (1j * frequencies + self.corner)
+        late = np.exp(-2j * np.pi * frequencies * self.late)
+        return np.asarray(self.by_position * follows * late)
+
+    @classmethod
+    def to(cls, bands: _Bands, seen: NDArray[np.bool_], step: float) -> _Nearest:
+        """By least squares over the bands that are seen, and a delay of about a step (s) or less.
+
+        Far below the corner a delay is told from the relaxation time by its size alone.
+        """
+        f, response = bands.frequencies[seen], bands.response[seen]
+        weights = 1 / bands.uncertainty[seen] ** 2
+
+        def nearest(logarithm: float, steps: float) -> _Nearest:
+            unit = cls(math.exp(logarithm), float(steps) * step, 1.0)
+            moved = unit.moved(f)
+            overlap = float(weights @ (moved.conj() * response).real)
+            return unit._replace(by_position=overlap / float(weights @ np.abs(moved) ** 2))
+
+        def misfit(coordinates: Array) -> float:
+            off = np.abs(response - nearest(*coordinates).moved(f))
+            return float(weights @ off**2 + coordinates[1] ** 2)
+
+        grid = np.linspace(math.log(f[0] / 30), math.log(f[-1] * 30), _CORNERS)
+        start = min(grid, key=lambda each: misfit(np.array([each, 0.0])))
+        options = {"xatol": 1e-6, "fatol": 1e-6}
+        found = minimize(misfit, [start, 0.0], method="Nelder-Mead", options=options)
+        return nearest(*found.x)
 
 
-def _moved(frequencies: Array, corner: float) -> Complex:
-    """Motion of an overdamped bead by that of the stage, at frequencies (Hz)."""
-    return np.asarray(1j * frequencies / (1j * frequencies + corner))
-
-
-def _motion(stage: Array, step: float, signal: Array, corner: float, by_position: float) -> Array:
+def _motion(stage: Array, step: float, signal: Array, bead: _Nearest) -> Array:
     """Motion (n,) of an overdamped bead by that of the stage, from where the signal starts."""
     from scipy.fft import irfft, next_fast_len, rfft
 
-    n, rate = len(stage), 2 * math.pi * corner
+    n, rate = len(stage), 2 * math.pi * bead.corner
     before = min(max(math.ceil(_REMEMBERED / (rate * step)), _EXTENDED), n - 1)
     # beyond its ends the motion goes on as it was, and fades
     extended = np.pad(stage - stage.mean(), before, mode="reflect", reflect_type="odd")
@@ -214,23 +226,10 @@ def _motion(stage: Array, step: float, signal: Array, corner: float, by_position
     power = np.abs(waves) ** 2
     noise = _NOISE * _quietest(power)
     waves *= np.clip(1 - noise / np.maximum(power, noise + _TINY), 0, 1)
-    waves *= by_position * _moved(np.arange(len(waves)) / (length * step), corner)
+    waves *= bead.moved(np.arange(len(waves)) / (length * step))
     moved = irfft(waves, length)[before : before + n]
     # what the stage did before the record is left in it for a while
     left = np.exp(-rate * step * np.arange(min(before, n)))
     off = (signal - moved)[: left.size]
     moved[: left.size] += float(left @ off) / float(left @ left) * left
     return np.asarray(moved - moved.mean())
-
-
-def _without_bands(still: Array, stage: Array, bands: _Bands, seen: NDArray[np.bool_]) -> Array:
-    """A signal without what still follows the stage, in those bands."""
-    from scipy.fft import irfft, rfft
-
-    left, of_still, of_stage = _waves(still), rfft(still), rfft(stage - stage.mean())
-    faded = _waves(stage)
-    for i in np.flatnonzero(seen):
-        used = bands.ordinates[i]
-        response = np.vdot(faded[used], left[used]) / np.vdot(faded[used], faded[used])
-        of_still[used] -= response * of_stage[used]
-    return np.asarray(irfft(of_still, len(still)))
