@@ -230,3 +230,40 @@ def test_the_advice_on_short_tracks_and_held_beads(tmp_path, command_line):
     assert way == ["--bead", "0"]
     found = load_recording(tmp_path / "held.csv", rate="1 kHz", bead=way[1])
     np.testing.assert_allclose(1e6 * found.positions[:, 0], X, rtol=1e-6, atol=1e-9)
+
+
+#: what the user knows, where a message asks for it
+KNOWN = {
+    "--temperature": "20 degC", "--radius": "500 nm", "--viscosity": "1.002 mPa s",
+    "--density": "2000 kg/m^3", "--focus": "1 um",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "given",
+    [[], ["--temperature", "20 degC", "--density", "2000 kg/m^3"],
+     ["--temperature", "20 degC", "--wall", "5 um"],
+     ["--temperature", "20 degC", "--fluid-density", "998 kg/m^3"], ["--focal-shift", "fit"],
+     ["--temperature", "20 degC", "--wall", "5 um", "--focus", "1 um"]],
+    ids=["temperature", "density", "wall", "fluid", "focus", "wall and focus"],
+)  # fmt: skip
+def test_options_that_are_asked_for_lead_to_a_calibration(command_line, tmp_path, given):
+    """Each refusal asks for options until there is a result; none is asked for twice."""
+    text = table("t,x [um]", TIMES[:400], X[:400])
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    options = [*given]
+    for _ in range(4):
+        outcome = command_line("calibrate", "a.csv", "--blur", "0", *options)
+        if outcome.code == 0:
+            return
+        assert len(outcome.err.splitlines()) == 1
+        if "must be one of them" in outcome.err:
+            options = options[:-2]
+            continue
+        if "to fit 2 unknowns" in outcome.err:  # one height is no wall
+            return
+        asked = re.findall(r"--[a-z-]+", re.split(r"needs|goes with", outcome.err)[1])
+        assert asked, outcome.err
+        assert not set(asked) & set(options)
+        options += [part for option in asked for part in (option, KNOWN[option])]
+    raise AssertionError(outcome.err)

@@ -348,7 +348,8 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     if worst.uncertainty(1, 0) > 1:
         k = "the stiffness would not be determined"
     return Finding(
-        "exposure", f"the exposure is not given: were it {1e3 * worst.bead.exposure:.2g} ms, {k}"
+        "exposure", f"the exposure is not given: were it {1e3 * worst.bead.exposure:.2g} ms, {k}; "
+        "give that of the detector"
     )  # fmt: skip
 
 
