@@ -2,8 +2,8 @@
 
 In light that is the same all around its axis the forces across and along it depend on the distance
 from the axis, rho, and on z alone. Where both vanish, they vanish on a ring. The force round the
-axis need not vanish there: light with angular momentum drives the bead round, at the speed v at
-which drag balances it, and the ring is where the force towards the axis carries the bead,
+axis need not vanish there. Light with angular momentum drives the bead round, at the speed v at
+which drag balances it, and the ring is where the force towards the axis is the centripetal one,
 
     F_rho = -m v^2/rho,    F_z = 0,    v = F_phi/beta_v.
 """
@@ -63,7 +63,7 @@ class Box(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """What the motion on a ring needs of the bead."""
+    """Mass and mobility of a bead that moves on a ring."""
 
     mass: float
     """that moves with it, kg; 0 in a model without inertia"""

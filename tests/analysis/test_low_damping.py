@@ -130,6 +130,6 @@ def test_spiral_rates_of_the_models():
     tau, kappa = 5e-8, 1e12 * (1e-5 + 4e-5j)
     first = LinearMotion(0.0, expansion_time=tau).spiral_rate(K, np.full(3, 1e12))
     assert first == pytest.approx(-(kappa + tau * kappa**2).real)
-    # far slower than the velocity relaxes, a spiral is still told from a spring
+    # a spring far slower than the relaxation of the velocity is stable in spite of rounding
     thick = LinearMotion(1e-16).spiral_rate(1e-4 * K, np.full(3, 1e3))
     assert thick == 0

@@ -71,7 +71,7 @@ def test_ring_is_reported():
 
 
 def test_shallow_ring_has_a_lifetime():
-    """The same by Brownian dynamics in the half plane of the ring, in the same light."""
+    """Independent Brownian dynamics in the same light give the same mean time."""
     scene = hollow(VORTEX, 0.5e-6).replace(beam={"power_through_pupil": "0.4 mW"})
     scene = scene.replace(forces={"gravity": False, "buoyancy": False},
                           simulation={"loss_distance": "0.8 um"})  # fmt: skip

@@ -81,7 +81,7 @@ def _lifetime(saved: dict[str, Any]) -> Lifetime:
 
 
 def _misshapen(trap: Trap) -> Iterator[str]:
-    """Vectors and matrices that are none."""
+    """Return what is wrong with the shapes of vectors and matrices."""
     every: list[tuple[str, Any, tuple[int, ...]]] = [
         (name, getattr(trap, name), (3,))
         for name in (

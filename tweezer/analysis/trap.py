@@ -120,7 +120,7 @@ class Trap(Comparable, Shown):
     theory_reason: str
     """why it is that one"""
     reach: float
-    """how far equilibria and escapes were sought, m"""
+    """how far from the focus equilibria were sought, and escapes from an equilibrium, m"""
     absorbed_power: float | None
     """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
     torque: Vector | None
@@ -141,9 +141,10 @@ class Trap(Comparable, Shown):
         The light is taken as the same all around the axis: of linear light it is that of the half
         planes along x and along y, whose mean is given and whose distance is in the error.
 
-        None without an equilibrium, or one that is as far from the focus as a bead is lost; of more
-        than one beam, one that is moved or changes; with `forces.dlvo`; off the axis; and where
-        inertia carries the bead, sqrt(k m) above 0.3 of the drag.
+        It is None, and `lifetime_caveat` says why, without an equilibrium or ring, or if that is
+        off the axis or as far from the focus as a bead is lost. It is None of more than one beam,
+        of one that is moved or changes, and with `forces.dlvo`. It is None where inertia carries
+        the bead: where sqrt(k m) is above 0.3 of the drag.
         """
         held, error = self._holds, self.force_error
         return lifetime(self.scene, held, self._ways_out, self.reach, error)
@@ -152,7 +153,8 @@ class Trap(Comparable, Shown):
     def lifetime_without_light(self) -> Lifetime | None:
         """How long the same bead stays within the same distance without light.
 
-        From the same place, under its weight. None where `lifetime` is None or infinite.
+        It begins at the same place, under its weight. This is None where `lifetime` is None or
+        infinite.
         """
         if self._holds is None or self.lifetime is None or math.isinf(self.lifetime.time):
             return None
@@ -384,13 +386,19 @@ def characterise(scene: Scene) -> Trap:
     where it would touch.
 
     Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
-    the force is along it. Equilibria are sought there, within `Trap.reach` of the focus: 20 radii,
-    and by waves 5 radii and 10 wavelengths in the medium. Rings of equilibria around the axis are
-    not sought. Of several beams, and of one that is moved, they are sought
-    near the axis of each beam, at the time 0. The forces have no potential, so stability is that of
-    the overdamped motion beta_v dx/dt = F (5.2). The force beside the place is asked too, since the
-    jumps of the sum over a grid are not in its derivative. The stiffness is not symmetric in
-    circular light, which pushes a bead off the axis round it: `Equilibrium.turn`.
+    the force is along it. Equilibria are sought there, within `Trap.reach` of the focus. That is 20
+    radii by rays, and 5 radii and 10 wavelengths in the medium by waves. It is at least five times
+    the distance at which the light is as wide as the bead, by waves with five depths of focus
+    more. Where light carries the
+    weight they are sought up to `simulation.loss_distance`. If none is stable near the focus, rings
+    around the axis are sought in the bright region about it, and in light that is not the same all
+    around its axis, places off it: `Trap.searched`. Of several beams, and of one that is moved,
+    equilibria are sought near the axis of each beam, at the time 0.
+
+    An equilibrium is stable if the linear motion with the inertia of the scene's model decays:
+    `Equilibrium.spiral_rate`. The force beside the place must pull back too, since the jumps of the
+    sum over a grid are not in its derivative. The stiffness is not symmetric in circular
+    light, which pushes a bead off the axis round it: `Equilibrium.turn`.
 
     Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
     component of the force along the line: a bead held on that line. It ends where the component
@@ -400,11 +408,12 @@ def characterise(scene: Scene) -> Trap:
     line and no height of a barrier, for work between two places depends on the way.
 
     Lines are sampled about every 0.02 radii, and by waves every twentieth of a wavelength in the
-    medium. Zeros are found by Brent's method (`scipy.optimize.brentq`, to 1e-14 radii), which keeps
-    to a change of sign, so that it holds also where the sum over a grid of rays jumps; maxima are
-    refined with `scipy.optimize.minimize_scalar` to 5e-7 of a sample's distance; work is by the
-    rules of Gauss and Kronrod on panels that are halved to 1e-7, or to `Escape.energy_error` where
-    jumps hinder it.
+    medium; far from the focus the distance of samples grows with the distance. Zeros are found by
+    Brent's method (`scipy.optimize.brentq`, to 1e-14 radii). It keeps to a change of sign, so that
+    it works also where the sum over a grid of rays jumps. Maxima are refined with
+    `scipy.optimize.minimize_scalar` to 5e-7 of a sample's distance. Work is integrated by the rules
+    of Gauss and Kronrod on panels that are halved to 1e-7, or to `Escape.energy_error` where jumps
+    hinder it.
 
     The force is linear in the power of one beam: what it is on lines through the focus is kept for
     the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power

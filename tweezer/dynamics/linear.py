@@ -6,9 +6,9 @@ In a force -K x a bead of the mobility b, whose velocity has the modes (a_j, tau
     x' = sum_j a_j v_j,    tau_j v_j' = -b K x - v_j,
 
 of which m x'' = -beta x' - K x is the case of one mode, tau = m/beta. Where K is not symmetric, as
-in circular light, drag alone decides whether a bead that is pulled back comes to rest: of the
-eigenvalues a +- i b of K with a > 0 the motion m x'' = -beta x' - K x has a growing root if and
-only if beta < |b| sqrt(m/a).
+in circular light, drag alone decides whether a bead that is pulled back comes to rest. For the
+eigenvalues a +- i b of K with a > 0, the motion with one mode has a growing root if and only if
+beta < |b| sqrt(m/a).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ CRITICAL = 0.5
 
 
 class Resonances(NamedTuple):
-    """How a bead moves in the spring of each axis, (3,) each.
+    """Frequencies of a bead in the spring of each axis, (3,) each.
 
     An axis has a corner frequency, or else a resonance with its quality factor: the others are NaN.
     """
@@ -52,7 +52,7 @@ class Resonances(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearMotion:
-    """What the motion of a bead about any equilibrium has in common."""
+    """The inertia of a bead in its motion about an equilibrium."""
 
     mass: float
     """of the bead alone, and what moves with it of the fluid without memory, kg; 0 in a model
@@ -66,7 +66,7 @@ class LinearMotion:
     """m/beta_v of the model of first order (4.11), s; 0 of others"""
 
     def spiral_rate(self, stiffness: Array, mobility: Array) -> float:
-        """Rate at which a displaced bead that is pulled back leaves the equilibrium, 1/s.
+        """Return the rate at which a displaced bead that is pulled back leaves the place, 1/s.
 
         stiffness: K, (3, 3) N/m, the real parts of whose eigenvalues are positive. mobility: of
         translation along the axes, (3,) s/kg. Returns 0 where every displacement decays.
@@ -97,17 +97,18 @@ class LinearMotion:
 
         eigenvalues: a + i b of K, N/m. A root on the edge of growth is i w with
         |b| = w (beta + r) and a = (m + m_f/2) w^2 + r w, where r > 0 is the real part of Basset's
-        force over the velocity. Then |b| > beta w, and w^2 > a/(2 m + m_f) for |b| < a/2.
+        force over the velocity. It follows that
+        |b| > beta w, and that w^2 > a/(2 m + m_f) for |b| < a/2.
         """
         a, b = eigenvalues.real, np.abs(eigenvalues.imag)
         mass = (self.mass + 0.5 * self.displaced_mass) / self.scale
         return bool(((b < a / 2) & (drag > _SURELY * b * np.sqrt(2 * mass / a))).all())
 
     def resonances(self, stiffness: Array, mobility: Array) -> Resonances:
-        """How the bead moves in the spring of each axis.
+        """Return the frequencies of the bead in the spring of each axis.
 
-        Without the scaling of the model, which is no property of the bead. stiffness: k_ii, (3,)
-        N/m, positive. mobility: (3,) s/kg.
+        The scaling of the model plays no part, as it is no property of the bead. stiffness: k_ii,
+        (3,) N/m, positive. mobility: (3,) s/kg.
         """
         kappa = mobility * stiffness
         corner, resonance, quality = kappa / (2 * math.pi), np.full(3, np.nan), np.full(3, np.nan)
@@ -128,7 +129,7 @@ class LinearMotion:
         return math.sqrt(stiffness * mass) * mobility
 
     def _modes(self, mobility: float, scale: float) -> Modes:
-        """How the velocity follows a force."""
+        """Return the modes of the velocity after a force."""
         mass, drag = self.mass / scale, 1 / mobility
         if self.poles:
             return modes(mass, drag, self.displaced_mass, self.poles)
