@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from tweezer.fluid import stokes
-from tweezer.scene import KNUDSEN_LIMIT, Scene, checked_scene
+from tweezer.scene import KNUDSEN_LIMIT, SceneLike, checked_scene
 from tweezer.shown import Card, Row, Shown
 
 
@@ -59,9 +59,10 @@ class BeadProperties(Shown):
         return 4.5 * self.displaced_mass / self.drag
 
 
-def bead_properties(scene: Scene) -> BeadProperties:
+def bead_properties(scene: SceneLike) -> BeadProperties:
     """Properties of the bead of `scene`."""
-    r = checked_scene(scene).bead.radius
+    scene = checked_scene(scene)
+    r = scene.bead.radius
     volume = 4 / 3 * math.pi * r**3
     mass = scene.bead.density * volume
     g, forces = scene.forces.gravitational_acceleration, scene.forces

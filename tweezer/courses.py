@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from tweezer.errors import FrozenError
 from tweezer.files import read_text
 from tweezer.units import Angle, Frequency, Length, Quantity, Speed, Time, entries
 
@@ -28,6 +29,14 @@ class Section(BaseModel):
     """A part of a scene: immutable, and no key it does not know."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise FrozenError(
+                f"{name}: a scene is not changed in place; use scene.replace(...), such as "
+                'scene.replace(bead={"diameter": "2 um"})'
+            )
+        super().__setattr__(name, value)
 
 
 def refusal(reason: str) -> PydanticCustomError:

@@ -14,6 +14,10 @@ class SceneError(TweezerError):
     """A scene that cannot be read or holds a bad value; one line per bad value."""
 
 
+class FrozenError(SceneError, AttributeError):
+    """A scene, or a part of it, that is assigned to."""
+
+
 class ForceError(SceneError, ValueError):
     """A force of the user's own that breaks the contract of `tweezer.forces.UserForce`."""
 

@@ -877,14 +877,23 @@ def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def checked_scene(scene: Scene) -> Scene:
-    """`scene`, or `SceneError` if it is none, but a name, say."""
-    if not isinstance(scene, Scene):
-        raise SceneError(
-            f"scene = {_short(scene)}: must be a Scene, which tweezer.load_scene gives for a name, "
-            "a file or a mapping"
-        )
-    return scene
+SceneLike = Scene | str | Path | Mapping[str, Any]
+"""a scene, the name of a shipped one, a TOML file, or a mapping of the same form"""
+
+
+def checked_scene(scene: SceneLike) -> Scene:
+    """Return the scene that an argument is or names: see `load_scene`.
+
+    Raises `SceneError` if it is none.
+    """
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, str | Path | Mapping):
+        return load_scene(scene)
+    raise SceneError(
+        f"scene = {_short(scene)}: must be a Scene, the name of a shipped one, a TOML file or a "
+        "mapping"
+    )
 
 
 def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:

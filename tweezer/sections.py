@@ -176,7 +176,17 @@ class Filled(Section):
         return self._filled
 
 
-class Layer(Filled):
+class _Round(Filled):
+    """A section with a `radius`, which `diameter` may stand for."""
+
+    @property
+    def diameter(self) -> float:
+        """Twice the radius, m."""
+        radius: float = vars(self)["radius"]
+        return 2 * radius
+
+
+class Layer(_Round):
     """A sphere, or the shell of one about the layer before. `diameter` may stand for `radius`."""
 
     radius: BeadRadius = Field(description="outer radius")
@@ -196,7 +206,7 @@ class Layer(Filled):
 Layers = Annotated[tuple[Layer, ...], entries(1, 20)]
 
 
-class Bead(Filled):
+class Bead(_Round):
     """The sphere. `diameter` may be given in place of `radius`, `material` in place of density and
     index, and `layers` in place of radius and index.
     """

@@ -34,7 +34,7 @@ from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.forces.force import Force
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.units import QuantityLike
 from tweezer.version import made_by, versions
 
@@ -48,7 +48,7 @@ _STEPS_AT_ONCE = 100_000
 
 
 def simulate(
-    scene: Scene,
+    scene: SceneLike,
     duration: QuantityLike | None = None,
     *,
     model: str | None = None,

@@ -19,6 +19,7 @@ from scipy.special import chdtrc
 
 from tweezer.analysis import digits
 from tweezer.analysis.answers import Answer, KnownDrag
+from tweezer.analysis.by_axis import ByAxis
 from tweezer.analysis.driving import Drive
 from tweezer.analysis.equipartition import corrected, equipartition
 from tweezer.analysis.findings import (
@@ -269,7 +270,8 @@ class Calibration(Shown):
     """s"""
     note: str
     """what was omitted from the recording"""
-    axes: tuple[AxisCalibration, ...]
+    axes: ByAxis[AxisCalibration]
+    """by number or by name: axes["x"]"""
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
@@ -545,7 +547,7 @@ def calibrate(
     return Calibration(
         recording.name, temperature, drag, mass, fluid, exposure,
         None if f3 is None else (f3, fraction), noise, recording.unit,
-        len(signals[0][0]), step, recording.note, tuple(axes[axis] for axis in recording.axes),
+        len(signals[0][0]), step, recording.note, ByAxis(axes[axis] for axis in recording.axes),
         height, free, left, radius, viscosity,
     )  # fmt: skip
 

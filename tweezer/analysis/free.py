@@ -21,6 +21,7 @@ from scipy.constants import Boltzmann
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, ndtr
 
+from tweezer.analysis.by_axis import ByAxis
 from tweezer.analysis.findings import IMPROBABLE, REFUTED, Finding
 from tweezer.analysis.steps import EXACT, Steps
 from tweezer.errors import ResultError
@@ -143,7 +144,8 @@ class Diffusion(Shown):
     """what speaks against it"""
     remarks: tuple[str, ...]
     """what was left out, or widens the interval"""
-    axes: tuple[FreeAxis, ...]
+    axes: ByAxis[FreeAxis]
+    """by number or by name: axes["x"]"""
     tracks: tuple[FreeTrack, ...] = ()
     """each by itself, if there are several"""
     homogeneity: float | None = None
@@ -301,7 +303,7 @@ def free_bead(
                 findings.append(Finding("Einstein", text))
     return Diffusion(
         name, D, error, (low, high), inferred, expected,
-        tuple(findings), _remarks(every, step), tuple(fit.result(step, given) for fit in every),
+        tuple(findings), _remarks(every, step), ByAxis(fit.result(step, given) for fit in every),
         alone, p_value,
     )  # fmt: skip
 

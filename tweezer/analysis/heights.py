@@ -19,7 +19,7 @@ from tweezer.equilibria import nearest_stable
 from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import evaluators_of
 from tweezer.run import variable, with_error
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.units import WALL, QuantitiesLike
 from tweezer.version import made_by, versions
 
@@ -36,7 +36,7 @@ _HIGHEST = WALL[1]
 
 
 def trap_over_heights(
-    scene: Scene,
+    scene: SceneLike,
     heights: QuantitiesLike,
     *,
     progress: Callable[[float], None] | None = None,
@@ -60,6 +60,7 @@ def trap_over_heights(
     Raises `SceneError` for heights that are none, and for scenes that are not valid at one of them.
     """
     given = checked_heights(heights)
+    scene = checked_scene(scene)
     scenes = [at_height(scene, height) for height in given]
     states: list[str] = []
     rows: list[dict[str, Any]] = []
@@ -87,9 +88,10 @@ def checked_heights(heights: QuantitiesLike) -> Array:
     return given
 
 
-def at_height(scene: Scene, height: float) -> Scene:
+def at_height(scene: SceneLike, height: float) -> Scene:
     """`scene` with the nominal focus at that height above the wall, m; see `trap_over_heights`."""
-    wall = checked_scene(scene).wall
+    scene = checked_scene(scene)
+    wall = scene.wall
     normal = wall.normal if wall else 1.0
     position = -normal * height
     changes: dict[str, Any] = {"wall": {"position": position}}

@@ -11,7 +11,7 @@ from tweezer.analysis.trap import Trap, characterise
 from tweezer.arguments import in_si
 from tweezer.errors import SceneError, warn
 from tweezer.rounding import with_uncertainty
-from tweezer.scene import Scene
+from tweezer.scene import SceneLike, checked_scene
 from tweezer.shown import Card, Row, Shown
 from tweezer.units import QuantityLike, usual_unit
 
@@ -57,7 +57,7 @@ class LeastPower(Shown):
         return Card("LeastPower", "", tuple(rows))
 
 
-def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
+def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | None:
     """The least power through the pupil at which the trap of `scene` holds its bead for a time.
 
     time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
@@ -69,6 +69,7 @@ def least_power(scene: Scene, time: QuantityLike = "1 h") -> LeastPower | None:
     from scipy.optimize import brentq
 
     wanted = in_si("time", time, "s", _SHORTEST, 0.1 * LONGEST)
+    scene = checked_scene(scene)
     if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
         raise SceneError(
             "least power: needs one beam at rest along z through the origin, forces.optical = true "

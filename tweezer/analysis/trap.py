@@ -43,7 +43,7 @@ from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
 from tweezer.rings import Ring
 from tweezer.rounding import micrometres, three
-from tweezer.scene import Scene
+from tweezer.scene import Scene, SceneLike
 from tweezer.shown import Card, Row, Shown, Table
 from tweezer.vectors import Comparable, Vector, fixed
 
@@ -377,7 +377,7 @@ def _where(place: Equilibrium) -> str:
     return f"{', '.join(map(micrometres, place.position))} um"
 
 
-def characterise(scene: Scene) -> Trap:
+def characterise(scene: SceneLike) -> Trap:
     """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
 
     The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
@@ -420,6 +420,7 @@ def characterise(scene: Scene) -> Trap:
     alone are characterised fastest one after the other.
     """
     problem = bound_once(scene)
+    scene = problem.scene
     light_force = _LightForce(problem)
     search = problem.search
     weight = np.array(problem.bead.weight)

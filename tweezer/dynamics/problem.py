@@ -33,7 +33,7 @@ from tweezer.forces.force import Force
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
 from tweezer.rings import Motion, Ring, off_axis, rings
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 
 Array = NDArray[np.float64]
 
@@ -315,7 +315,7 @@ class Problem:
         return dataclasses.replace(self, scene=self.scene.decided(**sections))
 
 
-def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
+def bound_once(scene: SceneLike | Problem, others: Sequence[Force] = ()) -> Problem:
     """The problem of a scene and of forces beside its own; of a problem, itself.
 
     Raises `SceneError` for forces that are none, or that fail a trial (`try_forces`).
@@ -323,7 +323,8 @@ def bound_once(scene: Scene | Problem, others: Sequence[Force] = ()) -> Problem:
     if isinstance(scene, Problem):
         return scene
     forces = forces_of(others)
-    bead = bead_properties(checked_scene(scene))
+    scene = checked_scene(scene)
+    bead = bead_properties(scene)
     walls = _forces_of_walls(scene, bead)
     problem = Problem(scene, bead, drag(scene), light(scene), walls, forces)
     if forces:

@@ -28,7 +28,7 @@ from tweezer.ensembles.store import (
 )
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import SceneLike, checked_scene
 from tweezer.units import QuantityLike
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ _MEMORY = 2**31
 
 
 def ensemble(
-    scene: Scene,
+    scene: SceneLike,
     trajectories: int,
     *,
     duration: QuantityLike | None = None,
@@ -102,10 +102,11 @@ def ensemble(
     `ResultError` if `out` exists and is not to be resumed, belongs to another ensemble, or cannot
     be written (what was written stays); `IntegrationError` if a force is not finite.
     """
+    scene = checked_scene(scene)
     if duration is not None:
-        scene = checked_scene(scene).replace(simulation={"duration": duration})
+        scene = scene.replace(simulation={"duration": duration})
     check_ensemble(
-        checked_scene(scene), trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
+        scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
     bound = walk(scene, seed)

@@ -19,7 +19,7 @@ from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by
 from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.sections import Beam
 from tweezer.units import QuantitiesLike, QuantityLike, array_in_si, to_si
 
@@ -219,7 +219,9 @@ def _warn_once(text: str) -> None:
     warn(text)
 
 
-def optical_force(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
+def optical_force(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
     """Force of the light on the bead (3.26), N.
 
     positions: (..., 3) m from the focus, z along the light. time: s, of beams that move or change.
@@ -233,7 +235,7 @@ def optical_force(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike
 
 
 def optical_force_error(
-    scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
 ) -> Array:
     """Error of the force of the light on the bead, N.
 
@@ -248,7 +250,9 @@ def optical_force_error(
     return force.error_of(places, field, time).reshape(shape[:-1])
 
 
-def optical_jacobian(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
+def optical_jacobian(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
     """Derivative of the force over the position, N/m: [..., i, j] = dF_i/dx_j.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3, 3). Raises as
@@ -259,7 +263,9 @@ def optical_jacobian(scene: Scene, positions: QuantitiesLike, *, time: QuantityL
     return field.force_gradient.reshape((*shape, 3))
 
 
-def optical_torque(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
+def optical_torque(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
     """Moment of the light about the bead's centre, inertial frame, N m.
 
     positions: (..., 3) m from the focus. time: s. Returns (..., 3). Zero for a sphere that absorbs
@@ -272,7 +278,9 @@ def optical_torque(scene: Scene, positions: QuantitiesLike, *, time: QuantityLik
     return field.moment.reshape(shape)
 
 
-def absorbed_power(scene: Scene, positions: QuantitiesLike, *, time: QuantityLike = 0.0) -> Array:
+def absorbed_power(
+    scene: SceneLike, positions: QuantitiesLike, *, time: QuantityLike = 0.0
+) -> Array:
     """Power of the light that the bead absorbs, W.
 
     positions: (..., 3) m from the focus. time: s. Returns (...). Zero unless an index is complex.
@@ -320,7 +328,7 @@ def _outside_walls(scene: Scene, places: Array) -> None:
 
 
 def _field(
-    scene: Scene, positions: QuantitiesLike, time: QuantityLike, *, gradient: bool = False
+    scene: SceneLike, positions: QuantitiesLike, time: QuantityLike, *, gradient: bool = False
 ) -> tuple[Wrench, tuple[int, ...]]:
     """Force and moment at `positions` (..., 3) as a list of n, and the shape of `positions`."""
     scene = checked_scene(scene)

@@ -13,7 +13,7 @@ from tweezer.arguments import in_si
 from tweezer.beside import held, telling
 from tweezer.ensembles.scheduler import client_of
 from tweezer.errors import ResultError, SceneError
-from tweezer.scene import Scene, checked_scene
+from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.sweeps.cases import Cases, cases_of
 from tweezer.sweeps.journal import Journal, check_same, part_of
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
@@ -39,7 +39,7 @@ _MOST = 10_000
 
 
 def sweep(
-    scene: Scene,
+    scene: SceneLike,
     over: Mapping[str, Any] | pd.DataFrame | xr.Dataset | None = None,
     of: str = "trap",
     out: str | Path | None = None,
@@ -90,7 +90,7 @@ def sweep(
     does not use, and if no case is a valid scene; `ResultError` if `out` exists and is not to be
     resumed, is of another sweep, or cannot be written.
     """
-    checked_scene(scene)
+    scene = checked_scene(scene)
     grid = cases_of(over, cases)
     skipped = None if skip is None else in_si("skip", skip, "s", 0.0)
     asked = asked_of(scene, of, trajectories=trajectories, seed=seed, skip=skipped)

@@ -1,0 +1,37 @@
+"""Results of several axes, by number or by the name of the axis."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, SupportsIndex, TypeVar, overload
+
+
+class _OfAxis(Protocol):
+    """A result of one axis."""
+
+    @property
+    def axis(self) -> str:
+        """Name of the axis."""
+
+
+T = TypeVar("T", bound=_OfAxis)
+
+
+class ByAxis(tuple[T, ...]):
+    """Results of several axes: `axes[0]`, or `axes["x"]`."""
+
+    __slots__ = ()
+
+    @overload
+    def __getitem__(self, key: str | SupportsIndex) -> T: ...
+    @overload
+    def __getitem__(self, key: slice) -> tuple[T, ...]: ...
+
+    def __getitem__(self, key: Any) -> Any:
+        """Return the result of an axis; raises `KeyError` for one that there is none of."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        for each in self:
+            if each.axis == key:
+                return each
+        there = ", ".join(each.axis for each in self)
+        raise KeyError(f"axes[{key!r}]: no such axis; there are: {there or 'none'}")
