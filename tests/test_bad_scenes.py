@@ -754,9 +754,9 @@ def test_any_value_of_any_key_is_a_scene_or_a_scene_error(good_scene, key, text)
         lambda scene: tweezer.optical_force(scene, [0, 0, 0]),
     ],
 )  # fmt: skip
-def test_a_name_in_place_of_a_scene_is_refused(call):
-    with pytest.raises(tweezer.SceneError, match=r"^scene = 'silica-1um': must be a Scene"):
-        call("silica-1um")
+def test_number_in_place_of_a_scene_is_refused(call):
+    with pytest.raises(tweezer.SceneError, match=r"^scene = 3: must be a Scene, the name of a"):
+        call(3)
 
 
 def test_a_tolerance_in_text_is_refused():
