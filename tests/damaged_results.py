@@ -95,7 +95,9 @@ def damaged(rng: np.random.Generator, path: Path) -> str:
     elif kind == "empty":
         file.write_bytes(b"")
     elif kind == "another's":
-        file.write_bytes(files[rng.integers(len(files))].read_bytes() if path.is_dir() else b"{}")
+        # a chunk of another array, as large and with its checksum, is not noticed
+        others = sorted(path.glob("*/zarr.json")) if path.is_dir() else []
+        file.write_bytes(others[rng.integers(len(others))].read_bytes() if others else b"{}")
     else:
         file.unlink()
         if kind == "a folder":
@@ -392,6 +394,10 @@ def results(
     count: int, first: int, seed: int, change: Callable[[np.random.Generator, Path], str]
 ) -> Counter[str]:
     """Read so many results that `change` has changed; see the beginning of this file."""
+    for reader, (_, names) in READERS.items():  # what they need is compiled before they are timed
+        for name in names:
+            with contextlib.suppress(tweezer.TweezerError):  # of what is no scene
+                _expected(reader, name)
 
     def case(rng: np.random.Generator) -> str:
         reader = str(pick(rng, list(READERS)))

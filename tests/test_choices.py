@@ -107,7 +107,7 @@ for name in ("mine", "also-mine"):
 assert "'slow'" in refused(simulation={"model": "fast"})
 assert "'by-hand'" in refused(optics={"evaluator": "guess"})
 assert "is for forces.brownian = true" in refused(simulation={"method": "mine"})
-assert "allowed: overdamped" in refused(
+assert "set simulation.model to overdamped" in refused(
     forces={"brownian": True}, simulation={"method": "mine", "model": "full"}
 )
 sys.argv[1:] = ["run", "--help"]

@@ -284,8 +284,13 @@ def _check_whole(path: Path, found: _Described) -> None:
                 raise ResultError(f"{path}: not a result of tweezer: {name} is over other blocks")
             if lost.size > _MOST_LOST:
                 raise ResultError(f"{path}: declares {lost.size:,} bytes for the times of losses")
-            blocks = [i for i in range(lost.counts[0]) if f"lost_time/c/{i}" in found.files]
-        elif math.prod(array.counts) > len(found.files):
+            ended = (each.removeprefix("lost_time/c/") for each in found.files)
+            numbers = {int(each) for each in ended if each.isdecimal() and len(each) < 10}
+            blocks = sorted(i for i in numbers if i < lost.counts[0])
+        counts = array.counts if blocks is None else (len(blocks), *array.counts[1:])
+        if not math.prod(counts):
+            continue
+        if math.prod(counts) > len(found.files):
             raise ResultError(f"{path}: {name} lacks chunks: cut short or damaged")
         for at in _indices(array, blocks):
             chunk = f"{name}/{'/'.join(['c', *map(str, at)])}"
