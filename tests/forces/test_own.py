@@ -250,6 +250,18 @@ def test_function_that_numba_cannot_compile_is_refused_with_its_line():
     assert len(str(refused.value).splitlines()) == 1
 
 
+def test_ensemble_with_a_force_is_that_of_its_runs():
+    """Trajectory 0 is the run of the seed; a force that fails ends the ensemble with its line."""
+    run = tweezer.simulate(THERMAL, forces=[force_of(0)], seed=3)
+    found = tweezer.ensemble(THERMAL, 3, forces=[force_of(0)], seed=3, workers=1)
+    np.testing.assert_array_equal(found["position"].values[0], run["position"].values)
+    assert found.attrs["other_forces"] == 1
+    with pytest.raises(tweezer.IntegrationError, match="trajectory 0: forces: faulty, line"):
+        tweezer.ensemble(THERMAL.replace(**FAR), 1, forces=[force_of(1)], workers=1)
+    with pytest.raises(SceneError, match=r"forces: cannot be combined with out"):
+        tweezer.ensemble(THERMAL, 3, forces=[force_of(0)], out="a.zarr")
+
+
 def test_forces_of_mutated_functions_are_right_or_refused():
     """`make stress` has 200."""
     assert sum(mutated_kernels(5).values()) == 5

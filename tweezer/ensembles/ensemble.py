@@ -6,7 +6,7 @@ import contextlib
 import functools
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -18,6 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.arguments import check_ensemble, samples_skipped
+from tweezer.dynamics.problem import bound_once
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import Job
 from tweezer.ensembles.store import (
@@ -28,6 +29,7 @@ from tweezer.ensembles.store import (
 )
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
+from tweezer.forces.force import Force
 from tweezer.scene import SceneLike, checked_scene
 from tweezer.units import QuantityLike
 
@@ -58,6 +60,7 @@ def ensemble(
     scheduler: str | Client | None = None,
     workers: int | None = None,
     resume: bool = False,
+    forces: Sequence[Force] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Release the bead of `scene` many times, each with its own thermal motion.
@@ -70,7 +73,8 @@ def ensemble(
     the file system of `out`, which is then needed. Without it, workers: threads on this machine, by
     default one for each core. resume: continue the ensemble at `out`, if there is one; a missing or
     truncated chunk is computed again, a chunk with wrong bytes fails its checksum when it is read.
-    progress: called with the finished part.
+    forces: of your own, beside those of the scene (`tweezer.forces`); only in memory, as neither a
+    store nor another process knows them. progress: called with the finished part.
 
     Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
     velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
@@ -109,7 +113,10 @@ def ensemble(
         scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
-    bound = walk(scene, seed)
+    if forces and (out is not None or scheduler is not None):
+        given = "out" if out is not None else "scheduler"
+        raise SceneError(f"forces: cannot be combined with {given}; omit it, and save the result")
+    bound = walk(bound_once(scene, forces), seed)
     needed = 8 * len(bound.columns) * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
         raise SceneError(

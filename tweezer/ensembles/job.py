@@ -180,9 +180,11 @@ def found_of(bound: Walk) -> Attributes:
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
     """What the numbers depend on; not when and where they are computed."""
+    others = {"other_forces": len(bound.problem.others)} if bound.problem.others else {}
     return {
         "title": bound.scene.title,
         "scene": job.scene,
+        **others,
         "seed": job.seed,
         "trajectories": job.trajectories,
         "duration": float(bound.times[-1]),
