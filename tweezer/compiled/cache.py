@@ -30,7 +30,7 @@ import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
-from tweezer.compiled import linked
+from tweezer.compiled import linked, options
 from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
@@ -318,5 +318,6 @@ def cache_functions(module: ModuleType) -> ModuleType:
 
 
 _find_place()
+options.compare_by_what_is_set()
 event.register("numba:compile", Compilation(_tell))
 event.register("numba:compile", _Uncollected())

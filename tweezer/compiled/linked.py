@@ -24,6 +24,9 @@ class _Entry:
 class _Linked(JITCodeLibrary):
     """Numba's code library, without machine code."""
 
+    def _optimize_final_module(self) -> None:
+        """Leave it to the module that it is linked into."""
+
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()
         self._verify_declare_only_symbols()

@@ -217,18 +217,20 @@ class EquationsOfMotion(Shown):
         """Name of the emitted module."""
         return self.module.__name__.rpartition(".")[2]
 
-    def system(self, *, gradient: bool, derivatives: bool = False) -> System:
+    def system(
+        self, *, gradient: bool, rates: bool = True, derivatives: bool = False
+    ) -> System:
         """What compiled loops take.
 
-        gradient: whether the force gives its gradients. derivatives: whether the loop calls the
-        emitted derivatives of the rates.
+        gradient: whether the force gives its gradients. rates: whether the loop calls the emitted
+        rates; derivatives: whether it calls their derivatives.
         """
         kernel, data = self.drag.compiled()
         return System(
             bound(self.force, gradient=gradient),
             Part(address(kernel, DRAG_KERNEL), data),
             self.drag.uniform,
-            address(self.module.rates, RATES),
+            address(self.module.rates, RATES) if rates else 0,
             address(self.module.derivatives, DERIVATIVES) if derivatives else 0,
             self.params,
             self.module.STATE.index("e0") if self.force.oriented and self._rotates else -1,

@@ -74,7 +74,7 @@ class Solver:
         state = equations.module.STATE
         self._bound: Bound = METHODS[method].load().bound(equations)
         gradient = self._bound.gradient or "force_gradient" in equations.module.RHS_INPUTS
-        system = equations.system(gradient=gradient)
+        system = equations.system(gradient=gradient, rates=self._bound.rates)
         if self._bound.force is not None:
             system = system._replace(force=self._bound.force)
         self.control = Control(

@@ -854,6 +854,7 @@ class Exponential:
             True,
             1,
             bound(equations.moving, gradient=True),
+            rates=False,
         )
 
 

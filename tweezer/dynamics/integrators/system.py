@@ -48,9 +48,9 @@ class System(NamedTuple):
     uniform: bool
     """whether the drag is the same everywhere: it is then evaluated once"""
     rates: int
-    """address of the emitted `rates`"""
+    """address of the emitted `rates`; 0 for a loop that does not call them"""
     derivatives: int
-    """address of the emitted `derivatives`; 0 for a loop that does not call them"""
+    """address of the emitted `derivatives`; 0 likewise"""
     params: Array
     """of the emitted module"""
     orientation: int
@@ -271,6 +271,8 @@ class Bound(NamedTuple):
     """places at which the force was evaluated"""
     force: Part | None = None
     """what the loop takes as the force; None: that of the equations"""
+    rates: bool = True
+    """whether the loop calls the emitted rates"""
 
 
 def signature(method: types.Type) -> Any:
