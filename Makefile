@@ -1,4 +1,5 @@
-# Everything below runs inside .venv, made here with whatever PYTHON is (3.11 or newer).
+# Everything below runs inside .venv, made here with whatever PYTHON is (3.11 or newer). Python compiles
+# a module when it is first imported (--no-compile): most of what is installed never is.
 PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(PYTHON) -m pip --python $(BIN)/python --disable-pip-version-check
@@ -89,13 +90,13 @@ clean:
 	$(PYTHON) -m venv --without-pip .venv
 
 .venv/.runtime: pyproject.toml | .venv/bin/python
-	$(PIP) install --quiet --editable .
+	$(PIP) install --quiet --no-compile --editable .
 	touch $@
 
 .venv/.bench: pyproject.toml | .venv/bin/python
-	$(PIP) install --quiet --editable ".[bench]"
+	$(PIP) install --quiet --no-compile --editable ".[bench]"
 	touch $@ .venv/.runtime
 
 .venv/.dev: pyproject.toml | .venv/bin/python
-	$(PIP) install --quiet --editable ".[dev]"
+	$(PIP) install --quiet --no-compile --editable ".[dev]"
 	touch $@ .venv/.runtime

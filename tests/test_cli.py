@@ -21,7 +21,7 @@ import typer
 import xarray as xr
 
 import tweezer
-from tweezer import cli
+from tweezer import cli, simulation
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.optics import force_map, tabulate
 
@@ -375,8 +375,36 @@ def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, 
     monkeypatch.setattr(cli.runs, "followed_with_progress", while_another_runs)
     outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")
     assert outcome.code == 0
-    assert outcome.out.splitlines()[-2:] == ["wrote a-2.nc", "wrote a-2.png"]
+    written = [each for each in outcome.out.splitlines() if each.startswith("wrote")]
+    assert written == ["wrote a-2.png", "wrote a-2.nc"]
     assert Path("a.nc").read_text() == "of another process"
+
+
+def test_the_figure_and_the_result_come_before_the_slow_errors(command_line, monkeypatch):
+    sound = simulation.force_errors
+
+    def after_the_figure(*arguments):
+        assert Path("a.png").exists()
+        assert not Path("a.nc").exists()
+        return sound(*arguments)
+
+    monkeypatch.setattr(simulation, "force_errors", after_the_figure)
+    outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")
+    assert outcome.code == 0
+    result, errors = outcome.out.split("wrote a.png")
+    assert "outcome" in result
+    assert "error of the force" in errors
+
+
+def test_a_figure_that_fails_leaves_the_run(command_line, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tweezer.plots.run_figure", interrupted)
+    outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")
+    assert outcome.code == 130
+    assert "interrupted: wrote a.nc" in outcome.err
+    assert np.isnan(tweezer.load_run("a.nc").attrs["model_error"])
 
 
 def test_an_output_that_is_a_link_is_refused(command_line):

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.analysis.derived import derived_quantities, fault_at
-from tweezer.analysis.summary import summary_of_path
+from tweezer.analysis.derived import derived_quantities, fault_at, force_errors
+from tweezer.analysis.summary import force_error_along, stored, summary_of_path
 from tweezer.arguments import check_run, in_si
 from tweezer.dynamics import (
     Event,
@@ -27,6 +27,7 @@ from tweezer.dynamics import (
     integrate,
     lens_touched,
     loss,
+    model_error,
 )
 from tweezer.dynamics.camera import Frames
 from tweezer.dynamics.timing import timed
@@ -101,6 +102,24 @@ def followed(
     progress: Callable[[float], None] | None = None,
 ) -> Run:
     """The run of `scene`, see `simulate`, before it is a dataset."""
+    run, find_errors = motion_of(scene, seed, forces, events, progress)
+    find_errors()
+    return run
+
+
+def motion_of(
+    scene: Scene,
+    seed: int | None = None,
+    forces: Sequence[Force] = (),
+    events: Sequence[Event] = (),
+    progress: Callable[[float], None] | None = None,
+) -> tuple[Run, Callable[[], None]]:
+    """The run of `scene` without some of its errors, and the function that finds them.
+
+    The errors of the force and of the model are NaN until that function is called: it adds them to
+    the run. They may need more than the motion itself: the first time, most of what is compiled is
+    for them. An interrupt leaves them NaN.
+    """
     check_run(scene, seed)
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     if scene.forces.brownian:
@@ -144,19 +163,30 @@ def followed(
         **seconds,
         "step_time": result.step_time,
         "integration_error": budget.integration_error,
-        "model_error": budget.model_error,
+        "model_error": math.nan,
     }
     run = _run(problem, result.times, motion, attributes)
     if frames is not None and result.path is not None:
         run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
     elif frames is not None and result.status != "failed":
         warn(f"{scene.name}: no frames of the camera: its steps are more than are held in memory")
-    if result.path is not None:
-        with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
-            attributes["summary"] = summary_of_path(run, result, budget)
+    summary = None
+    with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
+        if result.path is not None:
+            summary = summary_of_path(run, result, budget)
+            attributes["summary"] = stored(summary)
     if result.status == "failed":
         warn(f"{scene.name}: {result.message}")
-    return run
+
+    def find_errors() -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            run.variables.update(force_errors(problem, result.times, motion))
+            if result.path is not None and summary is not None:
+                error = force_error_along(result.path)
+                attributes["summary"] = stored(dataclasses.replace(summary, force_error=error))
+            attributes["model_error"] = model_error(equations, result, motion.position)
+
+    return run, find_errors
 
 
 def _thermal_run(
@@ -164,7 +194,7 @@ def _thermal_run(
     seed: int,
     progress: Callable[[float], None] | None,
     as_given: dict[str, str],
-) -> Run:
+) -> tuple[Run, Callable[[], None]]:
     """Trajectory 0 of the ensemble of that seed."""
     from tweezer.dynamics.beside_wall import rate_of_sticking
     from tweezer.dynamics.walk import walk
@@ -202,8 +232,8 @@ def _thermal_run(
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    motion = bound.motion(columns[0, :reached])
-    if status != "failed" and (fault := fault_at(bound.problem, bound.times[:reached], motion)):
+    times, motion = bound.times[:reached], bound.motion(columns[0, :reached])
+    if status != "failed" and (fault := fault_at(bound.problem, times, motion)):
         status, message = "failed", fault
     attributes = {
         **_about_the_run(bound.problem, bound.why),
@@ -231,13 +261,14 @@ def _thermal_run(
             f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
             f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
         )
-    run = _run(bound.problem, bound.times[:reached], motion, attributes)
+    run = _run(bound.problem, times, motion, attributes)
+    run.variables.update(force_errors(bound.problem, times, motion))
     if bound.exposure is None:
-        return run
+        return run, lambda: None
     frames = bound.exposure.frames
     places = np.concatenate([np.empty((0, len(frames.camera.axes))), *seen])
     held = int(np.isfinite(places).all(axis=1).sum())  # up to where the bead was lost
-    return _filmed(run, frames, frames.times[:held], places[:held])
+    return _filmed(run, frames, frames.times[:held], places[:held]), lambda: None
 
 
 def _run(

@@ -356,6 +356,19 @@ def test_an_interrupt_of_the_summary_leaves_the_run(turning_scene, monkeypatch):
     assert summarise(run).by_samples
 
 
+@pytest.mark.parametrize("error", ["force_errors", "model_error"])
+def test_an_interrupt_of_an_error_leaves_the_run_and_its_summary(turning_scene, monkeypatch, error):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"tweezer.simulation.{error}", interrupted)
+    run = tweezer.simulate(turning_scene, duration=1e-6)
+    assert run.attrs["status"] == "complete"
+    assert np.isnan(run.attrs["model_error"])
+    assert np.isnan(run["force_error"]).all() == (error == "force_errors")
+    assert not summarise(run).by_samples
+
+
 def test_a_saved_run_has_the_same_summary(thinly_sampled, tmp_path):
     """One without it, as older versions wrote them, says that its numbers are of the samples."""
     saved = tweezer.load_run(tweezer.save_run(thinly_sampled, tmp_path / "run.nc"))

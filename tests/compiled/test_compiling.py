@@ -521,9 +521,9 @@ def test_the_order_of_a_tuple_s_names_is_part_of_its_type(tmp_path):
         numba.typeof(namedtuple("Pair", names)(1.0, 2.0)) for names in ("near far", "far near")
     ]
     assert repr(types[0]) == repr(types[1])
-    paths = {file_of(tmp_path)._path(((each, numba.float64), ("processor",))) for each in types}
+    paths = {file_of(tmp_path).path(((each, numba.float64), ("processor",))) for each in types}
     nested = {
-        file_of(tmp_path)._path(((numba.types.Tuple((each,)),), ("processor",))) for each in types
+        file_of(tmp_path).path(((numba.types.Tuple((each,)),), ("processor",))) for each in types
     }
     assert len(paths) == len(nested) == 2
 

@@ -17,10 +17,9 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     """Variables that follow from a motion at `times` (n,) s.
 
     * optical_force: force of the light (3.26), N
-    * force_error: its error as estimated, or certified by the map, or for the thesis's grid the
-      distance to the quadrature, N
+    * force_error: its error, N; NaN, until `force_errors` gives it
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
-    * net_force_error: with forces beside those of the scene, its error, N
+    * net_force_error: with forces beside those of the scene, its error, N; likewise
     * speed; terminal_speed: |net_force|/beta_v (5.2), with the drag at the place, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
     * distance: from the focus, m
@@ -35,17 +34,15 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     weight = np.array(bead.weight)
     light = problem.light.field(places, time=times)
     net_force = light.force + weight
-    force_error = problem.light.error_of(places, light, times)
-    net_error = force_error.copy()
     for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
-        net_error += each.error_of(places, pushed, times)
     terminal = net_force * problem.mobilities(places, times)[:, :3]
     potential = -places @ weight
+    unknown = np.full(len(times), np.nan)
     variables = {
         "optical_force": with_error(_vector(light.force, "N", "force of the light"), "force_error"),
-        "force_error": _number(force_error, "N", "error of the force of the light"),
+        "force_error": _of_force(unknown),
         "net_force": _vector(net_force, "N", "net motion force, all forces but drag"),
         "terminal_speed": _number(_length(terminal), "m/s", "terminal speed"),
         "distance": _number(_length(places), "m", "distance to the focus"),
@@ -54,7 +51,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
         ),
     }
     if problem.others:
-        variables["net_force_error"] = _number(net_error, "N", "error of the net motion force")
+        variables["net_force_error"] = _of_net_force(unknown)
         variables["net_force"] = with_error(variables["net_force"], "net_force_error")
     if scene.wall is not None:
         gap = scene.room(places[:, 2])
@@ -89,6 +86,34 @@ def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
             said = fault_of(each) or f"{name_of(each)}: the force is not finite"
             return f"failed at the sample of {times[failed[0]]:.6g} s: {said}"
     return ""
+
+
+def force_errors(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
+    """Errors of the forces in a motion at `times` (n,) s.
+
+    * force_error: of the light, N: as estimated, or certified by the map, or for the thesis's grid
+      the distance to the quadrature
+    * net_force_error: with forces beside those of the scene, of all, N
+    """
+    places = motion.position
+    light = problem.light.field(places, time=times)
+    of_light = problem.light.error_of(places, light, times)
+    errors = {"force_error": _of_force(of_light)}
+    if problem.others:
+        of_all = of_light.copy()
+        for each in problem.beside_the_light:
+            pushed = each.field(places, time=times, orientations=motion.orientation)
+            of_all += each.error_of(places, pushed, times)
+        errors["net_force_error"] = _of_net_force(of_all)
+    return errors
+
+
+def _of_force(errors: Array) -> Variable:
+    return _number(errors, "N", "error of the force of the light")
+
+
+def _of_net_force(errors: Array) -> Variable:
+    return _number(errors, "N", "error of the net motion force")
 
 
 def _vector(values: Array, units: str, long_name: str) -> Variable:

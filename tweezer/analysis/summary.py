@@ -189,8 +189,8 @@ def summary_of(run: Run) -> Summary:
     )
 
 
-def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> str:
-    """The attribute `summary` of a run, which `summarise` reads.
+def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> Summary:
+    """Summary of a run by its path; the error of the force is not known yet.
 
     run: the run without it. integrated: the run, with its path.
     """
@@ -213,17 +213,17 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
     elif outcome == "ended":
         outcome_time_error = math.nan
     number = float(2 * scene.medium.density * scene.bead.radius / scene.medium.viscosity)  # (5.1)
-    largest_force, force_error = _force(path)
+    places, at = _places(path)
     overshoot = 0.0 if here.overshoot <= errors.overshoot else here.overshoot
-    found = Summary(
+    return Summary(
         outcome=outcome,
         outcome_time=outcome_time,
         overshoot=math.nan if scene.light_moves else overshoot,
         closest_approach=_known(here.closest_approach),
         closest_approach_time=_known(here.closest_approach_time),
         largest_reynolds_number=number * here.largest_speed,
-        largest_force=largest_force,
-        force_error=force_error,
+        largest_force=_largest(path.equations.problem.light.field(places, time=at).force),
+        force_error=math.nan,
         end=_point(position[-1]),
         by_samples=False,
         outcome_time_error=_known(outcome_time_error),
@@ -235,7 +235,11 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> s
         smallest_gap_error=_known(errors.smallest_gap),
         sought_within=_sought(scene) if outcome == "not captured" else None,
     )
-    return json.dumps(dataclasses.asdict(found))
+
+
+def stored(summary: Summary) -> str:
+    """Return the attribute `summary` of a run, which `summarise` reads."""
+    return json.dumps(dataclasses.asdict(summary))
 
 
 def _read(text: str) -> Summary:
@@ -261,14 +265,18 @@ def _errors(
     ))  # fmt: skip
 
 
-def _force(path: Path) -> tuple[float, float]:
-    """Largest force of the light along the path, and largest error of it, N."""
+def force_error_along(path: Path) -> float:
+    """Return the largest error of the force of the light along the path, N."""
+    light = path.equations.problem.light
+    places, times = _places(path)
+    return float(light.error_of(places, light.field(places, time=times), times).max())
+
+
+def _places(path: Path) -> tuple[Array, Array]:
+    """Some positions on the path, (n, 3) m, and their times, (n,) s."""
     times = path.checkpoints
     times = times[:: -(-len(times) // _PLACES)]
-    places = path.positions(times)
-    bound = path.equations.problem.light
-    field = bound.field(places, time=times)
-    return _largest(field.force), float(bound.error_of(places, field, times).max())
+    return path.positions(times), times
 
 
 def _largest(vectors: Array) -> float:

@@ -39,6 +39,9 @@ from tweezer.cli.tables import add_light, add_rows, table_of
 from tweezer.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from tweezer.analysis.summary import Summary
     from tweezer.run import Run
     from tweezer.scene import Scene
 
@@ -114,24 +117,29 @@ def run(
     )
     plot = writable_figure(plot, overwrite=overwrite)
     bind_light(described)
-    result = followed_with_progress(described, seed)
-    status = result.attributes["status"]
-    ended = status not in ("failed", "interrupted")
-    if out.exists() and not (ended and (overwrite or not _obstacle(out, described, seed))):
-        out, plot = _beside(out, plot)
 
-    from tweezer.io import write_run
+    from tweezer.second_process import compiling_beside
 
-    write_run(result, out)
-    try:
-        if plot:
-            from tweezer.plots import run_figure
+    with compiling_beside(described):
+        result, find_errors = followed_with_progress(described, seed)
+        status = result.attributes["status"]
+        ended = status not in ("failed", "interrupted")
+        if out.exists() and not (ended and (overwrite or not _obstacle(out, described, seed))):
+            out, plot = _beside(out, plot)
+        try:
+            _print_summary(described, result)
+            if plot:
+                from tweezer.plots import run_figure
 
-            write_figure(run_figure(result.dataset()), plot)
-    finally:
-        _print_summary(described, result)
-        tell_written(out)
-    tell_written(plot)
+                write_figure(run_figure(result.dataset()), plot)
+                tell_written(plot)
+            find_errors()
+        finally:
+            from tweezer.io import write_run
+
+            write_run(result, out)
+            tell_written(out)
+    _print_errors(described, result)
     if not ended:
         message = result.attributes["message"]
         complain(f"{described.name}: {message}; what was reached is in {out}")
@@ -174,15 +182,24 @@ def _numbered(path: Path, number: int) -> Path:
     return path.with_stem(f"{path.stem}-{number}")
 
 
-def followed_with_progress(scene: Scene, seed: int | None) -> Run:
-    """The run of a scene, with a progress bar."""
+def followed_with_progress(scene: Scene, seed: int | None) -> tuple[Run, Callable[[], None]]:
+    """The run of a scene, and the function that finds the rest of its errors, with progress bars.
+
+    See `tweezer.simulation.motion_of`.
+    """
     with (
         showing_progress(scene.name, scene.simulation.duration, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
-        from tweezer.simulation import followed
+        from tweezer.simulation import motion_of
 
-        return followed(scene, seed, progress=progress)
+        run, find_errors = motion_of(scene, seed, progress=progress)
+
+    def with_progress() -> None:
+        with showing_progress(f"{scene.name}: errors", 1.0):
+            find_errors()
+
+    return run, with_progress
 
 
 def _print_summary(scene: Scene, result: Run) -> None:
@@ -205,23 +222,12 @@ def _print_summary(scene: Scene, result: Run) -> None:
         table.add_row("seen by the camera", frames)
     table.add_row("model, method", f"{model}; {attributes['method']}")
     table.add_row("inertia of the fluid", attributes["fluid_inertia"])
-    where = " at the samples" if summary.by_samples else ""
-    largest, error = summary.largest_force, summary.force_error
     table.add_row("force by", attributes["force_evaluator"])
     add_light(table, scene)
-    if largest > 0:
-        share = f"{100 * error / largest:.1g} % of the largest"
-        table.add_row("error of the force", f"up to {1e12 * error:.1g} pN{where}, {share}")
     if scene.forces.brownian:
         table.add_row("step", f"{attributes['step']:.3g} s")
     else:
-        integration, by_model = (
-            "not known" if math.isnan(error) else f"up to {1e6 * error:.1g} um{where}"
-            for error in (attributes["integration_error"], attributes["model_error"])
-        )
-        table.add_row("error of the integration", integration)
-        if attributes["model_error"] != 0:
-            table.add_row("off the motion with all inertia", by_model)
+        table.add_row("error of the integration", _up_to(attributes["integration_error"], summary))
     table.add_row("steps", f"{attributes['steps']}")
     table.add_row("force calls", f"{attributes['force_calls']}")
     if summary.by_samples:
@@ -231,3 +237,29 @@ def _print_summary(scene: Scene, result: Run) -> None:
         seconds += f", and {attributes['compile_time']:.0f} s to compile, once"
     table.add_row("time", seconds)
     OUT.print(table)
+
+
+def _print_errors(scene: Scene, result: Run) -> None:
+    """Print the errors that are known last: see `tweezer.simulation.motion_of`."""
+    from tweezer.analysis.summary import summary_of
+
+    summary, by_model = summary_of(result), result.attributes["model_error"]
+    table = table_of("errors", "")
+    if summary.largest_force > 0:
+        largest, error = summary.largest_force, summary.force_error
+        told = f"up to {1e12 * error:.1g} pN{_where(summary)}, "
+        told += f"{100 * error / largest:.1g} % of the largest"
+        table.add_row("error of the force", "not known" if math.isnan(error) else told)
+    if not scene.forces.brownian and by_model != 0:
+        table.add_row("off the motion with all inertia", _up_to(by_model, summary))
+    if table.row_count:
+        OUT.print(table)
+
+
+def _up_to(error: float, summary: Summary) -> str:
+    """Return a largest error of positions, m, in words."""
+    return "not known" if math.isnan(error) else f"up to {1e6 * error:.1g} um{_where(summary)}"
+
+
+def _where(summary: Summary) -> str:
+    return " at the samples" if summary.by_samples else ""

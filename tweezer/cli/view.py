@@ -119,7 +119,12 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
         from tweezer.viewing import view as page_of
 
         return page_of(characterise(scene)), 0
-    result = followed_with_progress(scene, None)
+
+    from tweezer.second_process import compiling_beside
+
+    with compiling_beside(scene):
+        result, find_errors = followed_with_progress(scene, None)
+        find_errors()
 
     from tweezer.viewing import view as page_of
 

@@ -30,7 +30,7 @@ import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 
-from tweezer.compiled import linked, options
+from tweezer.compiled import linked, options, shared
 from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
@@ -193,7 +193,7 @@ class _File:
     def load(self, key: Any) -> Any:
         """The code stored under `key`, Numba's key of a variant; None if there is none."""
         try:
-            whole = self._path(key).read_bytes()
+            whole = self.path(key).read_bytes()
         except OSError:
             return None
         digest, content = whole[:_DIGEST], whole[_DIGEST:]
@@ -202,13 +202,13 @@ class _File:
         try:
             kept_under, code = pickle.loads(content)
         except Exception as error:  # types of a module that this process cannot import
-            _log.debug("%s cannot be read: %s", self._path(key), error)
+            _log.debug("%s cannot be read: %s", self.path(key), error)
             return None
         return code if kept_under == key else None
 
     def save(self, key: Any, code: Any) -> None:
         """Store code under `key`; raises `OSError`."""
-        content, path = caching.dumps((key, code)), self._path(key)
+        content, path = caching.dumps((key, code)), self.path(key)
         part = path.with_name(f"{path.name}.{secrets.token_hex(8)}")
         try:
             part.write_bytes(self._digest(content) + content)
@@ -216,7 +216,8 @@ class _File:
         finally:
             part.unlink(missing_ok=True)
 
-    def _path(self, key: Any) -> Path:
+    def path(self, key: Any) -> Path:
+        """The file of the code stored under `key`."""
         signature, *others = key
         told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {others!r}"
         types_and_processor = hashlib.sha256(told.encode()).hexdigest()
@@ -249,10 +250,20 @@ class _Cache(caching.FunctionCache):
         base = Path(self.cache_path, self._impl.filename_base)
         self._cache_file = _File(str(base), dispatcher)
         self._callers = callers
+        self._dispatcher = dispatcher
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         """Argument types, processor, and who calls it; the fingerprint covers the rest."""
         return sig, codegen.magic_tuple(), "compiled" if self._callers.compiled else "Python"
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """What is stored; of a function that another process is compiling, when it has."""
+        found = super().load_overload(signature, context)
+        if found is None and not self._callers.compiled:
+            key = self._index_key(signature, context.codegen())
+            if shared.claim(str(self._cache_file.path(key)), self._dispatcher):
+                found = super().load_overload(signature, context)
+        return found
 
     def save_overload(self, signature: Any, code: Any) -> None:
         """Store what was compiled, unless the folder cannot take it."""
@@ -261,6 +272,9 @@ class _Cache(caching.FunctionCache):
             _Cache.kept = True
         except OSError as error:
             _not_kept(f"what is compiled is not kept: {error.strerror}")
+        finally:
+            if not self._callers.compiled:
+                shared.release()
 
 
 def cached_njit(signature: Any = None, **options: Any) -> Any:

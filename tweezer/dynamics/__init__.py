@@ -1,7 +1,7 @@
 """Equations of motion of the bead, and their integration in time."""
 
 from tweezer.compiled import compilation  # noqa: F401 (first: finds where to keep what it compiles)
-from tweezer.dynamics.budget import error_budget
+from tweezer.dynamics.budget import error_budget, model_error, unscaled
 from tweezer.dynamics.choose import chosen, decided
 from tweezer.dynamics.events import Event, Occurrence, capture, closest_approach, lens_touched, loss
 from tweezer.dynamics.integrate import Integration, integrate
@@ -25,4 +25,6 @@ __all__ = [
     "integrate",
     "lens_touched",
     "loss",
+    "model_error",
+    "unscaled",
 ]

@@ -49,12 +49,6 @@ class ErrorBudget:
     most poles of the fluid's memory. A solver of SciPy's is compared with a compiled method of
     tighter tolerances instead. NaN if no finer run can be made, for example because half of
     `simulation.step` takes more than `simulation.most_force_calls`"""
-    model_error: float
-    """largest distance to the unscaled equations with all inertia, the fluid's too, integrated by
-    the exponential method; 0 for them, or beside a wall how far its drag would hold the bead up.
-    For a body that it cannot integrate NaN, or with the model `full` the largest lag behind which
-    the fluid's inertia leaves it (`Scene.lag`). Where the drag depends on the place, as beside a
-    wall, that lag and the distance to the unscaled equations"""
     finer: Finer | None
     """what the integration error is by; None where it is unknown"""
 
@@ -69,14 +63,32 @@ def error_budget(
     are held in memory (`MOST_HELD`) are compared at the output's times alone.
     """
     if run.status == "interrupted":
-        return ErrorBudget(math.nan, math.nan, None)
+        return ErrorBudget(math.nan, None)
     if len(run.times) < 2:
-        return ErrorBudget(0.0, 0.0, None)
+        return ErrorBudget(0.0, None)
     try:
         finer, integration_error = _of_integration(equations, run, position, events)
-        return ErrorBudget(integration_error, _of_model(equations, run, position), finer)
     except KeyboardInterrupt:  # the run itself is whole
-        return ErrorBudget(math.nan, math.nan, None)
+        return ErrorBudget(math.nan, None)
+    return ErrorBudget(integration_error, finer)
+
+
+def model_error(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
+    """Return the largest distance to the unscaled equations with all inertia, m.
+
+    Those have the fluid's inertia too, and are integrated by the exponential method. For them the
+    error is 0, or beside a wall how far its drag would hold the bead up. For a body that the method
+    cannot integrate it is NaN, or with the model `full` the largest lag behind which the fluid's
+    inertia leaves it (`Scene.lag`). Where the drag depends on the place, as beside a wall, it is
+    that lag and the distance to the unscaled equations.
+
+    position: (n, 3) m, of the run at its output's times. NaN for a run that was interrupted.
+    """
+    if run.status == "interrupted":
+        return math.nan
+    if len(run.times) < 2:
+        return 0.0
+    return _of_model(equations, run, position)
 
 
 def _of_integration(
@@ -138,12 +150,12 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
 def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
     if equations.name.startswith("full") and equations.remembers:
         return _without_wall(equations, run)
-    unscaled = _unscaled(equations.problem)
-    if equations.drag.uniform and unscaled is not None:
-        return _compared(unscaled, run, position)[1]
+    exact = unscaled(equations.problem)
+    if equations.drag.uniform and exact is not None:
+        return _compared(exact, run, position)[1]
     if equations.name.startswith("full"):
         return _lag(equations, run)
-    return _compared(unscaled, run, position)[1] + _lag(equations, run)
+    return _compared(exact, run, position)[1] + _lag(equations, run)
 
 
 def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:
@@ -182,7 +194,8 @@ def _compiled(equations: EquationsOfMotion) -> Problem | None:
     return None
 
 
-def _unscaled(problem: Problem) -> Problem | None:
+def unscaled(problem: Problem) -> Problem | None:
+    """Return the unscaled equations with all inertia; None where the method cannot follow them."""
     full = problem.changed(
         model="full", method="exponential", scaling_factor=None, step=None,
         rotation_state="angular-velocity",

@@ -217,9 +217,7 @@ class EquationsOfMotion(Shown):
         """Name of the emitted module."""
         return self.module.__name__.rpartition(".")[2]
 
-    def system(
-        self, *, gradient: bool, rates: bool = True, derivatives: bool = False
-    ) -> System:
+    def system(self, *, gradient: bool, rates: bool = True, derivatives: bool = False) -> System:
         """What compiled loops take.
 
         gradient: whether the force gives its gradients. rates: whether the loop calls the emitted

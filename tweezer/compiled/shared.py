@@ -1,0 +1,68 @@
+"""Compiling shared by two processes: neither compiles what the other is compiling.
+
+A process that compiles a function for Python holds a lock in a folder that both know. The other
+one waits for the lock and loads the function from the cache. A process holds one lock at a time and
+asks for none while it compiles, so none waits for ever; its end releases its lock.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+from numba.core import event
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
+
+#: Whether this machine has such locks
+POSSIBLE = fcntl is not None
+
+
+class _Lock:
+    """The lock that this process holds, if any, and the folder of all."""
+
+    folder: Path | None = None
+    held: int | None = None
+
+
+_lock = _Lock()
+
+
+def share(folder: Path | None) -> None:
+    """Share compiling with the process that is given the same folder; None: no longer."""
+    release()
+    _lock.folder = folder
+
+
+def claim(name: str, dispatcher: Any) -> bool:
+    """Wait until no other process compiles the variant of that name; whether compiling is shared.
+
+    The wait counts as compiling.
+    """
+    if _lock.folder is None:
+        return False
+    release()
+    path = _lock.folder / hashlib.sha256(name.encode()).hexdigest()
+    try:
+        _lock.held = os.open(path, os.O_CREAT | os.O_RDWR, 0o600)
+        try:
+            fcntl.flock(_lock.held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            with event.trigger_event("numba:compile", data={"dispatcher": dispatcher}):
+                fcntl.flock(_lock.held, fcntl.LOCK_EX)
+    except OSError:  # the folder is gone with the other process, or has no locks
+        release()
+        return False
+    return True
+
+
+def release() -> None:
+    """Let the other process have what this one compiled last."""
+    if _lock.held is not None:
+        os.close(_lock.held)
+        _lock.held = None

@@ -1,0 +1,113 @@
+"""A second process that compiles what the errors of a run need, while the run compiles the rest.
+
+A run by an explicit method is compared with the unscaled equations, which another method follows.
+That method takes longer to compile than all that the run itself needs, and nothing of it is
+needed before the run has ended.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from tweezer.compiled import Compilation, compilation, shared
+from tweezer.dynamics import bind, bound_once, decided, integrate, unscaled
+from tweezer.scene import Scene
+
+#: Compile time after which a second process is worth its start, s
+_WORTH = 1.0
+#: Duration of the motion by which the methods are compiled, s
+_MOMENT = 1e-8
+
+
+@contextlib.contextmanager
+def compiling_beside(scene: Scene) -> Iterator[None]:
+    """Context in which a second process helps a run of `scene` to compile.
+
+    It starts when compiling has taken a second, and ends with the context. There is none where the
+    errors need nothing of their own, on one processor, and without locks of files.
+    """
+    if not (_has_errors_to_compile_for(scene) and shared.POSSIBLE and _processors() > 1):
+        yield
+        return
+    folder = Path(tempfile.mkdtemp(prefix="tweezer-"))
+    process: subprocess.Popen[bytes] | None = None
+
+    def start(compiling: Compilation) -> None:
+        nonlocal process
+        if process is None and compiling.seconds > _WORTH:
+            shared.share(folder)
+            process = _started(scene, folder)
+
+    try:
+        with compilation(start):
+            yield
+    finally:
+        shared.share(None)
+        if process is not None:
+            process.kill()
+            process.wait()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _has_errors_to_compile_for(scene: Scene) -> bool:
+    return not scene.forces.brownian and scene.simulation.model not in (None, "full")
+
+
+def _processors() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _started(scene: Scene, folder: Path) -> subprocess.Popen[bytes]:
+    """The second process, in a session of its own: an interrupt reaches it by its parent alone."""
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    told = {"scene": scene.model_dump_json(exclude_none=True), "folder": str(folder)}
+    assert process.stdin is not None
+    with contextlib.suppress(OSError):  # it has ended: what it would do remains to be done here
+        process.stdin.write(json.dumps(told).encode() + b"\n")
+        process.stdin.flush()
+    return process
+
+
+def compile_for_model_error(scene: Scene) -> None:
+    """Compile what the error of the model of a run needs, by following it for a moment."""
+    problem, _ = decided(bound_once(scene))
+    compared = unscaled(problem)
+    if compared is None:
+        return
+    moment = integrate(bind(compared), np.array([0.0, _MOMENT]))
+    if moment.path is not None:
+        moment.path.positions(moment.times)
+
+
+def _main() -> None:
+    told = json.loads(sys.stdin.buffer.readline())
+    folder = Path(told["folder"])
+
+    def end_with_the_first_process() -> None:
+        sys.stdin.buffer.read()  # until nobody holds the other end
+        shutil.rmtree(folder, ignore_errors=True)
+        os._exit(0)
+
+    threading.Thread(target=end_with_the_first_process, daemon=True).start()
+    shared.share(folder)
+    compile_for_model_error(Scene.model_validate_json(told["scene"]))
+
+
+if __name__ == "__main__":
+    _main()
