@@ -6,6 +6,7 @@ import pytest
 import typer
 
 from tweezer import cli
+from tweezer.choices import SWEPT
 from tweezer.cli.completion import (
     among,
     complete_key,
@@ -114,3 +115,11 @@ def test_a_key_without_its_section_is_told_it(key, told):
     with pytest.raises(SceneError) as refused:
         with_settings(load_scene("silica-1um"), {key: "1"})
     assert told in str(refused.value)
+
+
+def test_what_a_sweep_computes_is_completed():
+    command = typer.main.get_command(cli.app).commands["sweep"]
+    (of,) = [each for each in command.params if "--of" in each.opts]
+    with command.make_context("sweep", [], resilient_parsing=True) as context:
+        offered = of.shell_complete(context, "")
+    assert [each.value for each in offered] == [*SWEPT]

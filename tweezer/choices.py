@@ -13,6 +13,8 @@ from typing import Any
 
 #: Endings of files of runs, ensembles and sweeps
 RESULTS = (".nc", ".zarr")
+#: What a sweep computes of every case
+SWEPT = ("trap", "run", "ensemble", "calibrate")
 #: Ending of the file of a trap
 SAVED_TRAP = ".json"
 #: Endings of recordings: texts; HDF5, which runs are too; files of NumPy, MATLAB and LabVIEW

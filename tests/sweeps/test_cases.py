@@ -6,7 +6,9 @@ import pytest
 import xarray as xr
 
 import tweezer
+from tweezer.choices import SWEPT
 from tweezer.sweeps.cases import cases_of, read_over
+from tweezer.sweeps.quantities import QUANTITIES
 
 
 @pytest.mark.parametrize(
@@ -133,3 +135,7 @@ def test_groups_keep_to_a_light():
 def test_numbers_in_unusual_units_are_doubted():
     with pytest.warns(tweezer.UnitWarning, match="over beam.power: is 80 W"):
         cases_of({"beam.power": [1.0, 80.0]}, None)
+
+
+def test_every_kind_of_sweep_has_its_quantities():
+    assert tuple(QUANTITIES) == SWEPT

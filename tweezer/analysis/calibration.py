@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.linalg import LinAlgWarning
 from scipy.special import chdtrc
 
@@ -55,6 +54,7 @@ from tweezer.analysis.whittle import (
 )
 from tweezer.arguments import in_si
 from tweezer.bead import bead_properties
+from tweezer.constants import Boltzmann
 from tweezer.errors import ResultError
 from tweezer.fluid import LOWEST, stokes
 from tweezer.fluid import drag as drag_of

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.stats.qmc import Sobol
 
 from tweezer.analysis.findings import REFUTED
@@ -27,6 +26,7 @@ from tweezer.analysis.residuals import p_value as p_value_of
 from tweezer.arguments import in_si, numbers_in_si
 from tweezer.bead import bead_properties
 from tweezer.choices import evaluator
+from tweezer.constants import Boltzmann
 from tweezer.dynamics.filter import Bead, Camera, Filtered, kalman_filter
 from tweezer.dynamics.models import EquationsOfMotion, bind_translation
 from tweezer.dynamics.problem import bound_once

@@ -7,12 +7,12 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.optimize import brentq
 
 from tweezer.analysis.findings import Fits, relative_variance_of_variance
 from tweezer.analysis.spectra import TrappedBead
 from tweezer.analysis.whittle import STIFFNESS
+from tweezer.constants import Boltzmann
 
 Array = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ _REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)
 
 def equipartition(positions: Array, fits: Fits) -> tuple[float, float]:
     """Stiffness by the variance of positions, whose relative variance is that of the spectrum."""
-    k = Boltzmann * fits.fit.bead.temperature / np.var(positions)
+    k = float(Boltzmann * fits.fit.bead.temperature / np.var(positions))
     relative = math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
     return corrected(k, k * relative, fits)
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.optimize import minimize_scalar
 
+from tweezer.constants import Boltzmann
 from tweezer.equilibria import (
     DIRECTIONS,
     Component,

@@ -17,13 +17,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, ndtr
 
 from tweezer.analysis.by_axis import ByAxis
 from tweezer.analysis.findings import IMPROBABLE, REFUTED, Finding
 from tweezer.analysis.steps import EXACT, Steps
+from tweezer.constants import Boltzmann
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
 from tweezer.shown import Card, Row, Shown

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 
 from tweezer.analysis.spectra import statistical_inefficiency, variance_of_means
 from tweezer.arguments import in_si, numbers_in_si
+from tweezer.constants import Boltzmann
 from tweezer.errors import ResultError
 from tweezer.rounding import with_uncertainty
 from tweezer.shown import Card, Row, Shown

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.integrate import cumulative_trapezoid
 
 from tweezer.analysis.escape import Escape
 from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
+from tweezer.constants import Boltzmann
 from tweezer.dynamics import Problem, bound_once
 from tweezer.equilibria import Equilibrium
 from tweezer.optics import sampled

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 
+from tweezer.constants import Boltzmann
 from tweezer.dynamics.problem import Problem
 from tweezer.equilibria import Equilibrium
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.constants import Boltzmann
 
+from tweezer.constants import Boltzmann
 from tweezer.fluid import Memory, drag_at, memory_beside, memory_far
 from tweezer.fluid.memory import USUAL
 

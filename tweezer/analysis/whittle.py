@@ -11,11 +11,11 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.linalg import eigh
 from scipy.optimize import minimize
 
 from tweezer.analysis.spectra import TrappedBead, power_spectrum, statistical_inefficiency
+from tweezer.constants import Boltzmann
 
 Array = NDArray[np.float64]
 
@@ -436,7 +436,7 @@ def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -
     given: the temperature, mass and exposure, and the drag or NaN.
     """
     kT = Boltzmann * given.temperature
-    k = kT / np.var(positions)
+    k = float(kT / np.var(positions))
     # squares decay twice as fast; for an underdamped bead in m/beta
     memory = periodogram.step * statistical_inefficiency((positions - positions.mean()) ** 2)
     starts = [dataclasses.replace(given, stiffness=k, drag=k * memory)]

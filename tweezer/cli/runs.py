@@ -41,9 +41,14 @@ from tweezer.errors import PhysicsWarning, SceneError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rich.table import Table
+
     from tweezer.analysis.summary import Summary
     from tweezer.run import Run
     from tweezer.scene import Scene
+
+#: Name of the error of the model, the longest in the tables of a run
+_BY_MODEL = "off the motion with all inertia"
 
 
 @app.command()
@@ -134,12 +139,12 @@ def run(
                 write_figure(run_figure(result.dataset()), plot)
                 tell_written(plot)
             find_errors()
+            _print_errors(described, result)
         finally:
             from tweezer.io import write_run
 
             write_run(result, out)
             tell_written(out)
-    _print_errors(described, result)
     if not ended:
         message = result.attributes["message"]
         complain(f"{described.name}: {message}; what was reached is in {out}")
@@ -210,7 +215,7 @@ def _print_summary(scene: Scene, result: Run) -> None:
     model: str = attributes["model"]
     if model == "scaled":
         model += f", a2 = {scene.simulation.scaling_factor:g}"
-    table = table_of(scene.name, "")
+    table = _table(scene.name)
     add_rows(table, summary.outcome_rows())
     if not scene.forces.brownian:
         add_rows(table, summary.approach_rows())
@@ -244,16 +249,23 @@ def _print_errors(scene: Scene, result: Run) -> None:
     from tweezer.analysis.summary import summary_of
 
     summary, by_model = summary_of(result), result.attributes["model_error"]
-    table = table_of("errors", "")
+    table = _table("errors")
     if summary.largest_force > 0:
         largest, error = summary.largest_force, summary.force_error
         told = f"up to {1e12 * error:.1g} pN{_where(summary)}, "
         told += f"{100 * error / largest:.1g} % of the largest"
         table.add_row("error of the force", "not known" if math.isnan(error) else told)
     if not scene.forces.brownian and by_model != 0:
-        table.add_row("off the motion with all inertia", _up_to(by_model, summary))
+        table.add_row(_BY_MODEL, _up_to(by_model, summary))
     if table.row_count:
         OUT.print(table)
+
+
+def _table(heading: str) -> Table:
+    """Return an empty table whose second column stands below that of the other one."""
+    table = table_of(heading, "")
+    table.columns[0].min_width = len(_BY_MODEL)
+    return table
 
 
 def _up_to(error: float, summary: Summary) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from tweezer.choices import SWEPT
 from tweezer.cli.app import (
     Changes,
     FigureFile,
@@ -20,7 +21,7 @@ from tweezer.cli.app import (
     scene_with,
     settings_of,
 )
-from tweezer.cli.completion import complete_setting
+from tweezer.cli.completion import among, complete_setting
 from tweezer.cli.console import (
     INTERRUPTED,
     OUT,
@@ -61,7 +62,8 @@ def sweep(
         ),
     ] = None,
     of: Annotated[
-        str, typer.Option(help="What is computed: trap, run, ensemble or calibrate.")
+        str,
+        typer.Option(help=f"What is computed: {', '.join(SWEPT)}.", autocompletion=among(SWEPT)),
     ] = "trap",
     out: Annotated[
         Path | None, typer.Option(help="Zarr store to write; SCENE-sweep.zarr if not given.")

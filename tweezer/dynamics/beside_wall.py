@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.special import ndtr, ndtri
 
+from tweezer.constants import Boltzmann
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import BesideWall
 from tweezer.forces.wall import Dlvo

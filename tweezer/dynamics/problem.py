@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import speed_of_light
 
 from tweezer.bead import BeadProperties, bead_properties
 from tweezer.choices import METHODS, MODELS
+from tweezer.constants import speed_of_light
 from tweezer.dynamics.linear import LinearMotion
 from tweezer.equilibria import (
     Equilibrium,

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_thermal
 from tweezer.choices import METHODS, MODELS, at, methods
 from tweezer.compiled import address
+from tweezer.constants import Boltzmann
 from tweezer.dynamics.beside_wall import (
     Towards,
     cut,

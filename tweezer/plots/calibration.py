@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import LogLocator, NullFormatter
-from scipy.constants import Boltzmann
 
 from tweezer import analysis, style
+from tweezer.constants import Boltzmann
 from tweezer.plots.scene import MICRO, MILLI, NANO
 from tweezer.rounding import with_uncertainty
 

@@ -11,9 +11,10 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy.constants import Boltzmann
 
 from tweezer.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
+from tweezer.choices import SWEPT
+from tweezer.constants import Boltzmann
 from tweezer.equilibria import DIRECTIONS
 from tweezer.errors import ResultError, SceneError, TweezerError
 from tweezer.scene import Scene, with_settings
@@ -96,14 +97,12 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
         "diffusion": Quantity("axis", "m^2/s", "diffusion by the power spectrum"),
     },
 }
-#: What a sweep can be of
-WHAT = tuple(QUANTITIES)
 
 
 def quantities_of(of: str) -> dict[str, Quantity]:
     """Return the quantities of a sweep of that name. Raises `ResultError` if there is none."""
     if of not in QUANTITIES:
-        raise ResultError(f"is a sweep of {of[:20]!r}; allowed: {', '.join(WHAT)}")
+        raise ResultError(f"is a sweep of {of[:20]!r}; allowed: {', '.join(SWEPT)}")
     return QUANTITIES[of]
 
 
@@ -337,14 +336,14 @@ _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
 def asked_of(scene: Scene, of: str, **given: Any) -> Asked:
     """What is asked by arguments of `USED`; None for one that is not given.
 
-    Raises `SceneError` unless `of` is one of `WHAT`, and for an argument that it does not use.
+    Raises `SceneError` unless `of` is one of `SWEPT`, and for an argument that it does not use.
     """
-    if of not in WHAT:
-        raise SceneError(f"of = {of!r}: allowed: {', '.join(WHAT)}")
+    if of not in SWEPT:
+        raise SceneError(f"of = {of!r}: allowed: {', '.join(SWEPT)}")
     given = {name: value for name, value in given.items() if value is not None}
     for name in given:
         if name not in USED[of]:
-            uses = ", ".join(each for each in WHAT if name in USED[each])
+            uses = ", ".join(each for each in SWEPT if name in USED[each])
             raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
     return Asked(scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given)
 

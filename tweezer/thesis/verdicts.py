@@ -9,10 +9,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
-from scipy.constants import Boltzmann
 
 from tweezer.analysis import Track, fit_depth, summarise, tune
 from tweezer.bead import bead_properties
+from tweezer.constants import Boltzmann
 from tweezer.dynamics import bind, bound_once, integrate
 from tweezer.ensembles import ensemble
 from tweezer.equilibria import Equilibrium

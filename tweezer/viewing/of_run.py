@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 
 from tweezer.analysis.resolved import resolved
 from tweezer.analysis.summary import Summary, summary_of
 from tweezer.bead import bead_properties
+from tweezer.constants import Boltzmann
 from tweezer.dynamics import Problem, bound_once
 from tweezer.errors import ResultError
 from tweezer.io import scene_of

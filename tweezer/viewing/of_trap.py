@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.constants import Boltzmann
 from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 
 from tweezer.analysis import Escape, Trap
+from tweezer.constants import Boltzmann
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams
 from tweezer.optics.light import LightForce
