@@ -41,6 +41,8 @@ _SMOOTH = 0.9
 _FEW = 50.0
 #: Change that a key must be told to within, as a factor or in radii, or it is not determined
 _DETERMINED = 0.5
+#: Misfit above the least at which another minimum is not excluded: each fits by its own chance
+_RIVAL = 15.0
 #: Systematic error that is told, in the least relative uncertainty of a key
 _HARM = 0.5
 #: Change of a key by which a pair that is not told apart is described
@@ -160,10 +162,10 @@ def fit(
     SceneFit
         Values with 95 % confidence intervals: values whose least misfit, -2 log(likelihood), over
         the other keys is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60
-        (1938)). The minimum is the lowest of those reached from the best four of 17 places about
+        (1938)). The minimum is the lowest of those reached from the best eight of 16 places about
         the guesses, up to a factor of 5 or 5 radii from them. Keys that the likelihood does not
-        distinguish are named, and so are other minima in the 95 % region. The p-value is that of
-        Bartlett's test of the spectra, and of their size.
+        distinguish are named, and so are other minima up to 15 above the least. The p-value is that
+        of Bartlett's test of the spectra, and of their size.
 
     Raises
     ------
@@ -183,7 +185,7 @@ def fit(
         _refuse_unsettled(each)
     tell = progress or (lambda _: None)
     best, *others = misfit.minima(lambda part: tell(0.4 * part))
-    rivals = [each for each in others if each.value < best.value + LEVEL]
+    rivals = [each for each in others if each.value < best.value + _RIVAL]
     p = misfit.p_value(best.at)
     sound = best.converged and p >= REFUTED
     found: list[FittedKey] = []

@@ -40,7 +40,7 @@ _GAIN, _SHORT = 1e-5, 1e-4
 _HOPELESS = 1e4
 #: Number of places about the guesses that are tried, how far off they are, and number of the best
 #: that minima are sought from; distance of two minima
-_TRIALS, _ABOUT, _DESCENTS, _SAME = 16, 0.5, 4, 0.02
+_TRIALS, _ABOUT, _DESCENTS, _SAME = 16, 0.5, 8, 0.02
 #: Number of places whose scenes are kept bound
 _REMEMBERED = 16
 #: Keys that the motion of a bead at rest in the trap depends on
@@ -247,7 +247,7 @@ class Misfit:
         """The minima that the best of several places lead to, the lowest first."""
         n = len(self.keys)
         trials = _ABOUT * (2 * Sobol(n, scramble=False).random(_TRIALS) - 1)
-        places = [np.zeros(n), *(np.clip(trial, *self.bounds.T) for trial in trials)]
+        places = [np.clip(trial, *self.bounds.T) for trial in trials]  # the guesses among them
         places.sort(key=lambda q: float((self(q) ** 2).sum()))
         found: list[Least] = []
         for i, place in enumerate(places[:_DESCENTS]):
