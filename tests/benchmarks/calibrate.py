@@ -3,7 +3,8 @@
 Records are drawn exactly (`tests.reference.trapped_bead`): as cameras make them, at three rates and
 exposed for none or all of each frame; and of 40 and 820 relaxation times, with drift or
 white noise. The coverage of the 95 % interval is that of the numbers that carry no finding. Records
-are calibrated on all cores.
+are calibrated on all cores. `speed` then takes the processor time of long records on one of them,
+beside that of pylake's fit of the spectrum.
 """
 
 from __future__ import annotations
@@ -11,12 +12,15 @@ from __future__ import annotations
 import math
 import multiprocessing
 import os
+import time
+import tracemalloc
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.signal import lfilter
 
 import tweezer
 from tests.benchmarks.force import _to_four_digits
@@ -35,6 +39,8 @@ TEMPERATURE = 293.15
 DRAG = 6 * math.pi * 1.002e-3 * 0.5e-6
 #: samples of a camera's record
 FRAMES = 6000
+#: samples of the records whose calibration is timed, and their rate, Hz
+LENGTHS, RATE = (100_000, 1_000_000, 10_000_000), 78125.0
 
 
 class Study(NamedTuple):
@@ -90,12 +96,57 @@ def measure(*, quick: bool, say: Callable[[str], object]) -> Results:
             say(f"{i} of {len(tasks)} sets of records")
     results: Results = _to_four_digits(
         {
-            "machine": machine(), "quick": quick,
+            "machine": machine(), "quick": quick, "speed": speed(quick=quick, say=say),
             "cameras": [_judged(s, found[s]) for s in CAMERAS if s in found],
             "disturbed": [_judged(s, found[s]) for s in DISTURBED if s in found],
         }
     )  # fmt: skip
     return results
+
+
+def speed(*, quick: bool, say: Callable[[str], object]) -> Results:
+    """Processor time and memory of whole calibrations of long records, and the time of pylake."""
+    from lumicks import pylake
+
+    step, stiffness = 1 / RATE, 5e-5
+    decay = math.exp(-stiffness / DRAG * step)
+    size = math.sqrt(BOLTZMANN * TEMPERATURE / stiffness * (1 - decay**2))
+    rows = []
+    for samples in (20_000,) if quick else LENGTHS:
+        kicks = size * np.random.default_rng(SEED).standard_normal(samples)
+        x = lfilter([1], [1, -decay], kicks)  # exact; it starts in the middle of the trap
+        times = step * np.arange(samples)
+        recording = Recording("record", times, x[:, None], ("x",))
+
+        def ours(recording: Recording = recording) -> object:
+            return tweezer.calibrate(recording, temperature=TEMPERATURE, drag=DRAG, exposure=0.0)
+
+        def theirs(x: np.ndarray = x) -> object:
+            return pylake.calibrate_force(
+                1e6 * x, bead_diameter=1.0, temperature=TEMPERATURE - 273.15, viscosity=1.002e-3,
+                sample_rate=RATE, num_points_per_block=100,
+            )  # fmt: skip
+
+        seconds, of_pylake = (
+            _processor_time(run, 3 if samples < 1e7 else 2) for run in (ours, theirs)
+        )
+        tracemalloc.start()
+        ours()
+        memory = tracemalloc.get_traced_memory()[1] / x.nbytes
+        tracemalloc.stop()
+        rows.append({"samples": samples, "seconds": seconds, "pylake": of_pylake, "memory": memory})
+        say(f"{samples} samples")
+    return {"machine": machine(), "records": rows}
+
+
+def _processor_time(run: Callable[[], object], repeats: int) -> float:
+    """The least of some calls after a first one, s."""
+    found = []
+    for _ in range(1 + repeats):
+        before = time.process_time()
+        run()
+        found.append(time.process_time() - before)
+    return min(found[1:])
 
 
 def calibrated(study: Study, seed: int, count: int) -> list[AxisCalibration]:
