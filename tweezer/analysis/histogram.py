@@ -128,7 +128,8 @@ def potential(
     bins = np.clip((x - low) * (1 / (width * deviation)) + 1, 0, count + 1).astype(np.int64)
     blocks = _counts_of_blocks(bins, count + 2)
     visited = np.bincount(bins, minlength=count + 2)[1:-1] / x.size
-    of_mean = np.maximum(variance_of_means(blocks[1:-1]), visited * (1 - visited) / x.size)
+    of_mean = np.array([variance_of_means(each) for each in blocks[1:-1]])
+    of_mean = np.maximum(of_mean, visited * (1 - visited) / x.size)
     relative = np.full(count, np.inf)
     np.divide(np.sqrt(of_mean), visited, out=relative, where=visited > 0)
     enough = np.flatnonzero(relative**2 <= 1 / _COUNTS)
@@ -158,7 +159,7 @@ def _counts_of_blocks(bins: NDArray[np.int64], count: int) -> Array:
     blocks = bins.size // length
     cells = bins[: blocks * length].reshape(blocks, length) + count * np.arange(blocks)[:, None]
     found = np.bincount(cells.ravel(), minlength=blocks * count).reshape(blocks, count)
-    return np.ascontiguousarray(found.T / length)
+    return np.true_divide(found.T, length, order="C")
 
 
 def resolution_of(positions: Array) -> float:

@@ -70,18 +70,18 @@ def autocovariance(positions: Array, lags: NDArray[np.int64] | None = None) -> A
 
     Parameters
     ----------
-    positions : ndarray, shape (..., n)
-        Records, m.
+    positions : ndarray, shape (n,)
+        Record, m.
     lags : ndarray of int, shape (m,), optional
-        Lags in samples, from 0 to n - 1, of one record. Default: all of them, by FFT. A few lags
-        cost one pass over the record each.
+        Lags in samples, from 0 to n - 1. Default: all of them, by FFT. A few lags cost one pass
+        over the record each.
 
     Returns
     -------
-    ndarray, shape (..., m)
+    ndarray, shape (m,)
         Autocovariance, m^2.
     """
-    n = positions.shape[-1]
+    n = len(positions)
     return _products(positions, lags) / (n - (np.arange(n) if lags is None else lags))
 
 
@@ -109,19 +109,16 @@ def mean_squared_displacement(positions: Array, lags: NDArray[np.int64] | None =
 
 
 def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
-    """Sums (..., lags) of the products of two deviations from the mean of each record (..., n).
-
-    lags: of one record (n,); None: all.
-    """
+    """Sums (lags,) of the products of two deviations from the mean, at all lags if None."""
     from scipy.fft import irfft, next_fast_len, rfft
 
-    n = positions.shape[-1]
-    deviations = positions - positions.mean(axis=-1, keepdims=True)
+    n = len(positions)
+    deviations = positions - positions.mean()
     if lags is not None:
         pairs = ((deviations[: n - lag], deviations[lag:]) for lag in lags)
         return np.array([np.einsum("i,i", *pair) for pair in pairs])  # on one core
     length = next_fast_len(2 * n, real=True)
-    return np.asarray(irfft(np.abs(rfft(deviations, length)) ** 2, length)[..., :n])
+    return np.asarray(irfft(np.abs(rfft(deviations, length)) ** 2, length)[:n])
 
 
 def statistical_inefficiency(series: Array) -> float:
@@ -136,7 +133,7 @@ def statistical_inefficiency(series: Array) -> float:
     if of_one <= 0:
         return 1.0
     of_mean = variance_of_means(block_means(series))
-    return min(max(float(of_mean) * len(series) / of_one, 1.0), float(len(series)))
+    return min(max(of_mean * len(series) / of_one, 1.0), float(len(series)))
 
 
 def standard_error(series: Array) -> float:
@@ -156,22 +153,21 @@ def block_means(series: Array) -> Array:
     return np.asarray(series[: len(series) // length * length].reshape(-1, length).mean(axis=1))
 
 
-def variance_of_means(series: Array) -> Array:
-    """Variance (...) of the mean of each correlated series (..., n), by Sokal's window.
+def variance_of_means(series: Array) -> float:
+    """Variance of the mean of a correlated `series` (n,), by Sokal's window.
 
     The variance of a series that stays correlated to its end is that of one sample.
     """
-    n = series.shape[-1]
+    n = len(series)
     covariance = autocovariance(series)
-    variance = covariance[..., 0]
-    at_all = np.where(variance > 0, variance, 1.0)
-    sums = 2 * np.cumsum(covariance, axis=-1) / at_all[..., None] - 1
-    within = np.arange(n) >= _WINDOW * sums
-    window = within.argmax(axis=-1)
-    ends = within.any(axis=-1)
-    inefficiency = np.take_along_axis(sums, window[..., None], axis=-1)[..., 0]
-    inefficiency = np.where(ends, inefficiency * (1 + (2 * window + 1) / n), n)
-    return np.asarray(variance * np.maximum(inefficiency, 0.0) / n)
+    if covariance[0] <= 0:
+        return 0.0
+    sums = 2 * np.cumsum(covariance / covariance[0]) - 1
+    ends = np.flatnonzero(np.arange(n) >= _WINDOW * sums)
+    if not ends.size:
+        return float(covariance[0])
+    window = int(ends[0])
+    return float(covariance[0] * max(sums[window], 0.0) * (1 + (2 * window + 1) / n) / n)
 
 
 def _overlap(v: NDArray[Any]) -> NDArray[Any]:
