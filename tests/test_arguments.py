@@ -1,6 +1,7 @@
 """A scene as an argument: a Scene, a name, a file or a mapping; and what is said of a scene."""
 
 import inspect
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -90,3 +91,13 @@ def test_assignment_to_a_scene_names_replace():
         said = str(refused.value)
         assert said.startswith(f"{key}: a scene is not changed in place; use scene.replace(")
         assert len(said.splitlines()) == 1
+
+
+def test_bound_scene_can_be_pickled():
+    """So that it can be sent to other processes: it is bound again there."""
+    equations = tweezer.bind(SCENE)
+    again = pickle.loads(pickle.dumps(equations))
+    assert again.scene == equations.scene
+    assert again.name == equations.name
+    state = equations.initial_state + 1e-8
+    np.testing.assert_array_equal(again.rhs(0.0, state), equations.rhs(0.0, state))

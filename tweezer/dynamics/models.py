@@ -11,6 +11,7 @@ import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,6 +93,10 @@ class EquationsOfMotion(Shown):
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
         self.initial_state = self._initial_state()
         self.absolute_tolerance = self._absolute_tolerance()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Bind the problem again in another process."""
+        return _bound_again, (self.problem, self.name)
 
     def card(self) -> Card:
         """Model, variables, tolerances."""
@@ -488,6 +493,10 @@ def bind(scene: Scene | Problem) -> EquationsOfMotion:
 def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
     """The equations of motion of a model without the rotation, whether there is one or not."""
     return EquationsOfMotion(problem, _module(f"{MODELS[model].modules}_translation"))
+
+
+def _bound_again(problem: Problem, name: str) -> EquationsOfMotion:
+    return EquationsOfMotion(problem, _module(name))
 
 
 def _module(name: str) -> ModuleType:

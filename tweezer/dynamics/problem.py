@@ -64,6 +64,10 @@ class Problem:
     others: tuple[Force, ...] = ()
     """forces beside those of the scene"""
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Bind the scene again in another process, which has addresses of its own."""
+        return bound_once, (self.scene, self.others)
+
     @functools.cached_property
     def force(self) -> Force:
         """The light and the other forces: all but drag, weight and noise."""
