@@ -474,7 +474,7 @@ def test_recordings_put_together():
     """The weighted mean, by hand; and none where one of them is of another trap."""
     found = [
         tweezer.calibrate(recording(x, STEP), drag=TRUE.drag, exposure=0.0, **FLUID)
-        for x in seen(3, 69)
+        for x in seen(3, 71)
     ]
     every = {each.quantity: each for each in together(found)}
     assert set(every) == {"stiffness", "drag"}
