@@ -86,7 +86,7 @@ def foreign_files(count: int, first: int = 0) -> Counter[str]:
             places = [Path(f"{out}.lock"), part, out, Path(".saving-0123456789abcdef").absolute()]
             places += [part / each for each in WITHIN]
             path, make = places[rng.integers(len(places))], THINGS[rng.integers(len(THINGS))]
-            if path.parent == part and not part.exists():
+            if path.parent == part and not os.path.lexists(part):
                 part.mkdir()
             if os.path.lexists(path) or (path.parent == part and not part.is_dir()):
                 continue
