@@ -32,7 +32,7 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "commands": ("tweezer", "generated"),
     "depth": ("tweezer/analysis/depth.py", "tweezer/dynamics/filter.py"),
     "diagram": (*_LIGHT, "tweezer/analysis", "tweezer/equilibria.py"),
-    "fit": ("tweezer/analysis", "tweezer/dynamics/filter.py"),
+    "fit": ("tweezer/analysis", "tweezer/fluid"),
     "fluid": _THERMAL,
     "force": _LIGHT,
     "free": _CALIBRATION,

@@ -1,12 +1,14 @@
 """Fits of scenes to recordings: how often the intervals hold what is true, and what is said.
 
-Recordings are of an ensemble whose bead moves by the map of the force and is seen by a camera with
-blur and noise. The fits begin from wrong guesses, with the force of the quadrature. On all cores.
+Recordings are of ensembles whose beads move by the map of the force, as `run` writes them or as a
+camera with blur and noise sees them. The fits begin from wrong guesses, with the force of the
+quadrature. On all cores.
 """
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,109 +23,174 @@ Results = dict[str, Any]
 
 #: of the bead that is not trapped yet, in every recording, s
 BEFORE = 0.02
+BEADS: dict[str, dict[str, Any]] = {
+    "1 um silica, 10 mW": {
+        "bead": {"diameter": "1 um"},
+        "beam": {"power_through_pupil": "10 mW"},
+    },
+    "1.5 um polystyrene, 20 mW": {
+        "bead": {"diameter": "1.5 um", "refractive_index": 1.59, "density": "1050 kg/m^3"},
+        "beam": {"power_through_pupil": "20 mW"},
+    },
+    "3 um silica, 20 mW": {
+        "bead": {"diameter": "3 um"},
+        "beam": {"power_through_pupil": "20 mW"},
+    },
+}
 TRUE = {
-    "bead": {"diameter": "1 um"},
-    "beam": {"power_through_pupil": "10 mW"},
     "forces": {"brownian": True},
     "optics": {"evaluator": "map"},
     "start": {"position": [0.0, 0.0, 0.0], "frame": "focus"},
 }
-GUESS = {"bead": {"diameter": "1.06 um"}, "beam": {"power_through_pupil": "13 mW"}}
+#: First guesses, over the truth
+WRONG = {"bead.diameter": 1.06, "beam.power_through_pupil": 1.3, "medium.viscosity": 1.2}
+
+SIZE = ("bead.diameter",)
+BOTH = ("bead.diameter", "beam.power_through_pupil")
+FIRST = ("1 um silica, 10 mW",)
+STEPS = (10e-6, 50e-6, 200e-6, 1e-3)
 
 
 class Study(NamedTuple):
-    """Recordings of one camera, and what is fitted to them."""
+    """Recordings of some beads by some steps, and what is fitted to them."""
 
     name: str
     free: tuple[str, ...]
-    rate: float
-    frames: int
-    along: bool
-    """whether z is seen"""
+    beads: tuple[str, ...]
+    steps: tuple[float, ...]
+    """s"""
+    samples: int
     records: int
+    """of each bead by each step"""
+    axes: str = "xyz"
+    camera: bool = False
+    """whether a camera sees the bead, exposed all the time, with noise; else the run's own samples
+    are fitted"""
+    model: str | None = None
+    """that the scene names; without one it is that of a run, with the memory of the fluid"""
+    inertia: str | None = None
+    """of the fluid, that the scene names"""
 
 
+EVERY = (tuple(BEADS), STEPS, 10_000, 5)
 STUDIES = (
-    Study("in the plane", ("bead.diameter", "beam.power_through_pupil"), 2500.0, 5000, False, 100),
-    Study("in space", ("bead.diameter", "beam.power_through_pupil"), 2500.0, 5000, True, 100),
+    Study("samples of a run", SIZE, *EVERY),
+    Study("samples of a run", BOTH, *EVERY),
+    Study("a camera", BOTH, tuple(BEADS), STEPS[1:], 5_000, 1, camera=True),
     Study(
-        "in the plane, viscosity too",
-        ("bead.diameter", "beam.power_through_pupil", "medium.viscosity"),
-        2500.0, 5000, False, 10,
+        "samples, model overdamped", BOTH, tuple(BEADS), STEPS[::2], 10_000, 1, model="overdamped"
+    ),
+    Study(
+        "samples, medium.inertia none", BOTH, tuple(BEADS), STEPS[::2], 10_000, 1, inertia="none"
+    ),
+    Study(
+        "a camera, x and y", (*BOTH, "medium.viscosity"), FIRST, (0.4e-3,), 5_000, 2, "xy",
+        camera=True,
     ),
 )  # fmt: skip
 
 
-def scene(study: Study) -> tweezer.Scene:
-    """What the recordings of a study are of."""
-    camera = {"rate": study.rate, "exposure": 1 / study.rate, "noise": "3 nm"}
-    if study.along:
-        camera["noise_along"] = "15 nm"
-    duration = study.frames / study.rate + BEFORE
-    return tweezer.load_scene("silica-1um").replace(
-        **TRUE, camera=camera,
-        simulation={"model": "overdamped", "duration": duration, "samples": 11},
+def scene(study: Study, bead: str, step: float) -> tweezer.Scene:
+    """What the recordings are of."""
+    samples = study.samples + round(BEFORE / step)
+    medium = {} if study.inertia is None else {"inertia": study.inertia}
+    simulation = {"duration": f"{samples * step} s", "samples": samples + 1, "model": study.model}
+    truth = tweezer.load_scene("silica-1um").replace(
+        **TRUE, **BEADS[bead], medium=medium,
+        simulation={key: value for key, value in simulation.items() if value is not None},
     )  # fmt: skip
+    if not study.camera:
+        return truth
+    camera = {"rate": 1 / step, "exposure": step, "noise": "3 nm"}
+    if "z" in study.axes:
+        camera["noise_along"] = "15 nm"
+    return truth.replace(camera=camera, simulation={"samples": 11})
 
 
-def recordings(study: Study, seed: int = 1) -> list[Recording]:
-    """The recordings of a study."""
-    truth = scene(study)
-    found = tweezer.ensemble(truth, study.records, seed=seed)
-    times = found["frame_time"].values
-    kept = times > BEFORE
-    axes = tuple(map(str, found["seen_axis"].values))
-    return [
-        Recording(f"record {i}", times[kept], found["seen"].values[i, kept], axes)
-        for i in range(study.records)
-    ]
+def recordings(study: Study, bead: str, step: float, seed: int) -> Iterator[Recording]:
+    """The recordings of one bead by one step."""
+    found = tweezer.ensemble(scene(study, bead, step), study.records, seed=seed)
+    what, when = ("seen", "frame_time") if study.camera else ("position", "time")
+    times = found[when].values
+    kept = slice(len(times) - study.samples, None)
+    for i, positions in enumerate(found[what].values):
+        yield Recording(
+            f"record {i}", times[kept], positions[kept, : len(study.axes)], tuple(study.axes)
+        )
 
 
-def _fitted(study: Study, recording: Recording) -> Results:
+def _fitted(study: Study, bead: str, step: float, recording: Recording) -> Results:
+    truth = scene(study, bead, step)
+    wrong = {key: WRONG[key] * value_at(truth, key) for key in study.free}
     with warnings.catch_warnings(action="ignore"):
-        guess = scene(study).replace(**GUESS, optics={"evaluator": "auto"})
-        if "medium.viscosity" in study.free:
-            guess = guess.replace(medium={"viscosity": "1.2 mPa s"})
+        guess = truth.replace(optics={"evaluator": "auto"})
+        for key, value in wrong.items():
+            section, _, name = key.partition(".")
+            guess = guess.replace(**{section: {name: value}})
         found = tweezer.fit(recording, guess, free=study.free)
     return {
+        "bead": bead,
+        "step": step,
         "statement": found.statement,
         "p_value": found.p_value,
         "keys": {
-            each.key: [each.value, *each.interval, each.determined] for each in found.keys
+            each.key: [value_at(truth, each.key), each.value, *each.interval, each.determined]
+            for each in found.keys
         },
     }  # fmt: skip
 
 
 def measure(*, quick: bool = False, say: Any = lambda _: None) -> Results:
     """Coverage, bias and words of each study."""
-    studies = [each._replace(records=3, frames=1500) if quick else each for each in STUDIES]
-    tasks = [(study, each) for study in studies for each in recordings(study)]
+    studies = [each._replace(records=1, samples=1500) if quick else each for each in STUDIES]
+    if quick:
+        studies = [each._replace(beads=each.beads[:1], steps=each.steps[:1]) for each in studies]
+    tasks = [
+        (study, bead, step, recording)
+        for number, study in enumerate(studies)
+        for i, bead in enumerate(study.beads)
+        for j, step in enumerate(study.steps)
+        for recording in recordings(study, bead, step, 1 + 100 * number + 10 * i + j)
+    ]
     fits = on_all_cores(_fitted, tasks, say)
     found = [_summary(study, fits[study]) for study in studies]
     return {"machine": machine(), "studies": found}
 
 
 def _summary(study: Study, fits: list[Results]) -> Results:
-    truth = scene(study)
     keys = {}
     for key in study.free:
-        true = value_at(truth, key)
-        values = np.array([each["keys"][key][0] for each in fits])
-        ends = [(each["keys"][key][1], each["keys"][key][2]) for each in fits]
-        inside = sum(
-            (low is None or low <= true) and (high is None or true <= high) for low, high in ends
+        every = [each["keys"][key] for each in fits]
+        covered = [
+            (low is None or low <= true) and (high is None or true <= high)
+            for true, _, low, high, _ in every
+        ]
+        told = [inside for inside, (*_, determined) in zip(covered, every, strict=True)
+                if determined]  # fmt: skip
+        off = np.array([value / true - 1 for true, value, *_ in every])
+        # in standard errors, of those that are determined
+        scores = np.array(
+            [3.92 * (value - true) / (high - low) for true, value, low, high, sure in every if sure]
         )
-        low, high = binomtest(inside, len(fits)).proportion_ci(0.95)
-        lengths = [high - low for low, high in ends if low is not None and high is not None]
+        lengths = [
+            (high - low) / true for true, _, low, high, _ in every if None not in (low, high)
+        ]
+        low, high = binomtest(sum(covered), len(fits)).proportion_ci(0.95)
         keys[key] = {
-            "true": true, "inside": inside, "inside_from": low, "inside_to": high,
-            "bias": float(values.mean() / true - 1),
-            "bias_error": float(values.std(ddof=1) / true / np.sqrt(len(fits))),
-            "half_interval": float(np.median(lengths) / 2 / true) if lengths else None,
-            "determined": sum(bool(each["keys"][key][3]) for each in fits),
+            "inside": sum(covered), "inside_from": low, "inside_to": high,
+            "bias": float(off.mean()), "bias_error": _error(off),
+            "score": float(scores.mean()) if scores.size else None, "score_error": _error(scores),
+            "half_interval": float(np.median(lengths) / 2) if lengths else None,
+            "determined": len(told), "determined_inside": sum(told),
         }  # fmt: skip
     return {
-        "name": study.name, "rate_Hz": study.rate, "frames": study.frames, "records": len(fits),
+        "name": study.name, "steps": study.steps, "samples": study.samples, "records": len(fits),
         "keys": keys, "least_p_value": min(each["p_value"] for each in fits),
+        "refuted": sum(each["p_value"] < 0.01 for each in fits),
         "statement": fits[0]["statement"],
     }  # fmt: skip
+
+
+def _error(numbers: Any) -> float | None:
+    """Standard error of the mean."""
+    return float(np.std(numbers, ddof=1) / np.sqrt(len(numbers))) if len(numbers) > 1 else None
