@@ -76,7 +76,7 @@ EVERY = (tuple(BEADS), STEPS, 10_000, 5)
 STUDIES = (
     Study("samples of a run", SIZE, *EVERY),
     Study("samples of a run", BOTH, *EVERY),
-    Study("a camera", BOTH, tuple(BEADS), STEPS[1:], 5_000, 1, camera=True),
+    Study("a camera", BOTH, tuple(BEADS), STEPS[1:], 5_000, 5, camera=True),
     Study(
         "samples, model overdamped", BOTH, tuple(BEADS), STEPS[::2], 10_000, 1, model="overdamped"
     ),
