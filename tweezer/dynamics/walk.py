@@ -21,8 +21,9 @@ from tweezer.dynamics.beside_wall import (
     towards,
     without_walls,
 )
-from tweezer.dynamics.brownian import march, memory, noise, plane, propagator
+from tweezer.dynamics.brownian import crossing, march, memory, noise, plane, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
+from tweezer.dynamics.brownian.crossing import Boundary, boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -55,6 +56,10 @@ _PART_WITH_INERTIA, _PART_OF_FLIGHT, _FLIES = 0.1, 0.025, 1e-3
 _PART_OF_CHANGE = 0.05
 #: Diffusion in a step over the length in which the drag changes
 _PART_OF_LENGTH = 0.05
+#: Diffusion in a step over the distance at which a bead is lost
+_PART_OF_LOSS = 0.25
+#: Standard deviations from the trap that a bead does not reach
+_FARTHEST = 8.0
 #: Number of points on each line from the trap at which the drag is evaluated
 _ON_A_LINE = 65
 #: Part of the largest stiffness below which an entry of it is rounding
@@ -86,6 +91,8 @@ class Walk:
     with them"""
     plan: Plan
     weights: Weights
+    edge: Boundary
+    """where a bead is lost"""
     hidden: int = 0
     """count of the numbers of a state that no sample shows: before the last"""
     exposure: Exposure | None = None
@@ -259,7 +266,13 @@ class Walk:
         self, states: Array, trajectories: Integers, sample: int, out: Array, plan: Plan
     ) -> None:
         (force, steps, weights), advance = self._compiled
-        failed = advance(force, steps, plan, weights, trajectories, states, sample, out)
+        before, edge = states.copy(), self.edge._replace(find=crossing.finder_if_compiled())
+        rest = trajectories, states, sample, out
+        failed = advance(force, steps, plan, weights, edge, *rest)
+        if failed == march.NEAR:
+            states[:] = before
+            edge = edge._replace(find=crossing.finder())
+            failed = advance(force, steps, plan, weights, edge, *rest)
         if failed >= 0:
             if fault := fault_of(self.problem.force):
                 raise IntegrationError(f"trajectory {trajectories[failed]}: {fault}")
@@ -438,21 +451,25 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
     kT = Boltzmann * scene.medium.temperature
+    kernel, data = problem.drag.compiled()
+    resisting = Part(address(kernel, DRAG_KERNEL), data)
     if isinstance(wall, BesideWall):  # the scheme reads the plane's data, and calls no kernel
         resisting = Part(0, plane.data_of(wall, kT))
-    else:
-        kernel, data = problem.drag.compiled()
-        resisting = Part(address(kernel, DRAG_KERNEL), data)
     plan = Plan(
-        seed, step, per_sample, simulation.loss_distance, lens, tau, mobility, load, diffusion,
-        centre, kT, uniform or beside_wall, resisting,
+        seed, step, per_sample, tau, mobility, load, diffusion, centre, kT,
+        uniform or beside_wall, resisting,
+    )  # fmt: skip
+    remembers = scene.medium.inertia == "memory"
+    of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
+    edge = boundary(
+        simulation.loss_distance, lens, step, kT, float(mobility[:3].max()),
+        share(step, of_velocity) if inertial else 1.0, problem.fastest,
+        None if uniform else Part(address(kernel, DRAG_KERNEL), data),
     )  # fmt: skip
     exposure = None
     if (frames := Frames.of(scene)) is not None:
         short = diffusion[:3]
         if inertial:
-            remembers = scene.medium.inertia == "memory"
-            of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
             short = at_short_times(step, short, of_velocity)
         spring = centre[:3] if how.spring_only else None
         exposure = Exposure(
@@ -468,7 +485,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         columns += ["wx", "wy", "wz"]
     return Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
-        3 * weights.memory.shape[2], exposure,
+        edge, 3 * weights.memory.shape[2], exposure,
     )  # fmt: skip
 
 
@@ -544,6 +561,11 @@ def _longest_step(
         limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
     if problem.scene.camera is not None and (rate := float(np.abs(kappa).max())) > 0:
         limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
+    way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * float(diffusion[:3].max()))
+    limits.append((way, f"diffusion over {_PART_OF_LOSS:g} of simulation.loss_distance"))
+    if METHODS[simulation.method].spring_only and _reaches_loss(problem, kappa, diffusion):
+        some = f"{_PART:g} of the time of the trap, for the times of loss"
+        limits.append((_PART / float(kappa[:3].max()), some))
     if simulation.step is not None:
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
@@ -572,6 +594,16 @@ def _longest_step(
     if tau[0] > 0 and _scheme(problem).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)
+
+
+def _reaches_loss(problem: Problem, kappa: Array, diffusion: Array) -> bool:
+    """Whether a bead in the spring of the trap comes to where it is lost."""
+    scene, trap = problem.scene, problem.equilibrium
+    assert trap is not None  # a method that follows the spring alone refuses a scene without one
+    spread = math.sqrt(float((diffusion[:3] / kappa[:3]).max()))
+    places = np.array([trap.position, scene.start_position])
+    left = scene.simulation.loss_distance - np.linalg.norm(places, axis=1).max()
+    return bool(left < _FARTHEST * spread)
 
 
 def _rate_of_drag(problem: Problem) -> float:

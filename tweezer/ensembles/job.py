@@ -167,8 +167,8 @@ def columns_of(bound: Walk) -> dict[str, slice]:
 
 def found_of(bound: Walk) -> Attributes:
     """What every process determines by itself, and must be the same in all that work together."""
-    *plan, drag = bound.plan  # the address of its kernel is this process's own
-    numbers = (*plan, drag.data.numbers, *bound.weights)
+    (*plan, drag), (*edge, _, _) = bound.plan, bound.edge  # addresses are this process's own
+    numbers = (*plan, drag.data.numbers, *edge, *bound.weights)
     coefficients = b"".join(np.asarray(each).tobytes() for each in numbers)
     return {
         "step": float(bound.step),

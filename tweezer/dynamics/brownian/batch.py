@@ -27,10 +27,6 @@ class Plan(NamedTuple):
     step: float
     """s"""
     per_sample: int
-    loss: float
-    """m, distance from the focus at which a bead is lost"""
-    lens: float
-    """m, z at which a bead touches the lens, and is lost"""
     tau: Array
     """(dims,) s; m/beta_v where inertia is left out"""
     mobility: Array
@@ -153,11 +149,12 @@ _empty, _row = np.zeros(0), np.zeros((0, 0))
 PART = typeof(Part(0, packed()))
 PLAN = typeof(
     Plan(
-        0, 0.0, 0, 0.0, 0.0, _empty, _empty, _empty, _empty, _empty, 0.0, True, Part(0, packed())
+        0, 0.0, 0, _empty, _empty, _empty, _empty, _empty, 0.0, True, Part(0, packed())
     )
 )  # fmt: skip
 WEIGHTS = typeof(Weights(*[_empty] * (len(Weights._fields) - 3)))
-STEP = types.void(PART, PLAN, WEIGHTS, typeof(beads.py_func(0, 3, True, True, True)))
+BEADS = typeof(beads.py_func(0, 3, True, True, True))
+STEP = types.void(PART, PLAN, WEIGHTS, BEADS)
 """signature of a scheme's step"""
 
 

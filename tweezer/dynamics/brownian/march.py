@@ -15,14 +15,17 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.dynamics.brownian import batch, memory, rotation
+from tweezer.dynamics.brownian import batch, crossing, memory, rotation
 from tweezer.dynamics.brownian.batch import PART, PLAN, STEP, WEIGHTS, Scheme
+from tweezer.dynamics.brownian.crossing import BOUNDARY
 from tweezer.dynamics.brownian.noise import NOISE, normals
 
 Array = NDArray[np.float64]
 
 #: Beads side by side: calls by address cost little for so many, and what they need stays in cache
 _BATCH = 128
+#: Returned where a bead comes near a boundary that is not looked at
+NEAR = -2
 
 
 class Steps(NamedTuple):
@@ -68,13 +71,14 @@ def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
 def loop() -> Any:
     """The compiled loop.
 
-    advance(force, steps, plan, weights, trajectories, states, sample, out) takes states (n, ...),
+    advance(force, steps, plan, weights, edge, trajectories, states, sample, out) takes states (n, ...),
     as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
-    out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1.
+    out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1; or `NEAR`, with states and out
+    changed, where a bead comes near the boundary and `edge` has no function for it.
     """
 
     def advance(  # type: ignore[no-untyped-def]
-        force, steps, plan, weights, trajectories, states, sample, out
+        force, steps, plan, weights, edge, trajectories, states, sample, out
     ):
         last = states.shape[1] - 1
         inertial, rotates = steps.velocity >= 0, steps.orientation >= 0
@@ -94,6 +98,8 @@ def loop() -> Any:
                 _load(steps, states[begin + i], beads, i)
                 for k in range(3 * steps.memory):
                     hidden[k, i] = states[begin + i, kept + k]
+            watched = not crossing.all_far(edge, x, n)
+            before, lost = np.empty((3, x.shape[1])), np.empty(n)
             if steps.force_first:
                 now = sample * plan.per_sample * plan.step
                 batch.slow_velocities(force, plan, beads, now, x, beads.u)
@@ -101,20 +107,30 @@ def loop() -> Any:
                 for within in range(plan.per_sample):
                     at = (sample + number) * plan.per_sample + within
                     beads.now[0] = at * plan.step
+                    if watched:
+                        for k in range(3):
+                            for i in range(n):
+                                before[k, i] = x[k, i]
                     normals(plan.seed, who, at, purpose, normal)
                     call(steps.scheme, (force, plan, weights, beads))
                     if rotates:
                         rotation.turn_by_steps(beads)
                         if steps.diffuses:
                             rotation.diffuse(plan, who, at, beads)
-                    if not _all_there(plan, x, n):
+                    if watched or not crossing.all_far(edge, x, n):
+                        if edge.find == 0:
+                            return NEAR
                         for i in range(n):
-                            if not _there(plan, x, i):
-                                if not math.isfinite(_squared(x, i)):
-                                    return begin + i
-                                if states[begin + i, last] == np.inf:
-                                    states[begin + i, last] = (at + 1) * plan.step
+                            lost[i] = -1.0 if states[begin + i, last] < np.inf else 2.0
+                        found = (edge, plan.seed, who, at, before, watched, beads, lost)
+                        call(edge.find, found)
+                        for i in range(n):
+                            if math.isnan(lost[i]):
+                                return begin + i
+                            if 0.0 <= lost[i] <= 1.0:
+                                states[begin + i, last] = (at + lost[i]) * plan.step
                                 _park(beads, i)
+                        watched = not crossing.all_far(edge, x, n)
                 if steps.memory > 0:
                     memory.velocities(weights, beads)
                 for i in range(n):
@@ -131,29 +147,10 @@ def loop() -> Any:
         return -1
 
     signature = types.int64(
-        PART, typeof(Steps(*[0] * len(Steps._fields))), PLAN, WEIGHTS, types.int64[::1],
+        PART, typeof(Steps(*[0] * len(Steps._fields))), PLAN, WEIGHTS, BOUNDARY, types.int64[::1],
         types.float64[:, ::1], types.int64, types.float64[:, :, :],
     )  # fmt: skip
     return cached_njit(signature, error_model="numpy", nogil=True)(advance)
-
-
-@named_njit(inner=True, error_model="numpy")
-def _there(plan, x, i):  # type: ignore[no-untyped-def]
-    """Whether a bead is neither lost nor at a place that is not finite."""
-    return (_squared(x, i) < plan.loss * plan.loss) & (x[2, i] > plan.lens)
-
-
-@named_njit(inner=True, error_model="numpy")
-def _squared(x, i):  # type: ignore[no-untyped-def]
-    return x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
-
-
-@named_njit(inner=True, error_model="numpy")
-def _all_there(plan, x, n):  # type: ignore[no-untyped-def]
-    there = True
-    for i in range(n):
-        there &= _there(plan, x, i)
-    return there
 
 
 @named_njit(inner=True, error_model="numpy")

@@ -89,7 +89,7 @@ def axis(
     A[n + 1, n + 2] = 1 / h
     shaken = np.zeros_like(A)
     shaken[v, v] = 2 / times
-    E, Q = _step(A, shaken, h)
+    E, Q = of_linear_motion(A, shaken, h)
 
     kept = _kept(E[v[:, None], v], E[0, v], speed, gone)
     T = np.zeros((1 + len(kept), n + 1))
@@ -117,7 +117,7 @@ def together(axes: list[Axis]) -> Array:
     return np.array([np.pad(each.z, (0, n - each.z.shape[1])) for each in axes])
 
 
-def _step(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
+def of_linear_motion(A: Array, shaken: Array, h: float) -> tuple[Array, Array]:
     """e^(A h), and the covariance of the noise of dy = A y dt + sqrt(shaken) dW over the step.
 
     By series of a short step, doubled: sizes of the coordinates do not matter to their digits.

@@ -34,6 +34,8 @@ from tweezer.compiled.stack import on_stack
 
 #: what a number is drawn for, the last word of the counter; attempts at a turn count on
 NOISE, START, TURN = 0, 1, 2
+#: the same for a loss within a step
+CROSSING = -2
 #: the same for what a camera sees; the words before it are then frame and trajectory
 CAMERA = -1
 

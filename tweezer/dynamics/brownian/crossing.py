@@ -1,0 +1,205 @@
+"""Loss of a bead within a step: the motion between the ends of a step is a Brownian bridge.
+
+A bead that is at distances a and b inside a boundary at the ends of a step h has crossed it in
+between with the probability
+
+    p = exp(-a b/(D h)),
+
+and crosses it after the part s/(1 + s) of the step, where s has the inverse Gaussian distribution
+of mean a/|b| and shape a^2/(2 D h); so too where the step ends outside, b < 0. This is exact for a
+plane under a constant drift, and for a sphere without drift, because the distance of a free bead
+from a point is Bessel's process of three dimensions, whose bridge is that of a line held above 0
+(D. Revuz, M. Yor, Continuous Martingales and Brownian Motion, 1999, XI.3). The law of s is that of
+the first passage of a line, as a bridge is a Brownian motion in another time.
+
+A velocity makes the motion smooth within the relaxation time, and D is then the one that varies the
+position in the middle of a step as much as the velocities at its ends leave open (`share`).
+
+Beads farther inside than a step can go are not looked at: the loop then compares the distances of
+the ends of steps with another number, as it must anyway.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import typeof, types
+from numpy.typing import NDArray
+
+from tweezer.compiled import address, cached_njit, call, named_njit
+from tweezer.dynamics.brownian import memory
+from tweezer.dynamics.brownian.batch import BEADS
+from tweezer.dynamics.brownian.noise import CROSSING, normals
+from tweezer.fluid import Mobility, Modes
+from tweezer.forces.data import Part, packed
+from tweezer.forces.force import Pose
+
+Array = NDArray[np.float64]
+
+#: Standard deviations of a step beyond which no step goes: the random numbers end at 8.57
+_MOST = 8.6
+#: Exponent of a probability that is none
+_NONE = 40.0
+
+
+class Boundary(NamedTuple):
+    """Where a bead is lost."""
+
+    loss: float
+    """m, distance from the focus"""
+    lens: float
+    """m, z at which a bead touches the lens"""
+    margin: float
+    """m, longest way of a step towards the boundary"""
+    spread: float
+    """J s, variance of a step without drift over the mobility"""
+    mobility: float
+    """s/kg, where the drag is the same everywhere"""
+    uniform: bool
+    drag: Part
+    """its kernel and data, for the others"""
+    find: int
+    """address of `find`, 0 as long as no bead came near: not all scenes compile it"""
+
+
+def boundary(
+    loss: float, lens: float, step: float, kT: float, mobility: float, share: float, speed: float,
+    drag: Part | None,
+) -> Boundary:  # fmt: skip
+    """Return the boundary for steps of that length, s.
+
+    mobility: the largest, s/kg. share: see `share`. speed: m/s, of the drift. drag: None where it
+    is the same everywhere.
+    """
+    spread = 2 * kT * step * share
+    margin = _MOST * math.sqrt(2 * kT * step * mobility) + speed * step
+    return Boundary(
+        loss, lens, margin, spread, mobility, drag is None, drag or Part(0, packed()), 0
+    )
+
+
+def share(step: float, modes: Modes) -> float:
+    """Variance of the middle of a step, over that of a Brownian bridge.
+
+    Of a free bead of which positions and velocities are known at both ends. modes: of its velocity.
+    """
+    n = len(modes.times)
+    speed = np.sqrt(modes.weights / modes.times * step)  # place in sqrt(D h), time in h
+    A, shaken = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
+    A[0, 1:] = speed
+    rates = step / modes.times
+    A[range(1, n + 1), range(1, n + 1)] = -rates
+    shaken[range(1, n + 1), range(1, n + 1)] = 2 * rates
+    E, Q = memory.of_linear_motion(A, shaken, 0.5)
+    gain = np.linalg.solve(E @ Q @ E.T + Q, E @ Q).T
+    return float(max((Q - gain @ E @ Q)[0, 0] * 2, 0.0))
+
+
+BOUNDARY = typeof(Boundary(0.0, 0.0, 0.0, 0.0, 0.0, True, Part(0, packed()), 0))
+#: Signature of `find`
+FIND = types.void(
+    BOUNDARY, types.int64, types.int64[::1], types.int64, types.float64[:, ::1], types.boolean,
+    BEADS, types.float64[::1],
+)  # fmt: skip
+
+
+@functools.cache
+def finder() -> int:
+    """Return the address of `find`, compiled once in a process."""
+    return address(find, FIND)
+
+
+def finder_if_compiled() -> int:
+    """Return the address of `find`; 0 if this process has not needed it."""
+    return finder() if finder.cache_info().currsize else 0
+
+
+@named_njit(inner=True, error_model="numpy")
+def all_far(edge, x, n):  # type: ignore[no-untyped-def]
+    """Whether no bead can be lost in the next step, nor is at a place that is not finite."""
+    far, near = edge.lens + edge.margin, max(edge.loss - edge.margin, 0.0)
+    there, near = True, near * near
+    for i in range(n):
+        squared = x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i]
+        there &= (squared < near) & (x[2, i] > far)
+    return there
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-untyped-def]
+    """Fill lost (n,): the part of the step after which a bead is lost, 2 if it is not.
+
+    before: (3, w) m, where beads were when the step began, if it is `watched`. lost: on entry below
+    0 for beads that were lost before; NaN for one whose place is not finite.
+    """
+    x, n, many = beads.x, lost.size, 0
+    few, index = np.empty(n, np.int64), np.empty(n, np.int64)
+    begun, ended, wide = np.empty(n), np.empty(n), np.empty(n)
+    resisted = Mobility(np.empty((0, 5)), np.empty((0, 5, 3)))
+    if watched and not edge.uniform:
+        resisted = Mobility(np.zeros((n, 5)), np.zeros((n, 5, 3)))
+        places = np.empty((n, 3))
+        for i in range(n):
+            for k in range(3):
+                places[i, k] = before[k, i]
+        call(edge.drag.kernel, (Pose(np.zeros(n), places, beads.e), edge.drag.data, resisted))
+    for i in range(n):
+        if lost[i] < 0:
+            continue
+        away = math.sqrt(x[0, i] * x[0, i] + x[1, i] * x[1, i] + x[2, i] * x[2, i])
+        if not math.isfinite(away):
+            lost[i] = math.nan
+            continue
+        to_sphere, to_lens = edge.loss - away, x[2, i] - edge.lens
+        lost[i] = 1.0 if to_sphere <= 0 or to_lens <= 0 else 2.0
+        if not watched:
+            continue
+        away = math.sqrt(
+            before[0, i] * before[0, i] + before[1, i] * before[1, i] + before[2, i] * before[2, i]
+        )
+        from_sphere, from_lens = edge.loss - away, before[2, i] - edge.lens
+        if not (from_sphere < edge.margin or from_lens < edge.margin):
+            continue
+        across = from_lens * to_lens < from_sphere * to_sphere
+        a, b = (from_lens, to_lens) if across else (from_sphere, to_sphere)
+        mobility = edge.mobility
+        if not edge.uniform:
+            up = 1.0 if across else (before[2, i] / away) ** 2
+            mobility = up * resisted.value[i, 1] + (1 - up) * resisted.value[i, 0]
+        variance = edge.spread * mobility
+        if a > 0 and 2 * a * b < _NONE * variance:
+            few[many], index[many] = who[i], i
+            begun[many], ended[many], wide[many] = a, b, variance
+            many += 1
+    if many > 0:
+        drawn = np.empty(3 * many).reshape((3, many))
+        normals(seed, few[:many], at, np.int64(CROSSING), drawn)
+        for j in range(many):
+            a, b, variance = begun[j], ended[j], wide[j]
+            chance = 0.5 * math.erfc(drawn[0, j] / math.sqrt(2.0))
+            if b <= 0 or chance * math.exp(2 * a * b / variance) < 1:
+                lost[index[j]] = _when(a, abs(b), variance, drawn[1, j], drawn[2, j])
+
+
+@named_njit(inner=True, error_model="numpy")
+def _when(a, b, variance, normal, other):  # type: ignore[no-untyped-def]
+    """The part of the step after which a boundary is crossed, by two normal numbers.
+
+    J. R. Michael, W. R. Schucany, R. W. Haas, Am. Stat. 30, 88 (1976).
+    """
+    squared = normal * normal
+    if not a * a > 0 or not variance > 0:
+        return a / (a + b) if a + b > 0 else 0.0
+    shape = a * a / variance
+    if b < 1e-9 * a:
+        s = shape / squared
+        return s / (1 + s) if squared > 0 else 1.0
+    mean = a / b
+    half = mean * squared / (2 * shape)
+    s = mean / (1 + half + math.sqrt(half * (2 + half)))
+    if 0.5 * math.erfc(other / math.sqrt(2.0)) * (mean + s) > mean:
+        s = mean * mean / s
+    return s / (1 + s)
