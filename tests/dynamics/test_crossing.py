@@ -8,11 +8,9 @@ import math
 import numpy as np
 import pytest
 from scipy import stats
-from scipy.integrate import quad
 from scipy.linalg import expm
 
-from tests.dynamics.test_brownian import BEAD, DIFFUSION, DRAG, KT, STIFFNESS, TAU, TRAP, bound
-from tests.reference.fields import LinearTrap, walk_in
+from tests.dynamics.test_brownian import DIFFUSION, DRAG, TAU, bound
 from tweezer.dynamics.brownian.crossing import share
 from tweezer.fluid import Modes
 
@@ -77,29 +75,6 @@ def test_a_falling_bead_reaches_a_plane_when_it_should():
     found = lost[lost < one.times[-1] * 1.5]
     assert abs(len(found) - 4000 * part) < 5 * math.sqrt(4000 * part * (1 - part))
     assert stats.kstest(found, lambda t: reached(t) / part).pvalue > RARE
-
-
-@pytest.mark.parametrize("per_trap", [0.05, 0.2])
-def test_a_bead_leaves_a_spring_when_it_should(per_trap):
-    """The mean time from the centre to 2.5 standard deviations, in a spring alike in all axes."""
-    sigma = math.sqrt(KT / STIFFNESS)
-    end = 2.5 * sigma
-    step = per_trap * TRAP
-    one = bound(
-        "overdamped", "heun", step, samples=2, per_sample=int(60 * TRAP / step),
-        simulation={"loss_distance": end},
-    )  # fmt: skip
-    one = walk_in(one, LinearTrap(STIFFNESS), 1 / TRAP)
-
-    def weight(r):
-        return r * r * math.exp(-0.5 * (r / sigma) ** 2)
-
-    mean = quad(lambda y: quad(weight, 0, y)[0] / weight(y), 1e-6 * sigma, end)[0] / DIFFUSION
-    lost = losses(one, 4000)
-    gone = np.isfinite(lost)
-    assert gone.sum() > 3900
-    found = np.where(gone, lost, one.times[-1]).sum() / gone.sum()
-    assert found == pytest.approx(mean, rel=4.5 / math.sqrt(4000))
 
 
 def test_a_thrown_bead_is_lost_between_the_ends_of_a_step():

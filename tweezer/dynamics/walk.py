@@ -23,7 +23,7 @@ from tweezer.dynamics.beside_wall import (
 )
 from tweezer.dynamics.brownian import crossing, march, memory, noise, plane, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
-from tweezer.dynamics.brownian.crossing import Boundary, boundary, share
+from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
@@ -459,17 +459,22 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         seed, step, per_sample, tau, mobility, load, diffusion, centre, kT,
         uniform or beside_wall, resisting,
     )  # fmt: skip
-    remembers = scene.medium.inertia == "memory"
-    of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
-    edge = boundary(
-        simulation.loss_distance, lens, step, kT, float(mobility[:3].max()),
-        share(step, of_velocity) if inertial else 1.0, problem.fastest,
-        None if uniform else Part(address(kernel, DRAG_KERNEL), data),
+    of_velocity = None
+    if inertial:
+        remembers = scene.medium.inertia == "memory"
+        of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
+    softest = float(mobility[:3].max())
+    margin = crossing.way(step, kT, softest, of_velocity, _drift(problem))
+    edge = Boundary(
+        simulation.loss_distance, lens,
+        margin + step * float(np.linalg.norm(scene.start.velocity)),
+        2 * kT * step * (share(step, of_velocity) if of_velocity else 1.0), softest, uniform,
+        Part(address(kernel, DRAG_KERNEL), data), 0,
     )  # fmt: skip
     exposure = None
     if (frames := Frames.of(scene)) is not None:
         short = diffusion[:3]
-        if inertial:
+        if of_velocity is not None:
             short = at_short_times(step, short, of_velocity)
         spring = centre[:3] if how.spring_only else None
         exposure = Exposure(
@@ -594,6 +599,12 @@ def _longest_step(
     if tau[0] > 0 and _scheme(problem).resolves_drag:
         limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
     return min(limits)
+
+
+def _drift(problem: Problem) -> float:
+    """The largest slow velocity at places about the foci and at the start, m/s."""
+    pushed = problem.scene.lit or any(problem.bead.weight) or problem.beside_the_light
+    return problem.fastest if pushed else 0.0
 
 
 def _reaches_loss(problem: Problem, kappa: Array, diffusion: Array) -> bool:

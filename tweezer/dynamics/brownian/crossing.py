@@ -65,20 +65,16 @@ class Boundary(NamedTuple):
     """address of `find`, 0 as long as no bead came near: not all scenes compile it"""
 
 
-def boundary(
-    loss: float, lens: float, step: float, kT: float, mobility: float, share: float, speed: float,
-    drag: Part | None,
-) -> Boundary:  # fmt: skip
-    """Return the boundary for steps of that length, s.
+def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: float) -> float:
+    """Return the longest way of a step of a bead that was not thrown, m.
 
-    mobility: the largest, s/kg. share: see `share`. speed: m/s, of the drift. drag: None where it
-    is the same everywhere.
+    modes: of its velocity; None without inertia. drift: m/s, of the fastest slow motion.
     """
-    spread = 2 * kT * step * share
-    margin = _MOST * math.sqrt(2 * kT * step * mobility) + speed * step
-    return Boundary(
-        loss, lens, margin, spread, mobility, drag is None, drag or Part(0, packed()), 0
-    )
+    part = 1.0  # of the mean squared displacement, and of the way of a bead that starts at rest
+    if modes is not None:
+        late = modes.weights * modes.times * np.expm1(-step / modes.times)
+        part = max(1 + float(late.sum()) / step, 0.0)
+    return _MOST * math.sqrt(2 * kT * mobility * step * part) + drift * step * part
 
 
 def share(step: float, modes: Modes) -> float:
