@@ -201,6 +201,7 @@ def _thermal_run(
 
     with timed() as seconds:
         bound = walk(problem, seed)
+        bound.warn_of_bias()
         scene, samples = bound.scene, len(bound.times)
         trajectory = np.zeros(1, np.int64)
         state = bound.start(trajectory)
@@ -242,6 +243,7 @@ def _thermal_run(
         "method": scene.simulation.method,
         "seed": seed,
         "step": bound.step,
+        **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
         "status": status,
         "message": message,
         "events": "[]",

@@ -121,7 +121,7 @@ def same_steps(one: Integration, other: Integration) -> bool:
 
 
 def _with_other_poles(problem: Problem) -> Problem:
-    """The same with many more poles, or fewer for a run that has the most, if it has a memory."""
+    """Return the problem with the most poles, or with fewer if it has these, if it has a memory."""
     poles = problem.scene.medium.poles
     return problem.decided(medium={"poles": other_poles(poles)}) if poles else problem
 

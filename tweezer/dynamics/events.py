@@ -250,7 +250,7 @@ class ClosestApproach(Event):
         return lowest is not None and far.max(initial=0.0) > lowest.distance + self.rise
 
     def _located(self, low: _Low) -> _Low:
-        """The same minimum, at its time."""
+        """Return the minimum at its time."""
         if low.begin == low.end:
             return low
         time = self._root(low.piece, low.begin, low.end)

@@ -54,12 +54,12 @@ class Path:
 
     @property
     def position_tolerance(self) -> float:
-        """Distance below which two positions are not told from each other, m."""
+        """Distance below which two positions are not distinguished, m."""
         return UNTOLD * float(self.equations.absolute_tolerance[:3].max())
 
     @property
     def speed_tolerance(self) -> float:
-        """Difference below which two speeds are not told from each other, m/s.
+        """Difference below which two speeds are not distinguished, m/s.
 
         It moves the bead by the tolerance of the position in the time between two checkpoints.
         """

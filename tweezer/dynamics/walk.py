@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 from dataclasses import dataclass
@@ -31,8 +32,9 @@ from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.choose import rates_of_force
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.dynamics.step_bias import energy_loss, one_call_bias
 from tweezer.equilibria import Equilibrium
-from tweezer.errors import IntegrationError, SceneError
+from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
 from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
@@ -45,6 +47,14 @@ Integers = NDArray[np.int64]
 
 #: Step over the fastest time scale of the force
 _PART = 0.2
+#: Step over the time of a swing, sqrt(m/k), where that is longer: 63 steps a period
+_PART_OF_SWING = 0.1
+#: Largest error of the variance by the step, where the step follows it; and where it is warned of
+_BIAS, _WARNED = 0.005, 0.01
+#: Smallest error of the variance that is reported
+_TOLD = 1e-5
+#: Number of swings in the relaxation time above which the energy that steps take is measured
+_MANY_SWINGS = 100.0
 #: Step over the relaxation time, for methods that must resolve it
 _PART_OF_TAU = 0.2
 #: Quantile of |dF/dx| b around the trap that sets the time scale
@@ -97,6 +107,25 @@ class Walk:
     """count of the numbers of a state that no sample shows: before the last"""
     exposure: Exposure | None = None
     """of the scene's camera; what it gathers stands behind the columns of a state"""
+    variance_bias: float | None = None
+    """relative error of the variance of the position by the step, about; None where it is small"""
+
+    @property
+    def scheme(self) -> Scheme:
+        """Scheme of its steps."""
+        return _scheme(self.problem)
+
+    def warn_of_bias(self) -> None:
+        """Warn of a step by which the variance is off by more than a hundredth."""
+        bias = self.variance_bias or 0.0
+        if abs(bias) > _WARNED:
+            part = (_WARNED / abs(bias)) ** (1 if bias > 0 else 1 / 3)
+            size = "large" if bias > 0 else "small"
+            warn(
+                f"{self.scene.name}: with steps of {self.step:.3g} s the variance of the position "
+                f"is about {100 * abs(bias):.2g} % too {size}; simulation.step of "
+                f"{part * self.step:.1g} s or less makes that 1 %"
+            )
 
     @property
     def scene(self) -> Scene:
@@ -285,7 +314,7 @@ class Walk:
     @property
     def force_calls(self) -> int:
         """Places at which a step evaluates the light."""
-        return _scheme(self.problem).force_calls
+        return self.scheme.force_calls
 
     def motion(self, samples: Array) -> Motion:
         """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
@@ -301,7 +330,7 @@ class Walk:
     @functools.cached_property
     def _compiled(self) -> tuple[tuple[Any, ...], Any]:
         """The loop, and what it takes that stays."""
-        scheme = _scheme(self.problem)
+        scheme = self.scheme
         steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)
         return (force, steps, self.weights), march.loop()
@@ -311,9 +340,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
-    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample: a fifth of
-    the fastest time scale of the force at most, or `simulation.step`; with a rotation, no longer
-    than that allows (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped
+    "auto" exponential Heun. Steps are equal, and divide the time from sample to sample. They are a
+    fifth of the fastest time scale of the force at most, at low damping a tenth of a swing, or
+    `simulation.step`; with a rotation, no longer than that allows (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped
     model, and the time scale also that of the motion towards the wall where the bead is found
     (`tweezer.dynamics.brownian.wall`). Under another drag that depends on the place it is the
     overdamped model and the method of Euler and Maruyama, and a bead diffuses in a step over a
@@ -424,7 +453,11 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         kappa[2] = beside.spring
     times = np.linspace(0.0, simulation.duration, simulation.samples)
     interval = simulation.duration / (simulation.samples - 1)
-    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside)
+    kT = Boltzmann * scene.medium.temperature
+    bias = 0.0
+    if not (how.displacements or how.spring_only or beside_wall):
+        bias = one_call_bias(problem, mobility[:3], kT)
+    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias)
     per_sample = max(1, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
@@ -450,7 +483,6 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     lens = -math.inf
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
-    kT = Boltzmann * scene.medium.temperature
     kernel, data = problem.drag.compiled()
     resisting = Part(address(kernel, DRAG_KERNEL), data)
     if isinstance(wall, BesideWall):  # the scheme reads the plane's data, and calls no kernel
@@ -488,10 +520,14 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
         columns += ["e0", "e1", "e2", "e3"]
     if problem.rotates and inertial:
         columns += ["wx", "wy", "wz"]
-    return Walk(
+    found = Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
-        edge, 3 * weights.memory.shape[2], exposure,
+        edge, 3 * weights.memory.shape[2], exposure, bias * step if bias * step > _TOLD else None,
     )  # fmt: skip
+    swings = math.sqrt(float(tau[0] * kappa[:3].max())) if inertial and not beside_wall else 0.0
+    if swings > _MANY_SWINGS and simulation.method == "heun" and problem.force.steady:
+        found = dataclasses.replace(found, variance_bias=-energy_loss(found, linear))
+    return found
 
 
 def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
@@ -556,9 +592,13 @@ def _scheme(problem: Problem) -> Scheme:
 
 
 def _longest_step(
-    problem: Problem, tau: Array, kappa: Array, diffusion: Array, beside: Towards | None
-) -> tuple[float, str]:
-    """The longest step that suits the scene, s, and what it is by."""
+    problem: Problem, tau: Array, kappa: Array, diffusion: Array, beside: Towards | None,
+    bias: float,
+) -> tuple[float, str]:  # fmt: skip
+    """Return the longest step that suits the scene, s, and what limits it.
+
+    bias: of the variance over the step, 1/s.
+    """
     simulation = problem.scene.simulation
     limits = [(math.inf, "from sample to sample")]
     if len(tau) == 6:
@@ -577,10 +617,15 @@ def _longest_step(
     about = rates_of_force(problem if beside is None else without_walls(problem))
     rate = max(float(np.quantile(about, _MOST)), float(np.abs(kappa).max()))
     if rate > 0 and not METHODS[simulation.method].spring_only:
-        some = f"{_PART:g} of "
-        limits.append((_PART / rate, some + "the fastest time scale of the force"))
-        if 4 * tau[0] * rate > 1:  # more spring than drag
-            limits.append((_PART * math.sqrt(tau[0] / rate), some + "the time of a swing"))
+        decay = _PART / rate, f"{_PART:g} of the fastest time scale of the force"
+        swing = (
+            _PART_OF_SWING * math.sqrt(tau[0] / rate),
+            f"{_PART_OF_SWING:g} of the time of a swing",
+        )
+        limits.append(max(decay, swing))  # at low damping the force acts as fast as a bead swings
+    if bias > 0:
+        some = f"{100 * _BIAS:g} % of the variance, as the force is not a gradient"
+        limits.append((_BIAS / bias, some))
     if beside is not None:
         part = _PART
         if tau[0] > 0:

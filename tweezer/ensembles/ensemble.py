@@ -117,6 +117,7 @@ def ensemble(
         given = "out" if out is not None else "scheduler"
         raise SceneError(f"forces: cannot be combined with {given}; omit it, and save the result")
     bound = walk(bound_once(scene, forces), seed)
+    bound.warn_of_bias()
     needed = 8 * len(bound.columns) * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
         raise SceneError(

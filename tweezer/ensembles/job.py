@@ -192,6 +192,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "model": bound.scene.simulation.model or "",
         "method": bound.scene.simulation.method,
         "chosen": bound.why,
+        **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
         **worth_attributes(bound.scene),
         "samples_skipped": job.skipped or 0,
         "trajectories_per_block": job.block,
@@ -208,6 +209,6 @@ def identity_of(job: Job, bound: Walk) -> str:
     And without the wording of changes to the scene.
     """
     scene = bound.scene.model_dump_json(exclude_none=True, exclude={"changed"})
-    attributes = {**attributes_of(job, bound), "chosen": "", "scene": scene}
+    attributes = {**attributes_of(job, bound), "chosen": "", "variance_bias": "", "scene": scene}
     attributes |= dict.fromkeys(FORMAL, "")
     return hashlib.sha256(json.dumps(attributes).encode()).hexdigest()

@@ -6,14 +6,15 @@ between with the probability
     p = exp(-a b/(D h)),
 
 and crosses it after the part s/(1 + s) of the step, where s has the inverse Gaussian distribution
-of mean a/|b| and shape a^2/(2 D h); so too where the step ends outside, b < 0. This is exact for a
-plane under a constant drift, and for a sphere without drift, because the distance of a free bead
-from a point is Bessel's process of three dimensions, whose bridge is that of a line held above 0
-(D. Revuz, M. Yor, Continuous Martingales and Brownian Motion, 1999, XI.3). The law of s is that of
-the first passage of a line, as a bridge is a Brownian motion in another time.
+of mean a/|b| and shape a^2/(2 D h). A step that ends outside, b < 0, has crossed it at such a time
+too. Both laws are exact for a plane under a constant drift. They are exact for a sphere without
+drift, because the distance of a free bead from a point is Bessel's process of three dimensions: its
+bridge is a Brownian bridge on a line that stays above 0 (D. Revuz, M. Yor, Continuous Martingales
+and Brownian Motion, 1999, XI.3). The distribution of s is that of a first passage, because a bridge
+is a Brownian motion in another time.
 
-A velocity makes the motion smooth within the relaxation time, and D is then the one that varies the
-position in the middle of a step as much as the velocities at its ends leave open (`share`).
+A velocity makes the motion smooth within the relaxation time. D is then smaller: it gives the
+position in the middle of a step the variance that the velocities at its ends leave open (`share`).
 
 Beads farther inside than a step can go are not looked at: the loop then compares the distances of
 the ends of steps with another number, as it must anyway.
@@ -41,7 +42,7 @@ Array = NDArray[np.float64]
 
 #: Standard deviations of a step beyond which no step goes: the random numbers end at 8.57
 _MOST = 8.6
-#: Exponent of a probability that is none
+#: Exponent of a negligible probability
 _NONE = 40.0
 
 
@@ -66,11 +67,22 @@ class Boundary(NamedTuple):
 
 
 def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: float) -> float:
-    """Return the longest way of a step of a bead that was not thrown, m.
+    """Return the longest displacement in a step of a bead that was not thrown, m.
 
-    modes: of its velocity; None without inertia. drift: m/s, of the fastest slow motion.
+    Parameters
+    ----------
+    step : float
+        Length of the step, s.
+    kT : float
+        Thermal energy, J.
+    mobility : float
+        Mobility of translation, s/kg.
+    modes : Modes or None
+        Modes of the velocity; None without inertia.
+    drift : float
+        Largest slow velocity, m/s.
     """
-    part = 1.0  # of the mean squared displacement, and of the way of a bead that starts at rest
+    part = 1.0  # by which inertia shortens the mean squared displacement, and the drift from rest
     if modes is not None:
         late = modes.weights * modes.times * np.expm1(-step / modes.times)
         part = max(1 + float(late.sum()) / step, 0.0)
@@ -78,9 +90,10 @@ def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: flo
 
 
 def share(step: float, modes: Modes) -> float:
-    """Variance of the middle of a step, over that of a Brownian bridge.
+    """Return the variance in the middle of a step, over the variance of a Brownian bridge.
 
-    Of a free bead of which positions and velocities are known at both ends. modes: of its velocity.
+    The positions and velocities of a free bead are known at both ends. The modes are those of its
+    velocity.
     """
     n = len(modes.times)
     speed = np.sqrt(modes.weights / modes.times * step)  # place in sqrt(D h), time in h
@@ -128,8 +141,8 @@ def all_far(edge, x, n):  # type: ignore[no-untyped-def]
 def find(edge, seed, who, at, before, watched, beads, lost):  # type: ignore[no-untyped-def]
     """Fill lost (n,): the part of the step after which a bead is lost, 2 if it is not.
 
-    before: (3, w) m, where beads were when the step began, if it is `watched`. lost: on entry below
-    0 for beads that were lost before; NaN for one whose place is not finite.
+    `before` (3, w), m, has the positions when the step began, if it is `watched`. On entry `lost`
+    is negative for beads that were lost earlier. It is NaN for a position that is not finite.
     """
     x, n, many = beads.x, lost.size, 0
     few, index = np.empty(n, np.int64), np.empty(n, np.int64)

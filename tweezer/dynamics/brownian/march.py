@@ -72,10 +72,10 @@ def loop() -> Any:
     """The compiled loop.
 
     advance(force, steps, plan, weights, edge, trajectories, states, sample, out) takes states
-    (n, ...), as `tweezer.dynamics.walk.Walk` has them, from that sample on to the last of
-    out (n, samples, ...), and returns the row of a bead whose place is not finite, or -1. It
-    returns `NEAR`, with states and out changed, where a bead comes near the boundary and `edge` has
-    no function for that.
+    (n, ...), as `tweezer.dynamics.walk.Walk` has them, from that sample to the last of
+    out (n, samples, ...). It returns the row of a bead whose place is not finite, or -1. It returns
+    `NEAR`, with states and out changed, where a bead comes near the boundary and `edge` has no
+    function for that.
     """
 
     def advance(  # type: ignore[no-untyped-def]

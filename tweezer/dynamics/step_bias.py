@@ -1,0 +1,120 @@
+"""What the step of thermal motion does to the variance of the position, told at binding.
+
+Two cases are not small. The method `one-call` is of first order in the step for a force that is not
+a gradient, as that of circular light. Of a bead driven round at the rate c in a trap of rate k its
+variance is too large by
+
+    (1 - h k/2)/(1 - h (k^2 + c^2)/(2 k)) - 1.
+
+At low damping exponential Heun loses energy in a well that is no spring: its own rate of loss, as
+h^3, adds to that of the drag, without noise of its own.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics.brownian.batch import Linear
+from tweezer.dynamics.problem import Problem
+
+if TYPE_CHECKING:
+    from tweezer.dynamics.walk import Walk
+
+Array = NDArray[np.float64]
+
+#: Standard deviations from the trap at which circulation is looked for
+_ASIDE = 1.5
+#: Step over the size of the rates, short enough for the first order
+_SHORT = 1e-3
+#: Beads and periods by which the loss of energy is measured where forces cost little, and elsewhere
+_MANY, _FEW = (128, 40), (16, 24)
+#: Part of these periods at the end, in which the energy is taken
+_END = 0.5
+#: By what the drag is smaller in that
+_LESS_DRAG = 1e-6
+
+
+def one_call_bias(problem: Problem, mobility: Array, kT: float) -> float:
+    """Return the relative error of the variance by the method `one-call`, per step, 1/s.
+
+    The largest of an axis: at the stable equilibrium, and with the circulation of places about it,
+    as a force may circulate only beside the axis. 0 without an equilibrium.
+    """
+    trap = problem.equilibrium
+    if trap is None:
+        return 0.0
+    stiffness = np.array(trap.stiffness)
+    held = (stiffness + stiffness.T) / 2
+    apart = _ASIDE * np.sqrt(kT / np.linalg.eigvalsh(held).clip(min=0.1 * held.max()))
+    places = np.array(trap.position) + np.vstack([np.zeros(3), np.diag(apart), -np.diag(apart)])
+    gradients = -problem.force.field(places, gradient=True).force_gradient
+    return max(
+        _bias(mobility[:, None] * (held + (each - each.T) / 2), kT * mobility) for each in gradients
+    )
+
+
+def _bias(rates: Array, diffusion: Array) -> float:
+    """Error of the largest variance of an axis over the step, 1/s, by the Lyapunov equations.
+
+    rates: (3, 3) 1/s, mobility times stiffness; diffusion: (3,) m^2/s.
+    """
+    from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+
+    exact = solve_continuous_lyapunov(rates, 2 * np.diag(diffusion))
+    h = _SHORT / float(np.linalg.norm(rates, 2))
+    # the force is asked for at x + n/2, where the variance is taken, and x gains n - h rates x
+    half, one = np.eye(3) - 0.5 * h * rates, np.eye(3)
+    noise = 2 * h * np.diag(diffusion)
+    left = one - h * rates
+    found = solve_discrete_lyapunov(left, half @ noise @ half.T) + noise / 4
+    return float((np.diag(found) / np.diag(exact) - 1).max()) / h
+
+
+def energy_loss(walk: Walk, linear: Linear) -> float:
+    """Return the part of the thermal energy that the steps of a walk take away by themselves.
+
+    Measured without drag and noise, by beads of thermal energy: how much less they have after some
+    periods than at half the step. The loss is of order 3, so that an eighth of it is left there. A
+    few beads of high energy lose most of it, so that the result is rough, and too small where
+    forces are dear and few beads are followed. Of that rate r the thermal energy is too small by
+    r/(r + beta/m).
+
+    linear: of the scheme of the walk.
+    """
+    plan, rng = walk.plan, np.random.default_rng(11)
+    cheap = not walk.scene.lit or walk.scene.optics.evaluator == "map"
+    number, periods = _MANY if cheap else _FEW
+    x, v = rng.normal(size=(2, number, 3))
+    swing = math.sqrt(float(plan.tau[0] / linear.kappa[:3].max()))
+    steps = math.ceil(periods * 2 * math.pi * swing / walk.step)
+    beads, left = np.arange(number), []
+    window = np.hanning(int(_END * steps))  # smooth, so that phases do not matter
+    for parts in (1, 2):
+        freely = linear._replace(
+            tau=linear.tau / _LESS_DRAG, kappa=linear.kappa / _LESS_DRAG,
+            diffusion=np.zeros_like(linear.diffusion),
+        )  # fmt: skip
+        calm = dataclasses.replace(
+            walk,
+            plan=plan._replace(
+                step=walk.step / parts, per_sample=parts, mobility=plan.mobility / _LESS_DRAG
+            ),
+            weights=walk.scheme.weights(walk.step / parts, freely),
+            edge=walk.edge._replace(margin=0.0),
+        )
+        states = calm.start(beads)
+        at = calm.columns.index("vx")
+        states[:, :3] = plan.centre[:3] + x * np.sqrt(plan.diffusion[:3] / linear.kappa[:3])
+        states[:, at : at + 3] = v * np.sqrt(plan.diffusion[:3] / plan.tau[:3])
+        out = np.empty((number, steps, len(calm.columns)))
+        calm.advance(states, beads, 0, out)
+        speeds = (out[:, -window.size :, at : at + 3] ** 2).sum(axis=2)
+        left.append(float(np.nansum(speeds * window)))
+    time = (steps - window.size / 2) * walk.step
+    rate = max(-math.log(left[0] / left[1]) / time * 8 / 7, 0.0)
+    return rate / (rate + 1 / float(plan.tau[0]))
