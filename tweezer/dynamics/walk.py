@@ -342,8 +342,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
     "auto" exponential Heun. Steps are equal, and divide the time from sample to sample. They are a
     fifth of the fastest time scale of the force at most, at low damping a tenth of a swing, or
-    `simulation.step`; with a rotation, no longer than that allows (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped
-    model, and the time scale also that of the motion towards the wall where the bead is found
+    `simulation.step`; with a rotation, no longer than that allows
+    (`tweezer.dynamics.brownian.rotation`). Beside a wall it is the overdamped model, and the time
+    scale also that of the motion towards the wall where the bead is found
     (`tweezer.dynamics.brownian.wall`). Under another drag that depends on the place it is the
     overdamped model and the method of Euler and Maruyama, and a bead diffuses in a step over a
     twentieth of the length in which the drag changes, at most.
