@@ -14,16 +14,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.batch import Linear
 from tweezer.dynamics.problem import Problem
-
-if TYPE_CHECKING:
-    from tweezer.dynamics.walk import Walk
 
 Array = NDArray[np.float64]
 
@@ -75,7 +72,7 @@ def _bias(rates: Array, diffusion: Array) -> float:
     return float((np.diag(found) / np.diag(exact) - 1).max()) / h
 
 
-def energy_loss(walk: Walk, linear: Linear) -> float:
+def energy_loss(walk: Any, linear: Linear) -> float:
     """Return the part of the thermal energy that the steps of a walk take away by themselves.
 
     Measured without drag and noise, by beads of thermal energy: how much less they have after some
@@ -84,7 +81,7 @@ def energy_loss(walk: Walk, linear: Linear) -> float:
     forces are dear and few beads are followed. Of that rate r the thermal energy is too small by
     r/(r + beta/m).
 
-    linear: of the scheme of the walk.
+    walk: a `tweezer.dynamics.walk.Walk`. linear: of its scheme.
     """
     plan, rng = walk.plan, np.random.default_rng(11)
     cheap = not walk.scene.lit or walk.scene.optics.evaluator == "map"
