@@ -103,7 +103,7 @@ class Whirl(Force):
 
     stiffness: float
     around: float
-    search = Search(reach=20e-6, spacing=2e-8, beside=2e-8)
+    search = Search(reach=20e-6, near=20e-6, spacing=2e-8, beside=2e-8)
 
     def compiled(self, *, gradient):
         return _whirl, packed(self.stiffness, self.around)
