@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from tweezer.errors import PhysicsWarning, SceneError, UnitWarning
-from tweezer.scene import Scene, load_scene, shipped_scenes, with_settings
+from tweezer.scene import Scene, load_scene, shipped_scenes, value_at, with_settings
 from tweezer.units import FREQUENT, registry, to_si
 
 ROUNDING = 1e-15
@@ -698,3 +698,14 @@ def test_a_temperature_changed_alone_is_warned_of():
     scene.replace(description="warm", medium=with_viscosity)
     assert "as before" not in scene.replace(medium=with_viscosity).title
     warm.replace(forces={"gravity": False})
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "value"),
+    [("bead.diameter", "0.8 um", 0.8e-6), ("bead.radius", "0.8 um", 0.8e-6),
+     ("beam.power_through_pupil", "3 mW", 3e-3)],
+)  # fmt: skip
+def test_value_of_a_key_is_the_one_that_was_set(key, text, value):
+    """A key may stand for twice another, and the section may have it as a property."""
+    scene = with_settings(load_scene("silica-1um"), {key: text})
+    assert value_at(scene, key) == pytest.approx(value)

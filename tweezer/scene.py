@@ -1070,8 +1070,8 @@ def value_at(scene: Scene, key: str) -> Any:
         value = scene.beams[number - 1] if number <= len(scene.beams) else None
     for part in parts:
         name = _HALVES.get((within, part), part)
-        doubled = name != part and name not in ("power", "power_through_pupil")
-        value = getattr(value, part if hasattr(value, part) else name, None)
+        doubled = name != part and not hasattr(value, part)
+        value = getattr(value, name if doubled else part, None)
         if doubled and value is not None:
             value *= 2
         within = f"{within}.{name}"
