@@ -1,11 +1,13 @@
-"""The fluid's inertia: error against the number of poles, force calls of captures, step rates.
+"""The fluid's inertia: error against the number of poles, told errors, force calls, step rates.
 
 Errors of the modes are against closed forms, the largest of four beads (of 250 nm and 1.5 um
 radius, polystyrene and silica in water) from 1 ns to 0.1 s. Captures are of the thesis's beads
 without its scaling, in the light of rays, and compared with Volterra's equation with the exact
 memory, before the bead is caught: after that every error is drawn together. Force calls and times
-are of whole captures from rest to rest by the map, with memory and without. The results are plain
-data for JSON.
+are of whole captures from rest to rest by the map, with memory and without. Told errors
+(`integration_error`) are of releases in the trap of `silica-1um` with other diameters, places and
+viscosities, against runs with 40 poles and a tolerance a thousand times tighter. The results are
+plain data for JSON.
 """
 
 from __future__ import annotations
@@ -22,10 +24,11 @@ from numpy.typing import NDArray
 import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.integrate import SCENES
-from tests.benchmarks.timing import least_step_times, machine
+from tests.benchmarks.timing import commit, least_step_times, machine
 from tests.reference.fluid import Path, Sphere
-from tweezer.dynamics import EquationsOfMotion, bind, bound_once, decided
+from tweezer.dynamics import EquationsOfMotion, bind, bound_once, decided, error_budget
 from tweezer.dynamics.integrate import integrate
+from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.walk import walk
 from tweezer.errors import PhysicsWarning
 from tweezer.fluid.memory import NODES, Modes, modes
@@ -44,6 +47,9 @@ BEFORE = {"thesis-500nm": 9e-3, "thesis-990nm": 6e-3, "thesis-1950nm": 39e-3}
 _EXACTLY = 1e-14
 #: tolerances of captures, the scene's own first: relative, and of the position, m
 TOLERANCES = ((1e-7, 1e-11), (1e-9, 1e-13))
+#: every fourth run of the told errors has the next of these viscosities, Pa s; how many runs, seed
+VISCOSITIES = (1e-3, 0.05, 0.2, 1.4)
+TOLD_RUNS, _TOLD_SEED = 40, 5
 #: poles of the thermal steps
 STEPS_WITH = (0, 16, 24, 32)
 
@@ -63,6 +69,7 @@ def measure(quick: bool = False, say: Callable[[str], None] = lambda _: None) ->
                 for bead in beads
                 for tolerance in TOLERANCES[: 1 if quick else None]
             ],
+            "told": _told(4 if quick else TOLD_RUNS, say),
             "steps": _steps(quick, say),
         }
     return _to_four_digits(results)
@@ -133,7 +140,7 @@ def _relaxation(sphere: Sphere, found: Modes, t: Array) -> Array:
 # --- captures against Volterra's equation --------------------------------------------------------
 
 
-def _unscaled(bead: str, **sections: Any) -> Scene:
+def _unscaled(bead: str, /, **sections: Any) -> Scene:
     scene = tweezer.load_scene(bead).replace(
         simulation={"model": "full", "scaling_factor": None, "method": "exponential"}
     )
@@ -208,6 +215,44 @@ def _calls(
             "poles": equations.scene.medium.poles or 0,
         }  # fmt: skip
     return found
+
+
+# --- told errors ---------------------------------------------------------------------------------
+
+
+def _told(runs: int, say: Callable[[str], None]) -> Results:
+    """The commit, and of each run: the error of its positions that is told, and the true one."""
+    rng = np.random.default_rng(_TOLD_SEED)
+    lowest, highest = np.log10([VISCOSITIES[0], VISCOSITIES[-1]])
+    found = []
+    for index in range(runs):
+        viscosity = float(10 ** rng.uniform(lowest, highest))
+        if index % 4 == 0:  # the ends of the range too
+            viscosity = VISCOSITIES[index // 4 % len(VISCOSITIES)]
+        size = 10 ** rng.uniform(-0.4, 0.4)
+        start = 0.35e-6 * size * rng.uniform(-1, 1, 3)
+        duration = 0.02 * rng.uniform(0.2, 2) * min(viscosity / 1e-3, 20)
+        say(f"told error: {viscosity:.2g} Pa s, {size:.2g} um")
+        scene = _unscaled(
+            "silica-1um",
+            medium={"viscosity": f"{viscosity!r} Pa s", "inertia": "memory"},
+            optics={"evaluator": "map", "theory": "rays"},
+            bead={"diameter": 1e-6 * size},
+            start={"position": start.tolist()},
+            simulation={"duration": duration, "loss_distance": "20 um"},
+        )
+        problem, _ = decided(bound_once(scene))
+        equations = bind(problem)
+        times = np.linspace(0.0, duration, 51)
+        run = integrate(equations, times)
+        told = error_budget(equations, run, equations.motion(run.times, run.states).position)
+        exact = bind(problem.decided(medium={"poles": max(NODES)}))
+        true = largest_distance(run.path, integrate(exact, times, tightened=1e-3).path).value
+        found.append(
+            {"viscosity": viscosity, "poles": equations.scene.medium.poles,
+             "true_m": true, "told_m": told.integration_error}
+        )  # fmt: skip
+    return {"commit": commit(), "runs": found}
 
 
 # --- thermal steps -------------------------------------------------------------------------------

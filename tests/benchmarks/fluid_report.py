@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from statistics import median
+
 from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
@@ -20,10 +22,14 @@ _QUANTITIES = {
     "relaxation": "relaxation in a trap",
     "tail": "tail to 1e5 τ_f",
 }
+#: edges of the viscosities that share a row of the told errors, mPa s
+_DECADES = ((1, 10), (10, 100), (100, 2000))
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Modes, captures, force calls, thermal steps; the first row of each is its headings."""
+    """Modes, captures, force calls, told errors, thermal steps; each
+    has its headings in the first row.
+    """
     of_modes = [
         ["poles", *_QUANTITIES.values(), "ms to find the modes"],
         *(
@@ -58,6 +64,11 @@ def tables(results: Results) -> list[list[list[str]]]:
             for of in results["calls"]
         ),
     ]  # fmt: skip
+    told = [
+        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "told below it",
+         "told / true, least", "median", "most"],
+        *(_told(results["told"]["runs"], low, high) for low, high in _DECADES),
+    ]  # fmt: skip
     steps = [
         ["thermal step of heun, map", "ns", "over that without memory"],
         *(
@@ -66,7 +77,20 @@ def tables(results: Results) -> list[list[list[str]]]:
             for of in results["steps"]
         ),
     ]  # fmt: skip
-    return [of_modes, captures, calls, steps]
+    return [of_modes, captures, calls, told, steps]
+
+
+def _told(runs: list[Results], low: float, high: float) -> list[str]:
+    """Of the runs with a viscosity from low up to high, mPa s."""
+    within = [each for each in runs if low <= 1e3 * each["viscosity"] < high]
+    ratios = [each["told_m"] / each["true_m"] for each in within]
+    poles = [each["poles"] for each in within]
+    return [
+        f"{low:g} to {high:g}", f"{len(within)}", f"{min(poles)} to {max(poles)}",
+        f"{1e9 * max(each['true_m'] for each in within):.1e}",
+        f"{sum(ratio < 1 for ratio in ratios)}",
+        *(f"{each:.2f}" for each in (min(ratios), median(ratios), max(ratios))),
+    ]  # fmt: skip
 
 
 @style.styled
@@ -96,7 +120,9 @@ def figure(results: Results) -> Figure:
 
 def written(results: Results) -> str:
     """The block of the page."""
-    return pages.block("fluid", pages.tables(tables(results))[:-1], results["machine"])
+    lines = pages.tables(tables(results))
+    lines.append(f"Told errors are from commit {results['told']['commit']}.")
+    return pages.block("fluid", lines, results["machine"])
 
 
 if __name__ == "__main__":

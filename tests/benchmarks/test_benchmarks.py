@@ -334,11 +334,18 @@ def test_quick_run_of_the_fluid(command_line, tmp_path):
         assert fine[quantity] < 0.1 * coarse[quantity]
     (capture,) = results["captures"]
     assert capture["by_poles"][1]["error_um"] < 1e-5 < 0.06 < capture["without_um"]
+    assert all(each["true_m"] <= each["told_m"] for each in results["told"]["runs"])
     assert fluid_report.figure(results).axes
 
 
 def test_page_quotes_the_committed_fluid():
-    assert pages.quoted("fluid") == fluid_report.written(pages.committed("fluid"))
+    """And no told error is below the true one: thrice is announced, four leaves room to round."""
+    committed = pages.committed("fluid")
+    assert pages.quoted("fluid") == fluid_report.written(committed)
+    runs = committed["told"]["runs"]
+    assert len(runs) == 40
+    for each in runs:
+        assert each["true_m"] <= each["told_m"] < 4 * each["true_m"]
 
 
 def test_quick_run_beside_a_wall(command_line, tmp_path):
