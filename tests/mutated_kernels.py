@@ -181,9 +181,12 @@ def by_python(
 def scenes() -> list[tweezer.Scene]:
     """Scenes in which the functions act: followed by steps, and with thermal motion."""
     scene = tweezer.load_scene("silica-1um").replace(
-        simulation={"model": "overdamped", "duration": "1 ms", "samples": 11}
-    )
-    return [scene, scene.replace(forces={"brownian": True})]
+        simulation={
+            "model": "overdamped", "method": "dop853", "duration": "1 ms", "samples": 11,
+        },
+        medium={"inertia": "none"},
+    )  # fmt: skip
+    return [scene, scene.replace(forces={"brownian": True}, simulation={"method": "auto"})]
 
 
 def outcome(text: str, how: dict[str, bool], number: int, scene: tweezer.Scene) -> str:
