@@ -76,6 +76,9 @@ TABLE = {**STEPS, "kind": "table"}
         (STEPS, 5e-3, [0, 2e-7, 0]),
         (TABLE, 2e-3, [0.5e-7, 1e-7, 0]),
         (TABLE, 0.0, [1e-7, 0, 0]),
+        ({**STEPS, "period": "4 ms"}, 8.5e-3, [0, 0, 0]),
+        ({**STEPS, "period": "4 ms"}, 9e-3, [1e-7, 0, 0]),
+        ({**TABLE, "period": "4 ms"}, 10e-3, [0.5e-7, 1e-7, 0]),
     ],
 )  # fmt: skip
 def test_a_beam_is_where_its_motion_says(motion, time, place):
@@ -154,6 +157,12 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
         ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "phase": 1}},
          "beam.motion.phase: not for kind = 'ramp'"),
         ({"motion": {**STEPS, "times": ["3 ms", "1 ms"]}}, "beam.motion.times: must ascend"),
+        ({"motion": {**STEPS, "period": "2.9 ms"}},
+         "beam.motion.period = 0.0029 s: must be 0.003 s, the last time, or more"),
+        ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "period": 1}},
+         "beam.motion.period: not for kind = 'ramp'"),
+        ({"modulation": {"kind": "table", "times": [1, 2], "factors": [1, 2], "period": 1}},
+         "beam.modulation.period = 1 s: must be 2 s, the last time, or more"),
         ({"motion": {**STEPS, "times": ["3 ms"]}}, "must have as many as times"),
         ({"motion": {"kind": "ramp", "velocity": [1, 0, 0], "begin": 2, "end": 1}},
          "beam.motion.end = 1: must be later than begin"),
@@ -162,7 +171,7 @@ def test_a_table_is_read_from_the_folder_of_the_scene(tmp_path):
         ({"modulation": {"kind": "sine", "depth": 1, "frequency": "1 rad/s"}},
          "beam.modulation.frequency = '1 rad/s': has a unit that is not known; .* Hz, kHz"),
         ({"modulation": {"kind": "on-off", "frequency": 1, "speed": 3}},
-         "beam.modulation.speed = 3: unknown key; allowed: kind, depth, .*, factors, file$"),
+         "beam.modulation.speed = 3: unknown key; allowed: kind, .*, factors, period, file$"),
         ({"motion": {"kind": "table", "file": 3}}, "beam.motion.file = 3: unknown key"),
         ({"direction": "left"}, "beam.direction = 'left': allowed: 'up' or 'down'"),
     ],
@@ -297,6 +306,38 @@ def test_a_bead_lags_behind_a_trap_by_its_drag():
     lags = np.linalg.solve(stiffness, [v * BEAD.drag, 0, 0])
     assert lag == pytest.approx(lags[0], rel=1e-3)
     np.testing.assert_allclose(run["optical_force"].values[-1, 0], v * BEAD.drag, rtol=1e-3)
+
+
+@pytest.mark.parametrize("kind", ["steps", "table"])
+def test_a_course_that_repeats_is_the_course_written_out(kind):
+    """A trap shared between two places, and dimmer at one of them, over three periods."""
+    times, places = np.array([0.0, 5e-4, 1e-3]), [[-1e-7, 0, 0], [1e-7, 5e-8, 0], [-5e-8, 0, 0]]
+    factors, period = [1.0, 0.6, 0.8], 2e-3
+    still = ONE.replace(
+        medium={"inertia": "none"}, start={"position": [0, 0, 0]},
+        simulation={"duration": "6 ms", "samples": 61, "model": "overdamped"},
+    )  # fmt: skip
+    repeated, by_hand = [], []
+    for n in range(4):
+        for i in range(3):
+            if kind == "table" and n and i == 0:  # the last value is held until the next period
+                by_hand.append((n * period, places[-1], factors[-1]))
+            by_hand.append((n * period + times[i], places[i], factors[i]))
+    for given, how in (
+        ((times, places, factors), {"kind": kind, "period": period}),
+        (tuple(map(list, zip(*by_hand, strict=True))), {"kind": kind}),
+    ):
+        t, at, strength = given
+        beam = {
+            "motion": {**how, "times": list(t), "positions": at},
+            "modulation": {**how, "times": list(t), "factors": strength},
+        }
+        scene = still.replace(beam=beam)
+        repeated.append(tweezer.simulate(scene))
+        assert scene.last_change == (math.inf if "period" in how else t[-1])
+    first, second = (run["position"].values for run in repeated)
+    np.testing.assert_allclose(first, second, atol=2e-11)
+    assert np.ptp(first[:, 0]) > 3e-8
 
 
 @pytest.mark.parametrize("method", ["exponential", "scipy:LSODA"])

@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from tweezer.errors import FrozenError
 from tweezer.files import read_text
-from tweezer.units import Angle, Frequency, Length, Quantity, Speed, Time, entries
+from tweezer.units import Angle, Frequency, Length, PositiveTime, Quantity, Speed, Time, entries
 
 Vector = Annotated[tuple[Length, Length, Length], entries(3)]
 Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
@@ -52,6 +52,8 @@ class _Course(Section):
     @property
     def last_change(self) -> float:
         """Time after which nothing changes any more, s; infinite if it goes on for ever."""
+        if getattr(self, "period", None) is not None:
+            return math.inf
         times, end = getattr(self, "times", None), getattr(self, "end", None)
         return times[-1] if times else math.inf if end is None else end
 
@@ -75,6 +77,9 @@ class _Course(Section):
             raise refusal(f"{key}: has {len(others)} entries; must have as many as times")
         if any(b < a for a, b in itertools.pairwise(times)):
             raise refusal("times: must ascend")
+        period = getattr(self, "period", None)
+        if period is not None and period < times[-1]:
+            raise refusal(f"period = {period:g} s: must be {times[-1]:g} s, the last time, or more")
 
 
 #: keys that each kind needs, and that it may have
@@ -82,15 +87,15 @@ _KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
     "Motion": {
         "sine": (("amplitude", "frequency"), ("phase",)),
         "ramp": (("velocity",), ("begin", "end")),
-        "steps": (("times", "positions"), ()),
-        "table": (("times", "positions"), ()),
+        "steps": (("times", "positions"), ("period",)),
+        "table": (("times", "positions"), ("period",)),
     },
     "Modulation": {
         "sine": (("depth", "frequency"), ("phase",)),
         "ramp": (("factor", "end"), ("begin",)),
-        "steps": (("times", "factors"), ()),
+        "steps": (("times", "factors"), ("period",)),
         "on-off": (("frequency",), ("duty",)),
-        "table": (("times", "factors"), ()),
+        "table": (("times", "factors"), ("period",)),
     },
 }
 
@@ -111,6 +116,10 @@ class Motion(_Course):
     end: Time | None = Field(None, description="of the ramp; never if not given")
     times: Times | None = Field(None, description="of steps and of a table, ascending")
     positions: Places | None = Field(None, description="at these times, from the beam's position")
+    period: PositiveTime | None = Field(
+        None,
+        description="of steps and of a table, which begin again after it; they end if not given",
+    )
 
     @property
     def along_light(self) -> bool:
@@ -146,6 +155,10 @@ class Modulation(_Course):
     )
     times: Times | None = Field(None, description="of steps and of a table, ascending")
     factors: Factors | None = Field(None, description="at these times")
+    period: PositiveTime | None = Field(
+        None,
+        description="of steps and of a table, which begin again after it; they end if not given",
+    )
 
     @model_validator(mode="after")
     def _sound(self) -> Self:

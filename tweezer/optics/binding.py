@@ -118,7 +118,7 @@ def _place(beam: Beam) -> Course:
     times, places = np.array(motion.times), at + np.array(motion.positions)
     if motion.kind == "steps":
         times, places = _stairs(times, places, at[0])
-    return Course(times, places, none)
+    return Course(times, places, none, period=motion.period or np.inf)
 
 
 def _factor(beam: Beam) -> Course:
@@ -142,7 +142,7 @@ def _factor(beam: Beam) -> Course:
     times, factors = np.array(modulation.times), np.array([modulation.factors]).T
     if modulation.kind == "steps":
         times, factors = _stairs(times, factors, np.ones(1))
-    return Course(times, factors, none)
+    return Course(times, factors, none, period=modulation.period or np.inf)
 
 
 def _stairs(times: Array, values: Array, before: Array) -> tuple[Array, Array]:
