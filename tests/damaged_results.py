@@ -54,7 +54,7 @@ def sound() -> Path:
     _write_trap(trap.scene, trap, folder / "trap.json")
     rng = np.random.default_rng(1)
     recording = tweezer.Recording(
-        "drawn", np.arange(2000) * 1e-4, rng.normal(size=(2000, 2)) * 1e-8, ("x", "y")
+        np.arange(2000) * 1e-4, rng.normal(size=(2000, 2)) * 1e-8, ("x", "y"), name="drawn"
     )
     found = tweezer.calibrate(recording, temperature="293 K", radius="0.5 um", viscosity="1 mPa s")
     write_json(dataclasses.asdict(found), folder / "calibration.json")

@@ -73,7 +73,7 @@ except tweezer.SceneError as error:
 else:
     raise AssertionError
 # a fit of the depth takes it, not the map of ray optics
-track = Track("at rest", 1e-3 * np.arange(10), np.full((10, 2), 1e-7))
+track = Track(1e-3 * np.arange(10), np.full((10, 2), 1e-7), name="at rest")
 assert isinstance(_Likelihood(track, mW, 1e-8, 0.0, ())._light, Mine)
 
 dark = tweezer.load_scene("silica-1um").replace(

@@ -332,7 +332,7 @@ def test_traps_and_calibrations(tmp_path):
     draw = np.random.default_rng(5)
     found = [
         tweezer.calibrate(
-            tweezer.Recording("mine", STEP * np.arange(4000), walk(draw, 4000, size), "xyz"),
+            tweezer.Recording(STEP * np.arange(4000), walk(draw, 4000, size), "xyz", name="mine"),
             temperature=293,
         )
         for size in (1e-8, 1e-8, 1.3e-8)

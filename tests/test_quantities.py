@@ -198,20 +198,22 @@ def test_positions_keep_their_unit():
 
 def test_recordings_of_quantities():
     times, x = np.arange(200.0), np.sin(np.arange(200.0))
-    record = tweezer.Recording("mine", unit.Quantity(times, "ms"), unit.Quantity(x, "um"), ("x",))
+    record = tweezer.Recording(
+        unit.Quantity(times, "ms"), unit.Quantity(x, "um"), ("x",), name="mine"
+    )
     np.testing.assert_allclose(record.times, times * 1e-3, rtol=1e-14)
     np.testing.assert_allclose(record.positions, x[:, None] * 1e-6, rtol=1e-14)
     assert len(record.since(unit("50 ms")).times) == 150
-    volts = tweezer.Recording("v", times, unit.Quantity(x, "mV"), ("x",), unit="V")
+    volts = tweezer.Recording(times, unit.Quantity(x, "mV"), ("x",), name="v", unit="V")
     np.testing.assert_allclose(volts.positions[:, 0], x * 1e-3, rtol=1e-14)
     with pytest.raises(tweezer.ResultError, match="mine: positions: has the wrong unit"):
-        tweezer.Recording("mine", times, unit.Quantity(x, "mV"), ("x",))
+        tweezer.Recording(times, unit.Quantity(x, "mV"), ("x",), name="mine")
 
 
 def test_calibration_by_quantities():
     draw = np.random.default_rng(5)
     x = 1e-8 * draw.standard_normal(400)
-    record = tweezer.Recording("mine", 1e-3 * np.arange(400), x, ("x",))
+    record = tweezer.Recording(1e-3 * np.arange(400), x, ("x",), name="mine")
     by = {"temperature": "20 degC", "drag": 9e-9, "noise": "1 nm", "diode": "14 kHz"}
     of = {
         "temperature": unit.Quantity(20.0, "degC"), "drag": unit("9e-9 kg/s"),

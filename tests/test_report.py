@@ -27,7 +27,7 @@ def drifting():
     ]
     x = np.stack(columns, axis=1)
     x[:, 0] += np.linspace(0.0, 2e-7, len(x))
-    recording = Recording("bead <1>.csv", 5e-4 * np.arange(len(x)), x, ("x", "y"))
+    recording = Recording(5e-4 * np.arange(len(x)), x, ("x", "y"), name="bead <1>.csv")
     return recording, tweezer.calibrate(recording, temperature=293.15, drag=DRAG, exposure=0.0)
 
 
@@ -67,7 +67,7 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
 def test_a_free_bead_has_one_verdict_and_no_table():
     rng = np.random.default_rng(1)
     x = np.cumsum(1e-7 * rng.standard_normal((1000, 2)), axis=0)
-    recording = Recording("free", np.arange(1000) / 100, x, ("x", "y"))
+    recording = Recording(np.arange(1000) / 100, x, ("x", "y"), name="free")
     page = page_of(recording, tweezer.calibrate(recording, temperature=293.15))
     assert not page.tables
     (verdict,) = page.verdicts
@@ -89,7 +89,9 @@ def test_a_page_has_what_was_fitted_of_the_detector_and_what_was_given(tmp_path)
     """A record of 1 um/V with noise of 20 nm, of which both are fitted."""
     x = trapped(5e-4, 6000, 2e-6, DRAG, None, 293.15, 3, 1, exposure=0.0)[0]
     x += 2e-8 * np.random.default_rng(4).standard_normal(len(x))
-    recording = Recording("volts", 5e-4 * np.arange(len(x)), 1e6 * x[:, None], ("x",), unit="V")
+    recording = Recording(
+        5e-4 * np.arange(len(x)), 1e6 * x[:, None], ("x",), name="volts", unit="V"
+    )
     radius, viscosity = 0.5e-6, DRAG / (6 * np.pi * 0.5e-6)
     found = tweezer.calibrate(
         recording, temperature=293.15, radius=radius, viscosity=viscosity, exposure=0.0,

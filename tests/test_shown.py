@@ -62,9 +62,9 @@ def test_every_result_is_shown(tmp_path):
     scene = tweezer.load_scene("silica-1um")
     draw = np.random.default_rng(2)
     times, places = 1e-3 * np.arange(200), 1e-8 * draw.standard_normal((200, 2))
-    record = tweezer.Recording("<mine>", times, places, ("x", "y"))
+    record = tweezer.Recording(times, places, ("x", "y"), name="<mine>")
     calibration = tweezer.calibrate(record, temperature=293)
-    track = tweezer.Track("t", times, places)
+    track = tweezer.Track(times, places, name="t")
     escapes = tweezer.escape_times(times, 1e-9 * np.ones((3, 200, 3)), 1e-6)
     results = [
         scene, tweezer.bead_properties(scene), record, calibration, track, escapes,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tweezer.errors import ResultError, SceneError, TweezerError
+from tweezer.errors import ResultError, SceneError, TweezerError, warn
 from tweezer.scene import Scene
 from tweezer.units import QuantityLike, array_in_si, to_si
 
@@ -110,3 +111,23 @@ def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
     if skipped > samples - 2:
         raise SceneError(f"skip = {skip!r}: must leave at least 2 of {samples} samples")
     return skipped
+
+
+def name_last(record: Any) -> Any:
+    """Let a dataclass with the keyword `name` take it as its first argument too: the old order."""
+    made = record.__init__
+
+    @functools.wraps(made)
+    def init(self: Any, *given: Any, **named: Any) -> None:
+        if given and isinstance(given[0], str):
+            kind = record.__name__
+            warn(
+                f"{kind}({given[0]!r}, ...): the name comes last now, as "
+                f"{kind}(..., name={given[0]!r}); the old order goes with version 0.3",
+                FutureWarning,
+            )
+            given, named = given[1:], {"name": given[0], **named}
+        made(self, *given, **named)
+
+    record.__init__ = init
+    return record

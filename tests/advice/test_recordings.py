@@ -155,7 +155,7 @@ def test_another_rate_than_that_of_unread_times_is_reported(tmp_path):
 def recording(x, step=STEP, y=None):
     columns = np.stack([x, X if y is None else y], axis=1)
     times = step * np.arange(len(x))
-    return tweezer.Recording("mine", times, 1e-6 * columns, ("x", "y"))
+    return tweezer.Recording(times, 1e-6 * columns, ("x", "y"), name="mine")
 
 
 #: ten times finer, for the means over an exposure

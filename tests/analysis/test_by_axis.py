@@ -22,7 +22,7 @@ def test_axes_are_found_by_number_and_by_name():
 def test_axes_of_a_free_bead_have_names():
     rng = np.random.default_rng(1)
     places = np.cumsum(rng.normal(size=(500, 2)), axis=0) * 1e-8
-    recording = tweezer.Recording("free", 0.01 * np.arange(500), places, ("x", "y"))
+    recording = tweezer.Recording(0.01 * np.arange(500), places, ("x", "y"), name="free")
     found = tweezer.calibrate(recording, temperature=293.15)
     assert found.axes["y"] is found.axes[1]
     assert found.free.axes["x"].axis == "x"

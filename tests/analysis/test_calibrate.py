@@ -48,7 +48,7 @@ def mass(name):
 
 
 def record(positions, step):
-    return Recording("record", np.arange(len(positions)) * step, positions[:, None], ("x",))
+    return Recording(np.arange(len(positions)) * step, positions[:, None], ("x",), name="record")
 
 
 def covariance(name, times):
@@ -577,7 +577,7 @@ def test_calibration_takes_little_memory(ratio):
     n = 400_000
     x = lfilter([1], [1, -math.exp(-ratio)], np.random.default_rng(33).standard_normal(n))
     step = ratio * TAU
-    recording = Recording("record", step * np.arange(n), 1e-9 * x[:, None], ("x",))
+    recording = Recording(step * np.arange(n), 1e-9 * x[:, None], ("x",), name="record")
     tracemalloc.start()
     try:
         tweezer.calibrate(recording, temperature=T)

@@ -54,7 +54,7 @@ def recording(gap, seed, axes="xyz", unit="m", scale=1.0, **more):
     ]
     times = STEP * np.arange(SAMPLES)
     return Recording(
-        "record", times, scale * np.stack(columns, axis=1), tuple(axes), unit=unit, **more
+        times, scale * np.stack(columns, axis=1), tuple(axes), name="record", unit=unit, **more
     )
 
 
@@ -268,9 +268,9 @@ def test_estimates_with_the_inertia_of_the_fluid_beside_a_wall(of):
     answer = push / (s * gamma + 1e-4 + FLUID["mass"] * s**2)
     scores = {}
     for i, x in enumerate(detected_bead.drawn(exact, step, 2**14, 5, 8)):
-        still = Recording("record", times, x[:, None], (axis,))
+        still = Recording(times, x[:, None], (axis,), name="record")
         volts = 3e6 * (x + (answer * wave).imag)
-        driven = Recording("record", times, volts[:, None], (axis,), unit="V", drive=wave.imag)
+        driven = Recording(times, volts[:, None], (axis,), name="record", unit="V", drive=wave.imag)
         found = tweezer.calibrate(still, **known).axes[0]
         active = tweezer.calibrate(driven, **(known | {"drag": None})).axes[0]
         fits = found.free_fit, active.free_fit

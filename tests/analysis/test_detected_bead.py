@@ -136,7 +136,7 @@ def recorded(of, step, samples, seed, records=1):
 
 
 def recording(x, step, **more):
-    return Recording("record", np.arange(len(x)) * step, x[:, None], ("x",), **more)
+    return Recording(np.arange(len(x)) * step, x[:, None], ("x",), name="record", **more)
 
 
 def test_estimates_with_memory_are_as_uncertain_as_they_say():
@@ -381,7 +381,7 @@ def test_stiffness_drag_and_volts_by_a_drive(lines):
         moved, stage = driven(x, lines)
         noise = 2e-9 * np.random.default_rng(i).standard_normal(len(x))
         signal = Recording(
-            "record", STEP * np.arange(len(x)), 3e6 * moved[:, None], ("x",), unit="V",
+            STEP * np.arange(len(x)), 3e6 * moved[:, None], ("x",), name="record", unit="V",
             drive=stage + noise,
         )  # fmt: skip
         found = tweezer.calibrate(signal, exposure=0.0, **FLUID).axes[0]
@@ -410,7 +410,7 @@ def test_stiffness_drag_and_volts_by_a_drive(lines):
 def test_a_drive_and_a_drag_that_contradict_it():
     (x,) = seen(1, 66)
     moved, stage = driven(x, {37.0: 2e-6})
-    signal = Recording("record", STEP * np.arange(len(x)), moved[:, None], ("x",), drive=stage)
+    signal = Recording(STEP * np.arange(len(x)), moved[:, None], ("x",), name="record", drive=stage)
     good = tweezer.calibrate(signal, drag=TRUE.drag, exposure=0.0, **FLUID).axes[0]
     assert good.sensitivity == pytest.approx(1, abs=4 * good.sensitivity_uncertainty)
     assert [estimate.method for estimate in good.estimates][:2] == [
@@ -426,7 +426,7 @@ def test_what_is_wrong_with_a_drive_is_said():
     times = STEP * np.arange(len(x))
 
     def calibrated(moved, stage):
-        signal = Recording("record", times, moved[:, None], ("x",), drive=stage)
+        signal = Recording(times, moved[:, None], ("x",), name="record", drive=stage)
         return tweezer.calibrate(signal, exposure=0.0, **FLUID).axes[0]
 
     late = calibrated(*driven(x, {140.0: 1e-6}, lag=2e-4))
@@ -456,8 +456,8 @@ def test_an_axis_that_is_not_driven_has_the_drag_of_one_that_is():
     x, y = seen(2, 68)
     moved, stage = driven(x, {37.0: 1e-6})
     signal = Recording(
-        "record", STEP * np.arange(len(x)), np.stack([2e6 * y, 3e6 * moved], axis=1), ("x", "y"),
-        unit="V", drive=stage,
+        STEP * np.arange(len(x)), np.stack([2e6 * y, 3e6 * moved], axis=1), ("x", "y"),
+        name="record", unit="V", drive=stage,
     )  # fmt: skip
     still, by_stage = tweezer.calibrate(signal, exposure=0.0, **FLUID).axes
     assert (len(still.answers), len(by_stage.answers)) == (0, 1)

@@ -74,7 +74,7 @@ def recording(scene):
     places = np.stack(seen, axis=1) + np.array(
         [3e-6, -2e-6]
     )  # the trap is not at the camera's origin
-    return Recording("drawn", 3.0 + np.arange(FRAMES) / RATE, places, ("x", "y"))
+    return Recording(3.0 + np.arange(FRAMES) / RATE, places, ("x", "y"), name="drawn")
 
 
 @pytest.fixture(scope="module")
@@ -157,7 +157,9 @@ def remembering():
             displaced_mass=bead.displaced_mass,
         )  # fmt: skip
         seen.append(detected_bead.drawn(of_bead, step, 8000, seed=i)[0])
-    return scene, Recording("drawn", step * np.arange(8000), np.stack(seen, axis=1), tuple("xyz"))
+    return scene, Recording(
+        step * np.arange(8000), np.stack(seen, axis=1), tuple("xyz"), name="drawn"
+    )
 
 
 def test_fit_of_fast_record_has_the_inertia_of_bead_and_fluid(remembering):
@@ -270,7 +272,7 @@ def test_the_lowest_of_several_minima_is_found():
             x[i + 1] = decay * x[i] + math.sqrt(1 - decay**2) * normal
         seen.append(x * math.sqrt(BOLTZMANN * scene.medium.temperature / k))
     times = step * np.arange(len(x))
-    drawn = Recording("drawn", times, np.stack(seen, axis=1), ("x", "y", "z"))
+    drawn = Recording(times, np.stack(seen, axis=1), ("x", "y", "z"), name="drawn")
     guess = scene.replace(bead={"diameter": "1.575 um"}, beam={"power_through_pupil": "13 mW"})
     misfit = Misfit([drawn], guess, [DIAMETER, POWER])
     best = misfit.minima(lambda _: None)[0]
@@ -353,11 +355,11 @@ def test_refused(scene, recording, changes, free, line):
 def test_refused_recordings(scene, recording):
     with pytest.raises(ResultError, match="needs a scene"):
         tweezer.fit(recording, free=[POWER])
-    volts = Recording("v", recording.times, recording.positions * 1e6, ("x", "y"), unit="V")
+    volts = Recording(recording.times, recording.positions * 1e6, ("x", "y"), name="v", unit="V")
     with pytest.raises(ResultError, match="in volts"):
         tweezer.fit(volts, scene, free=[POWER])
     seen = np.column_stack([recording.positions, recording.positions[:, 0]])
-    space = Recording("s", recording.times, seen, ("x", "y", "z"))
+    space = Recording(recording.times, seen, ("x", "y", "z"), name="s")
     with pytest.raises(ResultError, match=r"camera\.noise_along: missing"):
         tweezer.fit(space, scene, free=[POWER])
 

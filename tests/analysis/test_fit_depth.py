@@ -279,7 +279,7 @@ def test_long_exposures(scene):
         np.trapezoid(x[fine * i : fine * (i + 1) + 1], dx=1 / fine, axis=0) for i in range(frames)
     ]
     seen = means + 15e-9 * np.random.default_rng(2).normal(size=(frames, 2))
-    track = Track("exposed", step * (0.5 + np.arange(frames)), seen)
+    track = Track(step * (0.5 + np.arange(frames)), seen, name="exposed")
     fit = tweezer.fit_depth(track, scene, noise=15e-9, exposure=step)
     assert fit.determined
     assert fit.intervals[0][0] < Z < fit.intervals[0][1]
@@ -296,7 +296,7 @@ def test_outliers_and_gaps(scene, tracks):
         positions[frame, axis] += off
     positions[7, 0] = positions[12] = np.nan
     kept = np.delete(np.arange(len(positions)), [15, 16, 17])
-    fit = tweezer.fit_depth(Track("dirty", tracks[0].times[kept], positions[kept]), scene)
+    fit = tweezer.fit_depth(Track(tracks[0].times[kept], positions[kept], name="dirty"), scene)
     assert fit.outliers == 4
     assert fit.determined
     (low, high), (clean_low, clean_high) = fit.intervals[0], clean.intervals[0]
@@ -310,7 +310,7 @@ def test_a_bead_far_from_any_light_tells_nothing(scene):
     rng = np.random.default_rng(4)
     still = 15e-9 * rng.normal(size=(40, 2))
     fit = tweezer.fit_depth(
-        Track("far", 2.5e-4 * np.arange(40), still + np.array([0.0, 4.9e-6])),
+        Track(2.5e-4 * np.arange(40), still + np.array([0.0, 4.9e-6]), name="far"),
         scene.replace(beam={"power": 1e-9}),
         noise=15e-9,
     )
@@ -324,7 +324,7 @@ def test_two_places(scene):
     """A bead at rest in the trap may have come from where it falls into it between two frames."""
     times = np.append(0.0, 2e-3 + 1e-3 * np.arange(20))
     seen = 15e-9 * np.random.default_rng(5).normal(size=(21, 2))
-    fit = tweezer.fit_depth(Track("trapped", times, seen), scene, noise=15e-9)
+    fit = tweezer.fit_depth(Track(times, seen, name="trapped"), scene, noise=15e-9)
     assert not fit.determined or fit.intervals[0][1] - fit.intervals[0][0] > 1e-6
     assert any(low <= 0.15e-6 <= high for low, high in fit.intervals)
 
@@ -356,7 +356,7 @@ def from_seed(scene, seed):
     )
     run = tweezer.simulate(falling, seed=seed)
     noise = np.random.default_rng(seed).normal(scale=15e-9, size=(37, 2))
-    return Track(f"seed {seed}", run["time"].values, run["position"].values[:, :2] + noise)
+    return Track(run["time"].values, run["position"].values[:, :2] + noise, name=f"seed {seed}")
 
 
 @pytest.mark.usefixtures("half_of_the_places")
@@ -382,7 +382,7 @@ def test_a_straight_line_is_followed_from_everywhere():
     times = np.arange(51.0)
     line = np.column_stack([np.round(-2.94 + 0.0266 * times, 4), np.full(51, -0.17)])
     fit = tweezer.fit_depth(
-        Track("line", 1e-3 * times, 1e-6 * line), depth.unscaled("thesis-1950nm")
+        Track(1e-3 * times, 1e-6 * line, name="line"), depth.unscaled("thesis-1950nm")
     )
     assert np.isfinite(np.array(fit.profile)).all()
     assert not fit.determined
@@ -402,7 +402,7 @@ def track_beside(scene, seed):
     jiggling = scene.replace(forces={"brownian": True})
     run = tweezer.simulate(jiggling, seed=seed)
     noise = np.random.default_rng(seed).normal(scale=10e-9, size=(41, 2))
-    return Track(f"seed {seed}", run["time"].values, run["position"].values[:, :2] + noise)
+    return Track(run["time"].values, run["position"].values[:, :2] + noise, name=f"seed {seed}")
 
 
 def test_beside_a_wall_the_start_is_found_by_the_drag_there(beside):
@@ -452,7 +452,7 @@ def test_release(scene, tracks):
     rng = np.random.default_rng(6)
     held = track.positions[0] + STUDY.noise * rng.normal(size=(10, 2))
     late = Track(
-        "late", np.arange(len(track.times) + 10) * step, np.vstack([held, track.positions])
+        np.arange(len(track.times) + 10) * step, np.vstack([held, track.positions]), name="late"
     )
     fit = tweezer.fit_depth(late, scene, noise=STUDY.noise, search=(-6e-6, -2e-6), fit=["release"])
     (release,) = fit.parameters
@@ -470,7 +470,7 @@ def test_scaled_model(scene):
     )
     seen = run["position"].values[:, :2] + 15e-9 * np.random.default_rng(7).normal(size=(37, 2))
     fit = tweezer.fit_depth(
-        Track("scaled", run["time"].values, seen), scaled, noise=15e-9, search=(-6e-6, -2e-6)
+        Track(run["time"].values, seen, name="scaled"), scaled, noise=15e-9, search=(-6e-6, -2e-6)
     )
     assert fit.determined
     (low, high) = fit.intervals[0]
@@ -490,7 +490,7 @@ def test_a_jagged_profile_determines_nothing():
     )  # fmt: skip
     seen = run["position"].values[:, :2] + 10e-9 * np.random.default_rng(1).normal(size=(60, 2))
     fit = tweezer.fit_depth(
-        Track("jagged", run["time"].values, seen), tweezer.load_scene("thesis-500nm"),
+        Track(run["time"].values, seen, name="jagged"), tweezer.load_scene("thesis-500nm"),
         noise=10e-9, search=(-3e-6, -1e-6),
     )  # fmt: skip
     assert not fit.determined
@@ -573,7 +573,7 @@ def test_wrong_start_and_gaps(scene, tracks):
     late[1:7] = np.nan
     for positions, outliers in ((outlier, 1), (alternating, 0), (late, 0)):
         fit = tweezer.fit_depth(
-            Track("gaps", track.times, positions), scene, search=(-6e-6, -2e-6)
+            Track(track.times, positions, name="gaps"), scene, search=(-6e-6, -2e-6)
         )  # fmt: skip
         assert fit.determined
         (low, high) = fit.intervals[0]
@@ -587,7 +587,7 @@ def test_a_coordinate_that_is_exactly_predicted(scene, tracks):
     positions = tracks[0].positions.copy()
     positions[:, 0] = 0.0
     fit = tweezer.fit_depth(
-        Track("x = 0", tracks[0].times, positions), scene, noise=15e-9, search=(-6e-6, -2e-6)
+        Track(tracks[0].times, positions, name="x = 0"), scene, noise=15e-9, search=(-6e-6, -2e-6)
     )
     assert math.isfinite(fit.p_value)
     assert fit.intervals[0][0] - 1e-6 < Z < fit.intervals[-1][1] + 1e-6
@@ -597,7 +597,7 @@ def test_a_noise_that_is_none_is_not_determined(scene):
     """The noise of a track that does not move at all lies at the end of its range."""
     still = np.tile([0.0, 4.9e-6], (20, 1))
     fit = tweezer.fit_depth(
-        Track("still", 2.5e-4 * np.arange(20), still), scene, search=(-2e-6, 2e-6)
+        Track(2.5e-4 * np.arange(20), still, name="still"), scene, search=(-2e-6, 2e-6)
     )
     (noise,) = fit.parameters
     assert noise.uncertainty is None
@@ -614,11 +614,11 @@ def test_a_noise_that_is_none_is_not_determined(scene):
 )  # fmt: skip
 def test_shapes_of_a_track(times, positions, complaint):
     with pytest.raises(ResultError, match=complaint):
-        Track("wrong", times, positions)
+        Track(times, positions, name="wrong")
 
 
 def test_a_track_of_lists_and_integers():
-    track = Track("lists", list(range(20)), np.ones((20, 2), dtype=np.float32) * 1e-6)
+    track = Track(list(range(20)), np.ones((20, 2), dtype=np.float32) * 1e-6, name="lists")
     assert track.times.dtype == track.positions.dtype == np.float64
 
 

@@ -58,7 +58,7 @@ def recorded(stage, samples, seed, noise=0.0, step=STEP):
     x = lfilter([1], [1, -decay], moved + kicks)[BEFORE::PARTS]
     column = stage(t)[BEFORE::PARTS] + noise * rng.standard_normal(samples)
     times = step * np.arange(samples)
-    return Recording("record", times, RESPONSE * x[:, None], ("x",), unit="V", drive=column)
+    return Recording(times, RESPONSE * x[:, None], ("x",), name="record", unit="V", drive=column)
 
 
 def calibrated(recording):
@@ -108,7 +108,7 @@ def test_what_speaks_against_the_record_speaks_against_the_drag_and_the_volts():
     hum = 2e-7 * RESPONSE * np.sin(2 * np.pi * 33 * recording.times)
     found = tweezer.calibrate(
         Recording(
-            "record", recording.times, recording.positions + hum[:, None], ("x",), unit="V",
+            recording.times, recording.positions + hum[:, None], ("x",), name="record", unit="V",
             drive=recording.drive,
         ),
         temperature=T, exposure=0.0,

@@ -184,7 +184,7 @@ def test_the_calibration_tells_a_free_bead_from_a_trapped_one():
     times = STEP * np.arange(800)
     record = seen(15, exposure=STEP, noise=2 * SIZE, drift=3e-7)
     known = {"temperature": T, "radius": RADIUS, "viscosity": VISCOSITY, "exposure": STEP}
-    calibration = tweezer.calibrate(Recording("mine", times, record, ("x", "y")), **known)
+    calibration = tweezer.calibrate(Recording(times, record, ("x", "y"), name="mine"), **known)
     assert calibration.drag == pytest.approx(DRAG, rel=1e-12)
     expected = found(record, KNOWN._replace(exposure=STEP))
     assert dataclasses.asdict(calibration.free) == dataclasses.asdict(expected)
@@ -192,9 +192,9 @@ def test_the_calibration_tells_a_free_bead_from_a_trapped_one():
         assert f"  stiffness, {axis}                  no trap is seen\n" in repr(calibration)
     held = trapped(STEP, 800, DRAG / (5 * STEP), DRAG, None, T, 16)
     both = np.column_stack([record[:, 0], held[0]])
-    mixed = tweezer.calibrate(Recording("mine", times, both, ("x", "y")), temperature=T)
+    mixed = tweezer.calibrate(Recording(times, both, ("x", "y"), name="mine"), temperature=T)
     assert [each.axis for each in mixed.free.axes] == ["x"]
     drowned = seen(1, 300, count=1, noise=5 * SIZE)
-    told = tweezer.calibrate(Recording("mine", times[:300], drowned, ("x",)), temperature=T)
+    told = tweezer.calibrate(Recording(times[:300], drowned, ("x",), name="mine"), temperature=T)
     assert "free" not in {each.name for each in told.axes[0].findings}
     assert told.free is None or told.free.interval[0] > 0

@@ -28,7 +28,7 @@ CLEANED = {"leave_out": ["49 Hz..52 Hz", (149, 153)], "drift": "3 Hz"}
 
 
 def calibrated(x, **how):
-    recording = Recording("mine", TIMES, x[:, None], ("x",))
+    recording = Recording(TIMES, x[:, None], ("x",), name="mine")
     return tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, **how)
 
 
@@ -133,7 +133,7 @@ def test_a_free_bead_is_told_without_what_is_left_out():
     size = math.sqrt(2 * D * step)
     x = free(step, 4000, D, 3, exposure=step)[0]
     x += 3 * size * np.sin(2 * np.pi * 17.3 * step * np.arange(4000))
-    recording = Recording("mine", step * np.arange(4000), x[:, None], ("x",))
+    recording = Recording(step * np.arange(4000), x[:, None], ("x",), name="mine")
     told = tweezer.calibrate(recording, temperature=T, leave_out=["16 Hz..19 Hz"], drift="0.1 Hz")
     low, high = told.free.interval
     assert low < D < high
@@ -146,7 +146,7 @@ def test_a_free_bead_without_its_slow_motion_is_no_trapped_one(how):
     D, step = BOLTZMANN * T / DRAG, 0.01
     for seed in (7, 8, 9, 10):
         x = free(step, 5000, D, seed)[0]
-        recording = Recording("mine", step * np.arange(5000), x[:, None], ("x",))
+        recording = Recording(step * np.arange(5000), x[:, None], ("x",), name="mine")
         found = tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, **how)
         assert all("a free bead looks so too" in each.caveat for each in found.axes[0].estimates)
         low, high = found.free.interval
@@ -157,7 +157,7 @@ def test_a_trap_faster_than_the_drift_stays_a_trap():
     """A corner frequency of 3 Hz, a drift slower than 1 Hz."""
     step, k = 0.01, 6 * math.pi * DRAG
     x = trapped(step, 5000, k, DRAG, None, T, 5)[0]
-    recording = Recording("mine", step * np.arange(5000), x[:, None], ("x",))
+    recording = Recording(step * np.arange(5000), x[:, None], ("x",), name="mine")
     found = tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, drift="1 Hz")
     assert found.free is None
     assert abs(found.axes[0]["power spectrum"].stiffness - k) < 0.3 * k

@@ -315,12 +315,26 @@ def test_a_long_recording_that_holds_nothing_is_refused(tmp_path, scale):
 )  # fmt: skip
 def test_a_recording_of_other_shapes_is_refused(times, positions, complaint):
     with pytest.raises(tweezer.ResultError, match=complaint):
-        Recording("mine", times, positions, ("x",))
+        Recording(times, positions, ("x",), name="mine")
+
+
+def test_the_name_of_a_recording_is_optional_and_last(positions):
+    times, axes = STEP * np.arange(500), ("x", "y", "z")
+    assert Recording(times, positions[:500], axes).name == "recording"
+    new = Recording(times, positions[:500], axes, name="mine")
+    for old in (((times, positions[:500], axes), {}), ((times, positions[:500]), {"axes": axes})):
+        with pytest.warns(FutureWarning, match=r"Recording\(\.\.\., name='mine'\).*the old order"):
+            found = Recording("mine", *old[0], **old[1])
+        assert found.name == "mine"
+        np.testing.assert_array_equal(found.times, new.times)
+        np.testing.assert_array_equal(found.positions, new.positions)
+    with pytest.warns(FutureWarning, match="the old order"):
+        assert tweezer.Track("t", times, positions[:500, :2]).name == "t"
 
 
 def test_times_may_be_rounded(positions):
     times = np.round(STEP * np.arange(500), 5) + 4e-6 * (np.arange(500) % 2)
-    recording = Recording("mine", times, positions[:500], ("x", "y", "z"))
+    recording = Recording(times, positions[:500], ("x", "y", "z"), name="mine")
     assert recording.step == pytest.approx(STEP, rel=1e-3)
 
 
@@ -421,7 +435,7 @@ def test_command_on_a_run(command_line, run):
 
 
 def test_figure_of_one_axis_and_of_an_untrusted_record(positions):
-    few = Recording("mine", STEP * np.arange(150), positions[:150, :1], ("x",))
+    few = Recording(STEP * np.arange(150), positions[:150, :1], ("x",), name="mine")
     figure = calibration_figure(few, tweezer.calibrate(few, temperature=T))
     drawn = {axes.get_title() for axes in figure.axes}
     assert {"trajectory", "mean squared displacement", "potential, from the histogram"} <= drawn

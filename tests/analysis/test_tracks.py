@@ -26,7 +26,7 @@ def tracks(seed, count=25, frames=41, axes=2, diffusions=None, gaps=0.0, **how):
         drift = 1e-6 * rng.standard_normal()
         x = free(STEP, n, own, [seed, number], count=axes, drift=drift, **how).T
         x[rng.random(n) < gaps] = np.nan
-        found.append(Trajectory(f"track {number}", STEP, x, ("x", "y", "z")[:axes]))
+        found.append(Trajectory(STEP, x, ("x", "y", "z")[:axes], name=f"track {number}"))
     return found
 
 
@@ -101,7 +101,9 @@ def test_tracks_of_different_beads_are_told():
 @pytest.mark.parametrize("stiffness", [3e-7, 3e-6])
 def test_held_beads_are_not_free(stiffness):
     held = [
-        Trajectory(str(i), STEP, trapped(STEP, 41, stiffness, 4e-9, None, T, i, 2).T, ("x", "y"))
+        Trajectory(
+            STEP, trapped(STEP, 41, stiffness, 4e-9, None, T, i, 2).T, ("x", "y"), name=str(i)
+        )
         for i in range(25)
     ]
     found = diffusion(held, temperature=T)
@@ -111,9 +113,9 @@ def test_held_beads_are_not_free(stiffness):
 def test_tracks_must_be_alike():
     first, second = tracks(1, count=2)
     with pytest.raises(tweezer.ResultError, match="track 1: has 50 Hz, and track 0 100 Hz"):
-        diffusion([first, Trajectory("track 1", 0.02, second.positions, ("x", "y"))])
+        diffusion([first, Trajectory(0.02, second.positions, ("x", "y"), name="track 1")])
     with pytest.raises(tweezer.ResultError, match="must be the same"):
-        diffusion([first, Trajectory("line", STEP, second.positions[:, :1], ("x",))])
+        diffusion([first, Trajectory(STEP, second.positions[:, :1], ("x",), name="line")])
     with pytest.raises(tweezer.ResultError, match=r"exposure = 0\.02 s: must be at most the step"):
         diffusion([first], exposure="20 ms")
 
@@ -150,7 +152,9 @@ def test_several_files_of_free_beads_are_one_diffusion(command_line, tmp_path):
 
 def test_trapped_beads_in_a_table_are_calibrated_one_by_one(command_line, tmp_path):
     every = [
-        Trajectory(str(i), STEP, 3e-6 * i + trapped(STEP, 200, 1e-6, 9.4e-9, None, T, i, 2).T, "xy")
+        Trajectory(
+            STEP, 3e-6 * i + trapped(STEP, 200, 1e-6, 9.4e-9, None, T, i, 2).T, "xy", name=str(i)
+        )
         for i in range(2)
     ]
     write(tmp_path / "a.csv", every, "TRACK_ID")

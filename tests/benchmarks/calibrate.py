@@ -116,7 +116,7 @@ def speed(*, quick: bool, say: Callable[[str], object]) -> Results:
         kicks = size * np.random.default_rng(SEED).standard_normal(samples)
         x = lfilter([1], [1, -decay], kicks)  # exact; it starts in the middle of the trap
         times = step * np.arange(samples)
-        recording = Recording("record", times, x[:, None], ("x",))
+        recording = Recording(times, x[:, None], ("x",), name="record")
 
         def ours(recording: Recording = recording) -> object:
             return tweezer.calibrate(recording, temperature=TEMPERATURE, drag=DRAG, exposure=0.0)
@@ -155,7 +155,7 @@ def calibrated(study: Study, seed: int, count: int) -> list[AxisCalibration]:
     exposure = study.exposure * study.step if study.exposure_given else None
     times = np.arange(study.samples) * study.step
     recordings = [
-        Recording("record", times, x[:, None], ("x",)) for x in records(study, seed, count)
+        Recording(times, x[:, None], ("x",), name="record") for x in records(study, seed, count)
     ]
     return [
         tweezer.calibrate(r, temperature=TEMPERATURE, drag=drag, exposure=exposure).axes[0]

@@ -105,7 +105,7 @@ def tracks(study: Study, count: int) -> Iterator[Track]:
     rng = np.random.default_rng(SEED)
     for positions in run["position"].values[..., :2]:
         seen = positions + study.noise * rng.normal(size=positions.shape)
-        yield Track(study.scene, run["time"].values, seen)
+        yield Track(run["time"].values, seen, name=study.scene)
 
 
 def told(study: Study) -> Scene:

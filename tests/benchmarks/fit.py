@@ -115,7 +115,7 @@ def recordings(study: Study, bead: str, step: float, seed: int) -> Iterator[Reco
     kept = slice(len(times) - study.samples, None)
     for i, positions in enumerate(found[what].values):
         yield Recording(
-            f"record {i}", times[kept], positions[kept, : len(study.axes)], tuple(study.axes)
+            times[kept], positions[kept, : len(study.axes)], tuple(study.axes), name=f"record {i}"
         )
 
 

@@ -104,12 +104,11 @@ def analysed(study: Study, seed: int, count: int) -> list[Track | None]:
 
 
 def _track(positions: np.ndarray, known: dict[str, float]) -> Track | None:
-    recording = Recording("track", STEP * np.arange(len(positions)), positions, ("x", "y"))
+    recording = Recording(STEP * np.arange(len(positions)), positions, ("x", "y"), name="track")
     told = tweezer.calibrate(recording, temperature=TEMPERATURE, **known).free
     if told is None:
         return None
     return Track(
-        len(told.axes) == 2,
         told.interval[0] < DIFFUSION < told.interval[1],
         sum(each.interval[0] < DIFFUSION < each.interval[1] for each in told.axes),
         sum(
@@ -119,6 +118,7 @@ def _track(positions: np.ndarray, known: dict[str, float]) -> Track | None:
         told.diffusion / DIFFUSION,
         told.uncertainty / told.diffusion,
         tuple(finding.name for finding in told.findings),
+        name=len(told.axes) == 2,
     )
 
 

@@ -141,7 +141,7 @@ def drawn(study: Study, gap: float, rng: np.random.Generator) -> np.ndarray:
 
 def _recording(study: Study, signal: np.ndarray, unit: str, **more: Any) -> Recording:
     times = np.arange(study.samples) / study.rate
-    return Recording("record", times, signal, study.axes, unit=unit, **more)
+    return Recording(times, signal, study.axes, name="record", unit=unit, **more)
 
 
 def _known(gap: float) -> dict[str, Any]:

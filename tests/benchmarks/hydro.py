@@ -152,7 +152,7 @@ def records(study: Study, seed: int, count: int) -> np.ndarray:
 
 def _recording(study: Study, signal: np.ndarray, unit: str, **more: Any) -> Recording:
     times = np.arange(study.samples) / study.rate
-    return Recording("record", times, signal[:, None], ("x",), unit=unit, **more)
+    return Recording(times, signal[:, None], ("x",), name="record", unit=unit, **more)
 
 
 def _known(study: Study, *, fluid: bool = True) -> dict[str, Any]:

@@ -42,7 +42,9 @@ def interpolated(lost):
 
 
 def calibrated(positions, step=STEP, **known):
-    recording = Recording("mine", step * np.arange(len(positions)), 1e-6 * positions, ("x", "y"))
+    recording = Recording(
+        step * np.arange(len(positions)), 1e-6 * positions, ("x", "y"), name="mine"
+    )
     return tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, **known)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import ClassVar, NamedTuple, NoReturn
 
@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from tweezer.arguments import in_si, numbers_in_si
+from tweezer.arguments import in_si, name_last, numbers_in_si
 from tweezer.errors import ResultError, TooFewError, warn
 from tweezer.hdf5 import check_result
 from tweezer.io import check_seal, scene_of
@@ -50,6 +50,7 @@ _VOLTS = (1e-12, 1e4)
 _AXES = ("x", "y", "z")
 
 
+@name_last
 @dataclass(frozen=True, repr=False)
 class Recording(Shown):
     """Positions of a bead at even times, or the voltages of a detector of them.
@@ -58,14 +59,14 @@ class Recording(Shown):
     all finite, at ascending times within 0.1 steps of an even grid, and each coordinate changes.
     """
 
-    name: str
-    """the file, or the title of the run"""
     times: Array
     """(n,) s"""
     positions: Array
     """(n, axes) m, or V; of a single axis also (n,)"""
     axes: tuple[str, ...]
     """"x", "y" and "z", as many as there are"""
+    name: str = field(default="recording", kw_only=True)
+    """the file, or the title of the run"""
     scene: Scene | None = None
     """scene of a run of tweezer"""
     note: str = ""
@@ -167,6 +168,7 @@ class Recording(Shown):
         return replace(self, times=self.times[kept], positions=self.positions[kept], drive=drive)
 
 
+@name_last
 @dataclass(frozen=True, repr=False)
 class Track(Shown):
     """A bead seen by a camera: two coordinates, at times that need not be even.
@@ -176,12 +178,12 @@ class Track(Shown):
     among them, and the extent is one of a microscope's image.
     """
 
-    name: str
-    """the file, or the title of the run"""
     times: Array
     """(n,) s"""
     positions: Array
     """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
+    name: str = field(default="track", kw_only=True)
+    """the file, or the title of the run"""
     scene: Scene | None = None
     """scene of a run of tweezer"""
     exposure: float | None = None
@@ -311,7 +313,7 @@ def load_recording(
         str(source), times, table, LEAST_SAMPLES, len(names) - len(axes)
     )
     return Recording(
-        str(source), times, table[:, : len(axes)], axes, unit=found.unit,
+        times, table[:, : len(axes)], axes, name=str(source), unit=found.unit,
         drive=table[:, -1] if drive is not None else None,
         note="; ".join(filter(None, [*notes, of_digits, note])),
     )  # fmt: skip
@@ -340,7 +342,7 @@ def load_track(
     """
     read = read_source(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
     if isinstance(read, Run):
-        return Track(read.name, read.times, read.positions[:, :2], read.scene, read.exposure)
+        return Track(read.times, read.positions[:, :2], read.scene, read.exposure, name=read.name)
     found = only(str(source), read)
     if found.note:
         warn(f"{source}: {found.note}", UserWarning)
@@ -350,7 +352,7 @@ def load_track(
     if not both.any():
         raise ResultError(f"{source}: has no frame with x and y")
     there[: int(np.argmax(both))] = False
-    return Track(str(source), found.times[there], positions[there])
+    return Track(found.times[there], positions[there], name=str(source))
 
 
 class Run(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tweezer.analysis import digits
 from tweezer.analysis.free import Diffusion, Given, free_bead
 from tweezer.analysis.recording import Recording, Run, read_source
-from tweezer.arguments import in_si
+from tweezer.arguments import in_si, name_last
 from tweezer.errors import ResultError
 from tweezer.fluid import stokes
 from tweezer.reading import Columns, Reading, Wanted, measured
@@ -32,16 +32,17 @@ _OFF = 0.2
 _ALIKE = 1e-3
 
 
+@name_last
 @dataclass(frozen=True, repr=False)
 class Trajectory(Shown):
     """Positions of a free bead at even times, with gaps."""
 
-    name: str
     step: float
     """Time between frames, s."""
     positions: Array
     """(n, axes) m, or V; NaN where a frame is missing."""
     axes: tuple[str, ...]
+    name: str = field(default="trajectory", kw_only=True)
     unit: str = "m"
     """Unit of the positions: "m" or "V"."""
     note: str = ""
@@ -51,8 +52,8 @@ class Trajectory(Shown):
     def of(cls, recording: Recording) -> Trajectory:
         """Return the trajectory of a recording."""
         return cls(
-            recording.name, recording.step, recording.positions, recording.axes, recording.unit,
-            recording.note,
+            recording.step, recording.positions, recording.axes, recording.unit, recording.note,
+            name=recording.name,
         )  # fmt: skip
 
     @property
@@ -207,7 +208,7 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
     times, table = times[there], table[there]
     notes = "; ".join(filter(None, [columns.note, note]))
     if len(times) < LEAST_FRAMES:
-        return Trajectory(name, 1.0, table, moving, columns.unit, notes)
+        return Trajectory(1.0, table, moving, columns.unit, notes, name=name)
     steps = np.diff(times)
     usual = float(np.median(steps))
     if not (steps > 0).all():
@@ -225,7 +226,7 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
     positions = np.full((frame[-1] + 1, len(moving)), np.nan)
     positions[frame] = table
     step = float(times[-1] - times[0]) / int(frame[-1])
-    return Trajectory(name, step, positions, moving, columns.unit, notes)
+    return Trajectory(step, positions, moving, columns.unit, notes, name=name)
 
 
 def _in_a_row(trajectory: Trajectory) -> int:

@@ -768,7 +768,7 @@ def _tracks(motions: Motions, rng: np.random.Generator) -> list[Track]:
     )  # fmt: skip
     seen = ensemble(scene, _TRACKS, seed=_CAMERA_SEED)
     return [
-        Track(motions.bead, seen["time"].values, path + _CAMERA * rng.normal(size=path.shape))
+        Track(seen["time"].values, path + _CAMERA * rng.normal(size=path.shape), name=motions.bead)
         for path in seen["position"].values[..., :2]
     ]
 
