@@ -475,7 +475,8 @@ def _source(of: Result, name: str) -> Source:
         of = load_result(path)
     if isinstance(of, Trap):
         scene = of.scene.model_dump(mode="json", exclude_none=True)
-        return _of_trap(name, dataclasses.asdict(of), scene, {})
+        others = {"other_forces": of.other_forces} if of.other_forces else {}
+        return _of_trap(name, dataclasses.asdict(of), scene, others)
     if isinstance(of, Calibration):
         return _of_calibration(name, dataclasses.asdict(of))
     kind = kind_of(of)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,7 +28,9 @@ from tweezer.equilibria import (
     nearest_stable,
     opposite,
 )
-from tweezer.errors import TweezerError
+from tweezer.errors import ResultError, TweezerError
+from tweezer.forces import Force
+from tweezer.forces.acting import check_numbers
 from tweezer.optics import (
     RayOpticsWorth,
     cone,
@@ -128,7 +130,10 @@ class Trap(Comparable, Shown):
     caveat: str | None
     """what ray optics is worth for this bead (`ray_optics_caveat`); None by waves, in the dark"""
     ray_optics: RayOpticsWorth | None
-    """the same in numbers: how far equilibrium, stiffness and escape forces may be off"""
+    """the same in numbers: how far equilibrium, stiffness and escape forces may be off; None with
+    forces beside those of the scene"""
+    other_forces: int = 0
+    """number of forces beside those of the scene"""
 
     @functools.cached_property
     def lifetime(self) -> Lifetime | None:
@@ -143,9 +148,11 @@ class Trap(Comparable, Shown):
 
         It is None, and `lifetime_caveat` says why, without an equilibrium or ring, or if that is
         off the axis or as far from the focus as a bead is lost. It is None of more than one beam,
-        of one that is moved or changes, and with `forces.dlvo`. It is None where inertia carries
-        the bead: where sqrt(k m) is above 0.3 of the drag.
+        of one that is moved or changes, and with `forces.dlvo` or forces beside those of the scene.
+        It is None where inertia carries the bead: where sqrt(k m) is above 0.3 of the drag.
         """
+        if self.other_forces:
+            return None
         held, error = self._holds, self.force_error
         return lifetime(self.scene, held, self._ways_out, self.reach, error)
 
@@ -214,7 +221,17 @@ class Trap(Comparable, Shown):
     @property
     def lifetime_caveat(self) -> str | None:
         """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
+        if self.other_forces and self._holds is not None:
+            return "not computed with forces beside those of the scene"
         return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
+
+    def check_scene_alone(self, what: str) -> None:
+        """Raise `ResultError` for `what` draws the forces of the scene, if there were others."""
+        if self.other_forces:
+            raise ResultError(
+                f"{what}: shows the forces of the scene alone; this trap has {self.other_forces} "
+                "of your own; take that of characterise(scene) without forces"
+            )
 
     def card(self) -> Card:
         """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
@@ -224,11 +241,13 @@ class Trap(Comparable, Shown):
         share = self.fraction_through_pupil
         power = f"{1e3 * self.power_through_pupil:.4g} mW"
         power += "" if share is None else f", {100 * share:.4g} % of the beam"
+        own = [Row("forces of your own", str(self.other_forces))] if self.other_forces else []
         return Card(
             "Trap", self.scene.name,
             (
                 Row("power through the pupil", power), *self._efficiencies(), *self._held(),
-                *self._others(), Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
+                *self._others(), *own,
+                Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
                 Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
             ),
             (self._escapes(),) if self._ways_out else (),
@@ -302,7 +321,7 @@ class Trap(Comparable, Shown):
 
     def _lifetime(self, doubt: str) -> Iterator[Row]:
         """Rows of the time for which the bead is held, and of that without light."""
-        if "lifetime" not in vars(self):
+        if "lifetime" not in vars(self) and not self.other_forces:
             yield Row("held for", "not yet computed: `lifetime` does")
             return
         if not (self.lifetime or self.lifetime_caveat):
@@ -377,8 +396,12 @@ def _where(place: Equilibrium) -> str:
     return f"{', '.join(map(micrometres, place.position))} um"
 
 
-def characterise(scene: SceneLike) -> Trap:
+def characterise(scene: SceneLike, *, forces: Sequence[Force] = ()) -> Trap:
     """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
+
+    forces: of your own, beside those of the scene (`tweezer.forces`), at the time 0 on a bead that
+    is not turned. Equilibria are then sought near the axis of each beam, and no rings. Efficiencies
+    stay those of the light alone. Raises `ForceError` where such a force goes wrong.
 
     The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
     (2.11, 2.12) and of a wall, as far as `scene.forces` has them. Drag and thermal motion play no
@@ -419,15 +442,23 @@ def characterise(scene: SceneLike) -> Trap:
     the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power
     alone are characterised fastest one after the other.
     """
-    problem = bound_once(scene)
+    problem = bound_once(scene, forces)
     scene = problem.scene
     light_force = _LightForce(problem)
+    others_error = 0.0
     search = problem.search
     weight = np.array(problem.bead.weight)
 
     def net_force(points: Array) -> Array:
-        others = (each.field(points).force for each in problem.beside_the_light_apart)
-        return sum(others, light_force(points) + weight)
+        nonlocal others_error
+        of_walls = (each.field(points).force for each in problem.walls_apart)
+        total, error = sum(of_walls, light_force(points) + weight), np.zeros(len(points))
+        for each in problem.others:
+            pushed = each.field(points)
+            check_numbers(each, pushed)
+            total, error = total + pushed.force, error + pushed.error
+        others_error = max(others_error, float(error.max(initial=0.0)))
+        return total
 
     places, rings, searched = _found(problem, net_force)
     equilibrium = nearest_stable(places)
@@ -480,14 +511,15 @@ def characterise(scene: SceneLike) -> Trap:
         rests=pressed(problem),
         escapes=pulled,
         evaluator=evaluators_of(scene),
-        force_error=light_force.error,
+        force_error=light_force.error + others_error,
         theory=scene.theory,
         theory_reason=scene.theory_reason,
         reach=search.reach,
         absorbed_power=absorbed,
         torque=torque,
         caveat=ray_optics_caveat(scene),
-        ray_optics=ray_optics_worth(scene),
+        ray_optics=None if problem.others else ray_optics_worth(scene),
+        other_forces=len(problem.others),
     )
 
 

@@ -80,9 +80,14 @@ class Problem:
         return *self.walls, *self.others
 
     @property
+    def walls_apart(self) -> tuple[Force, ...]:
+        """Forces of walls on a bead that touches none."""
+        return tuple(each for each in self.walls if not isinstance(each, Contact))
+
+    @property
     def beside_the_light_apart(self) -> tuple[Force, ...]:
-        """The same on a bead that touches no wall."""
-        return tuple(each for each in self.beside_the_light if not isinstance(each, Contact))
+        """Forces of walls, and a user's own, on a bead that touches no wall."""
+        return *self.walls_apart, *self.others
 
     @property
     def rotates(self) -> bool:

@@ -80,7 +80,7 @@ def _try(force: Force, places: Array, duration: float) -> None:
         first = None
         for time in np.linspace(0.0, duration, _TIMES).tolist():
             found = force.field(places, gradient=True, time=time, orientations=orientations)
-            _check_numbers(force, found)
+            check_numbers(force, found)
             if first is None:
                 first = found
             elif force.steady and not _alike(first.force, found.force):
@@ -92,7 +92,7 @@ def _try(force: Force, places: Array, duration: float) -> None:
         at = slice(i, len(places) + i + 1)
         turned = None if orientations is None else orientations[at]
         alone = force.field(places[at], orientations=turned)
-        _check_numbers(force, alone)
+        check_numbers(force, alone)
         if not _alike(alone.force, first.force[at]):
             raise ForceError(
                 f"{name_of(force)}: the force on a bead depends on how many beads there are, or "
@@ -110,7 +110,8 @@ def _try(force: Force, places: Array, duration: float) -> None:
         )
 
 
-def _check_numbers(force: Force, found: Wrench) -> None:
+def check_numbers(force: Force, found: Wrench) -> None:
+    """Raise `ForceError` for what a force exerts, unless it is finite."""
     if not all(np.isfinite(values).all() for values in found[:4]):
         raise ForceError(fault_of(force) or f"{name_of(force)}: the force is not finite")
 

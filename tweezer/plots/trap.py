@@ -29,6 +29,7 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
     Forces are the sum of light and weight. Without a stable equilibrium the curves run through the
     focus.
     """
+    trap.check_scene_alone("the figure of a trap")
     figure = style.new(style.PAGE, 4.1)
     axes = figure.subplot_mosaic([["axial", "field"], ["lateral", "field"]], width_ratios=(1, 1.3))
     _draw_curve(axes["axial"], scene, trap, "z")

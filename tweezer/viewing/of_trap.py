@@ -117,6 +117,7 @@ def content(trap: Trap) -> Content:
 
     The page computes forces anywhere in a box about the trap from tables, which are computed here.
     """
+    trap.check_scene_alone("the page of a trap")
     scene, problem = trap.scene, bound_once(trap.scene)
     box = _box(trap, problem)
     lights = _placed(problem)
