@@ -393,9 +393,7 @@ def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     print_table(axis.table())
     for number, finding in enumerate(axis.listed, 1):
         OUT.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
-    spectrum, *told = axis_in_words(axis, unit)
-    against = axis.mark(axis.findings)
-    for line in (f"{spectrum}; {against}" if against else spectrum, *told):
+    for line in axis_in_words(axis, unit):
         OUT.print(line, highlight=False, soft_wrap=True)
 
 
