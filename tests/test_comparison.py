@@ -429,4 +429,6 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
             "stiffness y, power spectrum", "stiffness z, power spectrum",
         ]  # fmt: skip
         assert (found.agrees, found.kind) == (agrees, "trap and calibration")
-    assert command_line("compare", "trap.json", "k.json").code == (0 if agrees else 1)
+    done = command_line("compare", "trap.json", "k.json")
+    assert done.code == (0 if agrees else 1)
+    assert "pN/um, p = " in done.out

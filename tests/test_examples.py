@@ -22,6 +22,7 @@ def test_examples_are_listed_and_copied(command_line):
     again = command_line("examples", "trapped-bead.csv")
     assert again.code == 2
     assert again.err.startswith("trapped-bead.csv: already exists; ")
+    assert [command_line("examples", odd).code for odd in (".", "", "../trapped-bead")] == [2] * 3
     wrong = command_line("examples", "bead")
     assert wrong.err == (
         "NAME = 'bead': no such recording; choose from: trapped-bead.csv, free-beads.csv\n"

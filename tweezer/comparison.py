@@ -151,10 +151,11 @@ class Compared:
         if math.isinf(self.difference):
             return "a finite number in one alone"
         factor, unit = usual_unit(max(abs(self.difference), self.allowed), self.unit)
-        sizes = f"{self.difference / factor:.3g} of {self.allowed / factor:.3g} {unit}".rstrip()
-        if self.p_value is not None:
-            return f"{sizes}, p = {self.p_value:.2g}"
-        return sizes
+        difference, allowed = f"{self.difference / factor:.3g}", f"{self.allowed / factor:.3g}"
+        if self.p_value is None:
+            return f"{difference} of {allowed} {unit}".rstrip()
+        p_value = f"p = {self.p_value:.2g}" if self.p_value > 0 else "p < 1e-300"
+        return f"{f'{difference} +- {allowed} {unit}'.rstrip()}, {p_value}"
 
 
 @dataclass(frozen=True, repr=False)

@@ -12,6 +12,7 @@ from tweezer.cli.completion import among
 from tweezer.cli.console import OUT, writable_result
 from tweezer.cli.tables import table_of
 from tweezer.errors import ResultError
+from tweezer.files import replacing
 
 FOLDER = Path(__file__).parents[1] / "examples"
 
@@ -58,10 +59,11 @@ def examples(
         OUT.print(table)
         OUT.print("tweezer examples NAME copies one here", highlight=False)
         return
-    file = Path(name).with_suffix(".csv")
-    if file.name not in EXAMPLES:
+    file = f"{name.removesuffix('.csv')}.csv"
+    if file not in EXAMPLES:
         raise ResultError(f"NAME = {name!r}: no such recording; choose from: {', '.join(EXAMPLES)}")
-    path = writable_result(file, ("csv",), overwrite=overwrite, option="folder")
-    path.write_bytes((FOLDER / path.name).read_bytes())
+    path = writable_result(Path(file), ("csv",), overwrite=overwrite, option="folder")
+    with replacing(path) as whole:
+        whole.write((FOLDER / file).read_bytes())
     OUT.print(f"wrote {path}", highlight=False)
-    OUT.print(f"  {EXAMPLES[path.name].command}", highlight=False, soft_wrap=True)
+    OUT.print(f"  {EXAMPLES[file].command}", highlight=False, soft_wrap=True)

@@ -119,8 +119,9 @@ class Walk:
         """Warn of a step by which the variance is off by more than a hundredth."""
         bias = self.variance_bias or 0.0
         if abs(bias) > _WARNED:
-            part = (_WARNED / abs(bias)) ** (1 if bias > 0 else 1 / 3)
-            size = "large" if bias > 0 else "small"
+            size, part = "large", _WARNED / abs(bias)
+            if bias < 0:  # r/(r + 1/tau) of a loss r of order 3 in the step
+                size, part = "small", (_WARNED / (1 - _WARNED) * (1 + bias) / -bias) ** (1 / 3)
             warn(
                 f"{self.scene.name}: with steps of {self.step:.3g} s the variance of the position "
                 f"is about {100 * abs(bias):.2g} % too {size}; simulation.step of "
