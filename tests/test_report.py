@@ -64,6 +64,19 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
     assert source.count("data:image/png;base64,") == 1
 
 
+def test_the_numbers_of_a_page_are_those_of_its_notes(drifting):
+    """Also where another axis has other notes before."""
+    recording, found = drifting
+    x, y = found.axes
+    other = dataclasses.replace(x.findings[0], text="y is another matter")
+    mixed = dataclasses.replace(found, axes=(x, dataclasses.replace(y, findings=(other,))))
+    page = page_of(recording, mixed)
+    number = page.notes.index("y: y is another matter") + 1
+    assert number > 1
+    (line,) = (line for line in page.tables[1].lines if "corner frequency" in line)
+    assert line.endswith(f"not trusted: {number}")
+
+
 def test_a_free_bead_has_one_verdict_and_no_table():
     rng = np.random.default_rng(1)
     x = np.cumsum(1e-7 * rng.standard_normal((1000, 2)), axis=0)

@@ -129,7 +129,7 @@ def _table(axis: AxisCalibration, unit: str, numbers: dict[str, int]) -> AxisTab
         if "undetermined" in names:
             k, judgement = "-", "not determined"
         rows.append((each.method, k, judgement))
-    lines = [_typeset(line) for line in axis_in_words(axis, unit)]
+    lines = [_typeset(line) for line in axis_in_words(axis, unit, list(numbers))]
     return AxisTable(axis.axis, rows, lines)
 
 

@@ -114,8 +114,8 @@ def test_what_speaks_against_the_record_speaks_against_the_drag_and_the_volts():
         temperature=T, exposure=0.0,
     )  # fmt: skip
     assert "line" in [each.name for each in found.axes[0].findings]
-    said = [
-        line for line in axis_in_words(found.axes[0], "V") if "um/V" in line or "corner" in line
-    ]
+    axis = found.axes[0]
+    told = axis_in_words(axis, "V", [each.text for each in axis.listed])
+    said = [line for line in told if "um/V" in line or "corner" in line]
     assert len(said) == 2
     assert all("not trusted: 1" in line for line in said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from tweezer.analysis.calibration import AxisCalibration
 from tweezer.analysis.free import INFERRED, Diffusion
@@ -17,13 +17,17 @@ _DETECTOR = {
 }
 
 
-def axis_in_words(axis: AxisCalibration, unit: str) -> list[str]:
-    """What is told of an axis beside its stiffness, the spectrum first; unit: of the record."""
+def axis_in_words(axis: AxisCalibration, unit: str, notes: Sequence[str]) -> list[str]:
+    """What is told of an axis beside its stiffness, the spectrum first.
+
+    unit: of the record. notes: what speaks against it, in the order of its numbers.
+    """
+    against = _not_trusted(axis, notes)
     remarks = (finding.text for finding in axis.remarks)
-    return [_spectrum(axis), *_detector_and_drive(axis, unit), *remarks]
+    return [_spectrum(axis, against), *_detector_and_drive(axis, unit, against), *remarks]
 
 
-def _spectrum(axis: AxisCalibration) -> str:
+def _spectrum(axis: AxisCalibration, against: Sequence[str]) -> str:
     """Corner frequency, diffusion if it was fitted, and how well the fit describes the spectrum."""
     fit, free = axis.fit, axis.free_fit
     corner = _determined(fit.bead.corner_frequency, fit.corner_frequency_uncertainty, 1.0, "Hz")
@@ -31,15 +35,16 @@ def _spectrum(axis: AxisCalibration) -> str:
     if free.drag_uncertainty is not None:
         diffusion = _determined(free.bead.diffusion, axis.diffusion_uncertainty, 1e12, "um^2/s")
         parts.append(f"diffusion {diffusion}")
-    return "; ".join((*parts, f"p = {free.p_value:.2g}", *_not_trusted(axis)))
+    return "; ".join((*parts, f"p = {free.p_value:.2g}", *against))
 
 
-def _not_trusted(axis: AxisCalibration) -> list[str]:
-    """What speaks against the record, and so against all that follows from it."""
-    return [each for each in [axis.mark(axis.findings)] if each]
+def _not_trusted(axis: AxisCalibration, notes: Sequence[str]) -> list[str]:
+    """The notes that speak against the record, and so against all that follows from it."""
+    numbers = [str(notes.index(each.text) + 1) for each in axis.findings if each.text in notes]
+    return [f"not trusted: {', '.join(numbers)}"] if numbers else []
 
 
-def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
+def _detector_and_drive(axis: AxisCalibration, unit: str, against: Sequence[str]) -> Iterator[str]:
     """Lines on what the record tells of the detector, and of the drive."""
     volt, nano = (1e3, "mV") if unit == "V" else (1e9, "nm")
     words = {**_DETECTOR, "noise": ("noise", volt, nano)}
@@ -49,7 +54,7 @@ def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
         if each.value is not None
     ]
     if told:
-        yield "; ".join((*told, *_not_trusted(axis)))
+        yield "; ".join((*told, *against))
     if axis.sensitivity is not None:
         drag = axis.free_fit
         metres = axis.sensitivity, axis.sensitivity_uncertainty
@@ -58,7 +63,7 @@ def _detector_and_drive(axis: AxisCalibration, unit: str) -> Iterator[str]:
         if unit == "V":
             parts = [_scaled(*metres, 1e6, "um/V"), _scaled(*force, 1e12, "pN/V")]
         parts.append(f"drag {_scaled(drag.bead.drag, drag.drag_uncertainty, 1e9, 'nN s/m')}")
-        yield "; ".join((*parts, *_not_trusted(axis)))
+        yield "; ".join((*parts, *against))
     for each in axis.answers:
         answer = _scaled(each.signal, each.signal_uncertainty, volt, nano)
         yield f"stage {each.frequency:.5g} Hz, {1e9 * each.stage:.4g} nm: {answer}"

@@ -391,9 +391,10 @@ def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     from tweezer.analysis.wording import axis_in_words
 
     print_table(axis.table())
-    for number, finding in enumerate(axis.listed, 1):
-        OUT.print(f" {number}  {finding.text}", highlight=False, soft_wrap=True)
-    for line in axis_in_words(axis, unit):
+    notes = [finding.text for finding in axis.listed]
+    for number, note in enumerate(notes, 1):
+        OUT.print(f" {number}  {note}", highlight=False, soft_wrap=True)
+    for line in axis_in_words(axis, unit, notes):
         OUT.print(line, highlight=False, soft_wrap=True)
 
 
