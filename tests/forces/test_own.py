@@ -132,6 +132,8 @@ def faulty(pose, data, wrench):
                 wrench.force[i, 0] += beyond(pose.position[i], 10**6)
             if how == 9:
                 wrench.force[i, 0] = 1e-13  # of its own wrench: the other forces stay
+            if how == 10:
+                wrench.force[i, 0] += 1e-15 * (1 // (int(number(data, 2)) - 3))
 
 
 FAULTS = {
@@ -143,6 +145,7 @@ FAULTS = {
     6: "number(data, 3): the force has 3 entries; allowed: 0 to 2",
     7: "vector(data, 0): entry 0 is a number; read it by number(data, 0)",
     8: "return values[index]`: raises IndexError: index 1000000 is out of bounds",
+    10: "raises ZeroDivisionError: ",
 }
 PLANE = 5.002e-6
 FAR = {"start": {"position": [5e-6, 0.0, 0.0]}}

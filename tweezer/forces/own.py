@@ -293,8 +293,8 @@ def kernel(function: Kernel) -> Kernel:
     """Decorator that makes of a function the kernel of a `UserForce`.
 
     It is compiled when the force is first used. The machine code is not cached: a function of a
-    terminal or a notebook has no file in which a change would show. A division by zero raises, as in
-    plain Python.
+    terminal or a notebook has no file in which a change would show. A division by zero raises, as
+    in plain Python.
     """
     compiled: Kernel = njit(nogil=True, boundscheck=True)(function)
     return compiled

@@ -74,8 +74,8 @@ def checked(function: Any) -> Any:
                 "index the array by its axes"
             )
     options = {
-        **function.targetoptions, "boundscheck": True, "error_model": "numpy", "nogil": True,
-        "no_cpython_wrapper": True, "no_cfunc_wrapper": True,
+        **function.targetoptions, "boundscheck": True, "error_model": "python",
+        "nogil": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True,
     }  # fmt: skip
     return jit(**options)(_Copies(replace)(function.py_func))
 
