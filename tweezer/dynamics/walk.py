@@ -6,7 +6,6 @@ import dataclasses
 import functools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -295,14 +294,14 @@ class Walk:
     def _advance(
         self, states: Array, trajectories: Integers, sample: int, out: Array, plan: Plan
     ) -> None:
-        (force, steps, weights), advance = self._compiled
+        force, steps, weights = self._compiled
         before, edge = states.copy(), self.edge._replace(find=crossing.finder_if_compiled())
         rest = trajectories, states, sample, out
-        failed = advance(force, steps, plan, weights, edge, *rest)
+        failed = march.advance(force, steps, plan, weights, edge, *rest)
         if failed == march.NEAR:
             states[:] = before
             edge = edge._replace(find=crossing.finder())
-            failed = advance(force, steps, plan, weights, edge, *rest)
+            failed = march.advance(force, steps, plan, weights, edge, *rest)
         if failed >= 0:
             if fault := fault_of(self.problem.force):
                 raise IntegrationError(f"trajectory {trajectories[failed]}: {fault}")
@@ -329,12 +328,12 @@ class Walk:
         return Motion(samples[:, :3], velocity, orientation, turning)
 
     @functools.cached_property
-    def _compiled(self) -> tuple[tuple[Any, ...], Any]:
-        """The loop, and what it takes that stays."""
+    def _compiled(self) -> tuple[Part, march.Steps, Weights]:
+        """What the loop takes that stays."""
         scheme = self.scheme
         steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)
-        return (force, steps, self.weights), march.loop()
+        return force, steps, self.weights
 
 
 def walk(scene: Scene | Problem, seed: int = 0) -> Walk:

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import named_njit
+from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
 from tweezer.dynamics.brownian import memory, propagator
 from tweezer.dynamics.brownian.propagator import Weights
@@ -79,8 +79,15 @@ class Beads(NamedTuple):
     """at the position that the force was last evaluated at; empty for a uniform drag"""
 
 
-@njit
-def beads(n, dims, inertial, gradient, uniform, hidden=0, draws=0):  # type: ignore[no-untyped-def]
+def beads(
+    n: int,
+    dims: int,
+    inertial: bool,
+    gradient: bool,
+    uniform: bool,
+    hidden: int = 0,
+    draws: int = 0,
+) -> Beads:
     """Room for n beads, with so many hidden variables an axis, and so many normal numbers."""
     gradients = n if gradient else 0
     places = 0 if uniform else n
@@ -100,7 +107,7 @@ def beads(n, dims, inertial, gradient, uniform, hidden=0, draws=0):  # type: ign
     )  # fmt: skip
 
 
-@njit(error_model="numpy", forceinline=True)
+@cached_njit(error_model="numpy", forceinline=True, nogil=True)
 def slow_velocities(force, plan, beads, time, place, out):  # type: ignore[no-untyped-def]
     """u = (F + W)/beta_v, and M/beta_w, at a time and at `place` (dims, w)."""
     pose, wrench = beads.pose, beads.wrench
@@ -153,7 +160,7 @@ PLAN = typeof(
     )
 )  # fmt: skip
 WEIGHTS = typeof(Weights(*[_empty] * (len(Weights._fields) - 3)))
-BEADS = typeof(beads.py_func(0, 3, True, True, True))
+BEADS = typeof(beads(0, 3, True, True, True))
 STEP = types.void(PART, PLAN, WEIGHTS, BEADS)
 """signature of a scheme's step"""
 

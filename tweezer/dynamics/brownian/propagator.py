@@ -14,12 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
-from tweezer.compiled import cache_functions
 from tweezer.dynamics.brownian import memory
 from tweezer.errors import SceneError
 from tweezer.generated import langevin
-
-cache_functions(langevin)
 
 Array = NDArray[np.float64]
 
@@ -63,23 +60,26 @@ class Weights(NamedTuple):
 
 
 def inertial_block(h: float, tau: float, kappa: float) -> Array:
-    """d, j, l, c_xx and c_vv of a step of any length: see `derivation.langevin`."""
+    """d, j, l, c_xx and c_vv of a step of any length: see `derivation.langevin`.
+
+    Not compiled: a run asks once for each axis.
+    """
     halvings = _halvings(h / tau, abs(kappa) * h, math.sqrt(abs(kappa) / tau) * h)
     h = math.ldexp(h, -halvings)
-    block = np.array(langevin.inertial_of_a_short_step(h, tau, kappa))
+    block = np.array(langevin.inertial_of_a_short_step.py_func(h, tau, kappa))
     for _ in range(halvings):
-        block = np.array(langevin.inertial_of_twice_the_step(h, tau, kappa, block))
+        block = np.array(langevin.inertial_of_twice_the_step.py_func(h, tau, kappa, block))
         h *= 2
     return block
 
 
 def overdamped_block(h: float, kappa: float) -> Array:
-    """d and j of a step of any length."""
+    """d and j of a step of any length; not compiled either."""
     halvings = _halvings(abs(kappa) * h)
     h = math.ldexp(h, -halvings)
-    block = np.array(langevin.overdamped_of_a_short_step(h, kappa))
+    block = np.array(langevin.overdamped_of_a_short_step.py_func(h, kappa))
     for _ in range(halvings):
-        block = np.array(langevin.overdamped_of_twice_the_step(h, kappa, block))
+        block = np.array(langevin.overdamped_of_twice_the_step.py_func(h, kappa, block))
         h *= 2
     return block
 
@@ -243,7 +243,7 @@ def _root(covariance: Array) -> Array:
 
 def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[float, ...]:
     block = inertial_block(h, tau, kappa)
-    *weights, c_xv = langevin.inertial_step(h, tau, kappa, block)
+    *weights, c_xv = langevin.inertial_step.py_func(h, tau, kappa, block)
     c_xx, c_vv = block[3:].tolist()
     size = math.sqrt(diffusion / tau)
     return (
@@ -253,5 +253,5 @@ def _inertial(h: float, tau: float, kappa: float, diffusion: float) -> tuple[flo
 
 
 def _overdamped(h: float, kappa: float, diffusion: float) -> tuple[float, ...]:
-    by_u, by_rise, spread = langevin.overdamped_step(h, kappa, overdamped_block(h, kappa))
+    by_u, by_rise, spread = langevin.overdamped_step.py_func(h, kappa, overdamped_block(h, kappa))
     return 0.0, by_u, by_rise, 0.0, 0.0, 0.0, kappa, math.sqrt(diffusion * spread), 0.0, 0.0

@@ -15,8 +15,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import types
 
-from tweezer.compiled import named_njit
+from tweezer.compiled import cached_njit, named_njit
+from tweezer.dynamics.brownian.batch import BEADS, PLAN
 from tweezer.dynamics.brownian.noise import TURN, normals
 from tweezer.dynamics.integrators.turning import turn
 
@@ -24,11 +26,25 @@ from tweezer.dynamics.integrators.turning import turn
 LONGEST = 0.25
 #: Longest step of a turn with inertia, in 1/D_r
 LONGEST_WITH_INERTIA = 0.002
+#: Signature of `turn_by_steps` and `turn_and_diffuse`
+TURNS = types.void(PLAN, types.int64[::1], types.int64, BEADS)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def turn_by_steps(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    """Turn every bead by the angles of its step, and put these back to 0."""
+    _turn(beads)
+
+
+@cached_njit(error_model="numpy", nogil=True)
+def turn_and_diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
+    """Likewise, and by a step, the one of that number, of free rotational diffusion."""
+    _turn(beads)
+    _diffuse(plan, trajectories, at, beads)
 
 
 @named_njit(inner=True, error_model="numpy")
-def turn_by_steps(beads):  # type: ignore[no-untyped-def]
-    """Turn every bead by the angles of its step, and put these back to 0."""
+def _turn(beads):  # type: ignore[no-untyped-def]
     for i in range(beads.e.shape[0]):
         turn(beads.x[3, i], beads.x[4, i], beads.x[5, i], beads.e[i], beads.e[i])
         for k in range(3, 6):
@@ -36,8 +52,7 @@ def turn_by_steps(beads):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy")
-def diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
-    """Turn every bead by a step, the one of that number, of free rotational diffusion."""
+def _diffuse(plan, trajectories, at, beads):  # type: ignore[no-untyped-def]
     spread = math.sqrt(2.0 * plan.diffusion[3] * plan.step)
     drawn = np.empty((4, trajectories.size))
     left = np.ones(beads.e.shape[0], np.bool_)

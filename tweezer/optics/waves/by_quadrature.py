@@ -78,9 +78,9 @@ class WavesByQuadrature(LightForce):
         alike = None if self.alike is None else self.alike._farther
         return dataclasses.replace(self, reach=2 * self.reach, alike=alike)
 
-    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
+    def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:  # noqa: ARG002
         """See `Force.compiled`."""
-        return waves_kernel(gradient=gradient, moment=self.light.absorbs), self.sums.data
+        return waves_kernel(moment=self.light.absorbs), self.sums.data
 
     @functools.cached_property
     def sums(self) -> Sums:

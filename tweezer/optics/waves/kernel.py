@@ -291,11 +291,16 @@ def room_for(source):  # type: ignore[no-untyped-def]
 
 
 @functools.cache
-def _summed(*, gradient: bool, moment: bool) -> Any:
-    """Compiled function: what the light does to a bead at (rho, 0, z), n_m P/c = 1."""
+def _summed(*, moment: bool) -> Any:
+    """Compiled function: what the light does to a bead at (rho, 0, z), n_m P/c = 1.
+
+    Whether gradients are wanted is an argument: the sums with and without share the waves.
+    """
 
     @named_njit(**OPTIONS)
-    def add_up(data, source, rule, rho, z, azimuth, room, sums):  # type: ignore[no-untyped-def]
+    def add_up(  # type: ignore[no-untyped-def]
+        data, source, gradient, rule, rho, z, azimuth, room, sums
+    ):
         states = matrix(data, STATES)
         elements, spheres = vector(data, ELEMENTS), matrix(data, SPHERE)
         stride = source.highest + 1
@@ -341,9 +346,9 @@ def _summed(*, gradient: bool, moment: bool) -> Any:
 
 
 @functools.cache
-def waves_kernel(*, gradient: bool, moment: bool) -> Kernel:
-    """The force of the light, with gradients and moments as asked."""
-    add_up = _summed(gradient=gradient, moment=moment)
+def waves_kernel(*, moment: bool) -> Kernel:
+    """The force of the light, with moments as asked, and gradients if the wrench has room."""
+    add_up = _summed(moment=moment)
 
     @cached_njit(KERNEL, error_model="numpy", nogil=True)
     def add_force_of_waves(pose, data, wrench):  # type: ignore[no-untyped-def]
@@ -351,7 +356,7 @@ def waves_kernel(*, gradient: bool, moment: bool) -> Kernel:
         tolerance, floor = number(data, TOLERANCE), number(data, FLOOR)
         source = source_of(data, SOURCE)
         room = room_for(source)
-        sums = np.empty(_FOUND)
+        sums, gradient = np.empty(_FOUND), len(wrench.force_gradient) > 0
         for at in range(pose.position.shape[0]):
             x, y, z = pose.position[at, 0], pose.position[at, 1], pose.position[at, 2]
             rho = math.hypot(x, y)
@@ -362,7 +367,7 @@ def waves_kernel(*, gradient: bool, moment: bool) -> Kernel:
             if rule < 0:
                 wrench.error[at] = math.inf
                 continue
-            add_up(data, source, rule, rho, z, azimuth, room, sums)
+            add_up(data, source, gradient, rule, rho, z, azimuth, room, sums)
             for i in range(_FOUND):
                 sums[i] *= strength
             size = math.sqrt(sums[0] ** 2 + sums[1] ** 2 + sums[2] ** 2)
@@ -378,7 +383,7 @@ def absorption() -> Any:
 
     NaN where there is no rule for a bead so far from the focus.
     """
-    add_up = _summed(gradient=False, moment=True)
+    add_up = _summed(moment=True)
 
     @cached_njit(ABSORPTION, error_model="numpy", nogil=True)
     def absorbed(positions, data):  # type: ignore[no-untyped-def]
@@ -395,7 +400,7 @@ def absorption() -> Any:
             rule = rule_for(source, rho, z)
             out[at] = math.nan
             if rule >= 0:
-                add_up(data, source, rule, rho, z, azimuth, room, sums)
+                add_up(data, source, False, rule, rho, z, azimuth, room, sums)
                 out[at] = unit * sums[ABSORBED]
         return out
 
