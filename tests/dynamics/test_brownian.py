@@ -1003,7 +1003,7 @@ def test_a_seed_is_a_whole_number(seed):
 
 
 def test_a_bead_at_rest_is_refused():
-    with pytest.raises(SceneError, match="thermal motion"):
+    with pytest.raises(SceneError, match="trajectories would be equal"):
         walk(DARK.replace(forces={"brownian": False}))
 
 
