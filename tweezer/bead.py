@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tweezer.fluid import stokes
 from tweezer.scene import KNUDSEN_LIMIT, SceneLike, checked_scene
 from tweezer.shown import Card, Row, Shown
+from tweezer.sphere import drag_of_rotation, drag_of_translation
 
 
 @dataclass(frozen=True, repr=False)
@@ -69,13 +69,13 @@ def bead_properties(scene: SceneLike) -> BeadProperties:
     sphere = 2 / 5 * mass * r**2
     lift = scene.medium.density * volume * g if forces.buoyancy else 0.0
     pull = mass * g if forces.gravity else 0.0
-    free = stokes(scene.medium.viscosity, r)
+    viscosity = scene.medium.viscosity
     return BeadProperties(
         mass=mass,
         displaced_mass=scene.medium.density * volume,
         moments_of_inertia=scene.bead.moments_of_inertia or (sphere, sphere, sphere),
-        drag=free.translation,
-        rotational_drag=free.rotation,
+        drag=drag_of_translation(viscosity, r),
+        rotational_drag=drag_of_rotation(viscosity, r),
         weight=(0.0, 0.0, lift - pull),
         knudsen=scene.medium.mean_free_path / (2 * r),
     )

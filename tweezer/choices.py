@@ -13,6 +13,8 @@ from typing import Any
 
 #: Endings of files of runs, ensembles and sweeps
 RESULTS = (".nc", ".zarr")
+#: Poles of the memory of the fluid, of a run without a tolerance
+POLES = 24
 #: What a sweep computes of every case
 SWEPT = ("trap", "run", "ensemble", "calibrate")
 #: Ending of the file of a trap

@@ -7,7 +7,8 @@ import pytest
 from scipy.constants import Boltzmann
 
 from tests.reference.fluid import Sphere
-from tweezer.fluid.memory import NODES, USUAL, modes
+from tweezer.choices import POLES
+from tweezer.fluid.memory import NODES, modes
 from tweezer.generated.memory_poles import ERRORS
 
 #: of 250 nm and 1.5 um radius, polystyrene and silica
@@ -84,7 +85,7 @@ def errors(bead, poles):
 @every_bead
 def test_default_poles_meet_the_closed_forms(bead):
     """From 1 ns to 0.1 s, and below 1 MHz."""
-    assert (np.array(errors(bead, USUAL)) < (1e-5, 5e-5, 2e-4, 1e-5)).all()
+    assert (np.array(errors(bead, POLES)) < (1e-5, 5e-5, 2e-4, 1e-5)).all()
 
 
 @pytest.mark.parametrize("poles", NODES)
@@ -151,8 +152,8 @@ def test_relaxation_is_the_autocorrelation(bead, k):
 
     In equilibrium by Lyapunov's equation, with <x^2> = kT/k and <v_j^2> = D/(tau_j a_j).
     """
-    tau, a = modes_of(bead, USUAL)
-    A = matrix(bead, USUAL, k)
+    tau, a = modes_of(bead, POLES)
+    A = matrix(bead, POLES, k)
     # over kT: moments of equilibrium, and the noise that keeps them
     moments = np.diag([1 / k, *1 / (bead.drag * tau * a)])
     noise = np.diag([0.0, *2 / (bead.drag * tau**2 * a)])
@@ -163,7 +164,7 @@ def test_relaxation_is_the_autocorrelation(bead, k):
     assert (moments[1:, 0] == 0).all()
     t = np.geomspace(1e-8, 0.1, 25)
     correlation = bead.relaxation(t, k)
-    assert np.abs(relaxed(bead, USUAL, k, t) - correlation).max() < 1e-5
+    assert np.abs(relaxed(bead, POLES, k, t) - correlation).max() < 1e-5
 
 
 @every_bead
@@ -178,4 +179,4 @@ def test_a_trapped_bead_overshoots(bead):
 
 
 def test_without_displaced_mass_one_mode_is_left():
-    assert [list(each) for each in modes(5e-16, 1e-8, 0.0, USUAL)] == [[5e-16 / 1e-8], [1.0]]
+    assert [list(each) for each in modes(5e-16, 1e-8, 0.0, POLES)] == [[5e-16 / 1e-8], [1.0]]

@@ -9,9 +9,9 @@ import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning
 from scipy.special import chdtrc
@@ -56,11 +56,13 @@ from tweezer.arguments import in_si
 from tweezer.bead import bead_properties
 from tweezer.constants import Boltzmann
 from tweezer.errors import ResultError
-from tweezer.fluid import LOWEST, stokes
-from tweezer.fluid import drag as drag_of
 from tweezer.rounding import most, rounded, with_uncertainty
 from tweezer.shown import Card, Row, Shown, Table
+from tweezer.sphere import drag_of_translation
 from tweezer.units import TEMPERATURE, QuantityLike, bare
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -436,7 +438,7 @@ def calibrate(
             fluid = of_scene[1]
             poles = recording.scene.medium.poles or poles
     elif radius is not None and viscosity is not None and drag is None:
-        drag = stokes(viscosity, radius).translation
+        drag = drag_of_translation(viscosity, radius)
     if exposure is None and "exposure" not in detector:
         exposure = recording.exposure
         if exposure is None and recording.scene is not None:
@@ -568,6 +570,8 @@ def _of_its_height(axis: AxisCalibration, height: Height) -> AxisCalibration:
 
 def _refuse_too_low(recording: Recording, height: Height) -> None:
     """Refuse a height at which the drag with the inertia of the fluid is not known."""
+    from tweezer.fluid import LOWEST
+
     for axis in recording.axes:
         way = "across" if axis == ACROSS else "along"
         if height.radii < LOWEST[way]:
@@ -589,13 +593,18 @@ def _drags(
         return {}
     if height is not None:
         return {axis: drag / height.mobility(axis) for axis in recording.axes}
-    if not on_the_way or recording.scene is None or drag_of(recording.scene).uniform:
+    if not on_the_way or recording.scene is None:
+        return dict.fromkeys(recording.axes, drag)
+    from tweezer.fluid import drag as drag_of
+
+    beside = drag_of(recording.scene)
+    if beside.uniform:
         return dict.fromkeys(recording.axes, drag)
     if recording.axes != _EVERY_AXIS:  # the place is not known
         return {}
     every = max(len(recording.positions) // _PLACES, 1)
     places = recording.positions[::every]
-    mobilities = drag_of(recording.scene).mobilities(places).value.mean(axis=0)
+    mobilities = beside.mobilities(places).value.mean(axis=0)
     return {axis: 1 / float(mobilities[int(axis == ACROSS)]) for axis in recording.axes}
 
 

@@ -124,11 +124,11 @@ def _in_turn(positions: Array) -> Finding | None:
 
 def _shuffled(positions: Array) -> Finding | None:
     """Independent samples that are not Gaussian, as those of a trapped bead are."""
-    from scipy.stats import kstest
-
     away = positions - positions.mean()
     if abs(away[1:] @ away[:-1]) > _NONE / math.sqrt(len(away)) * (away @ away):
         return None
+    from scipy.stats import kstest
+
     away = away / away.std()
     if _probable(away) and kstest(away, "norm").pvalue >= IMPROBABLE:
         return None

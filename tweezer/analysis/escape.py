@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize_scalar
 
 from tweezer.constants import Boltzmann
 from tweezer.equilibria import (
@@ -178,6 +177,8 @@ def _refined(
     component: Component, distances: Array, values: Array, tolerance: float
 ) -> tuple[float, float]:
     """Largest value between the ends of `distances`, and where to within `tolerance`."""
+    from scipy.optimize import minimize_scalar
+
     best = int(values.argmax())
     refined = minimize_scalar(
         lambda distance: -component(np.array([distance]))[0],

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from tweezer.analysis.escape import Escape
 from tweezer.analysis.exit_time import Field, Grid, Region, mean_time
@@ -254,7 +253,9 @@ def _least_work(region: Region, field: Field, start: tuple[float, float]) -> flo
     if rho > 0:
         inwards = np.linspace(rho, 0.0, _WAY)
         ways.append((inwards, field(inwards, still + height)[0]))
-    return min(float(-cumulative_trapezoid(force, x).min()) for x, force in ways)
+    return min(
+        -float(np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x)).min()) for x, force in ways
+    )
 
 
 def _log_time(

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from tweezer.bead import bead_properties
-from tweezer.choices import MODELS
-from tweezer.fluid.memory import USUAL
+from tweezer.choices import MODELS, POLES
 from tweezer.scene import Scene
 
 
@@ -17,7 +16,7 @@ class Inertia(NamedTuple):
     """whether the bead has mass"""
     fluid: str
     """"none", "added-mass" or "memory\""""
-    poles: int = USUAL
+    poles: int = POLES
     """number of poles of the memory"""
     scale: float = 1.0
     """a2 of the scaled model, which divides the mass of the bead"""
@@ -35,7 +34,7 @@ class Inertia(NamedTuple):
             return cls(bead=False, fluid="none")
         fluid = medium.inertia or ("memory" if model == "full" else "none")
         scale = (model == "scaled" and simulation.scaling_factor) or 1.0
-        return cls(True, fluid, medium.poles or USUAL, scale)
+        return cls(True, fluid, medium.poles or POLES, scale)
 
     def masses(self, scene: Scene) -> tuple[float | None, float | None]:
         """Return the mass of the bead and of the fluid in its place, kg; None without them.

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import ClassVar, NamedTuple, NoReturn
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, NoReturn
 
-import h5py
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.arguments import in_si, name_last, numbers_in_si
@@ -33,6 +32,9 @@ from tweezer.saved import kind_of_file
 from tweezer.scene import Scene
 from tweezer.shown import Card, Row, Shown
 from tweezer.units import QuantityLike
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -372,7 +374,7 @@ def read_source(
     source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
 ) -> Run | dict[str, Columns]:
     """A run of tweezer, or the columns of a table by the bead."""
-    if isinstance(source, xr.Dataset):
+    if not isinstance(source, str | os.PathLike):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)
     kind = kind_of_file(path)
@@ -384,6 +386,8 @@ def read_source(
         try:
             check_seal(path)
             if _is_run(path):
+                import xarray as xr
+
                 check_result(path)
                 with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
                     return _of_run(dataset, str(path), reading)
@@ -396,6 +400,8 @@ def read_source(
 
 def _is_run(path: Path) -> bool:
     """Whether an HDF5 file is of a run; it is refused if its data lie in other files."""
+    import h5py
+
     with h5py.File(path) as file:
         if "scene" not in file.attrs or "position" not in file:
             return False

@@ -7,14 +7,16 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tweezer.choices import POLES
 from tweezer.constants import Boltzmann
-from tweezer.fluid import Memory, drag_at, memory_beside, memory_far
-from tweezer.fluid.memory import USUAL
+
+if TYPE_CHECKING:
+    from tweezer.fluid import Memory
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -207,7 +209,7 @@ class TrappedBead:
     """W, s: the time over which each recorded position is averaged"""
     displaced_mass: float | None = None
     """m_f, kg: the mass of the fluid in the bead's place; None: a fluid without inertia"""
-    poles: int = USUAL
+    poles: int = POLES
     """number of poles of the fluid's memory; 24 are exact to 5e-5 in the spectrum below 1 MHz"""
     diode_frequency: float | None = None
     """f_3, Hz: where the power of the late part is halved; None: a detector that follows at once"""
@@ -269,12 +271,16 @@ class TrappedBead:
     @property
     def _memory(self) -> Memory:
         """The fluid's, of that many poles."""
+        from tweezer.fluid import memory_beside, memory_far
+
         if self.wall is None:
             return memory_far(self.poles)
         return memory_beside(self.wall, across=self.across, poles=self.poles)
 
     def _drag_at(self, frequencies: Array) -> Complex:
         """gamma(2 pi i f), kg/s, at `frequencies` (Hz), with the added mass."""
+        from tweezer.fluid import drag_at
+
         fluid = self.displaced_mass or 0.0
         if self.wall is None or not fluid:
             return drag_at(frequencies, self.drag, fluid)

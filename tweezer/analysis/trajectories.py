@@ -7,9 +7,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from tweezer.analysis import digits
@@ -17,10 +17,13 @@ from tweezer.analysis.free import Diffusion, Given, free_bead
 from tweezer.analysis.recording import Recording, Run, read_source
 from tweezer.arguments import in_si, name_last
 from tweezer.errors import ResultError
-from tweezer.fluid import stokes
 from tweezer.reading import Columns, Reading, Wanted, measured
 from tweezer.shown import Card, Row, Shown
+from tweezer.sphere import drag_of_translation
 from tweezer.units import QuantityLike
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -182,7 +185,7 @@ def diffusion(
         )
     drag = None
     if given["radius"] is not None and given["viscosity"] is not None:
-        drag = stokes(given["viscosity"], given["radius"]).translation
+        drag = drag_of_translation(given["viscosity"], given["radius"])
     noises = {}
     if noise is not None:
         error = in_si(f"{name}: noise", noise, first.unit, error=ResultError)

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tweezer.errors import ResultError
-from tweezer.fluid import steady
-from tweezer.forces.wall import CLOSEST
 from tweezer.units import QuantityLike, to_si
 
 #: Largest standard uncertainty of a height, in gaps
@@ -35,6 +33,8 @@ class Height:
         name: of the recording. Raises `ResultError`, naming it, for a bead that would be in the
         wall, without a radius, and for an uncertainty that leaves no gap.
         """
+        from tweezer.forces.wall import CLOSEST
+
         if radius is None:
             raise ResultError(f"{name}: wall: needs the bead's radius too")
         told = wall.replace("±", "+-").split("+-") if isinstance(wall, str) else wall
@@ -66,10 +66,14 @@ class Height:
 
     def mobility(self, axis: str) -> float:
         """Along an axis, over that far from the wall."""
+        from tweezer.fluid import steady
+
         return steady(self.radii - 1)[int(axis == ACROSS)]
 
     def relative_uncertainty(self, axis: str) -> float:
         """Standard uncertainty of the drag along an axis, of it, by that of the height."""
+        from tweezer.fluid import steady
+
         *mobility, along, across = steady(self.radii - 1)
         slope = (along, across)[int(axis == ACROSS)] / self.radius
         return abs(slope) / mobility[int(axis == ACROSS)] * self.uncertainty

@@ -254,9 +254,9 @@ def calibrate(
         print_tracks(free, tracks, None)
     surface = None
     if places:
-        from tweezer.fluid import stokes
+        from tweezer.sphere import drag_of_translation
 
-        drag = stokes(given["viscosity"], given["radius"]).translation
+        drag = drag_of_translation(given["viscosity"], given["radius"])
         surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
         _print_surface(surface, calibrations, places)
     if put_together:

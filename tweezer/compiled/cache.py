@@ -29,6 +29,7 @@ from typing import Any
 import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 
 from tweezer.compiled import linked, options, shared
 from tweezer.compiled.callers import Callers
@@ -258,12 +259,22 @@ class _Cache(caching.FunctionCache):
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """What is stored; of a function that another process is compiling, when it has."""
-        found = super().load_overload(signature, context)
+        found = self._loaded(signature, context)
         if found is None and not self._callers.compiled:
             key = self._index_key(signature, context.codegen())
             if shared.claim(str(self._cache_file.path(key)), self._dispatcher):
-                found = super().load_overload(signature, context)
+                found = self._loaded(signature, context)
         return found
+
+    def _loaded(self, signature: Any, context: Any) -> Any:
+        """What is stored. Machine code needs Numba's memory, but not the functions it knows.
+
+        Numba would import and register these, which takes longer than to load the code. Its
+        compiler does so when it begins.
+        """
+        rtsys.initialize(context)
+        with self._guard_against_spurious_io_errors():
+            return self._load_overload(signature, context)
 
     def save_overload(self, signature: Any, code: Any) -> None:
         """Store what was compiled, unless the folder cannot take it."""

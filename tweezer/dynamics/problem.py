@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.bead import BeadProperties, bead_properties
-from tweezer.choices import METHODS, MODELS
+from tweezer.choices import METHODS, MODELS, POLES
 from tweezer.constants import speed_of_light
 from tweezer.dynamics.linear import LinearMotion
 from tweezer.equilibria import (
@@ -26,7 +26,6 @@ from tweezer.equilibria import (
 )
 from tweezer.errors import SceneError
 from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
-from tweezer.fluid.memory import USUAL
 from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
@@ -152,7 +151,7 @@ class Problem:
         medium, drag = self.scene.medium, 1 / self.mobility[0]
         if medium.inertia == "memory":
             mass = self.bead.mass / self._scale
-            return modes(mass, drag, self.bead.displaced_mass, medium.poles or USUAL)
+            return modes(mass, drag, self.bead.displaced_mass, medium.poles or POLES)
         return single(self.effective_mass / self._scale / drag)
 
     @functools.cached_property
@@ -169,7 +168,7 @@ class Problem:
             return LinearMotion(0.0, expansion_time=self.relaxation_time if of_order_one else 0.0)
         if medium.inertia == "memory" or (medium.inertia is None and self._may_remember):
             displaced = self.bead.displaced_mass
-            poles = medium.poles or USUAL
+            poles = medium.poles or POLES
             return LinearMotion(self.bead.mass, displaced, poles, self._scale)
         return LinearMotion(self.effective_mass, scale=self._scale)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.arguments import check_thermal
-from tweezer.choices import METHODS, MODELS, at, methods
+from tweezer.choices import METHODS, MODELS, POLES, at, methods
 from tweezer.compiled import address
 from tweezer.constants import Boltzmann
 from tweezer.dynamics.beside_wall import (
@@ -35,7 +35,6 @@ from tweezer.dynamics.step_bias import energy_loss, one_call_bias
 from tweezer.equilibria import Equilibrium
 from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
-from tweezer.fluid.memory import USUAL
 from tweezer.forces.data import Part
 from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
@@ -559,7 +558,7 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
         if medium.poles is not None:
             raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
-    problem = problem.remembering(medium.poles or USUAL)
+    problem = problem.remembering(medium.poles or POLES)
     return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"
 
 

@@ -7,7 +7,6 @@ it, and that of rolling. Far from everything they are Stokes's (2.13-2.15).
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from tweezer.compiled import cached_njit
 from tweezer.errors import SceneError
 from tweezer.forces.data import DATA, Data, number, packed
 from tweezer.forces.force import POSE, Pose
+from tweezer.sphere import drag_of_rotation, drag_of_translation
 
 Array = NDArray[np.float64]
 Kernel = Callable[[Any, Data, Any], None]
@@ -97,7 +97,7 @@ class Stokes(Drag):
 
 def stokes(viscosity: float, radius: float) -> Stokes:
     """Drag of a sphere of that radius, m, in a fluid of that viscosity, Pa s (2.15)."""
-    return Stokes(6 * math.pi * viscosity * radius, 8 * math.pi * viscosity * radius**3)
+    return Stokes(drag_of_translation(viscosity, radius), drag_of_rotation(viscosity, radius))
 
 
 def by_axis(value: Array) -> Array:

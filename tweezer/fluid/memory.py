@@ -34,8 +34,6 @@ _drag_of_translation = np.vectorize(hydrodynamics.drag_of_translation.py_func, o
 
 #: Poles of the root by their number: p_k and c_k
 NODES = {n: (np.array(p), np.array(c)) for n, (p, c) in memory_poles.NODES.items()}
-#: Number of poles of a run without a tolerance
-USUAL = 24
 #: Halvings of an interval that leave nothing but rounding
 _HALVINGS = 110
 #: Error of the lag over that of a mean squared displacement (`memory_poles.ERRORS`), measured
