@@ -72,17 +72,21 @@ for names in ((), *((name,) for name in commands), *benches):
     assert not done.stderr
 
 
-def test_run_and_trap_import_what_they_use(tmp_path):
+def test_commands_import_what_they_use(tmp_path):
     program = """
 import sys
 from tweezer import cli
 try:
     cli.main()
 except SystemExit:
-    unused = {"dask", "matplotlib", "pandas", "pint", "scipy.stats", "xarray"}
+    unused = {"dask", "matplotlib", "pint", "scipy.stats", "xarray"}
+    unused |= {"numba"} if sys.argv[1] == "calibrate" else {"pandas", "scipy.integrate"}
     print(sorted(sys.modules.keys() & unused))
 """
-    for arguments in (["run", *FREE], ["trap", FREE[0]]):
+    recording = Path(cli.__file__).parents[1] / "examples" / "trapped-bead.csv"
+    known = ["--temperature", "293 K", "--radius", "0.5 um", "--viscosity", "1 mPa s"]
+    calibrate = ["calibrate", str(recording), *known, "--blur", "0"]
+    for arguments in (["run", *FREE], ["trap", FREE[0]], calibrate):
         done = subprocess.run(
             [sys.executable, "-c", program, *arguments],
             cwd=tmp_path, capture_output=True, text=True, check=True,
