@@ -431,7 +431,7 @@ def test_what_tweezer_keeps_it_keeps_in_its_own_files():
         and str(each.py_func.__module__).startswith("tweezer.")
         and each.stats.cache_path is not None
     ]
-    bound = ("ray", "kinematics", "langevin", "scaled_translation")
+    bound = ("ray", "kinematics", "scaled_translation")
     ours = [
         each
         for each in kept
