@@ -91,6 +91,9 @@ _BEFORE_DETECTOR = 2.0
 #: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
 
+#: Largest number of frequencies that are told
+_TOLD = 3
+
 #: Motion across a wall, of the gap, from which on it is said: a standard deviation
 _ROAMING = 0.3
 #: Axes of a run
@@ -500,14 +503,16 @@ def calibrate(
         0.0 if moved is None else moved.jumps, () if moved is None else moved.frequencies,
         recorded, () if recorded is None else digits.of_samples(recorded),
     )  # fmt: skip
-    signals = [moved.answers(signal) if moved else (signal, ()) for signal in recording.positions.T]
-    if moved and not any(answers for _, answers in signals):
+    signals = [
+        moved.answers(signal) if moved else (signal, (), ()) for signal in recording.positions.T
+    ]
+    if moved and not any(answers for _, answers, _ in signals):
         raise ResultError(f"{recording.name}: no axis moves as the drive does")
     axes: dict[str, AxisCalibration] = {}
     # those that are driven first: they tell the drag of the others
     order = sorted(range(len(signals)), key=lambda i: not signals[i][1])
     for i in order:
-        axis, (signal, answers) = recording.axes[i], signals[i]
+        axis, (signal, answers, unfollowed) = recording.axes[i], signals[i]
         beside: tuple[Evidence, ...] = answers
         if axes and not answers and recording.unit == "V" and drag is None:
             beside = (_told_by(next(iter(axes.values())), axis, height),)
@@ -526,7 +531,8 @@ def calibrate(
                     beside,
                     resolution_of(recording.positions[:, i]),
                 )
-                axes[axis] = dataclasses.replace(found, drag=drags.get(axis))
+                remarks = (*found.remarks, *_unfollowed(unfollowed))
+                axes[axis] = dataclasses.replace(found, drag=drags.get(axis), remarks=remarks)
         except (ArithmeticError, ValueError, np.linalg.LinAlgError, LinAlgWarning):
             raise ResultError(
                 f"{recording.name}: {axis}: no trapped bead moves like this; is it noise, or a "
@@ -541,7 +547,7 @@ def calibrate(
     )  # fmt: skip
     free = not_trapped(
         recording.name, {axis: axes[axis].findings for axis in recording.axes},
-        np.stack([signal for signal, _ in signals], axis=1), step, of_free,
+        np.stack([signal for signal, *_ in signals], axis=1), step, of_free,
     )  # fmt: skip
     if free is not None and known.unmeasured:
         against = digits.first(known.unmeasured, free.findings)
@@ -929,6 +935,19 @@ def _jumping(fit: WhittleFit, step: float, jumps: float) -> list[Finding]:
         "steadily, as a triangle or a sine, or sample faster"
     )
     return [Finding("drive", text)]
+
+
+def _unfollowed(frequencies: tuple[float, ...]) -> list[Finding]:
+    """Frequencies (Hz) at which the column of a stage is the noise of its sensor."""
+    if not frequencies:
+        return []
+    at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
+    more = " and more" if len(frequencies) > _TOLD else ""
+    text = (
+        f"at {at} Hz{more} the bead does not follow the stage: the sensor of the stage has noise "
+        "there, which is left out"
+    )
+    return [Finding("sensor", text)]
 
 
 def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:

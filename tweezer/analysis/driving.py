@@ -157,8 +157,10 @@ class Drive:
             tuple(frequencies), amplitudes, np.sqrt(error), still, step, jumping(drive)
         )  # fmt: skip
 
-    def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...]]:
-        """The signal (samples,) without its answers to the drive, and those that are seen."""
+    def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...], tuple[float, ...]]:
+        """The signal (samples,) without its answers to the drive, those that are seen, and the
+        frequencies (Hz) at which the sensor of the stage has noise that the bead does not follow.
+        """
         signal = signal[: len(self.beside)]
         amplitudes, moved = motion(signal, self.frequencies, self.step)
         followed = Followed.of(signal - moved, self.beside, self.step, steady=not self.jumps)
@@ -173,7 +175,7 @@ class Drive:
             if power > _SEEN**2 * variance:
                 seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
                 found.append(Answer(f, float(abs(stage)), float(error), *seen))
-        return still, (*found, *followed.answers)
+        return still, (*found, *followed.answers), followed.noise
 
 
 def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:

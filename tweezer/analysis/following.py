@@ -30,10 +30,12 @@ _LEAST, _BAND = 8, 1.1
 _FREEDOM = 40
 #: Amplitude of an answer that counts as one, in standard uncertainties.
 _SEEN = 5.0
-#: Power of the stage that stands out, over that of its quietest frequencies.
-_DISTINCT = 20.0
-#: Power over that of the quietest frequencies that is taken for a sensor's noise; no power at all.
-_NOISE, _TINY = 5.0, 1e-300
+#: Part of the predicted size below which a band is not followed: its power is a sensor's noise.
+_NOT_FOLLOWED = 0.5
+#: Power of the quietest frequencies over the mean power of white noise.
+_QUIET = 0.565
+#: Logarithm of the chance that any ordinate of white noise counts as motion, with its sign changed.
+_CERTAIN = 5.0
 #: Number of ordinates over which the quietest frequencies are looked for.
 _AROUND = 101
 #: Step that is a jump: of the extent of a stage, and over the steps beside it.
@@ -67,6 +69,8 @@ class _Bands(NamedTuple):
     """(bands,) standard uncertainty of its real and of its imaginary part"""
     stage: Array
     """(bands,) m, amplitude of one oscillation of that power"""
+    ends: Array
+    """(bands, 2) Hz"""
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,8 @@ class Followed:
     """(n,) the signal without it, about its mean"""
     answers: tuple[Answer, ...]
     """in the bands in which it is seen"""
+    noise: tuple[float, ...] = ()
+    """Hz, of bands in which the sensor of the stage sees what the bead does not follow"""
 
     @classmethod
     def of(cls, signal: Array, stage: Array, step: float, *, steady: bool) -> Followed:
@@ -91,10 +97,12 @@ class Followed:
             return cls(still, ())
         bead = _Nearest.to(bands, first, step)
         # by what is expected: chance would choose those that are too large
-        seen = np.abs(bead.moved(bands.frequencies)) > _SEEN * bands.uncertainty
-        still = still - _motion(stage, step, still, bead)
+        expected = np.abs(bead.moved(bands.frequencies))
+        seen = expected > _SEEN * bands.uncertainty
+        noise = seen & (np.abs(bands.response) < _NOT_FOLLOWED * expected)
+        still = still - _motion(stage, step, still, bead, bands.ends[noise])
         answers = []
-        for i in np.flatnonzero(seen):
+        for i in np.flatnonzero(seen & ~noise):
             amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
             size = math.sqrt(abs(bands.response[i] * amplitude) ** 2 - error**2)
             phase = cmath.phase(bands.response[i])
@@ -103,7 +111,7 @@ class Followed:
                     float(bands.frequencies[i]), float(amplitude), 0.0, size, float(error), phase
                 )
             )
-        return cls(still, tuple(answers))
+        return cls(still, tuple(answers), tuple(bands.frequencies[noise].tolist()))
 
 
 def _waves(series: Array) -> Complex:
@@ -114,18 +122,24 @@ def _waves(series: Array) -> Complex:
     return np.asarray(rfft(tukey(len(series), _FADES) * (series - series.mean())))
 
 
-def _quietest(power: Array) -> float:
-    """Power of a stage at the frequencies at which it is quietest: that of its sensor's noise."""
+def _white(power: Array) -> float:
+    """Mean power of the white noise of a stage's sensor, by the frequencies that are quietest."""
     from scipy.ndimage import median_filter
 
-    return float(np.quantile(median_filter(power, _AROUND, mode="nearest"), 0.1))
+    return float(np.quantile(median_filter(power, _AROUND, mode="nearest"), 0.1)) / _QUIET
+
+
+def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
+    """Whether ordinates are above what the largest of that noise may be."""
+    return np.asarray(power > noise * (math.log(len(power)) + _CERTAIN))
 
 
 def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
     of_stage, of_signal = _waves(stage), _waves(signal)
     frequencies = np.arange(len(of_stage)) / (len(stage) * step)
     power = np.abs(of_stage) ** 2
-    moved = power > _DISTINCT * _quietest(power)
+    of_sensor = _white(power)
+    moved = _stands_out(power, of_sensor)
     moved[0] = False
     edges = [1]
     while edges[-1] < np.searchsorted(frequencies, highest):
@@ -138,20 +152,24 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
         if not used.size:
             continue
         S, X = of_stage[used], of_signal[used]
-        total = float(power[used].sum())
+        total = float(power[used].sum()) - used.size * of_sensor
         response = complex(np.vdot(S, X) / total)
         rest = of_signal[within].copy()
         rest[moved[within]] -= response * S
-        at = float(power[used] @ frequencies[used]) / total
-        rows.append((at, response, total, float((np.abs(rest) ** 2).sum()), within.size - 1))
+        at = float(power[used] @ frequencies[used]) / float(power[used].sum())
+        # the sensor's noise is in what is left where the stage moves
+        left = float((np.abs(rest) ** 2).sum())
+        left += (within.size - used.size) * abs(response) ** 2 * of_sensor
+        ends = frequencies[within[0]], frequencies[within[-1]]
+        rows.append((at, response, total, left, within.size - 1, ends))
     if not rows:
         none = np.empty(0)
-        return _Bands(none, none.astype(complex), none, none)
-    frequency, responses, totals, squares, counts = zip(*rows, strict=True)
+        return _Bands(none, none.astype(complex), none, none, np.empty((0, 2)))
+    frequency, responses, totals, squares, counts, ends = zip(*rows, strict=True)
     noise = _smooth(np.array(squares), np.array(counts))
     return _Bands(
         np.array(frequency), np.array(responses), np.sqrt(noise / (2 * np.array(totals))),
-        np.sqrt(totals) / half,
+        np.sqrt(totals) / half, np.array(ends),
     )  # fmt: skip
 
 
@@ -210,8 +228,11 @@ class _Nearest(NamedTuple):
         return nearest(*found.x)
 
 
-def _motion(stage: Array, step: float, signal: Array, bead: _Nearest) -> Array:
-    """Motion (n,) of an overdamped bead by that of the stage, from where the signal starts."""
+def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Array) -> Array:
+    """Motion (n,) of an overdamped bead by that of the stage, from where the signal starts.
+
+    noise: (bands, 2) Hz, ends of the bands in which the sensor sees what the stage does not do.
+    """
     from scipy.fft import irfft, next_fast_len, rfft
 
     n, rate = len(stage), 2 * math.pi * bead.corner
@@ -224,9 +245,14 @@ def _motion(stage: Array, step: float, signal: Array, bead: _Nearest) -> Array:
     length = next_fast_len(len(extended), real=True)
     waves = rfft(extended, length)
     power = np.abs(waves) ** 2
-    noise = _NOISE * _quietest(power)
-    waves *= np.clip(1 - noise / np.maximum(power, noise + _TINY), 0, 1)
-    waves *= bead.moved(np.arange(len(waves)) / (length * step))
+    frequencies = np.arange(len(waves)) / (length * step)
+    of_sensor = _white(power)
+    moves = _stands_out(power, of_sensor)
+    for first, last in noise:
+        moves &= (frequencies < first) | (frequencies > last)
+    waves[~moves] = 0.0
+    waves[moves] *= 1 - of_sensor / power[moves]
+    waves *= bead.moved(frequencies)
     moved = irfft(waves, length)[before : before + n]
     # what the stage did before the record is left in it for a while
     left = np.exp(-rate * step * np.arange(min(before, n)))
