@@ -62,6 +62,8 @@ class Search(NamedTuple):
     """z, m from the origin, of more samples on lines along z: next to walls, say"""
     farthest: float = 0.0
     """up to where on its axis light is searched for the place at which it carries a weight, m"""
+    known: float = math.inf
+    """distance from the origin up to which the force is known, m"""
 
     def edges(self, end: float, samples: float = 1.0) -> Array:
         """Places from 0 to `end`, m, whose distances are those of so many samples."""
@@ -75,6 +77,14 @@ class Search(NamedTuple):
             last += min(samples * _GROWTH * last, widest)
             far.append(last)
         return np.append(near, np.array(far) * (end / last))
+
+    def to_the_end(self, origin: Array, direction: str) -> float:
+        """Distance from `origin` to the end of the reach, or of what is known of the force, m."""
+        if math.isinf(self.known):
+            return self.reach
+        ahead = float(origin @ np.array(DIRECTIONS[direction]))
+        left = self.known**2 - float(origin @ origin)
+        return min(self.reach, math.sqrt(max(left + ahead**2, 0.0)) - ahead)
 
     def line(self) -> Array:
         """Samples from 0 to the reach, m."""
@@ -154,7 +164,7 @@ def equilibria_about(
     of sign of the axial force on its axis, which is searched up to the other foci at least.
     """
     apart = np.linalg.norm(foci[:, None] - foci, axis=2).max()
-    search = search._replace(reach=max(search.reach, float(apart)))
+    search = search._replace(reach=min(max(search.reach, float(apart)), search.known / 2))
     found: list[Array] = []
     for focus in foci:
         zeros = [0.0, *_zeros_on_axis(focus, radius, search, net_force)]
@@ -213,15 +223,24 @@ def _vanishing(
         return None
 
     def scaled(place: Array) -> Array:
+        if np.linalg.norm(radius * place) > search.known:
+            raise AstrayError
         return net_force(radius * place[None])[0] / size
 
     def gradient(place: Array) -> Array:
         return force.field(radius * place[None], gradient=True).force_gradient[0] * radius / size
 
-    found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
+    try:
+        found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
+    except AstrayError:
+        return None
     place: Array = found.x * radius
     near = np.linalg.norm(place - start) < _NEAR * search.spacing
     return place if near and np.abs(scaled(found.x)).max() < _VANISHED else None
+
+
+class AstrayError(Exception):
+    """Newton's method has left the places among which it seeks."""
 
 
 def equilibrium_at(

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.equilibria import NetForce
+from tweezer.equilibria import AstrayError, NetForce
 from tweezer.forces.force import Force
 from tweezer.vectors import Comparable, Vector, fixed
 
@@ -47,6 +47,8 @@ class Box(NamedTuple):
     """distance from the focus along the axis"""
     spread: float = 0.0
     """growth of the width with the distance from the focus: tan of an angle"""
+    known: float = math.inf
+    """distance from the focus up to which the force is known"""
 
     def nodes(self) -> tuple[Array, Array]:
         """rho and z of samples, (heights, distances) m."""
@@ -119,7 +121,7 @@ def rings(
     """
     found: list[Array] = []
     for start in _starts(box, net_force, np.array([1.0, 0.0])):
-        place = ring_near(start, radius, force, net_force, motion)
+        place = ring_near(start, radius, force, net_force, motion, box.known)
         if place is not None and all(np.abs(place - each).max() > _SAME * radius for each in found):
             found.append(place)
     for place in sorted(found, key=lambda each: math.hypot(*each)):
@@ -143,7 +145,8 @@ def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iter
                 field = force.field(place[None], gradient=True)
                 return net_force(place[None])[0], field.force_gradient[0]
 
-            place = _balanced(start, balance, radius, _size(start, radius, net_force), box.width)
+            size = _size(start, radius, net_force)
+            place = _balanced(start, balance, radius, size, box.width, box.known)
             if place is None or math.hypot(*place[:2]) < _ON_AXIS * radius:
                 continue
             for each in (place, place * [-1, -1, 1]):
@@ -174,14 +177,22 @@ def _size(start: Array, radius: float, net_force: NetForce) -> float:
 
 
 def ring_near(
-    start: Array, radius: float, force: Force, net_force: NetForce, motion: Motion
+    start: Array,
+    radius: float,
+    force: Force,
+    net_force: NetForce,
+    motion: Motion,
+    known: float,
 ) -> Array | None:
-    """Radius and height of the ring near `start`, (2,) m, on which the forces cancel, or None."""
+    """Radius and height of the ring near `start`, (2,) m, on which the forces cancel, or None.
+
+    known: see `Box`.
+    """
 
     def balance(place: Array) -> tuple[Array, Array]:
         rho, z = place
         if rho <= 0:
-            raise _AstrayError
+            raise AstrayError
         at = np.array([[rho, 0.0, z]])
         (across, around, along), mobility = net_force(at)[0], motion.mobility(at)[0, 0]
         gradient = force.field(at, gradient=True).force_gradient[0]
@@ -191,7 +202,7 @@ def ring_near(
         return np.array([across + outwards * around**2, along]), slopes
 
     size = _size(np.array([start[0], 0.0, start[1]]), radius, net_force)
-    place = _balanced(start, balance, radius, size, radius + float(start[0]))
+    place = _balanced(start, balance, radius, size, radius + float(start[0]), known)
     return None if place is None or place[0] < _ON_AXIS * radius else place
 
 
@@ -201,11 +212,13 @@ def _balanced(
     radius: float,
     size: float,
     farthest: float,
+    known: float,
 ) -> Array | None:
     """The place near `start` where forces vanish, by Newton's method; None if there is none.
 
     balance: the forces, N, and their gradient, N/m, at a place. radius: of the bead, m; size: of
-    the forces about the start, N. farthest: distance from the start beyond which none is sought, m.
+    the forces about the start, N. farthest: distance from the start beyond which none is sought,
+    m; known: that from the focus.
     """
     from scipy.optimize import root
 
@@ -213,21 +226,18 @@ def _balanced(
         return None
 
     def scaled(place: Array) -> tuple[Array, Array]:
-        if np.linalg.norm(radius * place - start) > farthest:
-            raise _AstrayError
-        forces, gradient = balance(radius * place)
+        there = radius * place
+        if np.linalg.norm(there - start) > farthest or np.linalg.norm(there) > known:
+            raise AstrayError
+        forces, gradient = balance(there)
         return forces / size, gradient * (radius / size)
 
     try:
         solved = root(scaled, start / radius, jac=True, tol=1e-14)
-    except _AstrayError:
+    except AstrayError:
         return None
     place: Array = solved.x * radius
     return place if np.abs(solved.fun).max() < _VANISHED else None
-
-
-class _AstrayError(Exception):
-    """Newton's method has left the place where it began."""
 
 
 def held_on(place: Array, force: Force, net_force: NetForce, motion: Motion) -> Ring | None:

@@ -14,6 +14,10 @@ from tweezer.sections import Bead, Beam, Lens, Medium, Optics
 LARGEST_SIZE = 120.0
 #: Largest k times `simulation.loss_distance` that auto takes as waves: 130 um in water at 1064 nm
 FARTHEST = 1000.0
+#: Largest size parameter k a of a bead in waves: the tables of harmonics grow as its cube
+LARGEST_IN_WAVES = 160.0
+#: Largest distance from the focus at which waves are computed, in 1/k: 250 um in water at 1064 nm
+FARTHEST_IN_WAVES = 2000.0
 
 #: why the light of a scene has no map of rays
 NO_MAP = (

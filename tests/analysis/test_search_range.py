@@ -1,6 +1,7 @@
 """How far equilibria are sought: the light has lengths of its own beside the size of the bead."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -123,3 +124,30 @@ def test_range_ends_where_the_force_is_faint():
         past = np.flatnonzero((ways > escape.force_at) & (pull < 0.05 * pull.max()))
         assert escape.faint_at == pytest.approx(ways[past[0]], abs=2 * ways[1])
         assert escape.force_at < escape.faint_at < (escape.range or math.inf)
+
+
+@pytest.mark.parametrize("name", ["silica-1um", "gold-100nm"])
+@pytest.mark.parametrize("aperture", [0.02, 0.05, 0.1, 0.12, 0.14, 0.2, 0.3])
+def test_search_ends_where_waves_are_computed(name, aperture):
+    """2000/k from the focus, which six depths of focus exceed below NA 0.15."""
+    scene = tweezer.load_scene(name).replace(lens={"numerical_aperture": aperture})
+    ends = 2000 * scene.beam.wavelength / (2 * math.pi * scene.medium.refractive_index)
+    trap = tweezer.characterise(scene)
+    assert trap.equilibrium is None
+    across, along = map(float, re.search(
+        r"ring up to ([\d.]+) um from the axis and ([\d.]+) um from the focus", trap.searched
+    ).groups())  # fmt: skip
+    assert 40 < along < math.hypot(across, along) < 1.003e6 * ends
+    assert aperture > 0.12 or math.hypot(across, along) > 0.99e6 * ends
+    box = tweezer.dynamics.bound_once(scene).light.box
+    rho, z = box.nodes()
+    assert np.hypot(rho, z).max() <= ends
+
+
+def test_line_from_an_equilibrium_ends_where_waves_are_computed():
+    search = tweezer.dynamics.bound_once(tweezer.load_scene("silica-1um")).search
+    for origin in ([0, 0, 0.98 * search.known], [0.6 * search.known, 0, -0.6 * search.known]):
+        for to, unit in (("+x", [1, 0, 0]), ("-z", [0, 0, -1]), ("+z", [0, 0, 1])):
+            end = search._replace(reach=search.known).to_the_end(np.array(origin), to)
+            place = np.linalg.norm(np.array(origin) + end * np.array(unit))
+            assert place == pytest.approx(search.known) or end == search.known

@@ -187,6 +187,26 @@ def test_the_way_out_is_said():
     assert f"{exact}, and 'auto' took rays only as the size" in ray_optics_caveat(large)
 
 
+def test_waves_are_not_advised_where_they_are_not_computed():
+    """They end 2000/k from the focus, and for beads of 160/k."""
+    exact = "optics.theory = 'waves' is exact"
+    ends = 2000 * WAVELENGTH / (2 * math.pi) * 1e-6 * N_M / 1.326
+    near, far = (silica().replace(simulation={"loss_distance": s * ends}) for s in (0.99, 1.01))
+    assert ray_optics_caveat(near).endswith(exact)
+    assert ray_optics_caveat(far).endswith(
+        f"waves cannot reach as far as simulation.loss_distance: they are computed up to "
+        f"{ends:.3g} m from the focus"
+    )
+    with pytest.raises(tweezer.SceneError, match=r"set a smaller .*_distance or optics\.th"):
+        tweezer.optical_force(far.replace(optics={"theory": "waves"}), np.zeros(3))
+    large = silica().replace(bead={"diameter": 2.02 * 0.08 * ends})
+    large = large.replace(simulation={"loss_distance": 0.9 * ends})
+    assert ray_optics_caveat(large).endswith(f"for beads up to {0.08 * ends:.3g} m in radius")
+    # a ball over a weak lens floats far from the focus
+    ball = with_aperture(0.02).replace(bead={"diameter": "20 um"})
+    assert f"{exact} up to {ends:.3g} m from the focus" in ray_optics_caveat(ball)
+
+
 def test_the_exact_force_has_no_caveat():
     scene = tweezer.load_scene("silica-1um")
     assert scene.theory == "waves"

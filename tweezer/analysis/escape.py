@@ -67,8 +67,8 @@ class Escape:
     force_at: float
     """where, m from the equilibrium"""
     range: float | None
-    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach` or
-    a wall"""
+    """m from the equilibrium to where the force stops pulling back; None if beyond `Trap.reach`,
+    a wall or the places where the force is known"""
     energy: float
     """work against the force up to there; where the pull does not end, over `Trap.reach` or up to
     the wall, J"""
@@ -121,8 +121,9 @@ def _escape(
 ) -> Escape:
     r = scene.bead.radius
     pull = opposite(along(net_force, origin, direction))
-    wall_at = _to_wall(scene, origin, direction, search.reach)
-    edges = search.edges(search.reach if wall_at is None else wall_at, _PANEL)
+    farthest = search.to_the_end(origin, direction)
+    wall_at = _to_wall(scene, origin, direction, farthest)
+    edges = search.edges(farthest if wall_at is None else wall_at, _PANEL)
     distances = _places(edges[:-1], edges[1:]).ravel()
     values = pull(distances)
     let_go = np.flatnonzero(values <= 0)

@@ -362,7 +362,7 @@ def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float]
     if start[0] == 0.0:
         return None
     forces = problem.force, problem.net_force, problem.ring_motion
-    place = ring_near(start, problem.scene.bead.radius, *forces)
+    place = ring_near(start, problem.scene.bead.radius, *forces, problem.light.search.known)
     if place is None or not np.linalg.norm(place - start) < reach:
         return None
     ring = held_on(place, *forces)

@@ -66,6 +66,10 @@ class Beams(Sum):
             beside=min(each.beside for each in every),
             reach=max(each.reach for each in every),
             coarsest=min(each.coarsest for each in every),
+            known=min(
+                each.known - float(np.linalg.norm(moved.place.at(0.0)))
+                for each, moved in zip(every, self.forces, strict=True)
+            ),
         )
 
     def absorbed_power(self, positions: Array, time: float = 0.0) -> Array:

@@ -22,7 +22,7 @@ from tweezer.sections import Beam
 Array = NDArray[np.float64]
 
 #: How far the force is searched at least, in lengths of the light
-_LENGTHS = 5.0
+LENGTHS = 5.0
 
 SPEED_OF_LIGHT = 299792458.0
 """c, m/s (Table B.1)"""
@@ -59,7 +59,7 @@ class Light(ABC):
         Such a length is the distance at which the light is as wide as the bead, and the depth of
         focus, m, where its theory has one.
         """
-        return max(least, _LENGTHS * (self.radius / self.cone.spread + depth))
+        return max(least, LENGTHS * (self.radius / self.cone.spread + depth))
 
     @property
     @abstractmethod

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.optics.beam import cone
+from tweezer.optics.light import LENGTHS
 from tweezer.scene import Scene
 from tweezer.shown import Row
-from tweezer.theory import no_waves
+from tweezer.theory import FARTHEST_IN_WAVES, LARGEST_IN_WAVES, largest_wavenumber, no_waves
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
@@ -192,10 +193,31 @@ def _way_out(scene: Scene) -> str:
     """How the scene has the exact force, or why it has not."""
     if (reason := no_waves(scene.optics, scene.beams)) is not None:
         return reason
+    if (reason := _too_far_for_waves(scene)) is not None:
+        return reason
     exact = "optics.theory = 'waves' is exact"
+    farthest = FARTHEST_IN_WAVES / largest_wavenumber(scene.medium, scene.beams)
+    if LENGTHS * scene.bead.radius / cone(scene).spread > farthest:
+        exact += f" up to {farthest:.3g} m from the focus, and not computed beyond"
     if scene.optics.theory == "auto":
         return f"{exact}, and 'auto' took rays only as {scene.theory_reason}"
     return exact
+
+
+def _too_far_for_waves(scene: Scene) -> str | None:
+    """Why the sums of waves do not reach the bead of a scene; None if they do."""
+    wavenumber = largest_wavenumber(scene.medium, scene.beams)
+    largest, farthest = LARGEST_IN_WAVES / wavenumber, FARTHEST_IN_WAVES / wavenumber
+    if scene.bead.radius > largest:
+        return f"waves are computed for beads up to {largest:.3g} m in radius"
+    aside = max(float(np.linalg.norm(beam.position)) for beam in scene.beams)
+    # a start lies within it
+    if scene.simulation.loss_distance + aside > farthest:
+        return (
+            "waves cannot reach as far as simulation.loss_distance: they are computed up to "
+            f"{farthest:.3g} m from the focus"
+        )
+    return None
 
 
 def worth_attributes(scene: Scene) -> dict[str, str]:

@@ -15,8 +15,9 @@ from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.light import LightForce
 from tweezer.optics.waves.binding import Sums, sums
 from tweezer.optics.waves.kernel import absorption, waves_kernel
-from tweezer.optics.waves.light import FARTHEST, Waves, waves_on_bead
+from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
+from tweezer.theory import LARGEST_IN_WAVES, no_rays
 
 Array = NDArray[np.float64]
 
@@ -24,8 +25,6 @@ Array = NDArray[np.float64]
 _MISSED = 2.0
 #: Distance up to which compiled loops compute the force: of the distance at which the bead is lost
 _BEYOND_LOSS = 1.25
-#: Largest size parameter k a: the tables of harmonics grow as its cube
-_LARGEST = 160.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +65,7 @@ class WavesByQuadrature(LightForce):
         """The same up to the farthest of `positions` at least."""
         farthest = float(np.linalg.norm(positions, axis=1).max(initial=0.0))
         if farthest > self.reach:
-            _not_too_far(self.light, "positions", farthest)
+            _not_too_far(self.light, "positions", farthest, "allowed: up to that")
         force = self
         while farthest > force.reach:
             force = force._farther
@@ -99,13 +98,21 @@ class WavesByQuadrature(LightForce):
         return WavesByQuadrature(self.light.of_radius(radius), self.tolerance, self.reach)
 
 
-def _not_too_far(light: Waves, name: str, distance: float) -> None:
+def _not_too_far(light: Waves, name: str, distance: float, remedy: str) -> None:
     """Raise `SceneError` for a distance from the focus, m, that would take too many nodes."""
-    if light.wavenumber * distance > FARTHEST:
+    if distance > light.farthest:
         raise SceneError(
-            f"{name} = {distance:.3g}: waves are computed up to "
-            f"{FARTHEST / light.wavenumber:.3g} m from the focus"
+            f"{name} = {distance:.3g}: waves are computed up to {light.farthest:.3g} m from the "
+            f"focus; {remedy}"
         )
+
+
+def _smaller(scene: Scene, name: str) -> str:
+    """What mends a setting that is too large for waves."""
+    smaller = f"set a smaller {name}"
+    if no_rays(scene.bead, scene.lens, scene.beams):
+        return smaller
+    return f"{smaller} or optics.theory = 'rays'"
 
 
 def by_quadrature(scene: Scene) -> WavesByQuadrature:
@@ -121,11 +128,12 @@ def by_quadrature(scene: Scene) -> WavesByQuadrature:
 def _of_one_watt(scene: Scene) -> WavesByQuadrature:
     """The same of a scene whose light is of 1 W."""
     light = waves_on_bead(scene)
-    if light.size_parameter > _LARGEST:
+    if light.size_parameter > LARGEST_IN_WAVES:
         raise SceneError(
             f"bead.radius = {light.radius:.3g}: waves are computed for beads up to "
-            f"{_LARGEST / light.wavenumber:.3g} m"
+            f"{LARGEST_IN_WAVES / light.wavenumber:.3g} m; {_smaller(scene, 'bead.radius')}"
         )
     loss = scene.simulation.loss_distance
-    _not_too_far(light, "simulation.loss_distance", loss)
+    name = "simulation.loss_distance"
+    _not_too_far(light, name, loss, _smaller(scene, name))
     return WavesByQuadrature(light, scene.optics.tolerance, _BEYOND_LOSS * loss)

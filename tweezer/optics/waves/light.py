@@ -13,12 +13,11 @@ from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, states
 from tweezer.rings import Box
 from tweezer.scene import Scene
+from tweezer.theory import FARTHEST_IN_WAVES
 
 #: How far the force is sampled evenly, in radii and in wavelengths in the medium, which add up: a
 #: small bead's trap reaches many radii
 _RADII, _WAVELENGTHS = 5.0, 10.0
-#: Largest distance at which the force is computed, in 1/k: 250 um in water at 1064 nm
-FARTHEST = 2000.0
 #: Distance of samples, in wavelengths in the medium: the force ripples at half a wavelength
 _SPACING = 0.05
 #: Distance from the axis in the plane of the focus up to which rings are sought, in 1/(k sin theta)
@@ -59,6 +58,11 @@ class Waves(Light):
         parts = [part for each in self.states for part in each.parts]
         return any((part.helicity + part.angular_momentum) % 2 for part in parts)
 
+    @property
+    def farthest(self) -> float:
+        """Distance from the focus up to which the force is computed, m."""
+        return FARTHEST_IN_WAVES / self.wavenumber
+
     @functools.cached_property
     def focus(self) -> Focus:
         """The plane waves behind the lens."""
@@ -72,10 +76,10 @@ class Waves(Light):
         near = _RADII * self.radius + _WAVELENGTHS * wavelength
         depth = wavelength / (math.pi * self.cone.spread**2)
         # a line from a place within the reach ends where waves are computed
-        reach = min(self.reach(depth, near), max(near, FARTHEST / 2 / self.wavenumber))
+        reach = min(self.reach(depth, near), max(near, self.farthest / 2))
         # of two plane waves the wavenumbers along the axis differ by k (1 - cos theta) at most
         coarsest = _SPACING * wavelength / (2 * math.sin(self.cone.half_angle / 2) ** 2)
-        return Search(near, spacing, _BESIDE * spacing, reach, coarsest)
+        return Search(near, spacing, _BESIDE * spacing, reach, coarsest, known=self.farthest)
 
     @property
     def box(self) -> Box:
@@ -86,13 +90,23 @@ class Waves(Light):
         sine = self.cone.spread
         width = self.radius + (_ASIDE + max(parts, default=0)) / (self.wavenumber * sine)
         depth = 2 / (self.wavenumber * sine**2)
-        return Box(width, depth, 2 * self.radius + _DEPTHS * depth, sine)
+        # about every place in the box the force is asked for a radius farther out
+        ends = self.farthest - self.radius
+        width = min(width, ends / 2)
+        reach = min(2 * self.radius + _DEPTHS * depth, _height(width, sine, ends))
+        return Box(width, depth, reach, sine, self.farthest)
 
     def of_radius(self, radius: float) -> Waves:
         """The same on a sphere scaled to that radius, m."""
         factor = radius / self.radius
         shells = tuple((outer * factor, index) for outer, index in self.shells)
         return dataclasses.replace(self, radius=radius, shells=shells)
+
+
+def _height(width: float, spread: float, ends: float) -> float:
+    """The z > 0 at which a rim at `width` + `spread` z is the distance `ends` from the focus, m."""
+    square, half = 1 + spread**2, width * spread
+    return (math.sqrt(half**2 + square * (ends**2 - width**2)) - half) / square
 
 
 def waves_on_bead(scene: Scene) -> Waves:
