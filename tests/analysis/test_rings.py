@@ -121,6 +121,17 @@ def test_ring_widens_in_thin_gas_until_it_is_gone():
     assert all(each.radius > 1e-6 for each in thinner.rings)
 
 
+@pytest.mark.parametrize("viscosity", [1e-7, 1e-8])
+def test_ring_lost_by_too_little_drag_says_so(viscosity):
+    scene = hollow(VORTEX, medium={"viscosity": viscosity})
+    trap = tweezer.characterise(scene)
+    assert trap.ring is None
+    assert trap.reason.endswith(
+        "; on a ring of 0.347 um the light pulls it back, but too little drag lets its inertia "
+        "carry it off"
+    )
+
+
 def test_no_ring_is_sought_where_the_axis_holds_the_bead():
     trap = tweezer.characterise(hollow({}, 1e-6))
     assert trap.rings == ()

@@ -556,7 +556,14 @@ def _found(
         )
         for each in found
     )
-    return places, rings, f"{near}, nor on a ring up to {box.words}"
+    searched = f"{near}, nor on a ring up to {box.words}"
+    if not rings and problem.ring_motion.mass:
+        for each in problem.rings(net_force, inertia=False)[:1]:
+            searched += (
+                f"; on a ring of {micrometres(each.radius)} um the light pulls it back, but too "
+                "little drag lets its inertia carry it off"
+            )
+    return places, rings, searched
 
 
 def _off(held: Equilibrium | Ring) -> float:

@@ -224,15 +224,17 @@ class Problem:
         """Whether there is light, and all forces are the same all around the axis of a beam."""
         return self.about_axis and self.symmetric and self.scene.lit
 
-    def rings(self, net_force: NetForce) -> tuple[Ring, ...]:
+    def rings(self, net_force: NetForce, *, inertia: bool = True) -> tuple[Ring, ...]:
         """Rings around the axis of the only beam on which it holds a bead: see `rings`.
 
-        None where forces are not the same all around that axis.
+        None where forces are not the same all around that axis. inertia: whether the bead has its
+        mass.
         """
         if not self.round_axis:
             return ()
         assert isinstance(self.light, LightForce)
-        about = self.scene.bead.radius, self.light.box, self.force, net_force, self.ring_motion
+        motion = self.ring_motion if inertia else self.ring_motion._replace(mass=0.0)
+        about = self.scene.bead.radius, self.light.box, self.force, net_force, motion
         return tuple(each for each in rings(*about) if self._in_the_fluid(each.height))
 
     def off_axis(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
