@@ -135,6 +135,13 @@ def test_a_table_of_short_tracks(command_line, tmp_path):
     assert (outcome.code, "has 25 beads; name the one" in outcome.err) == (2, True)
 
 
+def test_tracks_that_are_not_trusted_exit_with_1(command_line, tmp_path):
+    write(tmp_path / "all.csv", tracks(1, diffusions=(0.5 * D, 1.5 * D)))
+    outcome = command_line("calibrate", "all.csv", "--rate", "100 Hz", "--temperature", "20 degC")
+    assert outcome.code == 1
+    assert "not trusted: the tracks differ in their diffusion" in outcome.out
+
+
 def test_several_files_of_free_beads_are_one_diffusion(command_line, tmp_path):
     """Long tracks, each of which is found to be free: no tables of stiffness."""
     for number, each in enumerate(tracks(4, count=2, frames=600)):

@@ -34,6 +34,12 @@ def marked(mark, axes=2):
     return positions
 
 
+def one_axis(mark):
+    positions = POSITIONS.copy()
+    positions[at(0.02), 0] = mark
+    return positions
+
+
 def interpolated(lost):
     there = ~lost
     every = np.arange(N)
@@ -43,7 +49,10 @@ def interpolated(lost):
 
 def calibrated(positions, step=STEP, **known):
     recording = Recording(
-        step * np.arange(len(positions)), 1e-6 * positions, ("x", "y"), name="mine"
+        step * np.arange(len(positions)),
+        1e-6 * positions,
+        ("x", "y")[: positions.shape[1]],
+        name="mine",
     )
     return tweezer.calibrate(recording, temperature=T, drag=DRAG, exposure=0, **known)
 
@@ -71,6 +80,7 @@ def test_measured_samples_are_left_alone(rounded):
      (marked(0), "marks", "samples have the same numbers (0, 0): taken as lost"),
      (marked((-1, -1)), "marks", "(-1, -1): taken as lost"),
      (marked(0, axes=1), "marks", "(0): taken as lost"),
+     (one_axis(0), "marks", "samples have the same numbers (0) along one axis: taken as lost"),
      (interpolated(at(0.03)), "copies", "samples lie on the line between")],
 )  # fmt: skip
 def test_a_few_unmeasured_samples_become_missing(positions, which, said):
@@ -153,6 +163,62 @@ def test_rounding_is_known_noise():
     for axis in known.axes:
         found = axis["power spectrum"]
         assert abs(found.stiffness - K) < 4 * found.uncertainty
+
+
+def test_fine_rounding_is_named_where_it_shows_as_noise():
+    """Below the limit of the part of rounding; the advice of the finding leads to the truth."""
+    x = 1e6 * trapped(2e-4, 20_000, 1e-5, DRAG, None, T, 6)[0]
+    positions = np.round(x[:, None] / 0.006) * 0.006
+    noisy = {each.name: each.text for each in calibrated(positions, 2e-4).axes[0].findings}
+    advice = "of which 1.7 nm is the rounding to multiples of 6 nm: give --noise fit"
+    assert noisy["noise"].endswith(advice)
+    (axis,) = calibrated(positions, 2e-4, noise="fit").axes
+    assert axis.findings == ()
+    assert axis.detector[0].value == pytest.approx(6e-9 / np.sqrt(12), rel=0.3)
+    assert abs(axis.free_fit.bead.drag - DRAG) < 3 * axis.free_fit.drag_uncertainty
+
+
+@pytest.mark.parametrize(
+    ("frequency", "quality", "step"), [(50e3, 30, 5e-6), (40e3, 60, 5e-6), (50e3, 30, 2e-5 / 3)]
+)
+def test_an_oscillation_is_no_row_of_beads(frequency, quality, step):
+    """At 4, 5 and 3 samples in a period: the advice to keep each fourth would alias it."""
+    k = 1e-4
+    mass = k / (2 * np.pi * frequency) ** 2
+    drag = mass * 2 * np.pi * frequency / quality
+    x = trapped(step, 20_000, k, drag, mass, T, 5)[0]
+    recording = Recording(step * np.arange(len(x)), x[:, None], ("x",), name="ringing")
+    known = {"temperature": T, "drag": drag, "exposure": 0}
+    assert not {"turns", "order"} & names(tweezer.calibrate(recording, **known))
+    found = tweezer.calibrate(recording, mass=mass, **known).axes[0]["power spectrum"]
+    assert abs(found.stiffness - k) < 4 * found.uncertainty
+
+
+def test_hum_at_a_quarter_of_the_rate_is_no_other_order():
+    """Its autocorrelation over one step is 0, over two -1; and rows with times are in order."""
+    hum = 6 * POSITIONS.std() * np.sqrt(2) * np.sin(np.pi / 2 * np.arange(N) + 0.3)[:, None]
+    found = names(calibrated(POSITIONS + hum))
+    assert "line" in found
+    assert not {"turns", "order"} & found
+
+
+def test_rows_with_times_are_in_order(tmp_path):
+    walk = np.cumsum(RNG.standard_normal((N, 1)), axis=0)
+    rows = np.column_stack([TIMES, 1e-2 * RNG.permutation(walk)])
+    found = []
+    for columns, rate in (("t,x", None), ("x", "1 kHz")):
+        np.savetxt(tmp_path / f"{columns}.csv", rows[:, -len(columns.split(",")) :], delimiter=",",
+                   header=f"{columns} [um]", comments="")  # fmt: skip
+        recording = tweezer.load_recording(tmp_path / f"{columns}.csv", rate=rate)
+        found.append(names(tweezer.calibrate(recording, temperature=T)))
+    assert "order" not in found[0]
+    assert "order" in found[1]
+
+
+def test_one_row_is_refused_without_a_warning(tmp_path):
+    (tmp_path / "a.csv").write_text("t [s],x [um]\n0,1\n", encoding="utf-8")
+    with pytest.raises(tweezer.ResultError, match="1 samples"):
+        tweezer.load_recording(tmp_path / "a.csv")
 
 
 def test_shuffled_rows_of_a_walk_are_no_trap():

@@ -501,7 +501,7 @@ def calibrate(
         given, detector, exposure is not None or "exposure" in detector,
         bool(height and height.uncertainty), recording.unit, made_by, left,
         0.0 if moved is None else moved.jumps, () if moved is None else moved.frequencies,
-        recorded, () if recorded is None else digits.of_samples(recorded),
+        recorded, recording.dated, () if recorded is None else digits.of_samples(recorded),
     )  # fmt: skip
     signals = [
         moved.answers(signal) if moved else (signal, (), ()) for signal in recording.positions.T
@@ -691,6 +691,8 @@ class _Known:
     recorded: Array | None
     """(n, axes) positions as the digits of a file show them; None for a run of tweezer, and (n,)
     along one axis"""
+    dated: bool
+    """whether their order is known"""
     unmeasured: tuple[Finding, ...]
     """findings against the samples of all axes"""
 
@@ -847,10 +849,12 @@ def _calibrated(
     bead = fit.bead
     own = _spectrum_fit(fit)
     of_free = own if free is fit else _spectrum_fit(free)
-    findings = examine(positions, step, fits, known.exposure)
+    findings = examine(positions, step, fits, known.exposure, resolution / response)
     if known.recorded is not None:
         harmless = HARM * math.sqrt(relative_variance_of_variance(bead, fits.whole))
-        shown = digits.of_axis(known.recorded, known.bead.noise, known.unit, harmless)
+        shown = digits.of_axis(
+            known.recorded, known.bead.noise, known.unit, harmless, dated=known.dated
+        )
         findings = digits.first([*known.unmeasured, *([shown] if shown else [])], findings)
     # a drift slower than all frequencies of the fits is not in their way
     beyond = known.left_out.fit_range[0] > (

@@ -26,16 +26,19 @@ _ROUNDED = 0.05
 _INDEPENDENT = 0.5
 #: Smallest ratio of a known noise to that of rounding that includes it
 _INCLUDED = 0.8
-#: Number of samples that show whether rows are in turn
-_ENOUGH = 20_000
 #: Largest number of beads whose rows may be in turn
 _MOST_IN_TURN = 8
 #: Number of samples in which that is looked for
-_FOR_TURNS = 50_000
+_ENOUGH = 20_000
 #: Largest mean squared displacement over that many rows, over that of one row, of beads in turn
 _IN_TURN = 0.5
-#: Autocorrelation at one step that is none, in its standard deviation
-_NONE = 3.0
+#: Largest correlation of displacements of different beads; for one that oscillates in so many rows
+#: it is a third or more
+_APART = 0.2
+#: Number of steps over which independent samples have no autocorrelation
+_LAGS = 16
+#: Autocorrelation at one of these lags that is none, in its standard deviation
+_NONE = 4.0
 
 
 def of_samples(positions: Array) -> tuple[Finding, ...]:
@@ -63,7 +66,9 @@ def of_samples(positions: Array) -> tuple[Finding, ...]:
     return tuple(found)
 
 
-def of_axis(positions: Array, noise: float, unit: str, error: float) -> Finding | None:
+def of_axis(
+    positions: Array, noise: float, unit: str, error: float, *, dated: bool
+) -> Finding | None:
     """Return a finding against the digits or the order of positions, (n,), along one axis.
 
     Parameters
@@ -76,8 +81,13 @@ def of_axis(positions: Array, noise: float, unit: str, error: float) -> Finding 
         "m" or "V".
     error : float
         Relative uncertainty of the variance that is harmless.
+    dated : bool
+        Whether the order of the samples is known.
     """
-    return _in_turn(positions) or _rounded(positions, noise, unit, error) or _shuffled(positions)
+    rounded = _rounded(positions, noise, unit, error)
+    if dated:
+        return rounded
+    return _in_turn(positions) or rounded or _shuffled(positions)
 
 
 def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Finding]:
@@ -106,15 +116,15 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 
 
 def _in_turn(positions: Array) -> Finding | None:
-    """Rows of several beads, or of the fields of a camera, in turn."""
-    positions = positions[:_FOR_TURNS]
+    """Rows of several beads in turn, whose motions are independent."""
     positions = positions[:_ENOUGH]
     for beads in range(2, _MOST_IN_TURN + 1):
         whole = len(positions) // beads * beads
         table = positions[:whole].reshape(-1, beads)
         series = (table - table.mean(axis=0)).ravel()
         near, far = np.diff(series), series[beads:] - series[:-beads]
-        if (far @ far) / len(far) < _IN_TURN * (near @ near) / len(near):
+        continues = (far @ far) / len(far) < _IN_TURN * (near @ near) / len(near)
+        if continues and _autocorrelation(far, beads - 1).max() < _APART:
             text = (
                 f"each sample continues the one {beads} before: are rows of {beads} beads in turn?"
             )
@@ -125,7 +135,7 @@ def _in_turn(positions: Array) -> Finding | None:
 def _shuffled(positions: Array) -> Finding | None:
     """Independent samples that are not Gaussian, as those of a trapped bead are."""
     away = positions - positions.mean()
-    if abs(away[1:] @ away[:-1]) > _NONE / math.sqrt(len(away)) * (away @ away):
+    if _autocorrelation(away, _LAGS).max() > _NONE / math.sqrt(len(away)):
         return None
     from scipy.stats import kstest
 
@@ -134,6 +144,12 @@ def _shuffled(positions: Array) -> Finding | None:
         return None
     text = "its samples are independent and not Gaussian: are the rows in the order of time?"
     return Finding("order", f"{text} Read their times or frames too")
+
+
+def _autocorrelation(series: Array, lags: int) -> Array:
+    """The size of it at the lags from 1 on."""
+    products = [series[lag:] @ series[:-lag] for lag in range(1, lags + 1)]
+    return np.abs(products) / (series @ series)
 
 
 def _probable(scaled: Array) -> bool:

@@ -63,6 +63,8 @@ _EXPOSURES = (1.0, 0.5, 0.25)
 _NOT_EXCLUDED = 6.0
 #: Highest frequency, Hz, up to which the inertia of a fluid is not suspected.
 _FAST = 5e3
+#: Part of the variance of a noise from which on rounding is named as its cause.
+_BY_ROUNDING = 0.25
 #: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2
 #: Smallest fraction of its information that white noise keeps beside stiffness and drag.
@@ -101,8 +103,13 @@ class Fits:
         return Fits(self.whole.per(response), fit, free, self.left_out)
 
 
-def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> list[Finding]:
-    """Findings against the record, and so against every estimate from it."""
+def examine(
+    positions: Array, step: float, fits: Fits, exposure_known: bool, resolution: float
+) -> list[Finding]:
+    """Findings against the record, and so against every estimate from it.
+
+    resolution: step of the digits of the positions, m; 0 if there is none.
+    """
     few = _like_a_free_bead(len(positions) * step, fits)
     unsteady = _unsteady(positions, step, fits, few is not None)
     drifts = any(each is not None and each.name == "drift" for each in unsteady)
@@ -114,7 +121,7 @@ def examine(positions: Array, step: float, fits: Fits, exposure_known: bool) -> 
         *unsteady,
         None if exposure_known else _unknown_exposure(fits.fit, step),
         _line(fits, slowest),
-        _white(positions, step, fits, exposure_known),
+        _white(positions, step, fits, exposure_known, resolution),
         _spectrum(fits.free),
         _drag(fits),
     ]
@@ -260,7 +267,9 @@ def _short_times_differ(first: Array, second: Array) -> bool:
     return bool(2 * ndtr(-apart / error) < IMPROBABLE / 10)
 
 
-def _white(positions: Array, step: float, fits: Fits, exposure_known: bool) -> Finding | None:
+def _white(
+    positions: Array, step: float, fits: Fits, exposure_known: bool, resolution: float
+) -> Finding | None:
     """White noise, or the opposite: less motion from sample to sample than in the fit.
 
     The score of a constant added to the spectrum, at the fit (C. R. Rao, Proc. Camb. Philos. Soc.
@@ -312,7 +321,14 @@ def _white(positions: Array, step: float, fits: Fits, exposure_known: bool) -> F
         return None
     deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
     if variance > 0:
-        return Finding("noise", f"it contains white noise of about {deviation}")
+        text = f"it contains white noise of about {deviation}"
+        rounding = resolution**2 / 12 - free.bead.noise**2
+        if rounding > _BY_ROUNDING * variance:
+            text += (
+                f", of which {1e9 * math.sqrt(rounding):.2g} nm is the rounding to multiples of "
+                f"{1e9 * resolution:.3g} nm"
+            )
+        return Finding("noise", f"{text}: give --noise fit")
     text = "the bead moves less from sample to sample than in a trap"
     if not exposure_known:
         text += ": motion blur? Give the exposure"

@@ -81,6 +81,8 @@ class Recording(Shown):
     """s, over which each position is averaged; None if not known"""
     noise: tuple[float, ...] | None = None
     """standard deviation of the white noise along each axis, m or V; None if not known"""
+    dated: bool = False
+    """whether times or frames were read with the positions, so that their order is known"""
 
     def __post_init__(self) -> None:
         _of_shapes(self, len(self.axes))
@@ -317,7 +319,7 @@ def load_recording(
     return Recording(
         times, table[:, : len(axes)], axes, name=str(source), unit=found.unit,
         drive=table[:, -1] if drive is not None else None,
-        note="; ".join(filter(None, [*notes, of_digits, note])),
+        note="; ".join(filter(None, [*notes, of_digits, note])), dated=found.dated,
     )  # fmt: skip
 
 

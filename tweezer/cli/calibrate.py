@@ -220,6 +220,8 @@ def calibrate(
         if out:
             write_json({"diffusion": dataclasses.asdict(common)}, out)
         tell_written(out)
+        if common.findings:
+            raise typer.Exit(FAILED)
         return
     asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
     if len(asked) > 1:
@@ -279,7 +281,7 @@ def calibrate(
 
         write_report(loaded[0], calibrations[0], report)
     tell_written(out, plot, report)
-    refuted = surface is not None and surface.findings
+    refuted = any(each is not None and each.findings for each in (surface, free))
     if refuted or not all(each.determined for each in calibrations):
         raise typer.Exit(FAILED)
 

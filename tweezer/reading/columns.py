@@ -52,6 +52,8 @@ class Columns(NamedTuple):
     """of x, y and z: "m" or "V\""""
     note: str
     """what was done to the numbers"""
+    dated: bool
+    """whether the order of the rows is known, by times or frames that were read"""
 
 
 class _Place(NamedTuple):
@@ -117,7 +119,8 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
         times, said = _times(table, reading, part, min(steps, default=None))
         every = "; ".join(filter(None, dict.fromkeys([*notes, note, sorted_, said, unread])))
         columns = {name: each for name, each in part.items() if name not in ("t", "frame")}
-        found[label] = Columns(times, columns, units[axes[0]], every)
+        dated = bool(steps or {"t", "frame"} & set(part))
+        found[label] = Columns(times, columns, units[axes[0]], every, dated)
     return found
 
 

@@ -70,6 +70,10 @@ def unmeasured(positions: Array) -> Unmeasured:
         none = np.zeros(len(positions), bool)
         return Unmeasured(none, none, none, ())
     marks, of_marks = _marks(positions)
+    for column in positions.T if positions.shape[1] > 1 else ():
+        more, of_more = _marks(np.where(marks, np.nan, column)[:, None])
+        marks = marks | more
+        of_marks += [each.replace(": taken", " along one axis: taken") for each in of_more]
     repeated = _repeated(positions, marks)
     between = _between(positions, marks | repeated)
     said = list(of_marks)

@@ -46,7 +46,7 @@ def without_gaps(
     steps = np.diff(times)
     usual = float(np.median(steps)) if len(steps) else 0.0
     off = np.abs(steps - usual)
-    uneven = np.mean(off > _UNEVEN * usual) > _OFTEN
+    uneven = (off > _UNEVEN * usual).sum() > _OFTEN * len(off)
     if not (steps > 0).all() or not np.isfinite(times).all() or uneven:
         return times[there], columns[there], "; ".join(notes)  # refused by who takes them
     leaps = np.maximum(np.rint(steps / usual), 1.0)
