@@ -8,7 +8,7 @@ import pytest
 
 import tweezer
 from tests.reference.free_bead import free
-from tests.reference.trapped_bead import trapped
+from tests.reference.trapped_bead import BOLTZMANN, trapped
 from tweezer.analysis import Trajectory, diffusion, load_trajectories
 from tweezer.analysis.steps import Steps
 
@@ -108,6 +108,23 @@ def test_held_beads_are_not_free(stiffness):
     ]
     found = diffusion(held, temperature=T)
     assert "confined" in names(found) or found.interval[0] == 0
+
+
+def test_very_short_tracks_of_held_beads_are_told():
+    """10 frames over 3 relaxation times; free ones have a p below 1e-3 with that probability.
+
+    Beads that are driven along end no nearer to where they began.
+    """
+    drag = BOLTZMANN * T / D
+    held = [
+        Trajectory(
+            STEP, trapped(STEP, 10, 2 * np.pi * 5 * drag, drag, None, T, i, 2).T, "xy", name=str(i)
+        )
+        for i in range(60)
+    ]
+    assert "confined" in names(diffusion(held))
+    for seed in range(3):
+        assert "confined" not in names(diffusion(tracks(seed, count=60, frames=10, noise=2e-8)))
 
 
 def test_tracks_must_be_alike():

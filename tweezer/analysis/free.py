@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
-from scipy.special import chdtrc, ndtr
+from scipy.special import chdtrc, fdtr, ndtr
 
 from tweezer.analysis.by_axis import ByAxis
 from tweezer.analysis.findings import IMPROBABLE, REFUTED, Finding
@@ -276,6 +276,9 @@ def free_bead(
     elif len(names) > 1 and 0 < low < high < math.inf:  # each drift takes a step of its track
         error = D * math.log(high / low) / (2 * math.sqrt(_LEVEL))
     findings = [finding for fit in every for finding in fit.findings(step)]
+    determined = len(names) > 1 and 0 < low < high < math.inf
+    if determined and not any(each.name == "confined" for each in findings):
+        findings += _held(every, best, 2 * (D / error) ** 2)
     apart = max(least - sum(fit.least for fit in every), 0.0) / wider
     unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
     if len(every) > 1 and chdtrc(len(every) - 1, apart) < IMPROBABLE:
@@ -306,6 +309,21 @@ def free_bead(
         tuple(findings), _remarks(every, step), ByAxis(fit.result(step, given) for fit in every),
         alone, p_value,
     )  # fmt: skip
+
+
+def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
+    """Tracks that end nearer to where they began than free beads do, which a drift only leads away.
+
+    Fisher's F of what the fit takes as their drifts. freedom: degrees of freedom of D.
+    """
+    squares = np.concatenate([fit.drifts_squared(best) for fit in fits])
+    if float(fdtr(len(squares), freedom, squares.mean())) >= IMPROBABLE:
+        return []
+    text = (
+        f"the tracks end nearer to where they begin than those of free beads, {squares.mean():.2g} "
+        "times the square: are the beads held?"
+    )
+    return [Finding("confined", text)]
 
 
 def _alone(
@@ -532,6 +550,11 @@ class _Fit:
     def least(self) -> float:
         """The smallest misfit of this axis."""
         return self._own[2]
+
+    def drifts_squared(self, a: float) -> Array:
+        """Of each track over its squared standard uncertainty, at the common a."""
+        drifts, errors = self.steps.drifts(a + self.shift, self._at(a + self.shift)[1])
+        return np.asarray((drifts / errors) ** 2)
 
     def misfit(self, a: float) -> float:
         """-2 times the log-likelihood, over drift and, unless known, s."""
