@@ -71,11 +71,12 @@ def fit(
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Fit keys of SCENE to a RECORDING of its trapped bead, by maximum likelihood.
+    """Fit keys of SCENE to a RECORDING.
 
-    Exposure and noise are those of the scene's [camera]; the inertia is that of the scene or of the
-    run, and of a measured recording that of bead and fluid. Exit code: 0 every key is determined, 1
-    a key is not, or the recording refutes the scene, 2 the input is refused.
+    The fit of the trapped bead is by maximum likelihood. Exposure and noise are those of the
+    scene's [camera]. The inertia is that of the scene or of the run, and of a measured recording
+    that of bead and fluid. Exit code: 0 if every key is determined, 1 if a key is not or if the
+    recording refutes the scene, 2 if the input is refused.
     """
     from tweezer.units import Time
 
