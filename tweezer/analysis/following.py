@@ -30,8 +30,9 @@ _LEAST, _BAND = 8, 1.1
 _FREEDOM = 40
 #: Amplitude of an answer that counts as one, in standard uncertainties.
 _SEEN = 5.0
-#: Part of the predicted size below which a band is not followed: its power is a sensor's noise.
-_NOT_FOLLOWED = 0.5
+#: Predicted size above which, and measured one below which, a band is not followed, in standard
+#: uncertainties. Few bands may predict several times too much.
+_FORETOLD, _ABSENT = 20.0, 3.0
 #: Power of the quietest frequencies over the mean power of white noise.
 _QUIET = 0.565
 #: Logarithm of the chance that any ordinate of white noise counts as motion, with its sign changed.
@@ -99,12 +100,14 @@ class Followed:
         # by what is expected: chance would choose those that are too large
         expected = np.abs(bead.moved(bands.frequencies))
         seen = expected > _SEEN * bands.uncertainty
-        noise = seen & (np.abs(bands.response) < _NOT_FOLLOWED * expected)
+        absent = np.abs(bands.response) < _ABSENT * bands.uncertainty
+        noise = absent & (expected > _FORETOLD * bands.uncertainty)
         still = still - _motion(stage, step, still, bead, bands.ends[noise])
         answers = []
         for i in np.flatnonzero(seen & ~noise):
             amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
-            size = math.sqrt(abs(bands.response[i] * amplitude) ** 2 - error**2)
+            power = abs(bands.response[i] * amplitude) ** 2 - error**2
+            size = math.sqrt(max(power, error**2))
             phase = cmath.phase(bands.response[i])
             answers.append(
                 Answer(
