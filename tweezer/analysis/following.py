@@ -24,6 +24,8 @@ Complex = NDArray[np.complex128]
 
 #: Part of a record over which both signals fade in and out, so that its ends do not count.
 _FADES = 0.1
+#: Times that the bead is found by the bands in which the one before it is seen.
+_ROUNDS = 4
 #: Number of ordinates of a band, at least, and ratio of the ends of a band.
 _LEAST, _BAND = 8, 1.1
 #: Number of ordinates that thermal motion is measured by.
@@ -31,7 +33,7 @@ _FREEDOM = 40
 #: Amplitude of an answer that counts as one, in standard uncertainties.
 _SEEN = 5.0
 #: Predicted size above which, and measured one below which, a band is not followed, in standard
-#: uncertainties. Few bands may predict several times too much.
+#: uncertainties. A bead by few bands may predict several times too much.
 _FORETOLD, _ABSENT = 20.0, 3.0
 #: Power of the quietest frequencies over the mean power of white noise.
 _QUIET = 0.565
@@ -96,15 +98,17 @@ class Followed:
         first = np.abs(bands.response) > _SEEN * bands.uncertainty
         if not first.any():
             return cls(still, ())
-        bead = _Nearest.to(bands, first, step)
-        # by what is expected: chance would choose those that are too large
-        expected = np.abs(bead.moved(bands.frequencies))
-        seen = expected > _SEEN * bands.uncertainty
         absent = np.abs(bands.response) < _ABSENT * bands.uncertainty
-        noise = absent & (expected > _FORETOLD * bands.uncertainty)
+        followed = np.zeros_like(first)
+        for _ in range(_ROUNDS):
+            bead = _Nearest.to(bands, first | followed, step)
+            # by what is expected: chance would choose those that are too large
+            expected = np.abs(bead.moved(bands.frequencies))
+            noise = absent & (expected > _FORETOLD * bands.uncertainty)
+            followed = (expected > _SEEN * bands.uncertainty) & ~noise
         still = still - _motion(stage, step, still, bead, bands.ends[noise])
         answers = []
-        for i in np.flatnonzero(seen & ~noise):
+        for i in np.flatnonzero(followed):
             amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
             power = abs(bands.response[i] * amplitude) ** 2 - error**2
             size = math.sqrt(max(power, error**2))
