@@ -231,7 +231,8 @@ class _Nearest(NamedTuple):
         grid = np.linspace(math.log(f[0] / 30), math.log(f[-1] * 30), _CORNERS)
         start = min(grid, key=lambda each: misfit(np.array([each, 0.0])))
         options = {"xatol": 1e-6, "fatol": 1e-6}
-        found = minimize(misfit, [start, 0.0], method="Nelder-Mead", options=options)
+        bounds = [(grid[0], grid[-1]), (-np.inf, np.inf)]
+        found = minimize(misfit, [start, 0.0], method="Nelder-Mead", bounds=bounds, options=options)
         return nearest(*found.x)
 
 
