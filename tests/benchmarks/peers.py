@@ -25,7 +25,7 @@ from tweezer.compiled import address, cached_njit, call, named_njit
 from tweezer.dynamics.integrators.system import RATES
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.solution import BEFORE
-from tweezer.forces.data import Data
+from tweezer.forces.data import COLUMNS, Data
 from tweezer.forces.force import Pose, Wrench, bound, clear
 
 Array = NDArray[np.float64]
@@ -68,7 +68,8 @@ def _integers_at(typing: Any, at: Any) -> Any:
 def _act(about, kernel, many, t, y):  # type: ignore[no-untyped-def]
     """Force, moment and, of `many` = 1, their gradients at a state."""
     data = Data(
-        carray(_numbers_at(about[2]), (about[3],)), carray(_integers_at(about[4]), (about[5], 6))
+        carray(_numbers_at(about[2]), (about[3],)),
+        carray(_integers_at(about[4]), (about[5], COLUMNS)),
     )
     memory = _numbers_at(about[0])
     work = carray(memory, (_LENGTH,))

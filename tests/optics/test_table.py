@@ -285,6 +285,7 @@ def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch)
 BY_VALUE = (
     "tweezer.scene", "tweezer.sections", "tweezer.theory", "tweezer.optics.beam", "tweezer.errors",
     "tweezer.compiled", "tweezer.choices", "tweezer.courses", "tweezer.units", "tweezer.equilibria",
+    "tweezer.rings", "tweezer.vectors",
 )  # fmt: skip
 
 

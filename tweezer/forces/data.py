@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part, kind
-_COLUMNS = 7
+COLUMNS = 7
 #: Kinds of entries beside arrays of numbers, whose kind is the number of their axes
 _INTEGERS, _PART = 5, 6
 #: Numbers in a line of the processor's cache; every entry begins with one
@@ -43,7 +43,7 @@ class Part(NamedTuple):
 def packed(*entries: Any) -> Data:
     """The data of a force from its entries: numbers, arrays (real or int32), and `Part`s."""
     flat: list[Array] = []
-    own = np.zeros((len(entries), _COLUMNS), np.int64)
+    own = np.zeros((len(entries), COLUMNS), np.int64)
     rows, begin = [own], 0
     for row, entry in zip(own, entries, strict=True):
         if isinstance(entry, Part):
@@ -143,5 +143,5 @@ def part(data, entry):  # type: ignore[no-untyped-def]
     return Part(data.shapes[entry, 5], within)
 
 
-DATA = typeof(Data(np.zeros(0), np.zeros((0, _COLUMNS), np.int64)))
+DATA = typeof(Data(np.zeros(0), np.zeros((0, COLUMNS), np.int64)))
 """Numba's type of `Data`"""
