@@ -456,7 +456,7 @@ def test_a_choice_displaces_the_keys_that_do_not_go_with_it(scene):
     table = scene.replace(beam={"profile": "table", **points})
     assert table.beam.profile_radius == (0, 1e-3, 2e-3, 3e-3)
     assert table.replace(beam={"profile": "gaussian", "waist": "2 mm"}) == scene
-    with pytest.raises(SceneError, match="not for profile = 'uniform'"):
+    with pytest.raises(SceneError, match="does not apply to profile = 'uniform'"):
         scene.replace(beam={"profile": "uniform", "sigma": 1e-3})
     with pytest.raises(SceneError, match="sigma or waist: one is needed"):
         table.replace(beam={"profile": "donut"})

@@ -244,7 +244,8 @@ def test_words_for_who_does_not_see_it(shown, turning_run):
     content = tweezer.view(turning_run).content
     assert said["title"] == content.title
     assert said["sub"].startswith("a run: ")
-    assert said["rows"] == [[row.name, row.value] for row in content.summary]
+    shown_rows = [[row.name, re.sub(r"\bum\b", "µm", row.value)] for row in content.summary]
+    assert said["rows"] == shown_rows
     assert len(said["pictures"]) == 4
     assert all(role == "img" and words > 20 for role, words in said["pictures"])
     assert said["time"].startswith("0.")

@@ -201,7 +201,10 @@ def followed_with_progress(scene: Scene, seed: int | None) -> tuple[Run, Callabl
         run, find_errors = motion_of(scene, seed, progress=progress)
 
     def with_progress() -> None:
-        with showing_progress(f"{scene.name}: errors", 1.0):
+        with (
+            showing_progress(f"{scene.name}: errors", 1.0),
+            warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said before
+        ):
             find_errors()
 
     return run, with_progress
