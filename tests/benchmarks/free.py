@@ -109,6 +109,7 @@ def _track(positions: np.ndarray, known: dict[str, float]) -> Track | None:
     if told is None:
         return None
     return Track(
+        len(told.axes) == 2,
         told.interval[0] < DIFFUSION < told.interval[1],
         sum(each.interval[0] < DIFFUSION < each.interval[1] for each in told.axes),
         sum(
@@ -118,7 +119,6 @@ def _track(positions: np.ndarray, known: dict[str, float]) -> Track | None:
         told.diffusion / DIFFUSION,
         told.uncertainty / told.diffusion,
         tuple(finding.name for finding in told.findings),
-        name=len(told.axes) == 2,
     )
 
 
