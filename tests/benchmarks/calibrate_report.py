@@ -158,10 +158,10 @@ def block(results: Results) -> str:
         f"{missed} of {outside} such numbers carry none."
     )
     timed = (
-        "The processor time of one calibration with all methods and findings, beside that of the "
-        "fit of pylake (`calibrate_force`), both on one core in one run, for records at 78 kHz; "
-        "the memory is the largest during the call over that of the positions. These figures are "
-        f"from commit {results['speed']['machine']['commit']}."
+        "The table compares the processor time of one calibration, with all methods and findings, "
+        "with a pylake fit (`calibrate_force`). Both ran on one core in one run, for recordings at "
+        "78 kHz. The memory is the largest during the call, divided by the size of the positions. "
+        f"These figures were measured at commit {results['speed']['machine']['commit']}."
     )
     lines = [
         *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),

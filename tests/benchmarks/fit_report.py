@@ -62,16 +62,19 @@ def block(results: Results) -> str:
     *_, last = results["studies"]
     explained = (
         "The recordings are 1 um silica beads in 10 mW, 1.5 um polystyrene beads in 20 mW and 3 um "
-        "silica beads in 20 mW, simulated with the force map. The samples of a run are 10, 50, 200 "
-        "us or 1 ms apart, 10,000 of them; a camera takes 5,000 frames every 50 us, 200 us or 1 "
-        "ms, exposed all the time, with 3 nm of noise (15 nm along the light). The motion has the "
-        "inertia of bead and fluid where no other is named. `tweezer fit` begins 6 % off in the "
-        "diameter and 30 % off in the power. The table lists how often the 95 % interval contains "
-        "the true value, of all recordings and of those whose key is determined. Where the "
-        f"viscosity is free too, it reports: “{last['statement']}”."
+        "silica beads in 20 mW, simulated with the force map. A run has 10,000 samples at "
+        "intervals of 10, 50 or 200 us or 1 ms. A camera takes 5,000 frames at intervals of 50 or "
+        "200 us or 1 ms. It is exposed all the time and has a noise of 3 nm (15 nm along the "
+        "light). The motion includes the inertia of bead and fluid unless stated otherwise. "
+        "`tweezer fit` starts with a diameter that is wrong by 6 % and a power that is wrong by "
+        "30 %. The table lists how often the 95 % confidence interval contains the true value: "
+        "for all recordings, and for those whose key is determined. If the viscosity is free too, "
+        "the fit reports:"
     )
     lines = [
-        *textwrap.wrap(explained, 110), "", *pages.tables(tables(results)),
+        *textwrap.wrap(explained, 110), "",
+        *textwrap.wrap(last["statement"], 110, initial_indent="> ", subsequent_indent="> "), "",
+        *pages.tables(tables(results)),
         "![Coverage of fits of a scene](figures/bench-fit.png)",
     ]  # fmt: skip
     return pages.block("fit", lines, results["machine"])

@@ -1,13 +1,13 @@
-"""The fluid's inertia: error against the number of poles, told errors, force calls, step rates.
+"""Fluid inertia: error against the number of poles, reported errors, force calls, step rates.
 
 Errors of the modes are against closed forms, the largest of four beads (of 250 nm and 1.5 um
 radius, polystyrene and silica in water) from 1 ns to 0.1 s. Captures are of the thesis's beads
 without its scaling, in the light of rays, and compared with Volterra's equation with the exact
 memory, before the bead is caught: after that every error is drawn together. Force calls and times
-are of whole captures from rest to rest by the map, with memory and without. Told errors
-(`integration_error`) are of releases in the trap of `silica-1um` with other diameters, places and
-viscosities, against runs with 40 poles and a tolerance a thousand times tighter. The results are
-plain data for JSON.
+are for whole captures, from rest to rest with the force map, with memory and without. The reported
+errors (`integration_error`) belong to releases in the trap of `silica-1um` with other diameters,
+positions and viscosities. They are compared with runs with 40 poles and a tolerance that is
+tighter by a factor of 1000. The results are plain data for JSON.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ BEFORE = {"thesis-500nm": 9e-3, "thesis-990nm": 6e-3, "thesis-1950nm": 39e-3}
 _EXACTLY = 1e-14
 #: tolerances of captures, the scene's own first: relative, and of the position, m
 TOLERANCES = ((1e-7, 1e-11), (1e-9, 1e-13))
-#: every fourth run of the told errors has the next of these viscosities, Pa s; how many runs, seed
+#: the runs for the reported errors take these viscosities, Pa s, in turn; number of runs, seed
 VISCOSITIES = (1e-3, 0.05, 0.2, 1.4)
 TOLD_RUNS, _TOLD_SEED = 40, 5
 #: poles of the thermal steps

@@ -65,8 +65,8 @@ def tables(results: Results) -> list[list[list[str]]]:
         ),
     ]  # fmt: skip
     told = [
-        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "told below it",
-         "told / true, least", "median", "most"],
+        ["viscosity, mPa s", "runs", "poles", "largest true error, nm", "reported below it",
+         "reported / true, least", "median", "most"],
         *(_told(results["told"]["runs"], low, high) for low, high in _DECADES),
     ]  # fmt: skip
     steps = [
@@ -121,7 +121,7 @@ def figure(results: Results) -> Figure:
 def written(results: Results) -> str:
     """The block of the page."""
     lines = pages.tables(tables(results))
-    lines.append(f"Told errors are from commit {results['told']['commit']}.")
+    lines.append(f"The reported errors were measured at commit {results['told']['commit']}.")
     return pages.block("fluid", lines, results["machine"])
 
 

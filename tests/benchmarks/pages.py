@@ -66,8 +66,8 @@ def block(name: str, lines: Iterable[str], machine: Results) -> str:
             f"<!-- bench-{name} -->",
             *lines,
             "",
-            f"`make bench` measures this again. These figures are from commit {machine['commit']} "
-            f"on {machine['processor']}, {machine['cores']} cores, Python {machine['python']}, "
+            f"`make bench` measured these figures at commit {machine['commit']} with "
+            f"{machine['processor']}, {machine['cores']} cores, Python {machine['python']}, "
             f"Numba {machine['numba']}.",
             "<!-- end -->",
         ]

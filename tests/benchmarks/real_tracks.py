@@ -116,7 +116,7 @@ def block(results: Results) -> str:
              *pairs, _ends(each["radius"], each["radius_interval"], 1e6, 2)]
         )  # fmt: skip
     figure = f"![{SHOWS}](figures/free-tracks.png)"
-    made = f"These figures are from commit {results['machine']['commit']}."
+    made = f"These figures were measured at commit {results['machine']['commit']}."
     lines = [*pages.markdown(headings, rows), "", figure, "", made]
     return "\n".join(["<!-- bench-real-tracks -->", *lines, "<!-- end -->"])
 
