@@ -2,6 +2,7 @@
 
 import linecache
 import math
+import sys
 
 import numba
 import numpy as np
@@ -19,6 +20,7 @@ from tweezer.forces import (
     matrix,
     number,
     tensor,
+    trial,
     vector,
 )
 
@@ -76,6 +78,49 @@ def test_function_that_is_wrong_everywhere_is_refused_with_its_line(line, messag
     assert said.startswith(f"forces: own, line 3, `{line}`: ")
     assert message in said
     assert len(said.splitlines()) == 1
+
+
+@numba.njit
+def waits(values):
+    """A helper that never returns."""
+    i = 0
+    while i < len(values):
+        values[0] += 1e-15
+    return 0.0
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "while True:\n    wrench.force[0, 0] += 1e-15",
+        "while pose.time[0] < 1.0: pass",
+        "while True: pass",
+        "for i in range(10**12):\n    pass",
+        "while True:\n    try:\n        k = 1 / 0\n    except Exception:\n        pass",
+        "wrench.force[0, 0] += forces.waits(np.zeros(3))",
+    ],
+)
+def test_function_that_does_not_end_is_refused_with_its_line(lines, monkeypatch):
+    monkeypatch.setattr(trial, "_MOST_LINES", 1000)
+    monkeypatch.setattr(forces, "waits", waits, raising=False)
+    with pytest.raises(ForceError) as refused:
+        made(lines)
+    said = str(refused.value)
+    assert said.startswith("forces: own, line ")
+    assert int(said.split()[3].rstrip(",")) in range(2, 3 + lines.count("\n"))
+    assert "does not end within 1,000 lines of plain Python; allowed: loops that end" in said
+    assert len(said.splitlines()) == 1
+
+
+def test_function_with_many_lines_is_taken():
+    """A sum over a thousand entries, for each of three beads."""
+    before = sys.gettrace()
+    made(
+        "for i in range(len(pose.time)):\n"
+        "    for k in range(1000):\n"
+        "        wrench.force[i, 0] += 1e-18 * k"
+    )
+    assert sys.gettrace() is before
 
 
 @pytest.mark.parametrize(

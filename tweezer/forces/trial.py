@@ -7,6 +7,7 @@ compiled code gives, infinity or NaN.
 
 from __future__ import annotations
 
+import dis
 import functools
 import linecache
 import math
@@ -38,6 +39,10 @@ _FILLED = 1e4
 _ADDED = 1e-2
 #: Relative difference by which the force on a bead may depend on the other beads
 _SAME = 1e-9
+#: Largest number of lines that a call may run: a second of plain Python, traced
+_MOST_LINES = 10**7
+#: Modules whose lines do not count: those of libraries
+_LIBRARIES = ("tweezer", "numba", "numpy")
 #: Exceptions that do not depend on the pose
 _DEFINITE = (IndexError, NameError)
 #: Names of entries by the number of their axes
@@ -54,6 +59,10 @@ _IN_PLACE = "'NoneType' object has no attribute 'args'"
 
 class _MisreadError(IndexError):
     """An entry that does not exist, or that another reader reads."""
+
+
+class _EndlessError(BaseException):
+    """A function that runs too many lines; a function cannot catch it as an `Exception`."""
 
 
 def checked(function: Any) -> Any:
@@ -155,7 +164,7 @@ def _names(code: CodeType) -> Iterator[str]:
 
 
 def _is_library(function: Any) -> bool:
-    return str(function.__module__).partition(".")[0] in ("tweezer", "numba")
+    return str(function.__module__).partition(".")[0] in _LIBRARIES
 
 
 def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
@@ -220,6 +229,8 @@ def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str
             wrench = no_wrench(len(pose.time), gradient=gradients)
             try:
                 _run(function, data, pose, wrench)
+            except _EndlessError as error:
+                raise ForceError(_told(function, error)) from None
             except Exception as error:
                 if isinstance(error, _DEFINITE) or _of_shapes(error):
                     raise ForceError(_told(function, error)) from None
@@ -267,11 +278,56 @@ def _some_pose(n: int, *, turns: bool) -> Pose:
     return Pose(np.full(n, 1e-4), rng.normal(size=(n, 3)) * 1e-7, orientation)
 
 
-def _run(function: Any, data: Data, pose: Pose, wrench: Wrench) -> None:
-    """Add to `wrench` by plain Python; what is to be read cannot be written."""
+def _run(
+    function: Any,
+    data: Data,
+    pose: Pose,
+    wrench: Wrench,
+    before_line: Callable[[int], None] | None = None,
+) -> None:
+    """Add to `wrench` by plain Python; what is to be read cannot be written.
+
+    before_line: called with the number of each line of the function, before the line is run.
+    Raises `_EndlessError` after `_MOST_LINES`, counted in the function and its helpers.
+    """
     shut = Pose(*(_shut(each) for each in pose)), Data(*(_shut(each) for each in data))
-    with np.errstate(all="ignore"):
-        plain(function)(*shut, wrench)
+    code, before, left = function.py_func.__code__, sys.gettrace(), _MOST_LINES
+
+    def counting(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        nonlocal left
+        left -= 1
+        if left < 0:
+            raise _EndlessError
+        return counting
+
+    def telling(frame: Any, event: str, value: Any) -> Any:
+        assert before_line is not None
+        before_line(frame.f_lineno)
+        counting(frame, event, value)
+        return telling
+
+    def tracing(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+        if str(frame.f_globals.get("__name__")).partition(".")[0] in _LIBRARIES:
+            return None
+        frame.f_trace_opcodes = _has_empty_loop(frame.f_code)
+        return telling if before_line is not None and frame.f_code is code else counting
+
+    within = plain(function)
+    sys.settrace(tracing)
+    try:
+        with np.errstate(all="ignore"):
+            within(*shut, wrench)
+    finally:
+        sys.settrace(before)
+
+
+@functools.cache
+def _has_empty_loop(code: CodeType) -> bool:
+    """Whether an instruction leads to itself, as of `while True: pass`, which is traced as none."""
+    return any(
+        each.opname.startswith("JUMP") and each.argval == each.offset
+        for each in dis.get_instructions(code)
+    )
 
 
 def _shut(values: Any) -> Any:
@@ -320,24 +376,15 @@ def _first_line(
     is_wrong: Callable[[Wrench], bool],
 ) -> int | None:
     """Run a function, and return the first line after which its wrench is wrong."""
-    code, before = function.py_func.__code__, sys.gettrace()
     line, found = 0, None
 
-    def within(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
+    def look(next_line: int) -> None:
         nonlocal line, found
         if found is None and line and is_wrong(wrench):
             found = line
-        line = frame.f_lineno
-        return within
+        line = next_line
 
-    def tracing(frame: Any, event: str, value: Any) -> Any:  # noqa: ARG001
-        return within if frame.f_code is code else None
-
-    sys.settrace(tracing)
-    try:
-        _run(function, data, pose, wrench)
-    finally:
-        sys.settrace(before)
+    _run(function, data, pose, wrench, look)
     return found
 
 
@@ -347,7 +394,7 @@ def _place(function: Any, line: int) -> str:
     return f"forces: {function.__name__}, line {line}" + (f", `{source}`" if source else "")
 
 
-def _told(function: Any, error: Exception) -> str:
+def _told(function: Any, error: BaseException) -> str:
     """What an exception says, in one line."""
     code = function.py_func.__code__
     line = code.co_firstlineno
@@ -356,6 +403,11 @@ def _told(function: Any, error: Exception) -> str:
             line = number
     said = " ".join(str(error).split())
     where = _place(function, line)
+    if isinstance(error, _EndlessError):
+        return (
+            f"{where}: does not end within {_MOST_LINES:,} lines of plain Python; allowed: loops "
+            "that end at every position and time; limit the number of their rounds"
+        )
     if "read-only" in said:
         return f"{where}: writes to the pose or to an entry; change a copy of it"
     if isinstance(error, _MisreadError | NameError):
