@@ -84,15 +84,15 @@ def test_external_data_of_a_run_are_not_shown():
         del file["position"]
         file["position"] = h5py.ExternalLink("private.h5", "/x")
     for read in (tweezer.load_run, tweezer.view, lambda path: tweezer.compare(path, path)):
-        with pytest.raises(tweezer.ResultError, match="position: lies in another file"):
+        with pytest.raises(tweezer.ResultError, match="position: is stored in another file"):
             read(path)
 
 
 def test_times_that_fall_or_are_not_finite_are_refused():
     run = tweezer.load_run(sound() / "run.nc")
     for values, expected in (
-        (run["time"].values[::-1], "does not rise after the entry 1"),
-        (np.where(np.arange(11) == 4, np.nan, run["time"].values), "is not finite at the entry 5"),
+        (run["time"].values[::-1], "does not increase after entry 1"),
+        (np.where(np.arange(11) == 4, np.nan, run["time"].values), "is not finite at entry 5"),
     ):
         wrong = run.assign_coords(time=("time", values, run["time"].attrs))
         tweezer.save_run(wrong, "wrong.nc")

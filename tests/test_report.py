@@ -84,7 +84,9 @@ def test_a_free_bead_has_one_verdict_and_no_table():
     page = page_of(recording, tweezer.calibrate(recording, temperature=293.15))
     assert not page.tables
     (verdict,) = page.verdicts
-    assert verdict.text.startswith("x, y: no trap is seen; as of a free bead: diffusion 0.")
+    assert verdict.text.startswith(
+        "x, y: no trap is detected; treated as a free bead: diffusion 0."
+    )
 
 
 def test_a_page_says_what_was_left_out(drifting):

@@ -122,8 +122,8 @@ def name_last(record: Any) -> Any:
         if given and isinstance(given[0], str):
             kind = record.__name__
             warn(
-                f"{kind}({given[0]!r}, ...): the name comes last now, as "
-                f"{kind}(..., name={given[0]!r}); the old order goes with version 0.3",
+                f"{kind}({given[0]!r}, ...): the name is now the last argument, as "
+                f"{kind}(..., name={given[0]!r}); the old order will be removed in version 0.3",
                 FutureWarning,
             )
             given, named = given[1:], {"name": given[0], **named}

@@ -29,7 +29,7 @@ def telling(out: Path | None) -> Iterator[None]:
     except OSError as error:
         raise ResultError(
             f"{out}: cannot be written: {error.strerror or error}; what was written before is "
-            "kept, and can be resumed"
+            "kept and can be resumed"
         ) from None
 
 
@@ -42,18 +42,18 @@ def held(out: Path) -> Iterator[None]:
     if not out.parent.is_dir():
         raise ResultError(f"{out}: no such folder: {out.parent}")
     if out.is_symlink():
-        raise ResultError(f"{out}: is a link; name what it leads to: {out.readlink()}")
+        raise ResultError(f"{out}: is a link; give its target instead: {out.readlink()}")
     path = out.with_name(out.name + ".lock")
     with telling(out):
         if path.is_symlink() or (path.exists() and not (path.is_file() and not _size(path))):
             raise ResultError(
-                f"{out}: {path} is in the way, and is no lock of tweezer; name another file"
+                f"{out}: {path} already exists and is no lock of tweezer; choose another file"
             )
         lock = FileLock(path)
         try:
             lock.acquire(timeout=0)
         except Timeout:
-            raise ResultError(f"{out}: another process is at work on it") from None
+            raise ResultError(f"{out}: another process is writing it") from None
     try:
         yield
     finally:
@@ -105,7 +105,7 @@ class Part:
         foreign = folder.exists() and not marked and (not folder.is_dir() or any(folder.iterdir()))
         if folder.is_symlink() or foreign:
             raise ResultError(
-                f"{self.out}: {folder} is in the way, and of no {self.of}; name another file"
+                f"{self.out}: {folder} already exists and is of no {self.of}; choose another file"
             )
         folder.mkdir(exist_ok=True)
         if not marked:

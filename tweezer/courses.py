@@ -118,7 +118,7 @@ class Motion(_Course):
     positions: Places | None = Field(None, description="at these times, from the beam's position")
     period: PositiveTime | None = Field(
         None,
-        description="of steps and of a table, which begin again after it; they end if not given",
+        description="of steps and of a table, which repeat after it; without it they do not repeat",
     )
 
     @property
@@ -157,7 +157,7 @@ class Modulation(_Course):
     factors: Factors | None = Field(None, description="at these times")
     period: PositiveTime | None = Field(
         None,
-        description="of steps and of a table, which begin again after it; they end if not given",
+        description="of steps and of a table, which repeat after it; without it they do not repeat",
     )
 
     @model_validator(mode="after")

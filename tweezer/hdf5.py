@@ -35,7 +35,7 @@ def item_of(path: Path, group: h5py.Group, name: str, label: str) -> Any:
     external = isinstance(group.get(name, getlink=True), h5py.ExternalLink)
     item = None if external else group.get(name)
     if external or (item is not None and _lies_elsewhere(item, group.file)):
-        raise ResultError(f"{path}: {label}: lies in another file; must be in this one")
+        raise ResultError(f"{path}: {label}: is stored in another file; must be in this file")
     return item
 
 

@@ -132,9 +132,9 @@ def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Itera
         yield f"its {name} is over ({along}), not over ({', '.join(expected.dimensions)})"
     elif expected.unit == TEXT:
         if there.dtype.kind not in "UOT":
-            yield f"its {name} is no text"
+            yield f"its {name} is not text"
     elif there.dtype.kind not in "fiu":
-        yield f"its {name} is no number"
+        yield f"its {name} is not a number"
     elif str(there.attrs.get("units", "")) != expected.unit:
         unit = str(there.attrs.get("units", "no unit"))[:20]
         yield f"its {name} is in {unit!r}, not in {expected.unit!r}"
@@ -171,9 +171,9 @@ def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
     """What is wrong with coordinates that must be finite and ascend."""
     values = dataset[name].values
     if not np.isfinite(values).all():
-        yield f"its {name} is not finite at the entry {1 + int(np.argmin(np.isfinite(values)))}"
+        yield f"its {name} is not finite at entry {1 + int(np.argmin(np.isfinite(values)))}"
     elif (falls := np.diff(values) <= 0).any():
-        yield f"its {name} does not rise after the entry {1 + int(np.argmax(falls))}"
+        yield f"its {name} does not increase after entry {1 + int(np.argmax(falls))}"
 
 
 def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
@@ -217,7 +217,7 @@ def _of_sweep(dataset: xr.Dataset, about: _OfSweep) -> Iterable[str]:
     if over != list(shape) or any(
         size != dataset.sizes[name] for name in over for size in shape[name].values()
     ):
-        yield "its cases are not those of its attribute over"
+        yield "its cases differ from its attribute over"
         return
     if about.cases != dataset["outcome"].size:
         yield f"it has {dataset['outcome'].size} of {about.cases} cases"
@@ -238,14 +238,14 @@ def _of_sweep(dataset: xr.Dataset, about: _OfSweep) -> Iterable[str]:
         if list(each.dims[: len(over)]) != over or along not in ((), ("axis",), ("direction",)):
             yield f"its {name} is not over its cases"
         if each.dtype.kind not in "fiub":
-            yield f"its {name} is no number"
+            yield f"its {name} is not a number"
         elif each.dtype.kind != "b" and not isinstance(each.attrs.get("units"), str):
             yield f"its {name} has no unit"
         error = each.attrs.get("ancillary_variables")
         if error is not None and (
             not isinstance(error, str) or error not in dataset or dataset[error].dims != each.dims
         ):
-            yield f"the error of its {name} is not there"
+            yield f"the error of its {name} is missing"
 
 
 #: Texts of every case of a sweep

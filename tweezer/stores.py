@@ -216,12 +216,12 @@ def _described(path: Path) -> _Described:
             reason = "no such folder" if not path.exists() else "is no folder"
             raise ResultError(f"{path}: {reason}")
         if not (path / _ABOUT).exists():
-            reason = "is of Zarr's format 2; " if (path / ".zgroup").exists() else ""
+            reason = "is in Zarr format 2; " if (path / ".zgroup").exists() else ""
             raise ResultError(f"{path}: not a result of tweezer: {reason}must have {_ABOUT}")
         files = _files(path)
         about = json.loads(read_text(path / _ABOUT))
         if not (about["zarr_format"] == 3 and about["node_type"] == "group"):
-            raise ResultError(f"{path}: not a result of tweezer: is no group of Zarr's format 3")
+            raise ResultError(f"{path}: not a result of tweezer: is not a group in Zarr format 3")
         if _SEAL in files and read_text(path / _SEAL).strip() != _digest(about):
             raise ResultError(
                 f"{path}: damaged: its {_ABOUT} is not what was saved; if you changed it, delete "

@@ -15,7 +15,7 @@ def test_axes_are_found_by_number_and_by_name():
     assert axes["x"] is axes[0]
     assert axes["z"] is axes[-1]
     assert axes[:1] == (axes[0],)
-    with pytest.raises(KeyError, match="no such axis; there are: x, z"):
+    with pytest.raises(KeyError, match="no such axis; choose from: x, z"):
         axes["y"]
 
 

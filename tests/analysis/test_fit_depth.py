@@ -642,7 +642,7 @@ def text(heading="t [ms],x [um],y [um]", **changed):
     ("content", "options", "complaint"),
     [(text("t [ms],x [um]"), (), "has no column y"),
      (text("t [ms],x [kg],y [um]"), (), "x [kg]: 'kg' has the wrong unit"),
-     (text(l9="1,0,-2"), (), "sample 8: its time is not after the one before"),
+     (text(l9="1,0,-2"), (), "sample 8: its time is not later than the previous time"),
      (text(l9="inf,0,-2"), (), "frame 8: its time is not finite"),
      (text(l9="1.75,inf,-2"), (), "frame 8: not finite"),
      (text(l9="1.75,zero,-2"), (), "line 9: 'zero' is not a number"),

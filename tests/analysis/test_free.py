@@ -189,7 +189,7 @@ def test_the_calibration_tells_a_free_bead_from_a_trapped_one():
     expected = found(record, KNOWN._replace(exposure=STEP))
     assert dataclasses.asdict(calibration.free) == dataclasses.asdict(expected)
     for axis in ("x", "y"):
-        assert f"  stiffness, {axis}                  no trap is seen\n" in repr(calibration)
+        assert f"  stiffness, {axis}                  no trap is detected\n" in repr(calibration)
     held = trapped(STEP, 800, DRAG / (5 * STEP), DRAG, None, T, 16)
     both = np.column_stack([record[:, 0], held[0]])
     mixed = tweezer.calibrate(Recording(times, both, ("x", "y"), name="mine"), temperature=T)

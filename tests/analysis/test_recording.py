@@ -216,7 +216,7 @@ def rows(count=150, **changed):
       "samples missing: 14 of 150; the longest stretch without a gap has 88 samples, and must"),
      ("a.csv", rows(**{f"l{i}": f"{i},nan" for i in range(2, 152)}), "has no row in which all"),
      ("a.csv", rows(l60="inf,1"), "sample 59: not finite"),
-     ("a.csv", rows(l60="0.057,1"), "sample 59: its time is not after the one before"),
+     ("a.csv", rows(l60="0.057,1"), "sample 59: its time is not later than the previous time"),
      ("a.csv", rows(l60="0.0584,1"), "sample 59: its time breaks the even step of 0.001 s"),
      ("a.csv", "t,x\n" + "".join(f"{i},1\n" for i in range(150)), "x does not change"),
      ("a.nc", "t,x", "not an HDF5 or NetCDF 4 file, or damaged"),
@@ -289,7 +289,7 @@ def test_numbers_in_other_files_are_refused(tmp_path, way):
         else:
             file["beside/x"] = h5py.ExternalLink("other.h5", "x")
             file["x"] = h5py.SoftLink("/beside/x")
-    with pytest.raises(tweezer.ResultError, match=r"h5: (beside/)?x: lies in another file"):
+    with pytest.raises(tweezer.ResultError, match=r"h5: (beside/)?x: is stored in another file"):
         tweezer.load_recording(tmp_path / "mine.h5")
 
 
@@ -388,7 +388,7 @@ def test_command_on_a_free_bead_and_on_a_camera(command_line):
     written = json.loads(Path("k.json").read_text())
     assert "free" in [finding["name"] for finding in written["axes"][0]["findings"]]
     D = with_uncertainty(*(1e12 * written["free"][each] for each in ("diffusion", "uncertainty")))
-    said = f"x: no trap is seen; as of a free bead: diffusion {D} um^2/s (95 %: "
+    said = f"x: no trap is detected; treated as a free bead: diffusion {D} um^2/s (95 %: "
     assert first.startswith(said)
     assert "; drag " in first
     camera = trapped(STEP, 4000, K, DRAG, None, T, 9, exposure=STEP).T

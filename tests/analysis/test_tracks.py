@@ -143,11 +143,11 @@ def test_a_table_of_short_tracks(command_line, tmp_path):
     outcome = command_line("calibrate", "all.csv", *rate, "--out", "a.json")
     assert outcome.code == 0
     first = outcome.out.splitlines()[0]
-    assert first.startswith("x, y: 25 tracks together, as of free beads: diffusion ")
+    assert first.startswith("x, y: 25 tracks together, treated as free beads: diffusion ")
     found = json.loads((tmp_path / "a.json").read_text("utf-8"))["diffusion"]
     assert found["interval"][0] < D < found["interval"][1]
     outcome = command_line("calibrate", "all.csv", *rate, "--bead", "7")
-    assert "samples are too few to see a trap; as of a free bead: diffusion" in outcome.out
+    assert "samples are too few to detect a trap; treated as a free bead: diffusion" in outcome.out
     outcome = command_line("calibrate", "all.csv", *rate, "--drift", "1 Hz")
     assert (outcome.code, "has 25 beads; name the one" in outcome.err) == (2, True)
 
@@ -169,7 +169,7 @@ def test_several_files_of_free_beads_are_one_diffusion(command_line, tmp_path):
         "calibrate", "0.csv", "1.csv", "--temperature", "20 degC", "--out", "a.json"
     )
     assert "stiffness" not in outcome.out
-    assert "x, y: 2 tracks together, as of free beads: diffusion" in outcome.out
+    assert "x, y: 2 tracks together, treated as free beads: diffusion" in outcome.out
     found = json.loads((tmp_path / "a.json").read_text("utf-8"))["diffusion"]
     assert found["interval"][0] < D < found["interval"][1]
 
@@ -221,4 +221,7 @@ def test_a_long_track_with_many_gaps(command_line, tmp_path, trapped_bead):
         assert (outcome.code, outcome.out) == (2, "")
         assert "the longest stretch without a gap has" in outcome.err
     else:
-        assert "samples have too many gaps to see a trap; as of a free bead: diffus" in outcome.out
+        assert (
+            "samples have too many gaps to detect a trap; treated as a free bead: diffus"
+            in outcome.out
+        )

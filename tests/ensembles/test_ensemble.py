@@ -709,7 +709,7 @@ def test_only_the_same_ensemble_is_resumed(gathered, small, tmp_path):
     for progress in (interrupt_after(BEGUN), None):  # begun, and complete
         tweezer.ensemble(FREE, 50, **kind, resume=progress is None, progress=progress)
         before = content(tmp_path)
-        with pytest.raises(tweezer.ResultError, match="exists, or is begun"):
+        with pytest.raises(tweezer.ResultError, match="already exists or is unfinished"):
             tweezer.ensemble(FREE, 50, **kind)
         for scene, trajectories, seed, complaint in (
             (INERTIAL, 50, 0, "made of another scene"),
@@ -769,17 +769,19 @@ def test_a_folder_it_has_not_made_is_left_alone(gathered, small, tmp_path):
     (part / "0.npz").write_text("precious")
     before = content(tmp_path)
     for resume in (False, True):
-        with pytest.raises(tweezer.ResultError, match="in the way, and of no ensemble; name anoth"):
+        with pytest.raises(
+            tweezer.ResultError, match="already exists and is of no ensemble; choose anoth"
+        ):
             tweezer.ensemble(FREE, 3, **kind, resume=resume)
         assert content(tmp_path) == before
     part.rename(tmp_path / "mine")
     before = content(tmp_path)
     part.symlink_to(victim)
-    with pytest.raises(tweezer.ResultError, match="in the way"):
+    with pytest.raises(tweezer.ResultError, match="already exists and is"):
         tweezer.ensemble(FREE, 3, **kind)
     part.unlink()
     part.write_text("a file")
-    with pytest.raises(tweezer.ResultError, match="in the way"):
+    with pytest.raises(tweezer.ResultError, match="already exists and is"):
         tweezer.ensemble(FREE, 3, **kind)
     part.unlink()
     part.mkdir()  # by a process that was killed before it wrote anything
@@ -799,7 +801,7 @@ def test_a_marker_that_is_a_link_is_not_written_to(tmp_path):
     (tmp_path / "thesis.tex").write_text("precious")
     (tmp_path / "a.zarr.part").mkdir()
     (tmp_path / "a.zarr.part" / "of-an-ensemble").symlink_to(tmp_path / "thesis.tex")
-    with pytest.raises(tweezer.ResultError, match="in the way"):
+    with pytest.raises(tweezer.ResultError, match="already exists and is"):
         tweezer.ensemble(FREE, 3, out=tmp_path / "a.zarr")
     assert (tmp_path / "thesis.tex").read_text() == "precious"
 
@@ -984,7 +986,7 @@ def test_two_processes_do_not_work_on_one_store(small, tmp_path):
     before = content(tmp_path)
     with (
         FileLock(tmp_path / "a.zarr.lock"),
-        pytest.raises(tweezer.ResultError, match="another process is at work on it"),
+        pytest.raises(tweezer.ResultError, match="another process is writing it"),
     ):
         tweezer.ensemble(FREE, 50, out=out, resume=True)
     assert content(tmp_path) == before | {"a.zarr.lock": hashlib.sha256().hexdigest()}
@@ -1001,7 +1003,7 @@ def test_an_ensemble_begun_by_another_process_meanwhile(small, tmp_path, monkeyp
             return super().acquire(*arguments, **kind)
 
     monkeypatch.setattr(beside, "FileLock", Late)
-    with pytest.raises(tweezer.ResultError, match="exists, or is begun"):
+    with pytest.raises(tweezer.ResultError, match="already exists or is unfinished"):
         tweezer.ensemble(FREE, 50, out=out)
     assert (tmp_path / "a.zarr.part").is_dir()
 
@@ -1036,7 +1038,7 @@ def test_command_of_statistics(command_line):
     assert f"{int(found['windows'])} of" in outcome.out
     again = command_line(*arguments)
     assert (again.code, len(again.err.splitlines())) == (2, 1)
-    assert "exists, or is begun" in again.err
+    assert "already exists or is unfinished" in again.err
     assert command_line(*arguments, "--resume").out == outcome.out
 
 

@@ -76,7 +76,7 @@ def test_measured_samples_are_left_alone(rounded):
 
 @pytest.mark.parametrize(
     ("positions", "which", "said"),
-    [(held(at(0.03)), "copies", "samples repeat the one before"),
+    [(held(at(0.03)), "copies", "samples repeat the previous one"),
      (marked(0), "marks", "samples have the same numbers (0, 0): taken as lost"),
      (marked((-1, -1)), "marks", "(-1, -1): taken as lost"),
      (marked(0, axes=1), "marks", "(0): taken as lost"),
@@ -106,7 +106,7 @@ def test_a_recorder_that_is_faster_than_its_camera(tmp_path, positions, rate):
     recording = tweezer.load_recording(tmp_path / "a.csv")
     assert abs(1 / recording.step - rate) < 1e-3 * rate
     assert len(recording.times) == pytest.approx(N, abs=1)
-    assert "repeat the one before" in recording.note
+    assert "repeat the previous one" in recording.note
     np.testing.assert_allclose(recording.positions, 1e-6 * POSITIONS[: len(recording.times)])
 
 

@@ -188,27 +188,27 @@ def test_stopped_and_resumed_it_has_the_same_bytes(whole, tmp_path):
 def test_what_is_there_is_not_lost(whole, tmp_path):
     _, store = whole
     before = content(store)
-    with pytest.raises(tweezer.ResultError, match="exists; resume it"):
+    with pytest.raises(tweezer.ResultError, match="already exists; resume it"):
         tweezer.sweep(SCENE, OVER, out=store, workers=1)
     with pytest.raises(tweezer.ResultError, match="sweeps over other keys or values; name"):
         tweezer.sweep(SCENE, {**OVER, "bead.diameter": [1e-6]}, out=store, workers=1, resume=True)
     other = SCENE.replace(medium={"viscosity": "1 mPa s"})
     with pytest.raises(tweezer.ResultError, match="is a sweep of another scene; name"):
         tweezer.sweep(other, OVER, out=store, workers=1, resume=True)
-    with pytest.raises(tweezer.ResultError, match="is a sweep of trap, not of run; name another"):
+    with pytest.raises(tweezer.ResultError, match="is a sweep of trap, not of run; choose another"):
         tweezer.sweep(SCENE, OVER, "run", out=store, workers=1, resume=True)
-    with pytest.raises(tweezer.ResultError, match="is made with seed 3, not 4; name another"):
+    with pytest.raises(tweezer.ResultError, match="is made with seed 3, not 4; choose another"):
         check_same(store, {"seed": "3"}, {"seed": "4"})
     assert content(store) == before
     out = tmp_path / "sweep.zarr"
     foreign = tmp_path / "sweep.zarr.part"
     foreign.mkdir()
     (foreign / "notes.txt").write_text("mine")
-    with pytest.raises(tweezer.ResultError, match="in the way, and of no sweep"):
+    with pytest.raises(tweezer.ResultError, match="already exists and is of no sweep"):
         tweezer.sweep(SCENE, OVER, out=out, workers=1)
     (foreign / "notes.txt").rename(foreign / "journal.jsonl")
     for resume in (False, True):
-        with pytest.raises(tweezer.ResultError, match="in the way, and of no sweep"):
+        with pytest.raises(tweezer.ResultError, match="already exists and is of no sweep"):
             tweezer.sweep(SCENE, OVER, out=out, workers=1, resume=resume)
     assert (foreign / "journal.jsonl").read_text() == "mine"
 

@@ -34,4 +34,4 @@ class ByAxis(tuple[T, ...]):
             if each.axis == key:
                 return each
         there = ", ".join(each.axis for each in self)
-        raise KeyError(f"axes[{key!r}]: no such axis; there are: {there or 'none'}")
+        raise KeyError(f"axes[{key!r}]: no such axis; choose from: {there or 'none'}")

@@ -280,7 +280,7 @@ class Calibration(Shown):
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
-    """of the axes along which no trap is seen; None if a trap is seen along all"""
+    """of the axes along which no trap is detected; None if a trap is seen along all"""
     left_out: LeftOut = NOTHING
     """what was left out of the record, and of the fits"""
     radius: float | None = None
@@ -303,7 +303,7 @@ class Calibration(Shown):
         rows = []
         for axis in self.axes:
             if axis.axis in free:
-                rows.append(Row(f"stiffness, {axis.axis}", "no trap is seen"))
+                rows.append(Row(f"stiffness, {axis.axis}", "no trap is detected"))
                 continue
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
             told = f"{best.told}, by {best.method}"
@@ -391,9 +391,9 @@ def calibrate(
     autocorrelation uses only the rate of decay and needs a drag, but no temperature. Potential:
     `potential`, with the corrections of equipartition.
 
-    Along axes where no trap is seen the bead is taken for a free one: `Calibration.free` has its
-    diffusion, and what that tells of the viscosity, the radius or Boltzmann's constant, whichever
-    is not given.
+    Along axes where no trap is detected, the bead is treated as a free bead. `Calibration.free` has
+    its diffusion coefficient and the quantities that follow from it: the viscosity, the radius or
+    Boltzmann's constant, whichever is not given.
 
     `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
     `ResultError` without a temperature, for an exposure longer than the step, for what

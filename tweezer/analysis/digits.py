@@ -55,7 +55,7 @@ def of_samples(positions: Array) -> tuple[Finding, ...]:
         found.append(Finding("lost", text))
     if missing.repeated.any():
         share = f"{100 * missing.repeated.mean():.2g} % of its {n:,} samples"
-        text = f"{share} repeat the one before to the last digit: {way}"
+        text = f"{share} repeat the previous one to the last digit: {way}"
         found.append(Finding("repeated", text))
     if missing.between.any():
         share = f"{100 * missing.between.mean():.2g} % of its {n:,} samples"
@@ -126,9 +126,10 @@ def _in_turn(positions: Array) -> Finding | None:
         continues = (far @ far) / len(far) < _IN_TURN * (near @ near) / len(near)
         if continues and _autocorrelation(far, beads - 1).max() < _APART:
             text = (
-                f"each sample continues the one {beads} before: are rows of {beads} beads in turn?"
+                f"each sample continues the one {beads} before: are these rows of {beads} beads in "
+                "turn?"
             )
-            return Finding("turns", f"{text} Keep those of one")
+            return Finding("turns", f"{text} Keep the rows of one bead")
     return None
 
 
@@ -142,8 +143,8 @@ def _shuffled(positions: Array) -> Finding | None:
     away = away / away.std()
     if _probable(away) and kstest(away, "norm").pvalue >= IMPROBABLE:
         return None
-    text = "its samples are independent and not Gaussian: are the rows in the order of time?"
-    return Finding("order", f"{text} Read their times or frames too")
+    text = "its samples are independent and not Gaussian: are the rows in time order?"
+    return Finding("order", f"{text} Read the column of times or frames too")
 
 
 def _autocorrelation(series: Array, lags: int) -> Array:

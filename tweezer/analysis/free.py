@@ -194,7 +194,7 @@ class Given(NamedTuple):
 def not_trapped(
     name: str, found: Mapping[str, Sequence[Finding]], positions: Array, step: float, given: Given
 ) -> Diffusion | None:
-    """The diffusion along the axes along which no trap is seen; None if there are none.
+    """The diffusion along the axes along which no trap is detected; None if there are none.
 
     found: for each axis of positions (n, axes), what speaks against a trapped bead. One that looks
     free is; and so is one to which other things are objected, if nothing speaks against a free one.
@@ -320,7 +320,7 @@ def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
     if float(fdtr(len(squares), freedom, squares.mean())) >= IMPROBABLE:
         return []
     text = (
-        f"the tracks end nearer to where they begin than those of free beads, {squares.mean():.2g} "
+        f"the tracks end closer to their beginning than those of free beads, {squares.mean():.2g} "
         "times the square: are the beads held?"
     )
     return [Finding("confined", text)]

@@ -108,7 +108,7 @@ class Recording(Shown):
         steps = np.diff(self.times)
         if (steps <= 0).any():
             self._refuse(
-                "its time is not after the one before",
+                "its time is not later than the previous time",
                 1 + int(np.argmax(steps <= 0)),
             )
         even = np.linspace(self.times[0], self.times[-1], len(self.times))
@@ -200,7 +200,7 @@ class Track(Shown):
         for wrong, why, first in (
             (~np.isfinite(self.times), "its time is not finite", 1),
             (np.isinf(self.positions).any(axis=1), "not finite", 1),
-            (~(steps > 0), "its time is not after the one before", 2),
+            (~(steps > 0), "its time is not later than the previous time", 2),
         ):
             if wrong.any():
                 raise ResultError(f"{self.name}: frame {first + int(np.argmax(wrong))}: {why}")

@@ -103,14 +103,14 @@ def _wrong(trap: Trap) -> Iterator[str]:
     """What cannot be of a trap."""
     place = trap.equilibrium
     if bool(trap.escapes) != (place is not None):
-        yield "it has ways out of no equilibrium, or none of one"
+        yield "it has escapes without an equilibrium, or an equilibrium without escapes"
     if place is not None:
         if trap.corner_frequencies is None or trap.drag is None:
             yield "it has an equilibrium without its drag or corner frequencies"
         if not all(0 < each < math.inf for each in place.eigenvalues):
             yield "its equilibrium is not stable"
         if [each.direction for each in trap.escapes] != list(DIRECTIONS):
-            yield f"its ways out are not {', '.join(DIRECTIONS)}"
+            yield f"its escape directions are not {', '.join(DIRECTIONS)}"
     lengths = {
         "reach": [trap.reach],
         "equilibria": [z for each in trap.equilibria for z in each.position],

@@ -216,7 +216,7 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
     usual = float(np.median(steps))
     if not (steps > 0).all():
         at = 2 + int(np.argmax(steps <= 0))
-        raise ResultError(f"{name}: frame {at}: its time is not after the one before")
+        raise ResultError(f"{name}: frame {at}: its time is not later than the previous time")
     leaps = np.maximum(np.rint(steps / usual), 1.0)
     if np.abs(steps / usual - leaps).max() > _OFF:
         at = 2 + int(np.abs(steps / usual - leaps).argmax())

@@ -81,7 +81,7 @@ def _scaled(value: float | None, uncertainty: float | None, factor: float, unit:
 
 
 #: Verdict on a bead that was tested for a trap
-NO_TRAP = "no trap is seen; as of a free bead"
+NO_TRAP = "no trap is detected; treated as a free bead"
 
 
 def diffusion_in_words(free: Diffusion, unit: str, seen: str = NO_TRAP) -> str:

@@ -59,10 +59,10 @@ def print_tracks(free: Diffusion, tracks: Sequence[Trajectory], few: ResultError
         )
     if held and few is not None:
         raise few
-    seen = f"{len(tracks)} tracks together, as of free beads"
+    seen = f"{len(tracks)} tracks together, treated as free beads"
     if len(tracks) == 1:
         why = "samples are too few" if first.frames < _LONG else "samples have too many gaps"
-        seen = f"{first.frames} {why} to see a trap; as of a free bead"
+        seen = f"{first.frames} {why} to detect a trap; treated as a free bead"
     print_free(free, first.unit, seen)
     if free.homogeneity is not None:
         OUT.print(

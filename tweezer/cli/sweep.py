@@ -63,7 +63,7 @@ def sweep(
     ] = None,
     of: Annotated[
         str,
-        typer.Option(help=f"What is computed: {', '.join(SWEPT)}.", autocompletion=among(SWEPT)),
+        typer.Option(help=f"Quantity to compute: {', '.join(SWEPT)}.", autocompletion=among(SWEPT)),
     ] = "trap",
     out: Annotated[
         Path | None, typer.Option(help="Zarr store to write; SCENE-sweep.zarr if not given.")
@@ -159,5 +159,5 @@ def _print_sweep(name: str, result: xr.Dataset) -> None:
     caveats = result["caveat"].values.ravel()
     if doubtful := int((caveats != "").sum()):
         first = str(caveats[caveats != ""][0])
-        table.add_row("not to be trusted as they stand", f"{doubtful}; the first: {first}")
+        table.add_row("with findings", f"{doubtful}; the first: {first}")
     OUT.print(table)

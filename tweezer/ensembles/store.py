@@ -63,7 +63,9 @@ def _begun(job: Job, bound: Walk, resume: bool) -> bool:
     if made is None:
         return False
     if not resume:
-        raise ResultError(f"{job.out}: exists, or is begun; resume it, or name another file")
+        raise ResultError(
+            f"{job.out}: already exists or is unfinished; resume it or choose another file"
+        )
     for key, value in attributes_of(job, bound).items():
         if key in FORMAL:  # the scene has the same in numbers
             continue

@@ -19,7 +19,7 @@ def _check(data, entry, axes):  # type: ignore[no-untyped-def]
         raise IndexError("the force has no entry of this number; entries are counted from 0")
     if data.shapes[entry, 6] != axes:
         raise IndexError(
-            "the entry is of another kind; number, vector, matrix and tensor read one of 0, 1, 2 "
+            "the entry has another kind; number, vector, matrix and tensor read entries of 0, 1, 2 "
             "and 3 axes"
         )
 

@@ -335,7 +335,7 @@ def _refuse_spectrum(table: Table, reading: Reading) -> None:
     )
     raise ResultError(
         f"{table.name}: is a spectrum: {short(power)!r} over {short(frequency)!r}; a calibration "
-        "needs the recording itself, positions or voltages over time"
+        "requires the recording itself, positions or voltages over time"
     )
 
 

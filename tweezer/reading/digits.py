@@ -79,7 +79,7 @@ def unmeasured(positions: Array) -> Unmeasured:
     said = list(of_marks)
     n = len(positions)
     if repeated.any():
-        said.append(f"{_share(repeated, n)} samples repeat the one before to the last digit")
+        said.append(f"{_share(repeated, n)} samples repeat the previous one to the last digit")
     if between.any():
         said.append(f"{_share(between, n)} samples lie on the line between their neighbours")
     return Unmeasured(marks, repeated, between, tuple(said))

@@ -71,7 +71,7 @@ def in_order(
                 notes.append(f"{int(again.sum()):,} rows that repeat another one left out")
             return np.concatenate([kept, np.flatnonzero(np.isnan(stamps))]), "; ".join(notes)
     at = 1 + int(np.argmax(steps <= 0))
-    place = f"{name}: sample {int(dated[at]) + 1}: its time is not after the one before"
+    place = f"{name}: sample {int(dated[at]) + 1}: its time is not later than the previous time"
     back = float(np.mean(steps < 0))
     again_at = 1 - len(np.unique(stamps[dated])) / len(dated)
     if back and again_at > _OFTEN:

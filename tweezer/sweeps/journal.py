@@ -44,7 +44,7 @@ class Journal:
             self._part.make()
             begun = path.is_symlink() or path.exists()
             if begun and not resume:
-                raise ResultError(f"{out}: is begun; resume it, or name another file")
+                raise ResultError(f"{out}: is unfinished; resume it or choose another file")
             text = _text(out, path) if begun else ""
         kept = self._read(text, identity)
         with telling(out):
@@ -114,7 +114,7 @@ def _text(out: Path, path: Path) -> str:
         text = path.read_text(encoding="utf-8", errors="replace")
         if not text or _BEGINNING.match(text):
             return text
-    raise ResultError(f"{out}: {path} is in the way, and is no journal; name another file")
+    raise ResultError(f"{out}: {path} already exists and is no journal; choose another file")
 
 
 def _checksum(line: str) -> str:
@@ -133,7 +133,7 @@ def check_same(out: Path, made: Mapping[str, Any], asked: Mapping[str, Any]) -> 
                 "scene": "is a sweep of another scene",
             }
             what = f"is made with {key.replace('_', ' ')} {made.get(key)}, not {value}"
-            raise ResultError(f"{out}: {differs.get(key, what)}; name another file")
+            raise ResultError(f"{out}: {differs.get(key, what)}; choose another file")
 
 
 def _same_scene(made: object, asked: str) -> bool:

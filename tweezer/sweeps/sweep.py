@@ -167,7 +167,7 @@ def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
 def _finished(path: Path, attributes: Mapping[str, str], *, resume: bool) -> xr.Dataset:
     """The sweep that is there already. Raises `ResultError` unless it is this one."""
     if not resume:
-        raise ResultError(f"{path}: exists; resume it, or name another file")
+        raise ResultError(f"{path}: already exists; resume it or choose another file")
     dataset = read(path)
     check_same(path, dataset.attrs, attributes)
     part_of(path).remove()

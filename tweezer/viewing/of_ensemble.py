@@ -65,7 +65,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     times, lost_time = dataset["time"].values, dataset["lost_time"].values
     computed = ~np.isnan(lost_time)
     if not computed.any():
-        raise ResultError("holds no trajectory that was computed")
+        raise ResultError("contains no computed trajectory")
     lost_time = lost_time[computed]
     kept, beads, taken = _thinned(len(times), len(lost_time))
     place = bound_once(scene).equilibrium if scene.lit else None

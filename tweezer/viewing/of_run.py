@@ -42,7 +42,7 @@ def content(dataset: xr.Dataset) -> Content:
     """What the page of a run shows. Raises `ResultError` if its scene is none."""
     run, scene = Run.of(dataset), scene_of(dataset)
     if not np.isfinite(run["position"]).all():
-        raise ResultError("holds samples without a position, which no page can show")
+        raise ResultError("contains samples without a position, which cannot be shown")
     problem = bound_once(scene)
     thermal, close = scene.forces.brownian, resolved(run)
     forces, about_forces = _forces(run, problem)

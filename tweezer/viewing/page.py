@@ -114,7 +114,7 @@ def _in_script(value: object) -> str:
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     except ValueError:
-        raise ResultError("holds a number that is not finite, which no page can show") from None
+        raise ResultError("contains a number that is not finite and cannot be shown") from None
     return text.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
