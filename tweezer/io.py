@@ -191,9 +191,10 @@ def scene_in(attributes: Mapping[str, Any]) -> Scene:
         raise ResultError("not a run: it names no valid scene") from None
 
 
-def unlike(path: Path, scene: Scene, seed: int) -> str:
+def unlike(path: Path, scene: Scene, seed: int, continued: str = "") -> str:
     """Return how the file at `path` differs from a run of `scene` and `seed`; "" if it does not.
 
+    continued: the attribute `continued_from` of the run, which one from the release does not have.
     The name of a run, and how it was computed, do not count.
     """
     import h5netcdf
@@ -206,6 +207,8 @@ def unlike(path: Path, scene: Scene, seed: int) -> str:
         return "already exists, and is no run that can be compared"
     if made.get("other_forces"):
         return "already holds a run with forces beside those of its scene"
+    if made.get("continued_from", "") != continued:
+        return "already holds a run from another beginning"
     here = by_key(scene.model_dump(mode="json", exclude_none=True))
     if scene.draws:
         there, here = there | {"seed": made.get("seed")}, here | {"seed": seed}

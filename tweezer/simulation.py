@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,10 +30,15 @@ from tweezer.dynamics import (
     loss,
     model_error,
 )
+from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.camera import Frames
+from tweezer.dynamics.continuing import Continued, End, as_attribute, continued, finer_state
+from tweezer.dynamics.integrate import Integration
+from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.timing import timed
-from tweezer.errors import IntegrationError, SceneError, warn
+from tweezer.errors import IntegrationError, ResultError, SceneError, warn
 from tweezer.forces.force import Force
+from tweezer.io import load_run
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
 from tweezer.scene import Scene, SceneLike, checked_scene
@@ -59,6 +65,7 @@ def simulate(
     forces: Sequence[Force] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
+    continue_from: xr.Dataset | str | Path | None = None,
 ) -> xr.Dataset:
     """Release the bead of `scene` and follow it for `duration` (s, or text such as "20 ms").
 
@@ -67,7 +74,8 @@ def simulate(
     noise of a camera; 0 if not given. forces: of your own, beside those of the scene
     (`tweezer.forces`). events: to look for besides the first closest approach, the loss of the bead
     and its contact with the lens (`tweezer.capture`, `tweezer.Event`). progress: called with the
-    time reached.
+    time reached. continue_from: an earlier run, or its file, that the run goes on from, for
+    `duration` more; see `tweezer.dynamics.continuing`.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, what a camera of the
@@ -85,13 +93,35 @@ def simulate(
     are no tolerances, events or error budget of the integration (NaN), and models without inertia
     have no velocity.
 
+    A run that goes on begins with the last time of the earlier one. Position, orientation,
+    velocities and the memory of the fluid carry over, as do the model, the method and the time
+    between samples; with thermal motion the random numbers follow those of the earlier run. Light,
+    other forces and tolerances may differ. `integration_error` includes the error of the earlier
+    run; it is NaN where that is unknown, as after an interrupt. An event that lasts begins anew.
+
     Raises `SceneError` for arguments that do not make a valid scene, events that are none, and
-    events or a tolerance with thermal motion, or a seed without.
+    events or a tolerance with thermal motion, or a seed without; `ResultError` or `SceneError` for
+    a run that cannot go on.
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
         raise SceneError("tolerance: not with forces.brownian = true")
-    return followed(scene, seed, forces, events, progress).dataset()
+    if continue_from is None:
+        return followed(scene, seed, forces, events, progress).dataset()
+    going_on = going_on_from(scene, continue_from)
+    run, find_errors = motion_of(scene, seed, forces, events, progress, going_on)
+    find_errors()
+    return run.dataset()
+
+
+def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene, Continued]:
+    """Return the scene of a run that goes on, and from what: see `tweezer.dynamics.continuing`."""
+    if isinstance(earlier, str | Path):
+        earlier = load_run(earlier)
+    attributes: dict[str, Any] = {str(key): value for key, value in earlier.attrs.items()}
+    if "time" not in earlier.variables:
+        raise ResultError("continue_from: not a run: it has no time")
+    return continued(scene, attributes, earlier["time"].values)
 
 
 def followed(
@@ -113,8 +143,11 @@ def motion_of(
     forces: Sequence[Force] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
+    going_on: tuple[Scene, Continued] | None = None,
 ) -> tuple[Run, Callable[[], None]]:
     """The run of `scene` without some of its errors, and the function that finds them.
+
+    going_on: the scene of a run that goes on, and from what.
 
     The errors of the force and of the model are NaN until that function is called: it adds them to
     the run. They may need more than the motion itself: the first time, most of what is compiled is
@@ -122,22 +155,33 @@ def motion_of(
     """
     check_run(scene, seed)
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
+    begun: Continued | None = None
+    if going_on is not None:
+        scene, begun = going_on
+        seed = begun.seed if seed is None else seed
+        as_given["continued_from"] = begun.mark
     if scene.forces.brownian:
         if events:
             raise SceneError("events: not with forces.brownian = true")
-        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given)
+        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given, begun)
     problem, why = decided(bound_once(scene, forces))
     frames = Frames.of(problem.scene)
     scene, simulation = problem.scene, problem.scene.simulation
-    times = np.linspace(0.0, simulation.duration, simulation.samples)
+    first, begin = (begun.sample, begun.begin) if begun else (0, None)
+    started = begin.time if begin else 0.0
+    times = np.linspace(started, simulation.duration, simulation.samples - first)
     if not all(isinstance(event, Event) for event in events):
         raise SceneError("events: must be a list of `tweezer.Event`")
     approach = closest_approach(simulation.position_tolerance)
-    looked_for = [*events, loss(simulation.loss_distance), approach]
+    looked_for = [*events, loss(simulation.loss_distance)]
+    if begun is None or not begun.approached:
+        looked_for.append(approach)
     if (lens := lens_touched(scene)) is not None:
         looked_for.append(lens)
     with timed() as seconds:
-        equations = bind(problem)
+        equations = bind(problem, begin)
+        if begun:
+            begun.check_module(equations.name)
         result = integrate(equations, times, looked_for, progress)
     motion = equations.motion(result.times, result.states)
     if result.status != "failed" and (fault := fault_at(problem, result.times, motion)):
@@ -164,6 +208,8 @@ def motion_of(
         "step_time": result.step_time,
         "integration_error": budget.integration_error,
         "model_error": math.nan,
+        **_end(equations, result, budget),
+        **({"approached": 1} if begun and begun.approached else {}),
     }
     run = _run(problem, result.times, motion, attributes)
     if frames is not None and result.path is not None:
@@ -189,26 +235,43 @@ def motion_of(
     return run, find_errors
 
 
+def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
+    """The attribute that says where a run goes on: `tweezer.dynamics.continuing`."""
+    if result.end is None:
+        return {}
+    finer = budget.finer.run.end if budget.finer else None
+    time = float(result.times[-1])
+    end = End.of(time, equations.name, result.end, finer=finer_state(finer))
+    return as_attribute(end)
+
+
 def _thermal_run(
     problem: Problem,
     seed: int,
     progress: Callable[[float], None] | None,
     as_given: dict[str, str],
+    begun: Continued | None,
 ) -> tuple[Run, Callable[[], None]]:
     """Trajectory 0 of the ensemble of that seed."""
     from tweezer.dynamics.beside_wall import rate_of_sticking
     from tweezer.dynamics.walk import walk
 
     with timed() as seconds:
-        bound = walk(problem, seed)
+        bound = walk(problem, seed, begun.end.steps if begun else 1)
         bound.warn_of_bias()
-        scene, samples = bound.scene, len(bound.times)
+        first = begun.sample if begun else 0
+        scene, samples = bound.scene, len(bound.times) - first
         trajectory = np.zeros(1, np.int64)
         state = bound.start(trajectory)
         columns = np.empty((1, samples, len(bound.columns)))
         columns[:, 0] = bound.seen(state)
+        if begun:
+            bound.go_on(begun, state[0])
+            columns[:, 0] = begun.begin.state
         seen: list[NDArray[np.float64]] = []
         reached, status, message, step_time = 1, "complete", "", 0.0
+        end = state.copy()
+        times = bound.times[first:]
         at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
         calls = bound.per_sample * bound.force_calls
         affordable = scene.simulation.most_force_calls // max(calls, 1)
@@ -219,21 +282,21 @@ def _thermal_run(
                 last = min(reached + at_once, samples, affordable + 1)
                 piece = columns[:, reached:last]
                 with timed() as stepping:
-                    seen.append(bound.filmed(state, trajectory, reached - 1, piece)[0])
+                    seen.append(bound.filmed(state, trajectory, first + reached - 1, piece)[0])
                 step_time += stepping["wall_time"]
-                reached = last
+                reached, end = last, state.copy()
                 if progress:
-                    progress(float(bound.times[reached - 1]))
+                    progress(float(times[reached - 1]))
         except KeyboardInterrupt:
             if reached == 1:  # as while it is compiled
                 raise
-            status, message = "interrupted", f"interrupted at {bound.times[reached - 1]:.6g} s"
+            status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
         except IntegrationError as error:
-            status, message = "failed", f"failed after {bound.times[reached - 1]:.6g} s: {error}"
+            status, message = "failed", f"failed after {times[reached - 1]:.6g} s: {error}"
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    times, motion = bound.times[:reached], bound.motion(columns[0, :reached])
+    times, motion = times[:reached], bound.motion(columns[0, :reached])
     if status != "failed" and (fault := fault_at(bound.problem, times, motion)):
         status, message = "failed", fault
     attributes = {
@@ -254,6 +317,7 @@ def _thermal_run(
         "step_time": step_time,
         "integration_error": math.nan,
         "model_error": 0.0 if _has_all_inertia(scene) else math.nan,
+        **as_attribute(bound.end(float(times[-1]), columns[0, reached - 1], end[0])),
     }
     if status == "failed":
         warn(f"{scene.name}: {message}")

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from tweezer.analysis.summary import Summary
+    from tweezer.dynamics.continuing import Continued
     from tweezer.run import Run
     from tweezer.scene import Scene
 
@@ -93,9 +94,18 @@ def run(
     seed: Annotated[
         int | None, typer.Option(help="Seed of the thermal motion. Default: 0.")
     ] = None,
+    continue_from: Annotated[
+        Path | None,
+        typer.Option(
+            help="NetCDF file of an earlier run, which goes on for the duration of SCENE. Its "
+            "model, method and time between samples are kept.",
+            metavar="RUN",
+        ),
+    ] = None,
     set: Changes = None,
     out: Annotated[
-        Path | None, typer.Option(help="NetCDF file to write. Default: SCENE.nc.")
+        Path | None,
+        typer.Option(help="NetCDF file to write. Default: SCENE.nc, or RUN-2.nc to continue RUN."),
     ] = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
@@ -112,13 +122,26 @@ def run(
     settings = settings_of(set or [], duration=duration, model=model, method=method)
     described = (with_thermal_motion if thermal else scene_with)(scene, settings)
     if rate is not None:
+        if continue_from is not None:
+            raise SceneError(
+                f"--rate {rate!r}: the run to continue gives the time between samples; omit --rate"
+            )
         described = _sampled(described, rate, settings)
     check_run(described, seed)
+    going_on = None
+    default = f"{described.name}.nc"
+    if continue_from is not None:
+        from tweezer.simulation import going_on_from
+
+        going_on = going_on_from(described, continue_from)
+        seed = going_on[1].seed if seed is None else seed
+        default = _numbered(continue_from, 2).name
+    mark = going_on[1].mark if going_on else ""
     out = writable_result(
-        out or Path(f"{described.name}.nc"),
+        out or Path(default),
         ("nc",),
         overwrite=overwrite,
-        obstacle=lambda there: _obstacle(there, described, seed),
+        obstacle=lambda there: _obstacle(there, described, seed, mark),
     )
     plot = writable_figure(plot, overwrite=overwrite)
     bind_light(described)
@@ -126,10 +149,11 @@ def run(
     from tweezer.second_process import compiling_beside
 
     with compiling_beside(described):
-        result, find_errors = followed_with_progress(described, seed)
+        result, find_errors = followed_with_progress(described, seed, going_on)
         status = result.attributes["status"]
         ended = status not in ("failed", "interrupted")
-        if out.exists() and not (ended and (overwrite or not _obstacle(out, described, seed))):
+        may = overwrite or not out.exists() or not _obstacle(out, described, seed, mark)
+        if out.exists() and not (ended and may):
             out, plot = _beside(out, plot)
         try:
             _print_summary(described, result)
@@ -167,11 +191,14 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
     return scene.replace(simulation={"samples": round(intervals) + 1})
 
 
-def _obstacle(out: Path, scene: Scene, seed: int | None) -> str:
-    """Return why a run of `scene` must not replace the file at `out`; "" if it may."""
+def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str) -> str:
+    """Return why a run of `scene` must not replace the file at `out`; "" if it may.
+
+    continued: the mark of what it goes on from.
+    """
     from tweezer.io import unlike
 
-    return unlike(out, scene, seed or 0)
+    return unlike(out, scene, seed or 0, continued)
 
 
 def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
@@ -187,18 +214,21 @@ def _numbered(path: Path, number: int) -> Path:
     return path.with_stem(f"{path.stem}-{number}")
 
 
-def followed_with_progress(scene: Scene, seed: int | None) -> tuple[Run, Callable[[], None]]:
+def followed_with_progress(
+    scene: Scene, seed: int | None, going_on: tuple[Scene, Continued] | None = None
+) -> tuple[Run, Callable[[], None]]:
     """The run of a scene, and the function that finds the rest of its errors, with progress bars.
 
     See `tweezer.simulation.motion_of`.
     """
+    end = (going_on[0] if going_on else scene).simulation.duration
     with (
-        showing_progress(scene.name, scene.simulation.duration, "errors") as progress,
+        showing_progress(scene.name, end, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
         from tweezer.simulation import motion_of
 
-        run, find_errors = motion_of(scene, seed, progress=progress)
+        run, find_errors = motion_of(scene, seed, progress=progress, going_on=going_on)
 
     def with_progress() -> None:
         with (
@@ -228,6 +258,8 @@ def _print_summary(scene: Scene, result: Run) -> None:
     if scene.camera is not None and "seen" in result:
         frames = f"{len(result['seen'])} frames, one every {1e3 / scene.camera.rate:.4g} ms"
         table.add_row("seen by the camera", frames)
+    if "continued_from" in attributes:
+        table.add_row("continued from", f"{1e3 * result['time'][0]:.6g} ms after the release")
     table.add_row("model, method", f"{model}; {attributes['method']}")
     table.add_row("inertia of the fluid", attributes["fluid_inertia"])
     table.add_row("force by", attributes["force_evaluator"])

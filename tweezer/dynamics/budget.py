@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tweezer.choices import METHODS
 from tweezer.dynamics.choose import decided
+from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.events import Event
 from tweezer.dynamics.integrate import MOST_HELD, Integration, integrate
 from tweezer.dynamics.models import EquationsOfMotion, bind
@@ -60,9 +61,11 @@ def error_budget(
 
     position: (n, 3) m, of the run at its output's times. events: to look for in the finer run.
     Of a run that was interrupted, or an estimate that is, nothing is known. Runs of more steps than
-    are held in memory (`MOST_HELD`) are compared at the output's times alone.
+    are held in memory (`MOST_HELD`) are compared at the output's times alone. Of a run that goes
+    on, the error has that of the earlier one in it, because the finer run goes on from its own end.
     """
-    if run.status == "interrupted":
+    begin = equations.begin
+    if run.status == "interrupted" or (begin is not None and begin.finer is None):
         return ErrorBudget(math.nan, None)
     if len(run.times) < 2:
         return ErrorBudget(0.0, None)
@@ -82,8 +85,12 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     inertia leaves it (`Scene.lag`). Where the drag depends on the place, as beside a wall, it is
     that lag and the distance to the unscaled equations.
 
-    position: (n, 3) m, of the run at its output's times. NaN for a run that was interrupted.
+    position: (n, 3) m, of the run at its output's times. NaN for a run that was interrupted, and
+    for one that goes on, unless it is by these equations without a wall.
     """
+    if equations.begin is not None:
+        exact = equations.name.startswith("full") and equations.remembers
+        return 0.0 if exact and equations.scene.wall is None else math.nan
     if run.status == "interrupted":
         return math.nan
     if len(run.times) < 2:
@@ -101,11 +108,13 @@ def _of_integration(
     else:
         problem = _with_other_poles(equations.problem.changed(method=run.method))
         ratio, how = _ERROR_PER_DISTANCE, {"prescribed": _finer_steps(equations, run)}
-    compared, distance = _compared(problem, run, position, events=events, **how)
+    begin = equations.begin.finer if equations.begin else None
+    compared, distance = _compared(problem, run, position, begin, events=events, **how)
     fixed = equations.scene.simulation.step is not None
     if compared is None and "prescribed" in how and not fixed:
         # a force that bends may want shorter steps still
-        compared, distance = _compared(problem, run, position, events=events, tightened=TIGHTER)
+        how = {"tightened": TIGHTER}
+        compared, distance = _compared(problem, run, position, begin, events=events, **how)
         if compared is not None and same_steps(run, compared):
             compared, distance = None, math.nan
     return Finer(compared, ratio) if compared else None, ratio * distance
@@ -132,8 +141,10 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
     A first step much longer than the relaxation passes over it, and so would half of it.
     """
     lengths = run.step_lengths
-    kinks = np.append(0.0, equations.force.kinks(float(lengths.sum())))
-    begins = np.append(0.0, np.cumsum(lengths)[:-1])
+    begin = equations.begin_time
+    kinks = equations.force.kinks(begin + float(lengths.sum()))
+    kinks = np.append(begin, kinks[kinks > begin])
+    begins = begin + np.append(0.0, np.cumsum(lengths)[:-1])
     # every piece ends a little before its kink, and the sum of lengths falls short by all of them
     slack = _ROUNDING + (1 - BEFORE) * np.arange(len(kinks))
     after = np.searchsorted(begins, kinks * (1 - slack))
@@ -208,12 +219,16 @@ def unscaled(problem: Problem) -> Problem | None:
 
 
 def _compared(
-    problem: Problem | None, run: Integration, position: Array, **how: Any
+    problem: Problem | None,
+    run: Integration,
+    position: Array,
+    begin: Begin | None = None,
+    **how: Any,
 ) -> tuple[Integration | None, float]:
     """The motion of `problem`, and its largest distance from a run."""
     if problem is None:
         return None, math.nan
-    equations = bind(problem)
+    equations = bind(problem, begin)
     compared = integrate(equations, run.times, most_held=2 * MOST_HELD, **how)
     if compared.status == "interrupted":
         raise KeyboardInterrupt

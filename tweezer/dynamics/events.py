@@ -42,6 +42,9 @@ class Piece(Protocol):
     def step_lengths(self, end: float) -> Array:
         """s, of the steps that begin before `end`; (0,) where they are not kept."""
 
+    def inner(self, time: float) -> Array:
+        """State at a time as the loop of the method has it, (inner,)."""
+
 
 @dataclass(frozen=True)
 class Occurrence:

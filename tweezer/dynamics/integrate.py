@@ -71,6 +71,13 @@ class Integration:
     """s, of a compiled method, up to the end of the run; (0,) of a solver of SciPy's"""
     path: Path | None
     """what was between `times`; None of a run that failed, or of more steps than are held"""
+    inner: Array | None = None
+    """the last state as the loop of the method has it, (inner,); None of a run that failed"""
+
+    @property
+    def end(self) -> tuple[Array, Array] | None:
+        """The last state as the emitted module has it, and as the loop of the method has it."""
+        return None if self.inner is None else (self.states[-1], self.inner)
 
 
 class Stepper(Protocol):
@@ -102,8 +109,9 @@ def integrate(
     prescribed: Array | None = None,
     most_held: int = MOST_HELD,
 ) -> Integration:
-    """Integrate from times[0] = 0 to times[-1] by the scene's method, with output at `times`.
+    """Integrate from times[0] to times[-1] by the scene's method, with output at `times`.
 
+    times[0] is 0, or the time at which the equations begin.
     events: looked for on the dense output; the moment of one that ends the run is the last time
     returned. progress: called with the time reached. tightened: factor of all tolerances.
     prescribed: all steps of a compiled method, s, instead of its own. most_held: steps up to which
@@ -114,12 +122,13 @@ def integrate(
     method: str = simulation.method
     if method == "auto":
         method, _ = method_for(equations)
-    start, close = equations.initial_state, UNTOLD * equations.absolute_tolerance
+    start, close = equations.begin_state, UNTOLD * equations.absolute_tolerance
     events = [event.restarted(start, close) for event in events]
-    sampled: list[Array] = [equations.initial_state[None]]
+    sampled: list[Array] = [start[None]]
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]
     pieces: list[Piece] = []
+    latest_piece: Piece | None = None
     force = equations.force
     forget_faults(force)
     reached, step_time = 1, 0.0
@@ -165,7 +174,7 @@ def integrate(
                     failed = np.flatnonzero(~sound | _in_a_wall(equations, states))
                     kept = int(failed[0]) if len(failed) else len(wanted)
                     sampled.append(states[:kept])
-                    reached += kept
+                    reached, latest_piece = reached + kept, piece
                     if kept < len(wanted):
                         why_not = _IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE]
                         raise IntegrationError(why_not)
@@ -189,6 +198,9 @@ def integrate(
     path = None
     if status != "failed" and reached > 1 and steps <= most_held:
         path = Path(equations, pieces, float(times[reached - 1]))
+    inner = None
+    if status != "failed" and latest_piece is not None:
+        inner = latest_piece.inner(float(times[reached - 1]))
     return Integration(
         method,
         times[:reached],
@@ -202,6 +214,7 @@ def integrate(
         step_time,
         step_lengths,
         path,
+        inner,
     )
 
 
@@ -246,6 +259,9 @@ class _Step:
     def step_lengths(self, end: float) -> Array:  # noqa: ARG002
         return np.zeros(0)
 
+    def inner(self, time: float) -> Array:
+        return self.states(np.array([time]))[0]
+
 
 class SciPySolver:
     """A solver of SciPy's bound to equations of motion."""
@@ -266,8 +282,9 @@ class SciPySolver:
         }
         if METHODS[method].implicit:
             self._options["jac"] = equations.jacobian
-        self._ends = [*equations.force.kinks(end).tolist(), end]
-        self._begin(0.0, equations.initial_state)
+        kinks = equations.force.kinks(end)
+        self._ends = [*kinks[kinks > equations.begin_time].tolist(), end]
+        self._begin(equations.begin_time, equations.begin_state)
         self.steps = 0
 
     def _begin(self, time: float, state: Array) -> None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from tweezer.choices import MODELS, Model
 from tweezer.compiled import address, cache_functions
+from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
@@ -71,6 +72,8 @@ class EquationsOfMotion(Shown):
 
     problem: Problem
     module: ModuleType
+    begin: Begin | None = None
+    """what a run goes on from; None for one from the release"""
     force_calls: int = field(default=0, init=False)
     """positions at which `rhs` and `jacobian` evaluated the light so far"""
 
@@ -96,7 +99,7 @@ class EquationsOfMotion(Shown):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Bind the problem again in another process."""
-        return _bound_again, (self.problem, self.name)
+        return _bound_again, (self.problem, self.name, self.begin)
 
     def card(self) -> Card:
         """Model, variables, tolerances."""
@@ -199,6 +202,16 @@ class EquationsOfMotion(Shown):
         if not self._rotates:
             return translation
         return np.append(translation, np.array(bead.moments_of_inertia) * mobility[3:])
+
+    @property
+    def begin_time(self) -> float:
+        """s since the release, from when on the motion is followed."""
+        return 0.0 if self.begin is None else self.begin.time
+
+    @property
+    def begin_state(self) -> Array:
+        """(state,) at that time."""
+        return self.initial_state if self.begin is None else self.begin.state
 
     @property
     def rotates(self) -> bool:
@@ -473,21 +486,24 @@ class _Released:
     def step_lengths(self, end: float) -> Array:
         return self.piece.step_lengths(end)
 
+    def inner(self, time: float) -> Array:
+        return self.piece.inner(time)
+
     def states(self, times: Array) -> Array:
         states = self.piece.states(times)
         states[:, :3] = self.equations.motion(times, states).position
         return states
 
 
-def bind(scene: Scene | Problem) -> EquationsOfMotion:
+def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotion:
     """The equations of motion of `scene`: the smallest emitted model that holds all it needs.
 
     Of a scene that names no model, the unscaled ones; of one that leaves the fluid's inertia open,
-    without it (`tweezer.simulate` decides that).
+    without it (`tweezer.simulate` decides that). They go on from `begin`, or from the release.
     """
     problem = bound_once(scene)
     model = MODELS[problem.scene.simulation.model or "full"]
-    return EquationsOfMotion(problem, _module(_name(problem, model)))
+    return EquationsOfMotion(problem, _module(_name(problem, model)), begin)
 
 
 def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
@@ -495,8 +511,8 @@ def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
     return EquationsOfMotion(problem, _module(f"{MODELS[model].modules}_translation"))
 
 
-def _bound_again(problem: Problem, name: str) -> EquationsOfMotion:
-    return EquationsOfMotion(problem, _module(name))
+def _bound_again(problem: Problem, name: str, begin: Begin | None) -> EquationsOfMotion:
+    return EquationsOfMotion(problem, _module(name), begin)
 
 
 def _module(name: str) -> ModuleType:

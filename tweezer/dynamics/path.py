@@ -63,7 +63,8 @@ class Path:
 
         It moves the bead by the tolerance of the position in the time between two checkpoints.
         """
-        return self.position_tolerance * len(self.checkpoints) / self.end
+        begin = self.equations.begin_time
+        return self.position_tolerance * len(self.checkpoints) / (self.end - begin)
 
     def speeds(self, times: Array) -> Array:
         """At ascending times (n,) s, (n,) m/s."""

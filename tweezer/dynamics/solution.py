@@ -55,6 +55,10 @@ class Piece:
         """States of the emitted module at ascending `times` within the piece, (n, state)."""
         return self.solver.states(self.records, np.ascontiguousarray(times, dtype=np.float64))
 
+    def inner(self, time: float) -> Array:
+        """Return the state at a time as the loop has it, (inner,)."""
+        return self.solver.inner(self.records, np.array([time]))[0]
+
 
 class Solver:
     """One compiled method bound to equations of motion; `advance` goes on from where it is."""
@@ -88,9 +92,9 @@ class Solver:
             state.index("edot0") if "edot0" in state else -1,
         )
         self._y = self._bound.start
-        self._clock = np.zeros(3)
+        self._clock = np.array([equations.begin_time, 0.0, 0.0])
         self._counts = np.array([0, 0, self._bound.calls])
-        self._kinks = equations.force.kinks(end).tolist()
+        self._kinks = [each for each in equations.force.kinks(end) if each > self.time]
         self._call = functools.partial(self._bound.loop, system, self._bound.how)
         self._room = _FIRST_STEPS
 
@@ -134,3 +138,7 @@ class Solver:
     def states(self, records: Records, times: Array) -> Array:
         """See `Piece.states`."""
         return self._bound.states(records, times)
+
+    def inner(self, records: Records, times: Array) -> Array:
+        """States as the loop has them, (n, inner)."""
+        return (self._bound.inner or self._bound.states)(records, times)

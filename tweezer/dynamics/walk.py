@@ -29,6 +29,7 @@ from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.choose import rates_of_force
+from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.dynamics.step_bias import energy_loss, one_call_bias
@@ -43,6 +44,8 @@ from tweezer.scene import Scene
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+#: Difference of what hidden variables are that rounding may make, as a part of it
+_SAME = 1e-6
 #: Step over the fastest time scale of the force
 _PART = 0.2
 #: Step over the time of a swing, sqrt(m/k), where that is longer: 63 steps a period
@@ -243,6 +246,42 @@ class Walk:
         root = propagator.stationary_root(np.zeros(3), rates, self.plan.diffusion[:3])
         return _summed(root[None], drawn[:, :3].T[None])[0].T, z
 
+    @property
+    def _hidden_as(self) -> Array:
+        """What the hidden variables of the fluid's memory are, (6 n,): two rows of their weights.
+
+        They are combinations of velocities that depend on the step and on the spring of the trap.
+        """
+        rows = [memory.DECAY, memory.SEEN] if self.hidden else []
+        return self.weights.memory[:, rows].ravel()
+
+    def end(self, time: float, sample: Array, state: Array) -> End:
+        """Return where a run goes on from a time, s: by its sample, and its state of `start`.
+
+        What a camera gathered is no part of it.
+        """
+        inner = np.concatenate([state[: len(self.columns)], state[-1 - self.hidden : -1]])
+        about = {"steps": self.per_sample, "memory": self._hidden_as.tolist()}
+        return End.of(time, ",".join(self.columns), (sample, inner), **about)
+
+    def go_on(self, begun: Continued, state: Array) -> None:
+        """Fill a state of `start` with that of the end of a run.
+
+        Raises `SceneError` if its variables are others.
+        """
+        begun.check_module(",".join(self.columns))
+        own, then = self._hidden_as, np.array(begun.end.memory)
+        if own.shape != then.shape or not np.allclose(own, then, rtol=_SAME, atol=0.0):
+            raise SceneError(
+                "continue_from: the hidden variables of the fluid's memory belong to the step "
+                f"({self.step:.3g} s now) and to the trap stiffness of the run; must be the same "
+                "light, forces and simulation.step; or let medium.inertia = 'added-mass' in both "
+                "runs"
+            )
+        n = len(self.columns)
+        state[:n] = begun.begin.inner[:n]
+        state[-1 - self.hidden : -1] = begun.begin.inner[n:]
+
     def seen(self, states: Array) -> Array:
         """The samples (n, len(columns)) that states show."""
         return states[:, : len(self.columns)]
@@ -335,7 +374,7 @@ class Walk:
         return force, steps, self.weights
 
 
-def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
+def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     """Brownian motion of the bead of `scene`, with numbers of that seed.
 
     A scene that names no model gets `full`, whose inertia is exact at any step, and for the method
@@ -350,6 +389,9 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
 
     A scene that leaves `medium.inertia` open gets the memory of the fluid with the model `full`
     where the method takes it.
+
+    fewest: smallest number of steps from sample to sample. Numbers are drawn by the count of steps,
+    so a run that goes on with as many steps as before, or more, draws none again.
 
     Raises `SceneError` if thermal motion is off, the seed is no whole number from 0 to 2^63 - 1,
     or what the scene asks for needs a stable equilibrium and there is none.
@@ -458,7 +500,7 @@ def walk(scene: Scene | Problem, seed: int = 0) -> Walk:
     if not (how.displacements or how.spring_only or beside_wall):
         bias = one_call_bias(problem, mobility[:3], kT)
     longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias)
-    per_sample = max(1, math.ceil(interval / longest * (1 - 1e-12)))
+    per_sample = max(fewest, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
             f"simulation.duration = {simulation.duration:g}: {per_sample:.2g} steps of "

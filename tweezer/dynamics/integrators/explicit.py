@@ -250,8 +250,9 @@ class Explicit:
 
     def bound(self, equations: Equations) -> Bound:
         """The method bound to equations of motion."""
-        shape = len(self.tableau.dense), len(equations.initial_state)
-        return Bound(loop(), self.tableau, equations.initial_state.copy(), shape, _states)
+        start = equations.initial_state if equations.begin is None else equations.begin.inner
+        shape = len(self.tableau.dense), len(start)
+        return Bound(loop(), self.tableau, start.copy(), shape, _states)
 
 
 def _states(records: Records, times: Array) -> Array:

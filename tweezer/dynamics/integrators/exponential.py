@@ -836,14 +836,19 @@ class Exponential:
         columns = {name: i for i, name in enumerate(equations.module.STATE)}
         start = _in_inertial_frame(equations.initial_state, relaxation.modes, columns)
         start = np.append(start, np.zeros(relaxation.inertia.size))
+        if equations.begin is not None:
+            start = equations.begin.inner.copy()
         relaxation = _begun(equations, relaxation, start)
         allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
         many = len(relaxation.modes.times)
 
-        def states(records: Records, times: Array) -> Array:
-            out = np.empty((len(times), records.state.shape[1]))
+        def inner(records: Records, times: Array) -> Array:
+            out = np.zeros((len(times), records.state.shape[1]))
             sample(times, *records, relaxation.modes, allowed, out)
-            return _emitted(out, relaxation.modes.weights, columns)
+            return out
+
+        def states(records: Records, times: Array) -> Array:
+            return _emitted(inner(records, times), relaxation.modes.weights, columns)
 
         return Bound(
             loop(),
@@ -855,6 +860,7 @@ class Exponential:
             1,
             bound(equations.moving, gradient=True),
             rates=False,
+            inner=inner,
         )
 
 
@@ -866,7 +872,7 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
 
     And with the force at the begin as what is foretold. y: the state as the loop has it.
     """
-    at = equations.moving.field(y[None, :3], gradient=True)
+    at = equations.moving.field(y[None, :3], gradient=True, time=equations.begin_time)
     u = how.drift + how.response[:3] * at.force[0]
     foretold = np.zeros(3 * NODES)
     foretold[::NODES] = u

@@ -16,6 +16,7 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import call, named_njit
+from tweezer.dynamics.continuing import Begin
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
@@ -232,8 +233,14 @@ class Equations(Protocol):
     module: ModuleType
     """the emitted one"""
     initial_state: Array
+    begin: Begin | None
+    """what the motion goes on from; None for one from the release"""
     absolute_tolerance: Array
     """(state,)"""
+
+    @property
+    def begin_time(self) -> float:
+        """s since the release, from when on the motion is followed."""
 
     @property
     def moving(self) -> Force:
@@ -273,6 +280,8 @@ class Bound(NamedTuple):
     """what the loop takes as the force; None: that of the equations"""
     rates: bool = True
     """whether the loop calls the emitted rates"""
+    inner: Callable[[Records, Array], Array] | None = None
+    """as `states`, of states as the loop has them; None where these are the same"""
 
 
 def signature(method: types.Type) -> Any:

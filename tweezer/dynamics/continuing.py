@@ -1,0 +1,248 @@
+"""Runs that go on from the end of an earlier one: what carries over, and what cannot.
+
+A run keeps its end in the attribute `end`: the state of its bead as its method has it, with the
+hidden variables of the fluid's memory, and without thermal motion the state of the finer run by
+which its error is known. The random numbers of thermal motion are counted by steps from the
+release, so a run that goes on takes those that follow.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ValidationError
+
+from tweezer.errors import ResultError, SceneError
+from tweezer.io import scene_in
+from tweezer.scene import Scene, by_key
+from tweezer.schema import events_in
+
+Array = NDArray[np.float64]
+
+#: Sections of a scene that a state depends on
+_KEPT = ("bead", "medium", "start", "wall")
+#: Keys of the simulation of which the same is true
+_KEPT_KEYS = ("model", "scaling_factor", "rotation_state", "method")
+#: Difference of two numbers that rounding may make, as a part of them
+_ROUNDING = 1e-9
+
+
+class Begin(NamedTuple):
+    """The state from which equations of motion go on."""
+
+    time: float
+    """s since the release"""
+    state: Array
+    """(state,) of the emitted module"""
+    inner: Array
+    """(inner,) as the loop of the method has it"""
+    finer: Begin | None = None
+    """that of the run by which the error is known; None if it is unknown"""
+
+
+class _State(BaseModel):
+    state: list[float]
+    inner: list[float]
+
+
+class End(BaseModel):
+    """The end of a run, as its attribute `end` holds it."""
+
+    time: float
+    """s"""
+    module: str
+    """the emitted module"""
+    at: _State
+    """of thermal motion: the last sample, and the state without what a camera gathered"""
+    finer: _State | None = None
+    steps: int = 1
+    """of thermal motion, from sample to sample"""
+    memory: list[float] = []
+    """of thermal motion in a fluid with memory: what its hidden variables are"""
+
+    @classmethod
+    def of(cls, time: float, module: str, at: tuple[Array, Array], **more: Any) -> Self:
+        """Return the end with a state as the emitted module has it, and as the method has it."""
+        return cls(time=time, module=module, at=_state(at), **more)
+
+
+def _state(at: tuple[Array, Array]) -> _State:
+    return _State(state=at[0].tolist(), inner=at[1].tolist())
+
+
+def finer_state(at: tuple[Array, Array] | None) -> _State | None:
+    """Return a state of the finer run, if there is one."""
+    return None if at is None else _state(at)
+
+
+@dataclass(frozen=True)
+class Continued:
+    """What a run goes on from."""
+
+    end: End
+    sample: int
+    """number of the sample at the end, from the release on; its samples are as far apart as in the
+    continued run"""
+    approached: bool
+    """whether the bead has passed its closest approach"""
+    seed: int | None
+    """of the earlier run; None where it drew no numbers"""
+
+    @property
+    def begin(self) -> Begin:
+        """The state of the end."""
+        at, finer = self.end.at, self.end.finer
+        other = None
+        if finer is not None:
+            other = Begin(self.end.time, np.array(finer.state), np.array(finer.inner))
+        return Begin(self.end.time, np.array(at.state), np.array(at.inner), other)
+
+    @property
+    def mark(self) -> str:
+        """What tells this end from others."""
+        digest = hashlib.sha256(self.end.model_dump_json().encode()).hexdigest()
+        return f"{self.end.time:.9g} s, {digest[:16]}"
+
+    def check_module(self, module: str) -> None:
+        """Raise `SceneError` unless the equations of motion are those of the earlier run."""
+        if module != self.end.module:
+            raise SceneError(
+                f"continue_from: the run followed {self.end.module}, this one {module}; must be the "
+                "same model, with or without rotation"
+            )
+
+
+def continued(scene: Scene, attributes: Mapping[str, Any], times: Array) -> tuple[Scene, Continued]:
+    """Return the scene of a run that goes on, from its release to its new end, and from what.
+
+    The scene has the model, the method and the inertia of the fluid of the earlier run where it
+    leaves them open, and its samples are as far apart. Its duration and samples count from the
+    release.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene to go on with; its duration is added.
+    attributes : Mapping
+        Attributes of the earlier run.
+    times : ndarray, shape (n,)
+        Times of the earlier run, s.
+
+    Raises
+    ------
+    ResultError
+        If the run cannot be continued: it failed, lost its bead, is a part of a run or was saved by
+        an earlier version.
+    SceneError
+        If the scene differs from that of the run in what the state of the bead depends on.
+    """
+    end = _end_of(attributes, times)
+    earlier = scene_in(attributes)
+    for each, told in ((scene, "this scene"), (earlier, "the scene of the run")):
+        if each.camera is not None:
+            raise SceneError(
+                f"camera: {told} has one, and an exposure that is open at the end of a run is not "
+                "kept; leave out the camera of both"
+            )
+    if scene.forces.brownian != earlier.forces.brownian:
+        raise _different("forces.brownian", scene.forces.brownian, earlier.forces.brownian)
+    model = scene.simulation.model
+    if model not in (None, earlier.simulation.model):
+        raise _different("simulation.model", model, earlier.simulation.model)
+    scene = _as_decided(scene, earlier)
+    for difference in _differences(scene, earlier):
+        raise _different(*difference)
+    interval = earlier.simulation.duration / (earlier.simulation.samples - 1)
+    duration, before = scene.simulation.duration, round(end.time / interval)
+    new = max(1, math.ceil(duration / interval * (1 - _ROUNDING)))
+    total = end.time + duration
+    if scene.forces.brownian:
+        total = (before + new) * interval
+    scene = scene.decided(simulation={"duration": total, "samples": before + new + 1})
+    approached = any(each.name == "closest approach" for each in events_in(attributes))
+    approached = approached or bool(attributes.get("approached", 0))
+    seed = int(attributes["seed"]) if "seed" in attributes else None
+    return scene, Continued(end, before, approached, seed)
+
+
+def _end_of(attributes: Mapping[str, Any], times: Array) -> End:
+    """Return the end of a run that can go on."""
+    status = attributes.get("status")
+    if status == "lost":
+        raise ResultError(
+            f"continue_from: {attributes.get('message')}; a run without its bead cannot go on"
+        )
+    if status == "failed":
+        raise ResultError(
+            f"continue_from: the run {attributes.get('message')}; only a run that did not fail can "
+            "go on"
+        )
+    if "end" not in attributes:
+        raise ResultError(
+            "continue_from: is no run that keeps the state of its end: not a run, of an earlier "
+            "version, or interrupted where no state was known; compute it again"
+        )
+    try:
+        end = End.model_validate_json(attributes["end"])
+    except ValidationError:
+        raise ResultError("continue_from: the attribute `end` is damaged") from None
+    if not len(times) or times[-1] != end.time:
+        raise ResultError(
+            f"continue_from: is a part of a run, which ends at {end.time:.9g} s; give all of it"
+        )
+    return end
+
+
+def _as_decided(scene: Scene, earlier: Scene) -> Scene:
+    """Return the scene with what the earlier run decided where it leaves that open."""
+    simulation, medium = scene.simulation, scene.medium
+    decided: dict[str, dict[str, Any]] = {"simulation": {}, "medium": {}}
+    if simulation.model is None:
+        decided["simulation"] |= {
+            key: getattr(earlier.simulation, key) for key in ("model", "scaling_factor")
+        }
+    if simulation.method == "auto":
+        decided["simulation"]["method"] = earlier.simulation.method
+    if medium.inertia is None:
+        decided["medium"]["inertia"] = earlier.medium.inertia
+    if medium.poles is None and medium.inertia in (None, "memory"):
+        decided["medium"]["poles"] = earlier.medium.poles
+    if simulation.loss_distance > earlier.simulation.loss_distance and earlier.medium.poles:
+        decided["simulation"]["loss_distance"] = earlier.simulation.loss_distance
+    return scene.decided(**{name: keys for name, keys in decided.items() if keys})
+
+
+def _differences(scene: Scene, earlier: Scene) -> list[tuple[str, Any, Any]]:
+    """Return keys that must be the same and are not, with both values."""
+    now, then = (by_key(each.model_dump(mode="json")) for each in (scene, earlier))
+    keys = [key for key in now | then if key.partition(".")[0] in _KEPT]
+    keys += [f"simulation.{key}" for key in _KEPT_KEYS]
+    return [
+        (key, now.get(key), then.get(key)) for key in keys if not _same(now.get(key), then.get(key))
+    ]
+
+
+def _different(key: str, now: Any, then: Any) -> SceneError:
+    must = "must not be given" if then is None else f"must be {then}"
+    return SceneError(
+        f"{key} = {now}: differs from the run to continue, whose state belongs to its own bead, "
+        f"medium, wall, start, model and method; {must}"
+    )
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, float) and isinstance(other, float):
+        return math.isclose(one, other, rel_tol=_ROUNDING)
+    return bool(one == other)
+
+
+def as_attribute(end: End | None) -> dict[str, str]:
+    """Return the attribute of a run that holds its end."""
+    return {} if end is None else {"end": json.dumps(end.model_dump())}
