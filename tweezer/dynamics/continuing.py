@@ -114,8 +114,8 @@ class Continued:
         """Raise `SceneError` unless the equations of motion are those of the earlier run."""
         if module != self.end.module:
             raise SceneError(
-                f"continue_from: the run followed {self.end.module}, this one {module}; must be the "
-                "same model, with or without rotation"
+                f"continue_from: the run followed {self.end.module}, this one {module}; must be "
+                "the same model, with or without rotation"
             )
 
 
