@@ -28,16 +28,16 @@ def telling(out: Path | None) -> Iterator[None]:
         yield
     except OSError as error:
         raise ResultError(
-            f"{out}: cannot be written: {error.strerror or error}; what was written before is "
-            "kept and can be resumed"
+            f"{out}: cannot be written: {error.strerror or error}; the results written "
+            "before are kept and can be resumed"
         ) from None
 
 
 @contextlib.contextmanager
 def held(out: Path) -> Iterator[None]:
-    """Hold OUT.lock, so that no other process writes there.
+    """Lock OUT.lock, so that no other process writes there.
 
-    Raises `ResultError` if another process holds it, and for a file of that name with content.
+    Raises `ResultError` if another process has locked it, and for a file of this name with content.
     """
     if not out.parent.is_dir():
         raise ResultError(f"{out}: no such folder: {out.parent}")
@@ -67,13 +67,13 @@ def held(out: Path) -> Iterator[None]:
 def _size(path: Path) -> int:
     try:
         return path.stat().st_size
-    except FileNotFoundError:  # by the process that held it
+    except FileNotFoundError:  # removed by the process that had locked it
         return 0
 
 
 @dataclass(frozen=True)
 class Part:
-    """The folder OUT.part, which a marker says to be of a sweep or of an ensemble."""
+    """The folder OUT.part, in which a marker names a sweep or an ensemble."""
 
     out: Path
     of: str
@@ -96,9 +96,9 @@ class Part:
         return f"what the {self.of} "
 
     def make(self) -> None:
-        """Make the folder, if there is none.
+        """Make the folder unless it exists.
 
-        Raises `ResultError` for a link of that name, and a folder with files but no marker.
+        Raises `ResultError` for a link of this name, and for a folder with files but no marker.
         """
         folder = self.folder
         marked = self._marked()

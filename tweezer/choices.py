@@ -19,7 +19,7 @@ POLES = 24
 SWEPT = ("trap", "run", "ensemble", "calibrate")
 #: Ending of the file of a trap
 SAVED_TRAP = ".json"
-#: Endings of recordings: texts; HDF5, which runs are too; files of NumPy, MATLAB and LabVIEW
+#: Endings of recordings, by kind: text, HDF5 (also of runs), NumPy, MATLAB, LabVIEW
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
 HDF5 = (".h5", ".hdf5", ".nc")
 NUMPY, MATLAB, TDMS = (".npy", ".npz"), ".mat", ".tdms"

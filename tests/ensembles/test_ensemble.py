@@ -585,9 +585,7 @@ def test_a_torn_checkpoint_is_not_believed(small, tmp_path):
 
 
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-TOLD = (
-    r"cut\.(zarr|nc): cannot be written: No space left on device; what was written before is kept"
-)
+TOLD = r"cut\.(zarr|nc): cannot be written: No space left on device; the results written"
 
 
 def test_what_failed_is_told_when_interrupted(small, tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""What a driven stage, or another axis, tells of a bead beside its spectrum."""
+"""Data of a fit beside the spectrum: responses to a driven stage, and a drag from elsewhere."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ class Answer:
     """of the signal before the stage, rad"""
 
     def misfit(self, bead: TrappedBead) -> float:
-        """Deviation from the amplitude of that bead, in standard uncertainties."""
+        """Return the deviation from the amplitude of `bead`, in standard uncertainties."""
         per_metre = abs(complex(bead.driven(self.frequency)))
         error = math.hypot(self.signal_uncertainty, per_metre * self.stage_uncertainty)
         return (self.signal - per_metre * self.stage) / error
 
     def late(self, bead: TrappedBead) -> tuple[float, float]:
-        """Phase by which the signal, of whichever sign, is behind that bead's, and its standard
-        uncertainty, rad.
+        """Return the phase lag of the signal, of either sign, and its standard uncertainty, rad.
+
+        The lag is relative to the signal of `bead`.
         """
         behind = cmath.phase(complex(bead.driven(self.frequency))) - self.phase
         error = math.hypot(
@@ -44,7 +45,7 @@ class Answer:
         return (behind + math.pi / 2) % math.pi - math.pi / 2, error
 
     def per(self, response: float) -> Answer:
-        """The same, with the signal over a response."""
+        """Return this answer with its signal divided by a response."""
         return dataclasses.replace(
             self,
             signal=self.signal / response,
@@ -54,7 +55,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class KnownDrag:
-    """A drag that is known from elsewhere, with an uncertainty."""
+    """Drag that is known from elsewhere, with an uncertainty."""
 
     drag: float
     """kg/s"""
@@ -62,9 +63,9 @@ class KnownDrag:
     """standard uncertainty of its logarithm"""
 
     def misfit(self, bead: TrappedBead) -> float:
-        """Deviation from the drag of that bead, in standard uncertainties."""
+        """Return the deviation from the drag of `bead`, in standard uncertainties."""
         return math.log(bead.drag / self.drag) / self.uncertainty
 
     def per(self, _: float) -> KnownDrag:
-        """The same: a drag has nothing to do with the detector."""
+        """Return this drag unchanged, because it does not depend on the detector."""
         return self

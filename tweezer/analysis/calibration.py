@@ -91,7 +91,7 @@ _BEFORE_DETECTOR = 2.0
 #: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
 _LATE = (5.0, 0.02)
 
-#: Largest number of frequencies that are told
+#: Largest number of frequencies that are listed
 _TOLD = 3
 
 #: Motion across a wall, of the gap, from which on it is said: a standard deviation
@@ -342,62 +342,90 @@ def calibrate(
     drift: QuantityLike | None = None,
     fit_range: str | tuple[float, float] | None = None,
 ) -> Calibration:
-    """Stiffness of the trap along each axis of a recording, by several methods.
+    """Return the trap stiffness along each axis of a recording, by several methods.
 
-    source: a recording, or what `load_recording` takes. temperature: of the medium, K; drag: beta,
-    kg/s; mass: of the bead, kg; displaced_mass: of the fluid in its place, kg, with which the drag
-    remembers (`TrappedBead`): it needs the mass; exposure: the time over which each position is
-    averaged, s, from 0 to the step; each a number in that unit, or text with a unit. For a run of
-    tweezer they default to the scene's (masses are those of the model and of `medium.inertia`: none
-    without inertia, m/a2 in the scaled model, m + m_f/2 with an added mass; exposure and noise are
-    those of the scene's camera, and 0 without one; the drag beside a wall is that of the mean
-    mobility on the way). An unknown exposure is taken as 0, and a finding reports a record that
-    could have another one.
+    The recording is tested first (`tweezer.analysis.findings`). Its findings apply to every number
+    of the axis. The methods are:
 
-    viscosity: of the medium, Pa s; with the radius it makes the drag.
-
-    wall: the distance of the bead's centre from a wall across the light, m, or with its standard
-    uncertainty "1.2 um +- 50 nm"; radius: of the bead, m, which it needs. `drag` is then that far
-    from the wall; x and y have that of the exact mobility along it, z of that across it. An
-    uncertain height makes an uncertain drag, which the fit of the spectrum takes as one more datum.
-    With the inertia of the fluid, from 1.5 radii on along the wall and from 2 across it, the drag
-    is that of the flow that the wall reflects (`tweezer.fluid.reflection`).
-
-    The detector: diode: f_3, Hz, where what it detects late has half its power, or f_3 and the part
-    a that it detects at once; noise: the standard deviation of its white noise, in the unit of the
-    record. Each, and the exposure, may be "fit": the record then tells it, with its uncertainty, or
-    it is said that it does not. Of a record in volts the metres a volt are fitted, which needs the
-    drag, or a drive: the column of that heading is the motion of the stage, m, in any way to and
-    fro, which drags the bead (active calibration, `tweezer.analysis.driving`). Stiffness, drag and
-    metres a volt then come from one fit of the spectrum and of the answers: at single frequencies
-    of the stage, whole periods of the record, and in narrow bands of all others at which it moves.
-
-    leave_out: bands of frequencies, "49 Hz..51 Hz" or two numbers, Hz, that are taken out of the
-    record; drift: a frequency, Hz: what is slower is taken off as whole cosines. What both take of
-    the bead's own motion is corrected for (`tweezer.analysis.left_out`). fit_range: "10 Hz..10 kHz"
-    or two numbers: spectra are fitted over these frequencies only; the other methods use all.
-
-    The record is tested first (`tweezer.analysis.findings`); its findings apply to every number of
-    the axis. Equipartition: k_B T over the variance, corrected for the exposure and for the mean,
-    which is that of the record; its uncertainty is that of a sum of the ordinates of
-    the spectrum. Power spectrum: the expected periodogram of the sampled bead
-    (`TrappedBead.sampled_spectrum`, with aliases and leakage; with masses in its inertial or
-    hydrodynamic form), fitted by maximum likelihood for exponentially distributed ordinates
-    (P. Whittle, Ark. Mat. 2, 423 (1953)), with the drag given and with the drag fitted;
-    uncertainties from Fisher's information; the p-value is that of Bartlett's test (Kolmogorov and
-    Smirnov) of the cumulative periodogram over the fit. Displacement and autocorrelation: least
-    squares over ten lags, from 0.1 to 2 relaxation times, weighted with the covariance that those
-    averages have for Gaussian motion (M. S. Bartlett, J. R. Stat. Soc. Suppl. 8, 27 (1946)); the
-    autocorrelation uses only the rate of decay and needs a drag, but no temperature. Potential:
-    `potential`, with the corrections of equipartition.
+    * Equipartition: k_B T divided by the variance, corrected for the exposure and for the
+      subtracted mean. The uncertainty follows from the sum of the ordinates of the spectrum.
+    * Power spectrum: the expected periodogram of the sampled bead (`TrappedBead.sampled_spectrum`,
+      with aliases and leakage, and with inertia if masses are given). It is fitted by maximum
+      likelihood for exponentially distributed ordinates (P. Whittle, Ark. Mat. 2, 423 (1953)), with
+      the drag given and with the drag fitted. The uncertainties follow from Fisher's information,
+      and the p-value from Bartlett's test (Kolmogorov and Smirnov).
+    * Displacement and autocorrelation: least squares over ten lags, from 0.1 to 2 relaxation times,
+      weighted with the covariance of these averages for Gaussian motion (M. S. Bartlett, J. R.
+      Stat. Soc. Suppl. 8, 27 (1946)). The autocorrelation uses only the rate of decay. It requires
+      a drag but no temperature.
+    * Potential: `potential`, with the corrections of equipartition.
 
     Along axes where no trap is detected, the bead is treated as a free bead. `Calibration.free` has
     its diffusion coefficient and the quantities that follow from it: the viscosity, the radius or
     Boltzmann's constant, whichever is not given.
 
-    `tweezer bench calibrate` measures how often the intervals contain the true stiffness. Raises
-    `ResultError` without a temperature, for an exposure longer than the step, for what
-    `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
+    `tweezer bench calibrate` measures how often the confidence intervals contain the true value.
+
+    Parameters
+    ----------
+    source : Recording, xarray.Dataset, str or Path
+        A recording, or a source for `load_recording`.
+    temperature : float or str, optional
+        Temperature of the medium, K. This and the following values default to the scene for a run
+        of tweezer.
+    drag : float or str, optional
+        Drag coefficient beta, kg/s. For a run beside a wall it follows from the mean mobility.
+    mass : float or str, optional
+        Mass of the bead, kg. For a run it depends on the model and `medium.inertia`: it is none
+        without inertia, m/a2 in the scaled model, and m + m_f/2 with an added mass.
+    displaced_mass : float or str, optional
+        Mass of the displaced fluid, kg, for hydrodynamic memory (`TrappedBead`). Requires `mass`.
+    wall : float, str or pair, optional
+        Distance of the bead centre from a wall across the light, m, or with its standard
+        uncertainty "1.2 um +- 50 nm". Requires `radius`. `drag` is then the drag far from the wall;
+        the exact mobilities along and across the wall apply to x and y, and to z. An uncertain
+        height gives an uncertain drag, which is one more datum of the spectral fit. With fluid
+        inertia, from 1.5 radii along the wall and from 2 radii across it, the drag includes the
+        flow that the wall reflects (`tweezer.fluid.reflection`).
+    radius : float or str, optional
+        Radius of the bead, m.
+    viscosity : float or str, optional
+        Viscosity of the medium, Pa s. With `radius` it sets the drag.
+    exposure : float or str, optional
+        Exposure time of each position, s, from 0 to the sampling interval, or "fit". An unknown
+        exposure is taken as 0, and a finding reports a recording that may have another one. For a
+        run, exposure and noise default to the scene's camera, and to 0 without a camera.
+    diode : float, str or pair, optional
+        Photodiode response: half-power frequency f_3 of the delayed part, Hz, optionally with the
+        fraction a that is detected without delay; or "fit".
+    noise : float or str, optional
+        Standard deviation of the white detector noise, in the unit of the recording, or "fit". A
+        value to fit is determined with its uncertainty, or reported as not determined.
+    drive : str, optional
+        Heading of the column with the motion of the stage, m, which may move to and fro in any way
+        (active calibration, `tweezer.analysis.driving`). One fit then determines stiffness, drag
+        and displacement sensitivity from the spectrum and the responses. For a recording in volts
+        the displacement sensitivity is always fitted, which requires the drag or a drive.
+    leave_out : sequence of str or pair, optional
+        Frequency bands to remove from the recording, "49 Hz..51 Hz" or two numbers, Hz. The
+        results are corrected for the motion of the bead that this and `drift` remove
+        (`tweezer.analysis.left_out`).
+    drift : float or str, optional
+        Frequency below which drift is removed, in whole cosines, Hz.
+    fit_range : str or pair, optional
+        Frequency range of the spectral fits, "10 Hz..10 kHz" or two numbers, Hz. The other methods
+        use all frequencies.
+
+    Returns
+    -------
+    Calibration
+        Stiffness of each axis by each method, with uncertainties and findings.
+
+    Raises
+    ------
+    ResultError
+        Without a temperature, for an exposure longer than the sampling interval, for a source that
+        `load_recording` refuses, for a bead in the wall, and for a run without thermal motion.
     """
     recording = source if isinstance(source, Recording) else load_recording(source, drive)
     if isinstance(source, Recording) and drive is not None:

@@ -14,21 +14,22 @@ Array = NDArray[np.float64]
 
 
 def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
-    """Variables that follow from a motion at `times` (n,) s.
+    """Return the variables that follow from a motion at `times` (n,) s.
 
     * optical_force: force of the light (3.26), N
-    * force_error: its error, N; NaN, until `force_errors` gives it
+    * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
-    * net_force_error: with forces beside those of the scene, its error, N; likewise
-    * speed; terminal_speed: |net_force|/beta_v (5.2), with the drag at the place, m/s
+    * net_force_error: error of the net force, N, with the user's own forces. It is NaN likewise.
+    * speed: m/s
+    * terminal_speed: |net_force|/beta_v (5.2), with the drag at the position, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
-    * distance: from the focus, m
-    * kinetic_energy: of translation and, with a rotation, of rotation, J
-    * potential_energy: of gravity and buoyancy, zero at the focus, J
-    * total_energy: their sum, J. The force of the light has no potential.
-    * gap: beside a wall, distance of the bead's surface from it, from the nearer of two, m
+    * distance: distance from the focus, m
+    * kinetic_energy: energy of translation and, if the bead rotates, of rotation, J
+    * potential_energy: energy of gravity and buoyancy, zero at the focus, J
+    * total_energy: sum of both, J. The force of the light has no potential.
+    * gap: distance of the bead's surface from the nearer wall, m, if there is a wall
 
-    Without a velocity there is no speed, Reynolds number, kinetic and total energy.
+    Without a velocity there is no speed, Reynolds number, kinetic or total energy.
     """
     scene, bead, places = problem.scene, problem.bead, motion.position
     weight = np.array(bead.weight)
@@ -89,11 +90,11 @@ def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
 
 
 def force_errors(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
-    """Errors of the forces in a motion at `times` (n,) s.
+    """Return the errors of the forces in a motion at `times` (n,) s.
 
-    * force_error: of the light, N: as estimated, or certified by the map, or for the thesis's grid
-      the distance to the quadrature
-    * net_force_error: with forces beside those of the scene, of all, N
+    * force_error: error of the optical force, N. It is estimated, or certified by the map. For the
+      thesis's grid it is the distance to the quadrature.
+    * net_force_error: error of all forces, N, with the user's own forces
     """
     places = motion.position
     light = problem.light.field(places, time=times)

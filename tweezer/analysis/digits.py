@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 _CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}
 #: Part of the variance of displacements that rounding may have
 _ROUNDED = 0.05
-#: Smallest standard deviation of displacements, in steps of the digits, at which the errors of
-#: rounding are independent (correlation of 1 %)
+#: Smallest standard deviation of displacements at which rounding errors are independent (with a
+#: correlation of 1 %), in steps of the digits
 _INDEPENDENT = 0.5
 #: Smallest ratio of a known noise to that of rounding that includes it
 _INCLUDED = 0.8
@@ -37,7 +37,7 @@ _IN_TURN = 0.5
 _APART = 0.2
 #: Number of steps over which independent samples have no autocorrelation
 _LAGS = 16
-#: Autocorrelation at one of these lags that is none, in its standard deviation
+#: Largest autocorrelation at these lags that counts as zero, in its standard deviation
 _NONE = 4.0
 
 
@@ -99,7 +99,7 @@ def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Findin
 
 
 def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding | None:
-    """Positions whose rounding has a part in their motion: as white noise, if steps are longer."""
+    """Return a finding if rounding contributes to the motion: as white noise for longer steps."""
     step = step_of(positions)
     variance, moved = float(np.var(positions)), float(np.var(np.diff(positions)))
     rounding = step**2 / 12
@@ -116,7 +116,7 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
 
 
 def _in_turn(positions: Array) -> Finding | None:
-    """Rows of several beads in turn, whose motions are independent."""
+    """Return a finding for rows of several beads in turn, whose motions are independent."""
     positions = positions[:_ENOUGH]
     for beads in range(2, _MOST_IN_TURN + 1):
         whole = len(positions) // beads * beads
@@ -134,7 +134,7 @@ def _in_turn(positions: Array) -> Finding | None:
 
 
 def _shuffled(positions: Array) -> Finding | None:
-    """Independent samples that are not Gaussian, as those of a trapped bead are."""
+    """Return a finding for independent samples that are not Gaussian, unlike a trapped bead's."""
     away = positions - positions.mean()
     if _autocorrelation(away, _LAGS).max() > _NONE / math.sqrt(len(away)):
         return None
@@ -148,13 +148,13 @@ def _shuffled(positions: Array) -> Finding | None:
 
 
 def _autocorrelation(series: Array, lags: int) -> Array:
-    """The size of it at the lags from 1 on."""
+    """Return the absolute autocorrelation at the lags 1 to `lags`."""
     products = [series[lag:] @ series[:-lag] for lag in range(1, lags + 1)]
     return np.abs(products) / (series @ series)
 
 
 def _probable(scaled: Array) -> bool:
-    """Whether the excess kurtosis of independent samples is that of a Gaussian, by chance."""
+    """Return whether the excess kurtosis of independent samples agrees with a Gaussian."""
     from scipy.stats import kurtosistest
 
     return bool(kurtosistest(scaled).pvalue >= IMPROBABLE)

@@ -1,9 +1,9 @@
-"""The answer of a trapped bead to a moving stage: what active calibration measures.
+"""The response of a trapped bead to a moving stage, which active calibration measures.
 
-S. F. Tolic-Norrelykke et al., Rev. Sci. Instrum. 77, 103101 (2006): the fluid moves with the stage
-and drags the bead by a way that follows from stiffness and drag, so that the signal of it tells
-volts a metre. The stage may oscillate at a few frequencies. Whatever else it does is known at every
-sample too (`tweezer.analysis.following`).
+The fluid moves with the stage and displaces the bead. The displacement follows from stiffness and
+drag, so that the bead's signal determines the displacement sensitivity (S. F. Tolic-Norrelykke et
+al., Rev. Sci. Instrum. 77, 103101 (2006)). This module covers a stage that oscillates at a few
+frequencies; `tweezer.analysis.following` covers any other motion.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ class Drive:
 
     @classmethod
     def of(cls, drive: Array, step: float) -> Drive | None:
-        """That of `drive` (n,), m; None if it does not move to and fro."""
+        """Return the drive of the positions `drive` (n,), m; None if they do not oscillate."""
         from scipy.signal import detrend
 
         raw, drive = drive, detrend(drive)

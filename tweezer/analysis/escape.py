@@ -103,7 +103,24 @@ def escapes(
 def escapes_from_ring(
     scene: Scene, search: Search, net_force: NetForce, origin: Array
 ) -> tuple[Escape, ...]:
-    """The escapes across a ring from its place on the x axis: outwards, inwards, +z and -z."""
+    """Return the escapes across a ring: outwards, inwards, +z and -z.
+
+    Parameters
+    ----------
+    scene : Scene
+        Bead, medium, lens and beam.
+    search : Search
+        Lengths by which the largest force is searched.
+    net_force : NetForce
+        Sum of all forces but drag.
+    origin : ndarray, shape (3,)
+        Position of the ring on the x axis, m.
+
+    Returns
+    -------
+    tuple of Escape
+        One escape for each direction.
+    """
     ways = {"outwards": "+x", "inwards": "-x", "+z": "+z", "-z": "-z"}
     return tuple(
         dataclasses.replace(_escape(scene, search, net_force, origin, along), direction=name)
@@ -112,7 +129,10 @@ def escapes_from_ring(
 
 
 def largest(component: Component, distances: Array, spacing: float) -> tuple[float, float]:
-    """Largest value between the ends of `distances`, and where; spacing: of samples, m."""
+    """Return the largest value between the ends of `distances`, and its distance.
+
+    The samples are `spacing` (m) apart.
+    """
     return _refined(component, distances, component(distances), _MAXIMUM * spacing)
 
 

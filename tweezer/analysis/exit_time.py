@@ -166,12 +166,27 @@ def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
 
 
 def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: float) -> float:
-    """Mean time from `start`, (rho, z) m, until the bead is out of the region, s.
+    """Return the mean time until the bead leaves the region, s.
 
-    A Markov chain between the nodes, whose rates are those of a diffusion under a constant force
-    between neighbours (Scharfetter, Gummel, IEEE Trans. Electron Devices 16, 64 (1969)): the error
-    falls with the square of the distance of nodes. energy: k_B T, J. Infinite where it is longer
-    than numbers are.
+    The bead is a Markov chain between the nodes. Its rates are exact for diffusion under a constant
+    force between neighbours (Scharfetter, Gummel, IEEE Trans. Electron Devices 16, 64 (1969)). The
+    error decreases with the square of the node distance.
+
+    Parameters
+    ----------
+    grid : Grid
+        Nodes, with the force and the mobilities.
+    region : Region
+        Region that the bead leaves.
+    start : tuple of float
+        Initial position (rho, z), m.
+    energy : float
+        k_B T, J.
+
+    Returns
+    -------
+    float
+        Mean time, s; infinite if it exceeds the range of floating-point numbers.
     """
     from tweezer.analysis.elimination import mean_times
 

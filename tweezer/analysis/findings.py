@@ -106,9 +106,25 @@ class Fits:
 def examine(
     positions: Array, step: float, fits: Fits, exposure_known: bool, resolution: float
 ) -> list[Finding]:
-    """Findings against the record, and so against every estimate from it.
+    """Return the findings against a recording, which apply to every estimate from it.
 
-    resolution: step of the digits of the positions, m; 0 if there is none.
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Positions along one axis, m or V.
+    step : float
+        Sampling interval, s.
+    fits : Fits
+        Fits of the spectrum.
+    exposure_known : bool
+        Whether the exposure time is given.
+    resolution : float
+        Step of the digits of the positions; 0 if they are not digitised.
+
+    Returns
+    -------
+    list of Finding
+        Findings, in the order of their tests.
     """
     few = _like_a_free_bead(len(positions) * step, fits)
     unsteady = _unsteady(positions, step, fits, few is not None)
@@ -248,9 +264,9 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
 
 
 def _cosine(half_periods: int, samples: int) -> Array:
-    """A cosine (samples,) of so many half periods, normalised: a row of the DCT-II.
+    """Return a normalised cosine (samples,) with `half_periods`, which is a row of the DCT-II.
 
-    The angle of a sample is the sum of that of a row and that of a column of a square table.
+    The angles form a square table, so that each is the sum of a row angle and a column angle.
     """
     side = math.isqrt(samples) + 1
     unit = 1j * np.pi * half_periods / samples
@@ -370,10 +386,10 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
 
 
 def spectrum_p_value(fit: WhittleFit) -> float:
-    """Bartlett's test (Kolmogorov and Smirnov) of the cumulative periodogram over the fit.
+    """Return the p-value of Bartlett's test (Kolmogorov and Smirnov) for the fitted spectrum.
 
-    J. Vrbik, Pioneer J. Theor. Appl. Stat. 15, 15 (2018), corrects the limit of its distribution
-    for a finite number of ordinates.
+    The test uses the cumulative periodogram divided by the fit. The limit of its distribution is
+    corrected for a finite number of ordinates (Vrbik, Pioneer J. Theor. Appl. Stat. 15, 15 (2018)).
     """
     passed = np.cumsum(fit.ratios)
     n = passed.size - 1

@@ -60,7 +60,7 @@ _TOLD = 3
 _LEAST_START = 0.05
 #: Squared noise that is seen, in its standard uncertainties, and the 95 % upper limit of any.
 _SEEN, _ONE_SIDED = 3.0, 1.645
-#: Logarithm of B/A from which on only noise is seen.
+#: Smallest logarithm of B/A at which only noise is visible.
 _NO_DIFFUSION = 12.0
 #: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
 _WHOLE_EXPOSURE = 1 / 3
@@ -194,10 +194,10 @@ class Given(NamedTuple):
 def not_trapped(
     name: str, found: Mapping[str, Sequence[Finding]], positions: Array, step: float, given: Given
 ) -> Diffusion | None:
-    """The diffusion along the axes along which no trap is detected; None if there are none.
+    """Return the diffusion along the axes without a detected trap; None if there is no such axis.
 
-    found: for each axis of positions (n, axes), what speaks against a trapped bead. One that looks
-    free is; and so is one to which other things are objected, if nothing speaks against a free one.
+    `found` contains the findings against a trapped bead for each axis of the positions (n, axes).
+    An axis is free if it looks free, or if it has other findings but none against a free bead.
     """
 
     def fitted(axes: Sequence[str]) -> Diffusion | None:
@@ -225,14 +225,16 @@ def free_bead(
     given: Given,
     names: Sequence[str] = (),
 ) -> Diffusion:
-    """Return the diffusion of a free bead, or the common one of several, and what follows from it.
+    """Return the diffusion of a free bead, or the common diffusion of several beads.
 
-    D is that of the largest restricted likelihood over D, drifts and, for each axis, s; where
-    exposure and noise are known, s follows from D, unless the record contradicts it. Steps of more
-    than six standard deviations are left out. Where steps have heavier tails than a Gaussian, the
-    interval is as much wider. The likelihood of several tracks is the product of theirs, with a
-    drift for each; their ratio of likelihoods with one D and with a D for each tests whether they
-    differ (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)).
+    D maximises the restricted likelihood over D, the drifts and, for each axis, s. If exposure and
+    noise are known, s follows from D, unless the recording contradicts it. Steps of more than six
+    standard deviations are left out. If the tails of the steps are heavier than a Gaussian's, the
+    confidence interval is wider by the same factor.
+
+    The likelihood of several tracks is the product of the likelihoods of the tracks, and each track
+    has its own drift. A likelihood ratio tests whether the tracks differ in D (S. S. Wilks, Ann.
+    Math. Stat. 9, 60 (1938)).
 
     Parameters
     ----------
@@ -243,7 +245,7 @@ def free_bead(
     step : float
     given : Given
     names : sequence of str
-        Of the tracks.
+        Names of the tracks.
 
     Raises
     ------
@@ -312,9 +314,10 @@ def free_bead(
 
 
 def _held(fits: Sequence[_Fit], best: float, freedom: float) -> list[Finding]:
-    """Tracks that end nearer to where they began than free beads do, which a drift only leads away.
+    """Return a finding for tracks that end closer to their beginning than those of free beads.
 
-    Fisher's F of what the fit takes as their drifts. freedom: degrees of freedom of D.
+    A drift can only lead away from the beginning. The test is Fisher's F for the fitted drifts;
+    `freedom` is the number of degrees of freedom of D.
     """
     squares = np.concatenate([fit.drifts_squared(best) for fit in fits])
     if float(fdtr(len(squares), freedom, squares.mean())) >= IMPROBABLE:
@@ -552,7 +555,7 @@ class _Fit:
         return self._own[2]
 
     def drifts_squared(self, a: float) -> Array:
-        """Of each track over its squared standard uncertainty, at the common a."""
+        """Return the square of each track's drift over its uncertainty, at the common a."""
         drifts, errors = self.steps.drifts(a + self.shift, self._at(a + self.shift)[1])
         return np.asarray((drifts / errors) ** 2)
 

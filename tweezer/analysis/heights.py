@@ -41,23 +41,42 @@ def trap_over_heights(
     *,
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """The trap of `scene` with its nominal focus at each of `heights`, m from the wall.
+    """Return the trap of `scene` with its nominal focus at each of `heights` from the wall.
 
-    The wall is where `wall.side` has it, or else below the bead; a second wall keeps its distance
-    to the first. With `lens.cover` the wall is its face, and the light is made anew at each height:
-    by the quadrature, where the scene has it from a map. Where the scene starts its bead, and the
-    fluid's inertia, play no part. progress: called with the part done.
+    The wall is at `wall.side`, or below the bead by default. A second wall keeps its distance to
+    the first. With `lens.cover` the wall is the face of the cover glass, and the light is computed
+    again at each height, with the quadrature if the scene uses a map. The release position and
+    fluid inertia have no effect.
 
-    Returns a dataset over `height`, and of vectors over `axis`: the stable `equilibrium` nearest
-    the focus, m from there, and `equilibrium_error`, m, by the error of the force; `gap` of the
-    bead there, m; `stiffness` k_ii, N/m; `drag`, kg/s; `corner_frequency` k_ii/(2 pi drag), Hz, NaN
-    along an axis in which the bead swings; and the drag far from the wall, kg/s. `state` says of
-    each height "held", "held on a ring" around the axis, "rests on the wall", where no equilibrium
-    is and the forces press the bead to the wall, or "not held": numbers are NaN but where it is
-    held. The attribute `status` is "complete", or "interrupted" of a dataset with the heights
-    reached before.
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one beam.
+    heights : array_like, shape (n,)
+        Distances of the focus from the wall, m. Quantities with units are accepted.
+    progress : callable, optional
+        Called with the completed fraction.
 
-    Raises `SceneError` for heights that are none, and for scenes that are not valid at one of them.
+    Returns
+    -------
+    xarray.Dataset
+        Over `height`, with vectors over `axis`. Numbers are NaN where the bead is not held.
+
+        * equilibrium: stable equilibrium nearest the focus, relative to it, m
+        * equilibrium_error: its error by the error of the force, m
+        * gap: gap between bead and wall at the equilibrium, m
+        * stiffness: k_ii, N/m
+        * drag: kg/s; and the drag far from the wall
+        * corner_frequency: k_ii/(2 pi drag), Hz; NaN along an axis in which the bead oscillates
+        * state: "held", "held on a ring" around the axis, "rests on the wall" if there is no
+          equilibrium and the forces press the bead to the wall, or "not held"
+
+        The attribute `status` is "complete", or "interrupted" if later heights are missing.
+
+    Raises
+    ------
+    SceneError
+        For invalid heights, and if the scene is not valid at one of them.
     """
     given = checked_heights(heights)
     scene = checked_scene(scene)

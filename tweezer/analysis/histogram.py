@@ -81,12 +81,12 @@ def potential(
 
     Bins reach 4 standard deviations to both sides of the mean. Their width is a fifth of a standard
     deviation, or larger, up to a half, if a Gaussian would leave less than 20 independent samples
-    in a bin at two. In a digitised record the width is a whole multiple of its resolution, so that
-    each bin holds as many of the recorded values. Bins with less than 10 independent samples are
-    omitted; the number of independent samples of a bin follows from the variance of its counts in
-    successive blocks of the record. The curvature is corrected for the width of the bins
-    (Sheppard). Its error is that of the mean over the record of its influence function, and so
-    includes the correlation between bins.
+    in a bin at two. In a digitised recording the width is a whole multiple of its resolution, so
+    that every bin contains the same number of recorded values. Bins with less than 10 independent
+    samples are omitted. The number of independent samples in a bin follows from the variance of its
+    counts in successive blocks. The curvature is corrected for the width of the bins (Sheppard).
+    Its error is the error of the mean influence function over the recording, which includes the
+    correlation between bins.
 
     Parameters
     ----------
@@ -95,8 +95,8 @@ def potential(
     temperature : float or str
         Temperature of the medium, K.
     resolution : float or str, optional
-        Step of a digitised record, m; 0 for a record that is not digitised. Default: that of the
-        positions themselves. Give it if drift was removed after the positions were digitised.
+        Step of a digitised recording, m; 0 for one that is not digitised. Default: determined from
+        the positions. Give it if drift was removed after the positions were digitised.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def resolution_of(positions: Array) -> float:
 
 
 def _recorded_value(positions: Array, step: float) -> float:
-    """One of the values of a digitised record, as the mean phase in its step tells it."""
+    """Return one value of a digitised recording, from the mean phase within its step."""
     some = positions[:: -(-len(positions) // _LOOKED_AT)] - positions[0]
     phase = np.angle(np.exp(2j * np.pi * some / step).mean())
     return float(positions[0] + step * phase / (2 * np.pi))

@@ -36,9 +36,9 @@ _BESIDE_WALL = 1e-3
 _OF_CORRECTION = 0.5
 #: Error of the logarithm from which on nodes are closer
 _ENOUGH = 0.05
-#: Largest sqrt(k m)/drag at which escape is a diffusion; its square is in the error of the time: of
-#: Kramers's rate at any friction the overdamped one is off by about that (H. A. Kramers, Physica 7,
-#: 284 (1940))
+#: Largest sqrt(k m)/drag at which escape is a diffusion. The error of the time includes its square,
+#: which is about the deviation of the overdamped rate from Kramers's rate at any friction
+#: (H. A. Kramers, Physica 7, 284 (1940))
 _LITTLE_DRAG = 0.3
 #: Distance of nodes without light, in radii of the region
 _FINE_DARK = 0.02
@@ -144,7 +144,7 @@ def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> 
 
 
 def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
-    """That the light does not keep the bead longer than it stays without; empty if it does."""
+    """Return the remark that light does not prolong the stay of the bead; empty if it does."""
     if without_light is None:
         return ""
     if held.time - held.error <= _NOTHING * (without_light.time + without_light.error):

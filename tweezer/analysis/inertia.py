@@ -10,7 +10,7 @@ from tweezer.scene import Scene
 
 
 class Inertia(NamedTuple):
-    """Which inertia the bead of a recording has, whatever its size."""
+    """Kind of inertia of the bead of a recording, independent of its size."""
 
     bead: bool
     """whether the bead has mass"""
@@ -23,10 +23,9 @@ class Inertia(NamedTuple):
 
     @classmethod
     def of(cls, scene: Scene) -> Inertia:
-        """The inertia that a scene names, or for what it leaves open that of a measured bead.
+        """Return the inertia in a scene, completed by the inertia of a measured bead.
 
-        A scene that made a run leaves nothing open. A measured bead has mass, and the memory of the
-        fluid.
+        The scene of a run is complete. A measured bead has mass and hydrodynamic memory.
         """
         simulation, medium = scene.simulation, scene.medium
         model = simulation.model or "full"
@@ -52,7 +51,7 @@ class Inertia(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What it is, for a person."""
+        """Description of the inertia in words."""
         if not self.bead:
             return "without inertia"
         fluid = {"none": "", "added-mass": " and the added mass", "memory": " and of the fluid"}

@@ -58,13 +58,28 @@ class LeastPower(Shown):
 
 
 def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | None:
-    """The least power through the pupil at which the trap of `scene` holds its bead for a time.
+    """Return the minimum power through the pupil at which the trap has a given lifetime.
 
-    time: of `Trap.lifetime`, s or with its unit. The power of the scene plays no part. Returns None
-    if the bead is not held for so long by any power up to 100 W, which is far beyond what beads and
-    lenses survive; a `PhysicsWarning` says what was found there. Raises `SceneError` for more than
-    one beam, or one that moves or changes, for no light, for a time that is none, and for one in
-    which even a free bead is not lost.
+    The scene's own power is ignored.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one beam that does not change in time.
+    time : float or str
+        Required `Trap.lifetime`, s or with a unit.
+
+    Returns
+    -------
+    LeastPower or None
+        None if the lifetime is shorter at every power up to 100 W, which is far beyond the damage
+        threshold of beads and lenses. A `PhysicsWarning` then describes the trap at 100 W.
+
+    Raises
+    ------
+    SceneError
+        For several beams, no light, or light that changes in time. For a time that is not positive,
+        or in which even a free bead is not lost.
     """
     from scipy.optimize import brentq
 
@@ -115,7 +130,7 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
 
 
 def _at_most(at: Callable[[float], Trap]) -> str:
-    """What the trap is at the largest power."""
+    """Return a description of the trap at the largest power."""
     trap = at(_MOST)
     if trap.lifetime is not None:
         return f"at 100 W it is held for {trap.lifetime.words}"

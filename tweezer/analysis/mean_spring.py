@@ -1,4 +1,4 @@
-"""The harmonic trap that comes closest to a real one in thermal motion."""
+"""The harmonic trap that is closest to a real trap in thermal motion."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ _POINTS, _WEIGHTS = _cubature()
 
 
 def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
-    """Return the mean spring of a bead about an equilibrium, or None where none holds it.
+    """Return the mean spring of a bead about an equilibrium, or None if no spring holds it.
 
-    The stiffness is that of statistical linearisation: the mean of -dF/dx over a Gaussian
-    distribution, whose mean position has no mean force and whose covariance is k_B T over that
+    The stiffness is the mean of -dF/dx over a Gaussian distribution (statistical linearisation).
+    The mean force of this distribution vanishes, and its covariance is k_B T divided by the
     stiffness (J. B. Roberts and P. D. Spanos, Random Vibration and Statistical Linearization,
-    1990). In a weakly anharmonic trap the spectrum of the bead is that of the mean
-    spring, up to second order in the part by which its stiffness differs from that at the
-    equilibrium. The drag is that of the mean mobility.
+    1990). In a weakly anharmonic trap the mean spring has the same spectrum as the bead. The error
+    is of second order in the relative difference between the mean stiffness and the stiffness at
+    the equilibrium. The drag follows from the mean mobility.
     """
     kT = Boltzmann * problem.scene.medium.temperature
     position, stiffness = np.array(place.position), np.array(place.stiffness)
@@ -65,7 +65,7 @@ def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
         if np.linalg.norm(points, axis=1).max() > problem.light.search.reach:
             return None
         force = problem.net_force_apart(points)
-        # the mean of dF/dx is that of F times what is off the mean, over the covariance
+        # the mean of dF/dx is the mean of F times the deviation, divided by the covariance
         found = -np.linalg.solve(spread.T, (_POINTS * _WEIGHTS[:, None]).T @ force)
         found = (found + found.T) / 2
         position = position + np.linalg.solve(stiffness, _WEIGHTS @ force)

@@ -267,34 +267,50 @@ def load_recording(
     scale: QuantityLike | None = None,
     bead: str | int | None = None,
 ) -> Recording:
-    """A run of tweezer, or the table of a file: columns t, x, y and z, of which t and x are needed.
+    """Return the recording in a run of tweezer or in a table.
 
-    A run (dataset, or NetCDF file of `save_run`): its positions, up to where the bead was lost;
-    of a scene with a camera what that saw, with its exposure and noise, up to the last whole step
-    of the run before the bead was lost.
-    Tables: text (.csv, .tsv, .txt, .dat, .asc, .lvm, .prn), HDF5 and NetCDF 4 (.h5, .hdf5, .nc),
-    also of Lumicks, NumPy (.npy, .npz), MATLAB (.mat) and TDMS (.tdms). A heading is t, time, x, y
-    or z, or words with one of them, and the unit, such as "X position (nm)"; numbers without a unit
-    are SI. What a detector gives may be in volts. Other columns are ignored. The page "Recordings"
-    of the documentation says it in full.
+    A run contributes its positions until the bead was lost. If its scene has a camera, the frames
+    are used, with exposure and noise, up to the last whole step before the bead was lost.
 
-    drive: heading, without its unit, of the column with the motion of the stage.
-    columns: which columns are read, by headings in their order ("t [s],-,x [um]"), or each by its
-    heading or its number from 1 ("t=Zeit,x=4").
-    rate: Hz, or text such as "15 Hz": of the rows where no column has the time; of the frames that
-    a column counts; or that at which samples with uneven stamps of time were taken.
-    scale: m, or text such as "85.8 nm", "11.66 px/um" or "0.5 um/V": of a pixel or a volt, for
-    positions without a unit or in it.
-    bead: of a table of several beads the one that is read, as its column names it.
+    A table has the columns t, x, y and z, of which t and x are required. Its file is text (.csv,
+    .tsv, .txt, .dat, .asc, .lvm, .prn), HDF5 or NetCDF 4 (.h5, .hdf5, .nc, also of Lumicks), NumPy
+    (.npy, .npz), MATLAB (.mat) or TDMS (.tdms). A heading is t, time, x, y or z, or words with one
+    of them, and the unit, such as "X position (nm)". Numbers without a unit are SI. Positions may
+    be in volts. Other columns are ignored. The page "Recordings" of the documentation has the
+    details.
 
-    Rows are sorted by their times if that makes these even.
+    Rows are sorted by their times if the sorted times are even. Gaps of up to 10 samples, and of
+    5 % of the samples in total, are filled in from the samples around them. Otherwise the longest
+    stretch without a gap is used. `Recording.note` reports this.
 
-    Rows that lack numbers: gaps of up to 10 samples, and of 5 % of them in all, are filled in from
-    the samples around them; else the longest stretch without a gap is taken. `Recording.note` says
-    so.
+    Parameters
+    ----------
+    source : str, Path or xarray.Dataset
+        File, or run of tweezer.
+    drive : str, optional
+        Heading, without its unit, of the column with the motion of the stage.
+    columns : str, sequence of str or mapping, optional
+        Columns to read, either in file order ("t [s],-,x [um]") or by heading or number from 1
+        ("t=Zeit,x=4").
+    rate : float or str, optional
+        Sampling rate, Hz, e.g. "15 Hz". It applies to rows without times, to frame numbers, and to
+        even samples with uneven time stamps.
+    scale : float or str, optional
+        Size of a pixel or a volt, m, e.g. "85.8 nm", "11.66 px/um" or "0.5 um/V". It applies to
+        positions without a unit or in this unit.
+    bead : str or int, optional
+        Bead to read from a table of several, as its column names it.
 
-    Raises `ResultError`, naming the file and the sample, for a file of another kind, and for what
-    `Recording` refuses.
+    Returns
+    -------
+    Recording
+        Positions at even times.
+
+    Raises
+    ------
+    ResultError
+        For a file of another kind, and for samples that `Recording` refuses. The message names the
+        file and the sample.
     """
     reading = Reading.of(columns, rate, scale, drive, bead)
     read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))

@@ -18,9 +18,9 @@ from tweezer.errors import ResultError
 from tweezer.saved import kind_of, read_json
 from tweezer.schema import of_validation
 
-#: What the file has beside the fields of `Trap`
+#: Entries of the file that are no fields of `Trap`
 _BESIDE = ("lifetime", "lifetime_caveat", "lifetime_without_light")
-#: What a file of an older version lacks
+#: Entries that a file of an older version lacks, with their defaults
 _NEWER: dict[str, Any] = {
     "resonance_frequencies": None, "quality_factors": None, "rings": [], "searched": "",
 }  # fmt: skip
@@ -29,9 +29,9 @@ _FARTHEST = 1.0
 
 
 def load_trap(path: Path) -> tuple[Trap, str]:
-    """Return the trap that a file of `tweezer trap --out` holds, and the version that computed it.
+    """Return the trap in a file of `tweezer trap --out`, and the version that computed it.
 
-    Raises `ResultError` for a file that is none.
+    Raises `ResultError` if the file contains no trap.
     """
     saved = read_json(path)
     if (kind := kind_of(saved)) and kind.name != "trap":
@@ -47,7 +47,7 @@ def load_trap(path: Path) -> tuple[Trap, str]:
         )
         for reason in _misshapen(trap):
             raise ValueError(reason)
-        if trap.equilibrium is not None:  # the file has it a second time
+        if trap.equilibrium is not None:  # the file contains it twice
             same = trap.equilibria.index(trap.equilibrium)
             trap = dataclasses.replace(trap, equilibrium=trap.equilibria[same])
         for reason in _wrong(trap):
@@ -65,7 +65,7 @@ def load_trap(path: Path) -> tuple[Trap, str]:
 
 
 def _known(of: type[Trap] | type[Escape], saved: dict[str, Any]) -> dict[str, Any]:
-    """With NaN for numbers that are null: JSON has none that is not finite."""
+    """Return `saved` with NaN for null numbers, because numbers in JSON are finite."""
     lost = [each.name for each in dataclasses.fields(of) if each.type == "float"]
     return saved | {name: math.nan for name in lost if saved[name] is None}
 
@@ -75,13 +75,13 @@ def _escapes(saved: list[dict[str, Any]]) -> list[Escape]:
 
 
 def _lifetime(saved: dict[str, Any]) -> Lifetime:
-    """A time that is null is infinite."""
+    """Return the lifetime; a time that is null is infinite."""
     time = math.inf if saved["time"] is None else saved["time"]
     return TypeAdapter(Lifetime).validate_python(saved | {"time": time})
 
 
 def _misshapen(trap: Trap) -> Iterator[str]:
-    """Return what is wrong with the shapes of vectors and matrices."""
+    """Return the errors in the shapes of vectors and matrices."""
     every: list[tuple[str, Any, tuple[int, ...]]] = [
         (name, getattr(trap, name), (3,))
         for name in (
@@ -100,7 +100,7 @@ def _misshapen(trap: Trap) -> Iterator[str]:
 
 
 def _wrong(trap: Trap) -> Iterator[str]:
-    """What cannot be of a trap."""
+    """Return the contradictions in a saved trap."""
     place = trap.equilibrium
     if bool(trap.escapes) != (place is not None):
         yield "it has escapes without an equilibrium, or an equilibrium without escapes"

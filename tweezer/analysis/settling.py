@@ -15,13 +15,13 @@ Array = NDArray[np.float64]
 _DEVIATION_PER_MEDIAN = 1.4826
 #: Largest distance of a settled bead from the median, in standard deviations
 FAR = 6.0
-#: Distance from the median within which the bead has arrived, in standard deviations, and the
-#: samples, in independent ones, after which nothing is left of its way
+#: Distance from the median at which the bead has arrived, in standard deviations, and the number of
+#: independent samples after which its approach is no longer visible
 _NEAR, _AFTER = 3.0, 3.0
 
 
 class Unsettled(NamedTuple):
-    """A beginning that is not that of a bead at rest in its trap."""
+    """Beginning of a recording in which the bead has not settled in its trap."""
 
     off: float
     """distance of the first sample from the median, in standard deviations"""
@@ -30,7 +30,7 @@ class Unsettled(NamedTuple):
 
 
 def spread(positions: Array) -> tuple[Array, float]:
-    """Distances (n,) of positions (n,), m, from their median, and their standard deviation, m.
+    """Return distances (n,) from the median, m, and the standard deviation of positions (n,), m.
 
     The deviation follows from the median distance, which outliers do not shift.
     """
@@ -39,9 +39,9 @@ def spread(positions: Array) -> tuple[Array, float]:
 
 
 def unsettled(positions: Array, step: float) -> Unsettled | None:
-    """Return how far off positions (n,), m, begin, one every `step` (s), and for how long.
+    """Return the initial deviation of positions (n,), m, and its duration; `step` in s.
 
-    None where the first is within six standard deviations of the median.
+    Returns None if the first position is within six standard deviations of the median.
     """
     off, deviation = spread(positions)
     if not off[0] > FAR * deviation:
@@ -52,6 +52,6 @@ def unsettled(positions: Array, step: float) -> Unsettled | None:
 
 
 def _rounded_up(time: float) -> float:
-    """To two digits."""
+    """Return the time rounded up to two digits."""
     unit = 10.0 ** (np.floor(np.log10(time)) - 1)
     return float(np.ceil(time / unit) * unit)

@@ -158,7 +158,7 @@ def block_means(series: Array) -> Array:
 def variance_of_means(series: Array) -> float:
     """Variance of the mean of a correlated `series` (n,), by Sokal's window.
 
-    The variance of a series that stays correlated to its end is that of one sample.
+    If the series stays correlated to its end, this is the variance of one sample.
     """
     n = len(series)
     covariance = autocovariance(series)

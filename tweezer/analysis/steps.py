@@ -23,23 +23,23 @@ EXACT = 1e-5
 
 
 class Steps:
-    """The steps of one coordinate between jumps and gaps, as sums over blocks of frequencies.
+    """Steps of one coordinate between jumps and gaps, as sums over blocks of frequencies.
 
-    The spectrum of the steps is A (1 + cos)/2 + B (1 - cos)/2 of the angle of a frequency, with
-    A = 2 D dt and B = A + 4 s, in units of the mean squared step. Each track has its own drift.
+    The spectrum of the steps at the angle a is A (1 + cos a)/2 + B (1 - cos a)/2, in units of the
+    mean squared step, with A = 2 D dt and B = A + 4 s. Each track has its own drift.
 
     Parameters
     ----------
     pieces : sequence of ndarray
         Rows of successive steps, m.
     step : float
-        s.
+        Sampling interval, s.
     without : sequence of (float, float)
         Bands of frequencies (Hz) whose ordinates are not used.
     tracks : sequence of int
-        Number of the track of each piece, from 0; all of one track if not given.
+        Number of the track of each piece, from 0. Default: all pieces belong to one track.
     square : float
-        Unit of A and B, m^2; the mean squared step if not given.
+        Unit of A and B, m^2. Default: the mean squared step.
     """
 
     def __init__(

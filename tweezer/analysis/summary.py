@@ -140,22 +140,25 @@ class Summary(Shown):
 
 
 def summarise(run: xr.Dataset) -> Summary:
-    """Summary of a run of `tweezer.simulate`.
+    """Return the summary of a run of `tweezer.simulate`.
 
-    Captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
-    drag, located by Newton's method; the time is that from which on it stays there. A bead beside a
-    stable equilibrium comes to rest there by the motion with the scene's inertia. Captured on a
-    ring: it ends as near to a ring around the beam's axis on which the light holds it, at rest or
-    driven round. Thermal
-    motion leaves that neighbourhood many times; with it a bead is captured if the mean position
-    over the last tenth of the run is within its radius of the equilibrium, and the time is that of
-    the first approach to a tenth of its radius. The first closest approach is the first local
-    minimum of the distance to the focus. A bead that rests on a wall, where nothing else holds it,
-    is not captured. If the light moves or changes until the end, no equilibrium stands still, and
-    the outcome is "complete".
+    The outcomes are:
+
+    * captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
+      drag, which is located by Newton's method. The capture time is the time after which the bead
+      stays there. The scene's inertia decides whether an equilibrium is stable.
+    * captured on a ring: the bead ends as close to a ring around the beam axis on which the light
+      holds it, at rest or driven round.
+    * complete: the light moves or changes until the end, so that no equilibrium is at rest.
+
+    With thermal motion, a bead leaves this neighbourhood many times. It is captured if its mean
+    position over the last tenth of the run is within its radius of the equilibrium. The capture
+    time is then the time of the first approach to a tenth of its radius. A bead that rests on a
+    wall without another equilibrium is not captured. The first closest approach is the first local
+    minimum of the distance to the focus.
 
     A run stores the summary of its motion between the samples. For a run without it, or a part of a
-    run, the summary is from the samples alone, and marked so.
+    run, the summary uses the samples alone, and its card reports this.
     """
     return summary_of(Run.of(run))
 
@@ -243,7 +246,7 @@ def stored(summary: Summary) -> str:
 
 
 def _read(text: str) -> Summary:
-    """The summary that a run holds. Raises `ResultError` if it is none."""
+    """Return the summary that a run contains. Raises `ResultError` if the text is not a summary."""
     try:
         return TypeAdapter(Summary).validate_json(text)
     except ValidationError as error:
@@ -352,9 +355,9 @@ def _stable_equilibrium(
 
 
 def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float] | None:
-    """Radius and height of the ring less than `reach`, m, from the mean of places, and its error.
+    """Return radius and height of the ring within `reach`, m, of the mean position, and its error.
 
-    None if there is none, or if a bead does not stay on it.
+    Returns None without such a ring, or if a bead does not stay on it.
     """
     if not problem.round_axis:
         return None

@@ -1,4 +1,4 @@
-"""Trajectories of free beads, also short ones, and the diffusion that they have in common."""
+"""Trajectories of free beads, also short ones, and their common diffusion coefficient."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: Smallest number of frames in a row that tell a diffusion
+#: Smallest number of consecutive frames that determine a diffusion coefficient
 LEAST_FRAMES = 4
 #: Deviation of a step from a whole number of steps, beyond which frames are not on a grid
 _OFF = 0.2
-#: Largest relative difference of the steps of trajectories that are put together
+#: Largest relative difference of the steps of trajectories that are combined
 _ALIKE = 1e-3
 
 
@@ -65,7 +65,7 @@ class Trajectory(Shown):
         return int(np.isfinite(self.positions).all(axis=1).sum())
 
     def since(self, time: QuantityLike) -> Trajectory:
-        """Return the trajectory from `time` (s) after the first frame on."""
+        """Return the part of the trajectory that begins `time` (s) after the first frame."""
         first = math.ceil(in_si(f"{self.name}: since", time, "s", error=ResultError) / self.step)
         return dataclasses.replace(self, positions=self.positions[first:])
 
@@ -88,9 +88,26 @@ def load_trajectories(
 ) -> tuple[Trajectory, ...]:
     """Return the trajectory of each bead in a table or run.
 
-    A table of several beads has a column such as `particle` or `TRACK_ID`. The parameters are those
-    of `load_recording`. Frames that lack numbers are gaps; beads with fewer than four frames in a
-    row are omitted.
+    A table of several beads has a column such as `particle` or `TRACK_ID`. Frames that lack numbers
+    are gaps. Beads with fewer than four consecutive frames are omitted.
+
+    Parameters
+    ----------
+    source : str, Path or xarray.Dataset
+        File, or run of tweezer, as in `load_recording`.
+    columns : str, sequence of str or mapping, optional
+        Columns to read, either in file order or by heading or number from 1.
+    rate : float or str, optional
+        Frame rate, Hz, for frame numbers or rows without times.
+    scale : float or str, optional
+        Size of a pixel or a volt, m.
+    bead : str or int, optional
+        Bead to read, as its column names it. Default: all beads.
+
+    Returns
+    -------
+    tuple of Trajectory
+        One trajectory for each bead.
 
     Raises
     ------
@@ -126,7 +143,7 @@ def diffusion(
     exposure: QuantityLike | None = None,
     noise: QuantityLike | None = None,
 ) -> Diffusion:
-    """Return the diffusion that free beads have in common, and what follows from it.
+    """Return the common diffusion coefficient of free beads, and quantities that follow from it.
 
     The likelihood is the product of the trajectories' likelihoods (`tweezer.analysis.free`). Each
     trajectory has its own drift. The localisation error is the same in all of them.
@@ -136,9 +153,10 @@ def diffusion(
     trajectories : sequence of Trajectory
         One or more, of the same axes, unit and rate.
     temperature : float or str, optional
-        K, from which the viscosity, the radius or Boltzmann's constant follows.
+        Temperature of the medium, K. It determines the viscosity, the radius or Boltzmann's
+        constant.
     radius, viscosity : float or str, optional
-        Of the bead, m, and of the medium, Pa s.
+        Radius of the bead, m, and viscosity of the medium, Pa s.
     exposure : float or str, optional
         Exposure time of each position, s. The diffusion is the same without it.
     noise : float or str, optional
@@ -202,7 +220,7 @@ def diffusion(
 
 
 def _on_grid(name: str, columns: Columns) -> Trajectory:
-    """The trajectory of a bead in a table, with a row for each step."""
+    """Return the trajectory of a bead in a table, with a row for each step."""
     axes = tuple(axis for axis in ("x", "y", "z") if axis in columns.columns)
     moving = tuple(axis for axis in axes if axis == axes[0] or np.nanstd(columns.columns[axis]) > 0)
     table = np.stack([columns.columns[axis] for axis in moving], axis=1)
@@ -233,7 +251,7 @@ def _on_grid(name: str, columns: Columns) -> Trajectory:
 
 
 def _in_a_row(trajectory: Trajectory) -> int:
-    """The largest number of frames without a gap."""
+    """Return the largest number of consecutive frames without a gap."""
     there = np.isfinite(trajectory.positions).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]])))
     return int((edges[1::2] - edges[::2]).max()) if len(edges) else 0

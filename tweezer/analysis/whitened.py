@@ -18,11 +18,12 @@ Array = NDArray[np.float64]
 class Whitened:
     """Periodogram of y_t = x_t - phi x_(t-1), where x is a recorded coordinate.
 
-    phi is the correlation of x from sample to sample, so that y of an overdamped bead is white, and
-    that of a bead with inertia nearly so. The ordinates of a white series are independent, without
-    the leakage that those of x itself have in a short recording (D. B. Percival and A. T. Walden,
-    Spectral Analysis for Physical Applications, 1993, section 6.5). So their Whittle likelihood is
-    that of x (P. Whittle, Ark. Mat. 2, 423 (1953)), without its first sample.
+    phi is the correlation of x from sample to sample. Therefore y is white for an overdamped bead,
+    and nearly white for a bead with inertia. The ordinates of a white series are independent and
+    have no leakage, unlike the ordinates of x in a short recording (D. B. Percival and A. T.
+    Walden, Spectral Analysis for Physical Applications, 1993, section 6.5). Their Whittle
+    likelihood equals the likelihood of x without its first sample (P. Whittle, Ark. Mat. 2, 423
+    (1953)).
     """
 
     axis: str
@@ -31,7 +32,7 @@ class Whitened:
 
     @classmethod
     def of(cls, axis: str, positions: Array, step: float) -> Whitened:
-        """The periodogram of `positions` (n,), m, one every `step` (s)."""
+        """Return the periodogram of `positions` (n,), m, with the sampling interval `step` (s)."""
         x = positions - positions.mean()
         phi = float(x[1:] @ x[:-1] / (x[:-1] @ x[:-1]))
         return cls(axis, Periodogram.of(x[1:] - phi * x[:-1], step), phi)
@@ -60,9 +61,9 @@ class Whitened:
     def p_value(self, bead: TrappedBead) -> float:
         """Return the probability of ordinates that deviate as much or more from those of that bead.
 
-        The smaller one counts, doubled: of Bartlett's test (Kolmogorov and Smirnov) of the
-        cumulative periodogram, and of the sum of the ordinates over the expected ones, which is
-        distributed as half a chi-square.
+        It is twice the smaller p-value of two tests: Bartlett's test (Kolmogorov and Smirnov) for
+        the cumulative periodogram, and the sum of the ratios of ordinates to expected ordinates,
+        which is distributed as half a chi-square.
         """
         counts = self.periodogram.counts
         passed = np.cumsum(counts * self.periodogram.density / self.expected(bead))

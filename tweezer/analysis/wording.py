@@ -18,9 +18,9 @@ _DETECTOR = {
 
 
 def axis_in_words(axis: AxisCalibration, unit: str, notes: Sequence[str]) -> list[str]:
-    """What is told of an axis beside its stiffness, the spectrum first.
+    """Return the lines on an axis beside its stiffness, beginning with the spectrum.
 
-    unit: of the record. notes: what speaks against it, in the order of its numbers.
+    `unit` is the unit of the recording; `notes` are its findings, in the order of their numbers.
     """
     against = _not_trusted(axis, notes)
     remarks = (finding.text for finding in axis.remarks)
@@ -39,7 +39,7 @@ def _spectrum(axis: AxisCalibration, against: Sequence[str]) -> str:
 
 
 def _not_trusted(axis: AxisCalibration, notes: Sequence[str]) -> list[str]:
-    """The notes that speak against the record, and so against all that follows from it."""
+    """Return the line with the findings against the recording, which apply to all its results."""
     numbers = [str(notes.index(each.text) + 1) for each in axis.findings if each.text in notes]
     return [f"not trusted: {', '.join(numbers)}"] if numbers else []
 

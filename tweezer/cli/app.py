@@ -27,7 +27,7 @@ _FAMILIAR = {
 
 
 class _Commands(typer.core.TyperGroup):
-    """The commands. An interrupted command reports what was written."""
+    """The commands. An interrupted command reports the files that it has written."""
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """Return the command of a name, or of another word for it."""

@@ -157,11 +157,11 @@ def calibrate(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:  # fmt: skip
-    """Stiffness of a trap from a RECORDING.
+    """Determine the trap stiffness from a RECORDING.
 
-    From the thermal motion of the bead, by several methods, and from its answer to a drive; or the
-    diffusion of a bead that is not trapped. Exit code: 0 each axis of each RECORDING has a number
-    that nothing speaks against, 1 one has not, 2 the input is refused.
+    Several methods use the thermal motion of the bead and its response to a drive. For a free bead
+    the diffusion coefficient is determined. Exit code: 0 if every axis of each RECORDING has a
+    number without a finding, 1 if an axis has none, 2 if the input is refused.
     """
     from tweezer.analysis import (
         Trajectory,
@@ -298,7 +298,7 @@ def _diffusion(
     exposure: float | str | None,
     noise: str | None,
 ) -> Diffusion:
-    """The diffusion that tracks have in common, with what is given of the beads."""
+    """Return the common diffusion coefficient of tracks, with the given values of the beads."""
     from tweezer.analysis import diffusion
     from tweezer.units import bare
 

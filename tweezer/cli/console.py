@@ -80,11 +80,11 @@ def writable_result(
     obstacle: Callable[[Path], str] = lambda _: "already exists",
     option: str = "--out",
 ) -> Path:
-    """`path` of a result, report or scene; refused too if a file is there that must be kept.
+    """Return `path` of a result, report or scene; refuse to replace a file that must be kept.
 
-    obstacle: why the file that is there must not be replaced without --overwrite; "" if it may be.
-    option: by which the user names another. What `tweezer bench` and `tweezer reproduce` measure
-    again is replaced.
+    `obstacle` is the reason why an existing file must not be replaced without --overwrite, and ""
+    if it may be. `option` is the option with which the user names another file. Results that
+    `tweezer bench` and `tweezer reproduce` measure again are replaced.
     """
     path = writable(path, formats)
     if path.exists() and not overwrite and (reason := obstacle(path)):
@@ -93,7 +93,7 @@ def writable_result(
 
 
 def writable_figure(path: Path | None, *, overwrite: bool = False) -> Path | None:
-    """`path` of a figure; refused if a file is there that is no figure of tweezer."""
+    """Return `path` of a figure; refuse to replace a file that is no figure of tweezer."""
     return path and writable_result(
         path, FIGURE_FORMATS, overwrite=overwrite, obstacle=_no_figure, option="--plot"
     )

@@ -77,10 +77,11 @@ def fit_depth(
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Depth at which the bead of a TRACK started.
+    """Determine the depth at which the bead of a TRACK was released.
 
-    The depth is along the light, the track in the plane across it. Exit code: 0 the depth is
-    determined, 1 it is not, or the track refutes the scene, 2 the input is refused.
+    The depth is the coordinate along the light; the track contains the coordinates across the
+    light. Exit code: 0 if the depth is determined, 1 if it is not or if the track refutes the
+    scene, 2 if the input is refused.
     """
     from tweezer.units import Length, PositiveLength, Time
 

@@ -73,9 +73,9 @@ def fit(
 ) -> None:
     """Fit keys of SCENE to a RECORDING.
 
-    The fit of the trapped bead is by maximum likelihood. Exposure and noise are those of the
-    scene's [camera]. The inertia is that of the scene or of the run, and of a measured recording
-    that of bead and fluid. Exit code: 0 if every key is determined, 1 if a key is not or if the
+    The trapped bead is fitted by maximum likelihood. The scene's [camera] contains exposure and
+    noise. The inertia comes from the scene or the run; a measured recording includes the inertia of
+    bead and fluid. Exit code: 0 if every key is determined, 1 if a key is not or if the
     recording refutes the scene, 2 if the input is refused.
     """
     from tweezer.units import Time

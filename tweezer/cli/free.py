@@ -1,4 +1,4 @@
-"""What the command calibrate prints of beads that are not trapped."""
+"""The output of the command calibrate for free beads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from tweezer.analysis import Diffusion, Trajectory
 
-#: Number of frames in each track from which on trapped beads are calibrated one by one
+#: Smallest number of frames in each track at which trapped beads are calibrated one by one
 _LONG = 100
 
 

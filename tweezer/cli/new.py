@@ -152,11 +152,10 @@ def _answer(
     read: Callable[[str], Answer],
     choices: Callable[[], tuple[Table, list[str]]] | None = None,
 ) -> Answer:
-    """Return what an option says, or else somebody at a terminal, or else the default.
+    """Return the value of an option, or else the answer at a terminal, or else the default.
 
     `read` returns the value of an answer, or raises `SceneError`. At a terminal the number of a row
-    in the table of choices is an answer too, and Enter accepts the choice that an answer was close
-    to.
+    in the table of choices is also an answer, and Enter accepts the suggested choice.
     """
     if given is not None:
         return read(given)
