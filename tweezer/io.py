@@ -191,10 +191,11 @@ def scene_in(attributes: Mapping[str, Any]) -> Scene:
         raise ResultError("not a run: it names no valid scene") from None
 
 
-def unlike(path: Path, scene: Scene, seed: int, continued: str = "") -> str:
+def unlike(path: Path, scene: Scene, seed: int, continued: str = "", forces_from: str = "") -> str:
     """Return how the file at `path` differs from a run of `scene` and `seed`; "" if it does not.
 
-    continued: the attribute `continued_from` of the run, which one from the release does not have.
+    continued, forces_from: its attributes `continued_from`, "" of a run from the release, and
+    `forces_from`, "" without forces beside those of the scene.
     The name of a run, and how it was computed, do not count.
     """
     import h5netcdf
@@ -205,8 +206,10 @@ def unlike(path: Path, scene: Scene, seed: int, continued: str = "") -> str:
         there = by_key(json.loads(made["scene_as_given"]))
     except (ResultError, KeyError, ValueError, AttributeError):
         return "already exists, and is no run that can be compared"
-    if made.get("other_forces"):
-        return "already holds a run with forces beside those of its scene"
+    if made.get("other_forces", 0) and not (made.get("forces_from") == forces_from != ""):
+        return "already holds a run with other forces beside those of its scene"
+    if forces_from and not made.get("other_forces", 0):
+        return "already holds a run without forces beside those of its scene"
     if made.get("continued_from", "") != continued:
         return "already holds a run from another beginning"
     here = by_key(scene.model_dump(mode="json", exclude_none=True))

@@ -38,6 +38,7 @@ from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, ResultError, SceneError, warn
 from tweezer.forces.force import Force
+from tweezer.forces.named import origins_of
 from tweezer.io import load_run
 from tweezer.optics import evaluators_of, worth_attributes
 from tweezer.run import Run, Variable, variable
@@ -62,7 +63,7 @@ def simulate(
     method: str | None = None,
     tolerance: float | None = None,
     seed: int | None = None,
-    forces: Sequence[Force] = (),
+    forces: Sequence[Force | str] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
     continue_from: xr.Dataset | str | Path | None = None,
@@ -72,10 +73,11 @@ def simulate(
     duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
     scene's absolute tolerances change in the same ratio. seed: of the thermal motion, and of the
     noise of a camera; 0 if not given. forces: of your own, beside those of the scene
-    (`tweezer.forces`). events: to look for besides the first closest approach, the loss of the bead
-    and its contact with the lens (`tweezer.capture`, `tweezer.Event`). progress: called with the
-    time reached. continue_from: an earlier run, or its file, that the run goes on from, for
-    `duration` more; see `tweezer.dynamics.continuing`.
+    (`tweezer.forces`), or the name of one in a Python file, "handles.py:spring". events: to look
+    for besides the first closest approach, the loss of the bead and its contact with the lens
+    (`tweezer.capture`, `tweezer.Event`). progress: called with the time reached.
+    continue_from: an earlier run, or its file, that the run goes on from, for `duration` more; see
+    `tweezer.dynamics.continuing`.
 
     Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
     parameters) and angular_velocity (body frame) if the scene has a rotation, what a camera of the
@@ -127,7 +129,7 @@ def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene
 def followed(
     scene: Scene,
     seed: int | None = None,
-    forces: Sequence[Force] = (),
+    forces: Sequence[Force | str] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Run:
@@ -140,7 +142,7 @@ def followed(
 def motion_of(
     scene: Scene,
     seed: int | None = None,
-    forces: Sequence[Force] = (),
+    forces: Sequence[Force | str] = (),
     events: Sequence[Event] = (),
     progress: Callable[[float], None] | None = None,
     going_on: tuple[Scene, Continued] | None = None,
@@ -392,7 +394,9 @@ def _filmed(
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
     """The attributes that every run has alike."""
     scene = problem.scene
-    others = {"other_forces": len(problem.others)} if problem.others else {}
+    others: dict[str, Any] = {}
+    if problem.others:
+        others = {"other_forces": len(problem.others), "forces_from": origins_of(problem.others)}
     return {
         "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),

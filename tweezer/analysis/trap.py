@@ -396,7 +396,7 @@ def _where(place: Equilibrium) -> str:
     return f"{', '.join(map(micrometres, place.position))} um"
 
 
-def characterise(scene: SceneLike, *, forces: Sequence[Force] = ()) -> Trap:
+def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap:
     """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
 
     forces: of your own, beside those of the scene (`tweezer.forces`), at the time 0 on a bead that

@@ -94,6 +94,14 @@ Bead = Annotated[
         help="Bead to read from a table of several, as its column names it.", metavar="ID"
     ),
 ]
+OwnForces = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="A force of your own in a Python file, which is run: handles.py:spring. May be "
+        "repeated.",
+        metavar="FILE.py:NAME",
+    ),
+]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
 JsonFile = Annotated[Path | None, typer.Option("--out", "--json", help="JSON file to write.")]
 Overwrite = Annotated[

@@ -11,6 +11,7 @@ import typer
 
 from tweezer.cli.app import (
     Changes,
+    OwnForces,
     Resume,
     SceneName,
     app,
@@ -67,6 +68,7 @@ def ensemble(
         str | None,
         typer.Option(help="Address of a Dask scheduler whose workers compute, and write OUT."),
     ] = None,
+    force: OwnForces = None,
     set: Changes = None,
 ) -> None:
     """Simulate the bead in SCENE many times.
@@ -95,6 +97,7 @@ def ensemble(
         result = computed(
             described, trajectories, seed=seed, out=out, statistics=statistics, skip=skipped,
             scheduler=scheduler, workers=workers, resume=resume, progress=progress,
+            forces=force or [],
         )  # fmt: skip
     _print_ensemble(described, result)
     if result.attrs["status"] == "interrupted":

@@ -15,6 +15,7 @@ from tweezer.cli.app import (
     Changes,
     FigureFile,
     Overwrite,
+    OwnForces,
     SceneName,
     app,
     bind_light,
@@ -39,12 +40,13 @@ from tweezer.cli.tables import add_light, add_rows, table_of
 from tweezer.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from rich.table import Table
 
     from tweezer.analysis.summary import Summary
     from tweezer.dynamics.continuing import Continued
+    from tweezer.forces.force import Force
     from tweezer.run import Run
     from tweezer.scene import Scene
 
@@ -102,6 +104,7 @@ def run(
             metavar="RUN",
         ),
     ] = None,
+    force: OwnForces = None,
     set: Changes = None,
     out: Annotated[
         Path | None,
@@ -136,12 +139,16 @@ def run(
         going_on = going_on_from(described, continue_from)
         seed = going_on[1].seed if seed is None else seed
         default = _numbered(continue_from, 2).name
-    mark = going_on[1].mark if going_on else ""
+    from tweezer.forces.acting import forces_of
+    from tweezer.forces.named import origins_of
+
+    own = forces_of(force or [])
+    begun = going_on[1].mark if going_on else "", origins_of(own)
     out = writable_result(
         out or Path(default),
         ("nc",),
         overwrite=overwrite,
-        obstacle=lambda there: _obstacle(there, described, seed, mark),
+        obstacle=lambda there: _obstacle(there, described, seed, *begun),
     )
     plot = writable_figure(plot, overwrite=overwrite)
     bind_light(described)
@@ -149,10 +156,10 @@ def run(
     from tweezer.second_process import compiling_beside
 
     with compiling_beside(described):
-        result, find_errors = followed_with_progress(described, seed, going_on)
+        result, find_errors = followed_with_progress(described, seed, going_on, own)
         status = result.attributes["status"]
         ended = status not in ("failed", "interrupted")
-        may = overwrite or not out.exists() or not _obstacle(out, described, seed, mark)
+        may = overwrite or not out.exists() or not _obstacle(out, described, seed, *begun)
         if out.exists() and not (ended and may):
             out, plot = _beside(out, plot)
         try:
@@ -191,14 +198,14 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
     return scene.replace(simulation={"samples": round(intervals) + 1})
 
 
-def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str) -> str:
+def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_from: str) -> str:
     """Return why a run of `scene` must not replace the file at `out`; "" if it may.
 
-    continued: the mark of what it goes on from.
+    See `tweezer.io.unlike`.
     """
     from tweezer.io import unlike
 
-    return unlike(out, scene, seed or 0, continued)
+    return unlike(out, scene, seed or 0, continued, forces_from)
 
 
 def _beside(out: Path, figure: Path | None) -> tuple[Path, Path | None]:
@@ -215,7 +222,10 @@ def _numbered(path: Path, number: int) -> Path:
 
 
 def followed_with_progress(
-    scene: Scene, seed: int | None, going_on: tuple[Scene, Continued] | None = None
+    scene: Scene,
+    seed: int | None,
+    going_on: tuple[Scene, Continued] | None = None,
+    forces: Sequence[Force] = (),
 ) -> tuple[Run, Callable[[], None]]:
     """The run of a scene, and the function that finds the rest of its errors, with progress bars.
 
@@ -228,7 +238,7 @@ def followed_with_progress(
     ):
         from tweezer.simulation import motion_of
 
-        run, find_errors = motion_of(scene, seed, progress=progress, going_on=going_on)
+        run, find_errors = motion_of(scene, seed, forces, progress=progress, going_on=going_on)
 
     def with_progress() -> None:
         with (

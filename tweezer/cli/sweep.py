@@ -14,6 +14,7 @@ from tweezer.cli.app import (
     Changes,
     FigureFile,
     Overwrite,
+    OwnForces,
     Resume,
     SceneName,
     app,
@@ -85,6 +86,7 @@ def sweep(
         str | None,
         typer.Option(help='Time left out at the beginning by ensemble and calibrate: "5 ms".'),
     ] = None,
+    force: OwnForces = None,
     set: Changes = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
@@ -109,7 +111,7 @@ def sweep(
         result = computed(
             described, read_over(over or []), of, out, cases=cases, workers=workers,
             scheduler=scheduler, trajectories=trajectories, seed=seed, skip=skipped, resume=resume,
-            progress=progress,
+            progress=progress, forces=force or [],
         )  # fmt: skip
     _print_sweep(described.name, result)
     done, count = result.attrs["cases_done"], result.attrs["cases"]

@@ -325,7 +325,7 @@ class Problem:
         return dataclasses.replace(self, scene=self.scene.decided(**sections))
 
 
-def bound_once(scene: SceneLike | Problem, others: Sequence[Force] = ()) -> Problem:
+def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -> Problem:
     """The problem of a scene and of forces beside its own; of a problem, itself.
 
     Raises `SceneError` for forces that are none, or that fail a trial (`try_forces`).

@@ -30,6 +30,7 @@ from tweezer.ensembles.store import (
 from tweezer.ensembles.workers import cluster, threads
 from tweezer.errors import ResultError, SceneError
 from tweezer.forces.force import Force
+from tweezer.forces.named import origins_of
 from tweezer.scene import SceneLike, checked_scene
 from tweezer.units import QuantityLike
 
@@ -60,7 +61,7 @@ def ensemble(
     scheduler: str | Client | None = None,
     workers: int | None = None,
     resume: bool = False,
-    forces: Sequence[Force] = (),
+    forces: Sequence[Force | str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Release the bead of `scene` many times, each with its own thermal motion.
@@ -73,8 +74,9 @@ def ensemble(
     the file system of `out`, which is then needed. Without it, workers: threads on this machine, by
     default one for each core. resume: continue the ensemble at `out`, if there is one; a missing or
     truncated chunk is computed again, a chunk with wrong bytes fails its checksum when it is read.
-    forces: of your own, beside those of the scene (`tweezer.forces`); only in memory, as neither a
-    store nor another process knows them. progress: called with the finished part.
+    forces: of your own, beside those of the scene (`tweezer.forces`). With `out` each must be named
+    by its Python file, "handles.py:spring", whose digest tells whether an ensemble can be resumed.
+    progress: called with the finished part.
 
     Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
     velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
@@ -113,10 +115,15 @@ def ensemble(
         scene, trajectories, seed=seed, out=out, statistics=statistics, skip=skip,
         scheduler=scheduler, workers=workers,
     )  # fmt: skip
-    if forces and (out is not None or scheduler is not None):
-        given = "out" if out is not None else "scheduler"
-        raise SceneError(f"forces: cannot be combined with {given}; omit it, and save the result")
-    bound = walk(bound_once(scene, forces), seed)
+    problem = bound_once(scene, forces)
+    if problem.others and scheduler is not None:
+        raise SceneError("forces: cannot be combined with scheduler; omit the scheduler")
+    if problem.others and out is not None and not origins_of(problem.others):
+        raise SceneError(
+            "forces: cannot be combined with out unless named by files, as 'handles.py:spring'; "
+            "omit out, and save the result"
+        )
+    bound = walk(problem, seed)
     bound.warn_of_bias()
     needed = 8 * len(bound.columns) * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:

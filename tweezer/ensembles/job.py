@@ -18,6 +18,7 @@ from tweezer.beside import NEW, Part
 from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
+from tweezer.forces.named import origins_of
 from tweezer.optics import worth_attributes
 from tweezer.version import FORMAL, made_by, versions
 
@@ -180,7 +181,9 @@ def found_of(bound: Walk) -> Attributes:
 
 def attributes_of(job: Job, bound: Walk) -> Attributes:
     """What the numbers depend on; not when and where they are computed."""
-    others = {"other_forces": len(bound.problem.others)} if bound.problem.others else {}
+    others: Attributes = {}
+    if own := bound.problem.others:
+        others = {"other_forces": len(own), "forces_from": origins_of(own)}
     return {
         "title": bound.scene.title,
         "scene": job.scene,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tweezer.errors import ForceError, SceneError
 from tweezer.forces.composed import Differenced
 from tweezer.forces.force import Force, Wrench
+from tweezer.forces.named import named_force
 from tweezer.forces.own import fault_of, forget_faults, own_forces
 
 Array = NDArray[np.float64]
@@ -31,7 +32,7 @@ _STEP = 1e-10
 
 
 def forces_of(given: Any) -> tuple[Force, ...]:
-    """Return the forces of an argument `forces`.
+    """Return the forces of an argument `forces`; text names one in a Python file.
 
     Raises `SceneError` unless it is a list of forces.
     """
@@ -42,7 +43,7 @@ def forces_of(given: Any) -> tuple[Force, ...]:
         raise SceneError(f"{must}; did you mean [{_made(given)}]?")
     if not isinstance(given, Iterable) or isinstance(given, str):
         raise SceneError(f"{must}, not {given!r}")
-    forces = tuple(given)
+    forces = tuple(named_force(each) if isinstance(each, str) else each for each in given)
     for each in forces:
         if not isinstance(each, Force):
             instead = f"; did you mean [{_made(each)}]?" if callable(each) else f", not of {each!r}"

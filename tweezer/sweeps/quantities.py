@@ -7,7 +7,8 @@ import functools
 import json
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,9 @@ from tweezer.choices import SWEPT
 from tweezer.constants import Boltzmann
 from tweezer.equilibria import DIRECTIONS
 from tweezer.errors import ResultError, SceneError, TweezerError
+from tweezer.forces.acting import forces_of
+from tweezer.forces.force import Force
+from tweezer.forces.named import origins_of
 from tweezer.scene import Scene, with_settings
 from tweezer.theory import largest_wavenumber
 
@@ -128,6 +132,10 @@ class Asked:
     """of thermal motion, the same in every case"""
     skip: float
     """time left out at the beginning of an ensemble's statistics, or of a recording, s"""
+    forces: tuple[Force | str, ...] = ()
+    """beside those of the scene; those named by files can be read in another process"""
+    forces_from: str = ""
+    """the files of these and their digests"""
 
     def case(self, settings: Mapping[str, str]) -> Scene:
         """The scene of a case. Raises `SceneError` if it is none."""
@@ -150,6 +158,14 @@ class Asked:
         else:
             check_seed(self.seed)
 
+    @functools.cached_property
+    def own(self) -> tuple[Force, ...]:
+        """The forces, read. Raises `SceneError` if a file has changed since the sweep began."""
+        found = forces_of(self.forces)
+        if self.forces_from and origins_of(found) != self.forces_from:
+            raise SceneError("forces: their file changed while the sweep ran; start a new sweep")
+        return found
+
     def compute(self, settings: Mapping[str, str]) -> Values:
         """What becomes of a case: its outcome, in a word, and values; or why it failed."""
         try:
@@ -164,10 +180,10 @@ class Asked:
             return {"outcome": FAILED, "reason": f"{kind}: {' '.join(str(error).split())}"}
 
 
-def _of_trap(scene: Scene, _: Asked) -> Values:
+def _of_trap(scene: Scene, asked: Asked) -> Values:
     from tweezer.analysis import characterise
 
-    return values_of_trap(characterise(scene))
+    return values_of_trap(characterise(scene, forces=asked.own))
 
 
 def values_of_trap(trap: Trap) -> Values:
@@ -255,7 +271,7 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
     from tweezer.analysis import summarise
     from tweezer.simulation import simulate
 
-    run = simulate(scene, seed=asked.seed if scene.forces.brownian else None)
+    run = simulate(scene, seed=asked.seed if scene.forces.brownian else None, forces=asked.own)
     found = summarise(run)
     if run.attrs["status"] == "failed":
         raise TweezerError(run.attrs["message"])
@@ -283,8 +299,9 @@ def _of_ensemble(scene: Scene, asked: Asked) -> Values:
     from tweezer.ensembles.statistics import error_of_part
 
     found = ensemble(
-        scene, asked.trajectories, seed=asked.seed, statistics=True, skip=asked.skip, workers=1
-    )
+        scene, asked.trajectories, seed=asked.seed, statistics=True, skip=asked.skip, workers=1,
+        forces=asked.own,
+    )  # fmt: skip
     if found.attrs["status"] != "complete":
         raise KeyboardInterrupt
     n = asked.trajectories
@@ -303,7 +320,7 @@ def _of_calibration(scene: Scene, asked: Asked) -> Values:
     from tweezer.analysis import calibrate, load_recording
     from tweezer.simulation import simulate
 
-    run = simulate(scene, seed=asked.seed)
+    run = simulate(scene, seed=asked.seed, forces=asked.own)
     if run.attrs["status"] == "failed":
         raise TweezerError(run.attrs["message"])
     found = calibrate(load_recording(run).since(asked.skip))
@@ -333,7 +350,7 @@ _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
 }
 
 
-def asked_of(scene: Scene, of: str, **given: Any) -> Asked:
+def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given: Any) -> Asked:
     """What is asked by arguments of `USED`; None for one that is not given.
 
     Raises `SceneError` unless `of` is one of `SWEPT`, and for an argument that it does not use.
@@ -345,7 +362,12 @@ def asked_of(scene: Scene, of: str, **given: Any) -> Asked:
         if name not in USED[of]:
             uses = ", ".join(each for each in SWEPT if name in USED[each])
             raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
-    return Asked(scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given)
+    own = forces_of(forces)  # which refuses what is none
+    kept = tuple(str(Path(each).absolute()) if isinstance(each, str) else each for each in forces)
+    return Asked(
+        scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given, forces=kept,
+        forces_from=origins_of(own),
+    )  # fmt: skip
 
 
 def to_text(found: Any) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import json
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from tweezer.arguments import in_si
 from tweezer.beside import held, telling
 from tweezer.ensembles.scheduler import client_of
 from tweezer.errors import ResultError, SceneError
+from tweezer.forces.force import Force
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.sweeps.cases import Cases, cases_of
 from tweezer.sweeps.journal import Journal, check_same, part_of
@@ -51,6 +52,7 @@ def sweep(
     workers: int | None = None,
     scheduler: str | Client | None = None,
     resume: bool = False,
+    forces: Sequence[Force | str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
     """Compute the same of many scenes that differ in a few keys.
@@ -68,7 +70,10 @@ def sweep(
     out: the Zarr store to write; in memory if not given. workers: processes of this machine, by
     default one for each core; 1 is this process. scheduler: address of a Dask scheduler, or a
     `distributed.Client`, whose workers compute in their place. resume: continue the sweep at `out`,
-    if there is one. progress: called with the finished part.
+    if there is one. forces: of your own, beside those of each scene (`tweezer.forces`), computed by
+    this process alone and in memory; one that is named by its Python file, "handles.py:spring",
+    can also be computed by other processes and stored at `out`. progress: called with the finished
+    part.
 
     Returns a dataset over the swept keys, in SI with their units (over `case`, for a table). Each
     quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
@@ -93,8 +98,8 @@ def sweep(
     scene = checked_scene(scene)
     grid = cases_of(over, cases)
     skipped = None if skip is None else in_si("skip", skip, "s", 0.0)
-    asked = asked_of(scene, of, trajectories=trajectories, seed=seed, skip=skipped)
-    count = _workers(workers, scheduler)
+    asked = asked_of(scene, of, forces, trajectories=trajectories, seed=seed, skip=skipped)
+    count = _workers(_workers_of(asked, workers, scheduler, out), scheduler)
     _check_some_case(asked, grid)
     if out is not None and not isinstance(out, str | Path):
         raise SceneError(f"out = {out!r}: must be the name of a Zarr store")
@@ -158,6 +163,7 @@ def _attributes(asked: Asked, grid: Cases, scene: Scene) -> dict[str, str]:
         "over": json.dumps(grid.describe()),
         **{name: used[name] for name in USED[asked.of]},
         "scene": asked.scene,
+        **({"forces_from": asked.forces_from} if asked.forces_from else {}),
         "format": FORMAT,
         **versions(),
         **made_by("sweep", dated=False),
@@ -186,6 +192,20 @@ def _check_some_case(asked: Asked, grid: Cases) -> None:
             return
     if first:
         raise first
+
+
+def _workers_of(asked: Asked, workers: int | None, scheduler: object, out: object) -> int | None:
+    """Return the number of workers: 1 with forces that no other process can read."""
+    if not asked.forces or asked.forces_from:
+        return workers
+    for name, given in (("workers", workers if workers != 1 else None), ("scheduler", scheduler),
+                        ("out", out)):  # fmt: skip
+        if given is not None:
+            raise SceneError(
+                f"forces: cannot be combined with {name} unless named by files, as "
+                f"'handles.py:spring'; omit {name}"
+            )
+    return 1
 
 
 def _workers(workers: int | None, scheduler: object) -> int:
