@@ -517,7 +517,7 @@ class _SavedAxis(BaseModel):
 
 
 class _SavedCalibration(BaseModel):
-    """What is compared of a file of `tweezer calibrate --out`."""
+    """The part of a file of `tweezer calibrate --out` that is compared."""
 
     axes: list[_SavedAxis]
     temperature: Any
@@ -787,9 +787,9 @@ def _of_calibration(name: str, found: Mapping[str, Any]) -> Source:
 
 
 def _stiffnesses(one: Source, other: Source) -> Source:
-    """Return one of a trap and a calibration as stiffnesses that both have.
+    """Return a trap or a calibration as the stiffnesses that both have.
 
-    The estimates of the calibration name them. The trap has one stiffness along each axis.
+    The calibration has several estimates along each axis, and the trap has one stiffness.
     """
     nowhere = np.empty(0, np.int64)
     found, estimates = one.found(nowhere), other.found(nowhere).numbers

@@ -66,7 +66,7 @@ class Search(NamedTuple):
     """distance from the origin up to which the force is known, m"""
 
     def edges(self, end: float, samples: float = 1.0) -> Array:
-        """Places from 0 to `end`, m, whose distances are those of so many samples."""
+        """Return positions from 0 to `end`, m, at intervals of `samples` samples."""
         evenly = min(end, self.near)
         count = math.ceil(evenly / (samples * self.spacing) * (1 - 1e-9))
         near = np.linspace(0.0, evenly, count + 1)
@@ -79,7 +79,7 @@ class Search(NamedTuple):
         return np.append(near, np.array(far) * (end / last))
 
     def to_the_end(self, origin: Array, direction: str) -> float:
-        """Distance from `origin` to the end of the reach, or of what is known of the force, m."""
+        """Return the distance from `origin` to the end of the reach or of the known force, m."""
         if math.isinf(self.known):
             return self.reach
         ahead = float(origin @ np.array(DIRECTIONS[direction]))
@@ -246,7 +246,26 @@ class AstrayError(Exception):
 def equilibrium_at(
     place: Array, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Equilibrium:
-    """What there is to know about a place where the net force vanishes, (3,) m."""
+    """Return the equilibrium at a position where the net force vanishes.
+
+    Parameters
+    ----------
+    place : ndarray, shape (3,)
+        Position, m.
+    search : Search
+        Lengths of the search for equilibria.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
+    spiral_rate : SpiralRate
+        Growth rate of the linear motion about a position with a stiffness.
+
+    Returns
+    -------
+    Equilibrium
+        Position, stiffness and stability.
+    """
     stiffness = -force.field(place[None], gradient=True).force_gradient[0]
     eigenvalues = np.sort(np.linalg.eigvals(stiffness).real)
     steps = search.beside * np.array(list(DIRECTIONS.values()))

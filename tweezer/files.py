@@ -20,7 +20,7 @@ from tweezer.errors import ResultError
 
 try:
     import fcntl
-except ImportError:  # of other systems than Unix: what is left over there stays
+except ImportError:  # systems other than Unix: unfinished files remain there
     fcntl = None  # type: ignore[assignment]
 
 #: Largest size of a text that is read, bytes

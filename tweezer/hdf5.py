@@ -1,6 +1,6 @@
-"""What an HDF5 file may do to its reader: name other files, decoders and any size. All are refused.
+"""Checks of an HDF5 file: references to other files, unknown decoders and false sizes are refused.
 
-Runs and statistics (NetCDF 4) and recordings are read by these rules.
+They apply to runs and statistics (NetCDF 4) and to recordings.
 """
 
 from __future__ import annotations
@@ -28,9 +28,23 @@ _NO_VARIABLE = b"This is a netCDF dimension but not a netCDF variable"
 
 
 def item_of(path: Path, group: h5py.Group, name: str, label: str) -> Any:
-    """Return what a group has by that name; None where a link leads nowhere.
+    """Return the item of a group, or None if it is a link without a target.
 
-    Raises `ResultError` if it, or its data, lies in another file.
+    Parameters
+    ----------
+    path : Path
+        File, for the error message.
+    group : h5py.Group
+        Group with the item.
+    name : str
+        Name of the item in the group.
+    label : str
+        Name of the item in the error message.
+
+    Raises
+    ------
+    ResultError
+        If the item or its data is stored in another file.
     """
     external = isinstance(group.get(name, getlink=True), h5py.ExternalLink)
     item = None if external else group.get(name)
@@ -46,9 +60,9 @@ def _lies_elsewhere(item: Any, file: h5py.File) -> bool:
 
 
 def check_result(path: Path) -> None:
-    """Raise `ResultError` unless the HDF5 file holds all numbers that it declares, within itself.
+    """Raise `ResultError` unless the HDF5 file itself contains all numbers that it declares.
 
-    Raises OSError for what is no HDF5 file.
+    Raises OSError if it is no HDF5 file.
     """
     check_regular(path)
     with h5py.File(path) as file:

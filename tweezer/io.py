@@ -118,9 +118,9 @@ def load_run(path: str | Path) -> xr.Dataset:
 
 
 def load_result(path: Path) -> xr.Dataset:
-    """A saved result: a store (.zarr), of which only what is used is read, or a file (.nc).
+    """Return a saved result: a store (.zarr), which is read when it is used, or a file (.nc).
 
-    Raises `ResultError` for a file or folder that is none, is damaged, or lacks a part.
+    Raises `ResultError` for a file or folder that is no result, is damaged, or lacks a part.
     """
     if path.suffix == ".zarr":
         from tweezer.stores import open_store

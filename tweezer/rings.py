@@ -1,9 +1,9 @@
-"""Rings around the axis of a beam on which it holds a bead, and places off the axis.
+"""Rings around the axis of a beam on which it holds a bead, and equilibria off the axis.
 
-In light that is the same all around its axis the forces across and along it depend on the distance
-from the axis, rho, and on z alone. Where both vanish, they vanish on a ring. The force round the
-axis need not vanish there. Light with angular momentum drives the bead round, at the speed v at
-which drag balances it, and the ring is where the force towards the axis is the centripetal one,
+In light with rotational symmetry, the forces across and along the axis depend only on z and on the
+distance rho from the axis. Where both vanish, they vanish on a ring. The azimuthal force may differ
+from zero there. Light with angular momentum drives the bead round, at the speed v at which drag
+balances the azimuthal force. On the ring the force towards the axis is the centripetal force,
 
     F_rho = -m v^2/rho,    F_z = 0,    v = F_phi/beta_v.
 """
@@ -32,7 +32,7 @@ _ON_AXIS = 1e-3
 _VANISHED = 1e-7
 #: Distance below which two places are the same, in radii of the bead
 _SAME = 1e-3
-#: Ratio of the rate of the velocity to that of the force from which on inertia plays no part
+#: Smallest ratio of the velocity's rate to the force's rate at which inertia has no effect
 _MASSLESS = 1e4
 
 
@@ -114,10 +114,23 @@ class Ring(Comparable):
 def rings(
     radius: float, box: Box, force: Force, net_force: NetForce, motion: Motion
 ) -> Iterator[Ring]:
-    """The rings in a box on which a bead stays, nearest the focus first.
+    """Yield the rings in a box on which a bead stays, nearest the focus first.
 
-    Their radius and height are sought by Newton's method (`scipy.optimize.root`) from each cell of
-    samples in which both forces change their sign. radius: of the bead, m.
+    Newton's method (`scipy.optimize.root`) determines their radius and height. It starts in each
+    cell of samples in which both forces change their sign.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the bead, m.
+    box : Box
+        Box to search.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
+    motion : Motion
+        Properties of the bead for the motion on a ring.
     """
     found: list[Array] = []
     for start in _starts(box, net_force, np.array([1.0, 0.0])):
@@ -130,10 +143,21 @@ def rings(
 
 
 def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iterator[Array]:
-    """Places off the axis, (3,) m, where the net force vanishes in light that is not symmetric.
+    """Yield positions (3,) off the axis, m, where the net force vanishes.
 
-    They are sought from half planes at 0, 45, 90 and 135 degrees; half a turn leaves the light as
-    it is, so that each has a partner.
+    The light has no rotational symmetry. The search starts in half planes at 0, 45, 90 and 135
+    degrees. Each position has a partner, because the light is the same after half a turn.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the bead, m.
+    box : Box
+        Box to search.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
     """
     found: list[Array] = []
     for angle in np.pi * np.arange(4) / 4:
@@ -184,9 +208,27 @@ def ring_near(
     motion: Motion,
     known: float,
 ) -> Array | None:
-    """Radius and height of the ring near `start`, (2,) m, on which the forces cancel, or None.
+    """Return radius and height of the ring near `start` on which the forces cancel, or None.
 
-    known: see `Box`.
+    Parameters
+    ----------
+    start : ndarray, shape (2,)
+        First guess of radius and height, m.
+    radius : float
+        Radius of the bead, m.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
+    motion : Motion
+        Properties of the bead for the motion on a ring.
+    known : float
+        Distance from the focus up to which the force is known, m.
+
+    Returns
+    -------
+    ndarray, shape (2,), or None
+        Radius and height, m.
     """
 
     def balance(place: Array) -> tuple[Array, Array]:
@@ -214,11 +256,11 @@ def _balanced(
     farthest: float,
     known: float,
 ) -> Array | None:
-    """The place near `start` where forces vanish, by Newton's method; None if there is none.
+    """Return the position near `start` where forces vanish, by Newton's method, or None.
 
-    balance: the forces, N, and their gradient, N/m, at a place. radius: of the bead, m; size: of
-    the forces about the start, N. farthest: distance from the start beyond which none is sought,
-    m; known: that from the focus.
+    `balance` returns the forces, N, and their gradient, N/m, at a position. `size` is the magnitude
+    of the forces around the start, N. The search ends at the distance `farthest` from the start and
+    `known` from the focus, m; `radius` belongs to the bead, m.
     """
     from scipy.optimize import root
 
@@ -241,7 +283,19 @@ def _balanced(
 
 
 def held_on(place: Array, force: Force, net_force: NetForce, motion: Motion) -> Ring | None:
-    """The ring at radius and height `place`, (2,) m; None if a bead does not stay on it."""
+    """Return the ring at a radius and a height, or None if a bead does not stay on it.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2,)
+        Radius and height, m.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
+    motion : Motion
+        Properties of the bead for the motion on a ring.
+    """
     rho, z = place
     at = np.array([[rho, 0.0, z]])
     (across, around, along), (b, b_z) = net_force(at)[0], motion.mobility(at)[0]

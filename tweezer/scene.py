@@ -75,7 +75,7 @@ _SWITCHES = {
 
 #: what `tomllib` raises: besides its own, for numbers too long and lists too deep
 _NOT_TOML = (ValueError, RecursionError)
-#: most bad values that are told of one scene
+#: largest number of invalid values that are listed for one scene
 _MOST_LINES = 20
 
 
@@ -882,9 +882,9 @@ SceneLike = Scene | str | Path | Mapping[str, Any]
 
 
 def checked_scene(scene: SceneLike) -> Scene:
-    """Return the scene that an argument is or names: see `load_scene`.
+    """Return the scene that an argument is or names (see `load_scene`).
 
-    Raises `SceneError` if it is none.
+    Raises `SceneError` if it is no scene and names none.
     """
     if isinstance(scene, Scene):
         return scene

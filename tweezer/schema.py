@@ -1,6 +1,6 @@
-"""What a result must hold: its attributes, variables and their units, checked where it is read.
+"""Required contents of a result: attributes, variables and units, checked when it is read.
 
-One table for each kind of dataset. What reads a result relies on it.
+There is one table for each kind of dataset. Code that reads a result relies on it.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class Variable(NamedTuple):
 
 
 class Schema(NamedTuple):
-    """What every result of a kind has."""
+    """Contents of every result of a kind."""
 
     attributes: type[_Attributes]
     variables: Mapping[str, Variable]
@@ -92,10 +92,10 @@ class Schema(NamedTuple):
 
 
 def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
-    """Return the dataset, a result that can be read as one of its kind.
+    """Return the dataset after a check that it is a valid result of its kind.
 
-    Raises `ResultError`, which begins with `name`, if it is none. What is not in `SCHEMAS`, such as
-    a trap over heights, is not checked.
+    Raises `ResultError`, which begins with `name`, if it is not. Kinds that are not in `SCHEMAS`,
+    such as a trap over heights, are not checked.
     """
     kind = kind_of(dataset)
     schema = SCHEMAS.get(kind.name) if kind else None
@@ -164,11 +164,11 @@ def events_in(attributes: Mapping[str, Any]) -> list[Event]:
 _EVENTS = TypeAdapter(list[Event])
 
 
-# --- what each kind has beside the table ----------------------------------------------------------
+# --- checks of each kind beside the table ---------------------------------------------------------
 
 
 def rising(dataset: xr.Dataset, name: str) -> Iterable[str]:
-    """What is wrong with coordinates that must be finite and ascend."""
+    """Yield the errors of a coordinate that must be finite and increase."""
     values = dataset[name].values
     if not np.isfinite(values).all():
         yield f"its {name} is not finite at entry {1 + int(np.argmin(np.isfinite(values)))}"

@@ -24,7 +24,7 @@ from tweezer.compiled import Compilation, compilation, shared
 from tweezer.dynamics import bind, bound_once, decided, integrate, unscaled
 from tweezer.scene import Scene
 
-#: Compile time after which a second process is worth its start, s
+#: Compile time after which the start of a second process pays, s
 _WORTH = 1.0
 #: Duration of the motion by which the methods are compiled, s
 _MOMENT = 1e-8
@@ -34,8 +34,8 @@ _MOMENT = 1e-8
 def compiling_beside(scene: Scene) -> Iterator[None]:
     """Context in which a second process helps a run of `scene` to compile.
 
-    It starts when compiling has taken a second, and ends with the context. There is none where the
-    errors need nothing of their own, on one processor, and without locks of files.
+    It starts when compiling has taken a second, and ends with the context. It does not start if the
+    errors require no other code, on one processor, and on systems without file locks.
     """
     if not (_has_errors_to_compile_for(scene) and shared.POSSIBLE and _processors() > 1):
         yield
@@ -100,7 +100,7 @@ def _main() -> None:
     folder = Path(told["folder"])
 
     def end_with_the_first_process() -> None:
-        sys.stdin.buffer.read()  # until nobody holds the other end
+        sys.stdin.buffer.read()  # until the other end is closed
         shutil.rmtree(folder, ignore_errors=True)
         os._exit(0)
 

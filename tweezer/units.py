@@ -123,7 +123,7 @@ def in_usual_unit(number: float, unit: str, bounds: tuple[float, float]) -> str:
     """Return a bare number with the unit in which it probably was meant, such as "1.5 um".
 
     The unit is the first usual one in which the number lies within `bounds`, given in the SI unit
-    `unit`. Return "" if there is none.
+    `unit`. Return "" if no unit fits.
     """
     for other in _USUAL.get(unit, ()):
         if other != unit and bounds[0] <= _from_text(f"{number:.17g} {other}", unit) <= bounds[1]:

@@ -1,4 +1,4 @@
-"""Vectors and matrices in results: NumPy arrays that nobody can change, and that files hold."""
+"""Vectors and matrices in results: read-only NumPy arrays that can be saved."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def fixed(values: ArrayLike) -> NDArray[np.float64]:
     return array
 
 
-#: an array, and as a file holds it a list of numbers or of lists, in which null stands for NaN
+#: an array; in a file it is a list of numbers or of lists, with null for NaN
 Vector = Annotated[
     NDArray[np.float64],
     GetPydanticSchema(lambda *_: core_schema.no_info_plain_validator_function(fixed)),

@@ -1,8 +1,8 @@
 """Liquid water at one atmosphere: density, viscosity and refractive index by the IAPWS releases.
 
-`derivation.water` has the equations. Over the whole range of liquid water the density is within
-1e-6 of IAPWS-95, and the viscosity within 3e-5 of the release of 2008, whose own uncertainty is
-1 %. The refractive index of R9-97 is uncertain by 6e-5 at most in visible light.
+`derivation.water` has the equations. For liquid water at any temperature, the density agrees with
+IAPWS-95 to 1e-6. The viscosity agrees to 3e-5 with the release of 2008, whose own uncertainty is
+1 %. The refractive index of R9-97 has an uncertainty of at most 6e-5 in visible light.
 """
 
 from __future__ import annotations

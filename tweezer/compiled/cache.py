@@ -258,7 +258,7 @@ class _Cache(caching.FunctionCache):
         return sig, codegen.magic_tuple(), "compiled" if self._callers.compiled else "Python"
 
     def load_overload(self, signature: Any, context: Any) -> Any:
-        """What is stored; of a function that another process is compiling, when it has."""
+        """Return the stored function, after another process that is compiling it has finished."""
         found = self._loaded(signature, context)
         if found is None and not self._callers.compiled:
             key = self._index_key(signature, context.codegen())
@@ -267,10 +267,10 @@ class _Cache(caching.FunctionCache):
         return found
 
     def _loaded(self, signature: Any, context: Any) -> Any:
-        """What is stored. Machine code needs Numba's memory, but not the functions it knows.
+        """Return the stored function, without the functions that Numba's compiler knows.
 
-        Numba would import and register these, which takes longer than to load the code. Its
-        compiler does so when it begins.
+        Numba would import and register these, which takes longer than loading the code. Machine
+        code requires only Numba's memory management. The compiler registers them when it starts.
         """
         rtsys.initialize(context)
         with self._guard_against_spurious_io_errors():

@@ -1,8 +1,8 @@
 """Compiling shared by two processes: neither compiles what the other is compiling.
 
-A process that compiles a function for Python holds a lock in a folder that both know. The other
-one waits for the lock and loads the function from the cache. A process holds one lock at a time and
-asks for none while it compiles, so none waits for ever; its end releases its lock.
+A process that compiles a function for Python locks a file in a shared folder. The other process
+waits for the lock and loads the function from the cache. A process has one lock at a time and
+requests none while it compiles, so no process waits for ever. Its end releases its lock.
 """
 
 from __future__ import annotations

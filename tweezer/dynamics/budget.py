@@ -57,12 +57,13 @@ class ErrorBudget:
 def error_budget(
     equations: EquationsOfMotion, run: Integration, position: Array, events: Sequence[Event] = ()
 ) -> ErrorBudget:
-    """Errors of a run: the largest at any time up to its end, located on the dense output.
+    """Return the errors of a run: the largest up to its end, located on the dense output.
 
-    position: (n, 3) m, of the run at its output's times. events: to look for in the finer run.
-    Of a run that was interrupted, or an estimate that is, nothing is known. Runs of more steps than
-    are held in memory (`MOST_HELD`) are compared at the output's times alone. Of a run that goes
-    on, the error has that of the earlier one in it, because the finer run goes on from its own end.
+    `position` (n, 3), m, contains the output of the run; `events` are located in the finer run too.
+    The errors are unknown if the run or the estimate was interrupted. Runs with more steps than
+    `MOST_HELD`, which exceed the memory, are compared at the output times alone. The error of a
+    continued run includes the error of the earlier run, because the finer run continues from its
+    own end.
     """
     begin = equations.begin
     if run.status == "interrupted" or (begin is not None and begin.finer is None):
@@ -79,14 +80,14 @@ def error_budget(
 def model_error(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
     """Return the largest distance to the unscaled equations with all inertia, m.
 
-    Those have the fluid's inertia too, and are integrated by the exponential method. For them the
-    error is 0, or beside a wall how far its drag would hold the bead up. For a body that the method
-    cannot integrate it is NaN, or with the model `full` the largest lag behind which the fluid's
-    inertia leaves it (`Scene.lag`). Where the drag depends on the place, as beside a wall, it is
-    that lag and the distance to the unscaled equations.
+    These equations include fluid inertia and are integrated by the exponential method. A run with
+    the same equations has no model error; beside a wall it is the delay by the wall's drag. For a
+    body that this method cannot integrate the error is NaN. With the model `full` it is then the
+    largest lag due to fluid inertia (`Scene.lag`). If the drag depends on the position, as beside a
+    wall, the error is the sum of this lag and the distance to the unscaled equations.
 
-    position: (n, 3) m, of the run at its output's times. NaN for a run that was interrupted, and
-    for one that goes on, unless it is by these equations without a wall.
+    `position` (n, 3), m, contains the output of the run. The error is NaN for an interrupted run.
+    It is NaN for a continued run too, unless the run uses these equations without a wall.
     """
     if equations.begin is not None:
         exact = equations.name.startswith("full") and equations.remembers

@@ -1,9 +1,9 @@
-"""Runs that go on from the end of an earlier one: what carries over, and what cannot.
+"""Runs that continue from the end of an earlier run.
 
-A run keeps its end in the attribute `end`: the state of its bead as its method has it, with the
-hidden variables of the fluid's memory, and without thermal motion the state of the finer run by
-which its error is known. The random numbers of thermal motion are counted by steps from the
-release, so a run that goes on takes those that follow.
+The attribute `end` of a run contains the state of its bead in its method, with the hidden variables
+of the hydrodynamic memory. Without thermal motion it also contains the state of the finer run that
+determines the error. The random numbers of thermal motion are counted by steps from the release, so
+a continued run uses the next ones.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ _ROUNDING = 1e-9
 
 
 class Begin(NamedTuple):
-    """The state from which equations of motion go on."""
+    """State from which equations of motion continue."""
 
     time: float
     """s since the release"""
@@ -53,7 +53,7 @@ class _State(BaseModel):
 
 
 class End(BaseModel):
-    """The end of a run, as its attribute `end` holds it."""
+    """End of a run, as in its attribute `end`."""
 
     time: float
     """s"""
@@ -84,7 +84,7 @@ def finer_state(at: tuple[Array, Array] | None) -> _State | None:
 
 @dataclass(frozen=True)
 class Continued:
-    """What a run goes on from."""
+    """Earlier run that a run continues."""
 
     end: End
     sample: int
@@ -106,7 +106,7 @@ class Continued:
 
     @property
     def mark(self) -> str:
-        """What tells this end from others."""
+        """Digest that distinguishes this end from others."""
         digest = hashlib.sha256(self.end.model_dump_json().encode()).hexdigest()
         return f"{self.end.time:.9g} s, {digest[:16]}"
 

@@ -105,10 +105,10 @@ class LinearMotion:
         return bool(((b < a / 2) & (drag > _SURELY * b * np.sqrt(2 * mass / a))).all())
 
     def resonances(self, stiffness: Array, mobility: Array) -> Resonances:
-        """Return the frequencies of the bead in the spring of each axis.
+        """Return the resonances of the bead for positive `stiffness` (3,), N/m.
 
-        The scaling of the model plays no part, as it is no property of the bead. stiffness: k_ii,
-        (3,) N/m, positive. mobility: (3,) s/kg.
+        `mobility` (3,) is in s/kg. The scaling of the model has no effect, because it is no
+        property of the bead.
         """
         kappa = mobility * stiffness
         corner, resonance, quality = kappa / (2 * math.pi), np.full(3, np.nan), np.full(3, np.nan)

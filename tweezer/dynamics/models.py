@@ -236,10 +236,10 @@ class EquationsOfMotion(Shown):
         return self.module.__name__.rpartition(".")[2]
 
     def system(self, *, gradient: bool, rates: bool = True, derivatives: bool = False) -> System:
-        """What compiled loops take.
+        """Return the arguments of compiled loops.
 
-        gradient: whether the force gives its gradients. rates: whether the loop calls the emitted
-        rates; derivatives: whether it calls their derivatives.
+        `gradient` is whether the force returns its gradients. `rates` and `derivatives` are whether
+        the loop calls the emitted rates, and their derivatives.
         """
         kernel, data = self.drag.compiled()
         return System(

@@ -187,7 +187,7 @@ class Passage(NamedTuple):
 def passage(
     path: Path, events: Sequence[Occurrence], rest: Array, near: float
 ) -> tuple[Passage, Passage]:
-    """What a motion passed through, and to how much that was located on its dense output.
+    """Return the passage of a motion, and the accuracy of its location on the dense output.
 
     events: of the run, among them its closest approach. rest: where the bead settles, as
     `distances_from` takes it; near: m, how far it may be from there.

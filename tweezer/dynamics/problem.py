@@ -156,10 +156,10 @@ class Problem:
 
     @functools.cached_property
     def linear(self) -> LinearMotion:
-        """The motion about an equilibrium, as the model of the scene has it.
+        """Linear motion about an equilibrium, with the inertia of the scene's model.
 
-        With the inertia of the bead and of the fluid where the scene leaves the model open: where
-        a run takes the overdamped model all the same, inertia plays no part.
+        If the scene names no model, the inertia of the bead and of the fluid is included. It has no
+        effect if a run uses the overdamped model.
         """
         medium, simulation = self.scene.medium, self.scene.simulation
         model = MODELS[simulation.model or "full"]
@@ -181,7 +181,7 @@ class Problem:
         return simulation.model in (None, "full") and follows and bool(even)
 
     def spiral_rate(self, place: Array, stiffness: Array) -> float:
-        """See `LinearMotion.spiral_rate`: at a place, (3,) m."""
+        """Return `LinearMotion.spiral_rate` at a position (3,), m."""
         return self.linear.spiral_rate(stiffness, self.mobilities(place[None])[0, :3])
 
     @property
@@ -207,7 +207,7 @@ class Problem:
 
     @property
     def ring_motion(self) -> Motion:
-        """What the motion on a ring needs of the bead."""
+        """Properties of the bead for the motion on a ring."""
         mass = self.linear.mass + 0.5 * self.linear.displaced_mass
         return Motion(
             mass / self._scale, lambda places: self.mobilities(places)[:, [0, 2]],
@@ -216,7 +216,7 @@ class Problem:
 
     @property
     def about_axis(self) -> bool:
-        """Whether all forces are those of one beam at rest, and of walls across its axis."""
+        """Whether all forces come from one beam at rest and from walls across its axis."""
         return self.scene.plain and not self.others
 
     @property
@@ -249,8 +249,10 @@ class Problem:
 
     @functools.cached_property
     def search(self) -> Search:
-        """Where equilibria are sought: what the light needs, places beside walls, and the distance
-        at which light may still carry the bead.
+        """Lengths of the search for equilibria.
+
+        They depend on the light, on walls, and on the distance at which light may still carry the
+        bead.
         """
         farthest = 0.0
         # behind a wall there is no light
@@ -326,9 +328,9 @@ class Problem:
 
 
 def bound_once(scene: SceneLike | Problem, others: Sequence[Force | str] = ()) -> Problem:
-    """The problem of a scene and of forces beside its own; of a problem, itself.
+    """Return the problem of a scene and of the user's own forces; return a problem unchanged.
 
-    Raises `SceneError` for forces that are none, or that fail a trial (`try_forces`).
+    Raises `SceneError` for objects that are no forces, and forces that fail a trial (`try_forces`).
     """
     if isinstance(scene, Problem):
         return scene

@@ -1,13 +1,13 @@
-"""What the step of thermal motion does to the variance of the position, told at binding.
+"""Bias of the position's variance by the step of thermal motion, known at binding.
 
-Two cases are not small. The method `one-call` is of first order in the step for a force that is not
-a gradient, as that of circular light. Of a bead driven round at the rate c in a trap of rate k its
-variance is too large by
+Two cases are not small. The method `one-call` has first order in the step for a force that is not a
+gradient, such as the force of circularly polarised light. For a bead driven round at the rate c in
+a trap with the rate k, the variance is too large by
 
     (1 - h k/2)/(1 - h (k^2 + c^2)/(2 k)) - 1.
 
-At low damping exponential Heun loses energy in a well that is no spring: its own rate of loss, as
-h^3, adds to that of the drag, without noise of its own.
+At low damping exponential Heun loses energy in an anharmonic well. This loss rate is proportional
+to h^3 and adds to the loss rate of the drag, without its own noise.
 """
 
 from __future__ import annotations
@@ -56,15 +56,16 @@ def one_call_bias(problem: Problem, mobility: Array, kT: float) -> float:
 
 
 def _bias(rates: Array, diffusion: Array) -> float:
-    """Error of the largest variance of an axis over the step, 1/s, by the Lyapunov equations.
+    """Return the error of the largest variance of an axis, divided by the step, 1/s.
 
-    rates: (3, 3) 1/s, mobility times stiffness; diffusion: (3,) m^2/s.
+    It follows from the Lyapunov equations for `rates` (3, 3), 1/s, which are mobility times
+    stiffness, and `diffusion` (3,), m^2/s.
     """
     from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
     exact = solve_continuous_lyapunov(rates, 2 * np.diag(diffusion))
     h = _SHORT / float(np.linalg.norm(rates, 2))
-    # the force is asked for at x + n/2, where the variance is taken, and x gains n - h rates x
+    # the force and the variance are evaluated at x + n/2, and x gains n - h rates x
     half, one = np.eye(3) - 0.5 * h * rates, np.eye(3)
     noise = 2 * h * np.diag(diffusion)
     left = one - h * rates
@@ -73,15 +74,15 @@ def _bias(rates: Array, diffusion: Array) -> float:
 
 
 def energy_loss(walk: Any, linear: Linear) -> float:
-    """Return the part of the thermal energy that the steps of a walk take away by themselves.
+    """Return the fraction of the thermal energy that the steps of a walk remove by themselves.
 
-    Measured without drag and noise, by beads of thermal energy: how much less they have after some
-    periods than at half the step. The loss is of order 3, so that an eighth of it is left there. A
-    few beads of high energy lose most of it, so that the result is rough, and too small where
-    forces are dear and few beads are followed. Of that rate r the thermal energy is too small by
-    r/(r + beta/m).
+    The loss is measured without drag and noise, for beads with thermal energy. It is the difference
+    in energy after some periods between the step and half the step. The loss has order 3, so that
+    an eighth of it remains at half the step. A few beads with high energy lose most of it.
+    Therefore the result is rough, and it is too small if forces are expensive and few beads are
+    followed. At the loss rate r, the thermal energy is too small by r/(r + beta/m).
 
-    walk: a `tweezer.dynamics.walk.Walk`. linear: of its scheme.
+    `walk` is a `tweezer.dynamics.walk.Walk`, and `linear` belongs to its scheme.
     """
     plan, rng = walk.plan, np.random.default_rng(11)
     cheap = not walk.scene.lit or walk.scene.optics.evaluator == "map"

@@ -66,47 +66,88 @@ def ensemble(
 ) -> xr.Dataset:
     """Release the bead of `scene` many times, each with its own thermal motion.
 
-    duration: s, or text such as "20 ms", in place of the scene's. seed: of the random numbers;
-    trajectory i of a seed does not depend on their number. out: the file to write, a Zarr store
-    of trajectories or a NetCDF file of statistics; in memory if not given. statistics: gather these
-    and store no trajectory. skip: s or text, time after the release that only the moments over time
-    include. scheduler: address of a Dask scheduler, or a `distributed.Client`; its workers must see
-    the file system of `out`, which is then needed. Without it, workers: threads on this machine, by
-    default one for each core. resume: continue the ensemble at `out`, if there is one; a missing or
-    truncated chunk is computed again, a chunk with wrong bytes fails its checksum when it is read.
-    forces: of your own, beside those of the scene (`tweezer.forces`). With `out` each must be named
-    by its Python file, "handles.py:spring", whose digest tells whether an ensemble can be resumed.
-    progress: called with the finished part.
+    The numbers do not depend on workers or interruptions. For trajectories they do not depend on
+    blocks and windows either.
 
-    Returns, and writes, trajectories as position (trajectory, time, axis) in m from the focus,
-    velocity in m/s if the model has one, orientation (trajectory, time, euler_parameter) and, with
-    inertia, angular_velocity (trajectory, time, body_axis) in rad/s if the scene has a rotation,
-    all NaN once a bead is lost, and lost_time (trajectory), s: infinite for a bead never lost, NaN
-    for a trajectory not yet computed; with a camera what it saw, seen (trajectory, frame,
-    seen_axis) in m, NaN from the frame in which a bead was lost. They are read from the store when
-    used; `xarray.open_zarr` opens it. Every chunk has a checksum.
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with thermal motion.
+    trajectories : int
+        Number of trajectories.
+    duration : float or str, optional
+        Duration, s, e.g. "20 ms". Default: the scene's.
+    seed : int, optional
+        Seed of the random numbers. Trajectory i of a seed does not depend on their number.
+    out : str or Path, optional
+        File to write: a Zarr store of trajectories, or a NetCDF file of statistics. Default: the
+        result is in memory.
+    statistics : bool, optional
+        Compute statistics and store no trajectory.
+    skip : float or str, optional
+        Time after the release, s. Only the moments over time include it.
+    workers : int, optional
+        Threads on this machine. Default: one for each core.
+    scheduler : str or distributed.Client, optional
+        Dask scheduler, in place of `workers`. Requires `out`, in a file system that its workers
+        see.
+    resume : bool, optional
+        Continue the ensemble at `out`, if it exists. A missing or truncated chunk is computed
+        again. A chunk with wrong bytes fails its checksum when it is read.
+    forces : sequence of Force or str, optional
+        Your own forces, in addition to the scene's (`tweezer.forces`). With `out` name each by its
+        Python file, "handles.py:spring". Its digest decides whether an ensemble can be resumed.
+    progress : callable, optional
+        Called with the finished fraction.
 
-    Statistics, which are of the motion and leave out a camera, are the mean, variance, skewness and
-    excess kurtosis over the trajectories at up to 10,000 times, of position_..., velocity_...,
-    angular_velocity_...; and of the positions from `skip` on their stationary_mean and
-    stationary_variance (axis), counts and density (bin, axis), the mean-square displacement msd
-    (axis, lag) and the one-sided spectrum psd (axis, frequency) of windows of at most 2^14 samples
-    (Bartlett's method, mean removed; of instantaneous positions, so aliased). X_error is the
-    standard error of X: over the trajectories; for stationary statistics, msd and psd over windows,
-    taken as independent, which they are if windows are much longer than the trap's relaxation; for
-    the density over blocks of trajectories. Samples after a loss are excluded, and from spectra and
-    displacements the windows with a loss; both are counted. An error that would need more
-    trajectories, windows or blocks is NaN, as its comment says, and so are skewness and kurtosis of
-    equal values. There are no msd and psd for the method "one-call", whose displacements from step
-    to step are not those of the motion.
+    Returns
+    -------
+    xarray.Dataset
+        Trajectories, which are read from the store when they are used (`xarray.open_zarr` opens
+        it), or statistics. Every chunk has a checksum.
 
-    The numbers do not depend on workers, interruptions, or, for trajectories, on blocks and
-    windows. The attributes hold the scene, the seed, the versions, the step and why it was chosen;
-    those returned also status, "complete" or "interrupted" (Ctrl-C), and trajectories_done.
+        The trajectories are NaN after a bead is lost:
 
-    Raises `SceneError` for arguments that are not valid, and for a scene without thermal motion;
-    `ResultError` if `out` exists and is not to be resumed, belongs to another ensemble, or cannot
-    be written (what was written stays); `IntegrationError` if a force is not finite.
+        * position (trajectory, time, axis): position relative to the focus, m
+        * velocity: m/s, if the model has one
+        * orientation (trajectory, time, euler_parameter): if the scene has a rotation
+        * angular_velocity (trajectory, time, body_axis): rad/s, if it has inertia
+        * lost_time (trajectory): s; infinite for a bead that is never lost, and NaN for a
+          trajectory that is not yet computed
+        * seen (trajectory, frame, seen_axis): position in the frames of a camera, m; NaN from the
+          frame in which a bead was lost
+
+        The statistics describe the motion without a camera:
+
+        * position_..., velocity_..., angular_velocity_...: mean, variance, skewness and excess
+          kurtosis over the trajectories at up to 10,000 times
+        * stationary_mean, stationary_variance (axis): moments of the positions after `skip`
+        * counts, density (bin, axis): histogram of the positions after `skip`
+        * msd (axis, lag): mean-square displacement; not for the method "one-call", whose
+          displacements from step to step differ from the motion's
+        * psd (axis, frequency): one-sided spectrum of windows of at most 2^14 samples (Bartlett's
+          method, mean removed; instantaneous positions, therefore aliased); not for "one-call"
+        * X_error: standard error of X. It is computed over the trajectories, and for the density
+          over blocks of trajectories. For stationary statistics, msd and psd it is computed over
+          windows. These are independent if they are much longer than the relaxation time. The error
+          is NaN if it requires more trajectories, windows or blocks.
+
+        Samples after a loss are excluded. Windows with a loss are excluded from msd and psd. Both
+        are counted. Skewness and kurtosis of equal values are NaN.
+
+        The attributes contain the scene, the seed, the versions, the step and the reason for it.
+        The returned dataset also has `status`, "complete" or "interrupted" (Ctrl-C), and
+        `trajectories_done`.
+
+    Raises
+    ------
+    SceneError
+        For arguments that are not valid, and for a scene without thermal motion.
+    ResultError
+        If `out` exists and is not to be resumed, belongs to another ensemble, or cannot be written.
+        The results written before remain.
+    IntegrationError
+        If a force is not finite.
     """
     scene = checked_scene(scene)
     if duration is not None:

@@ -61,9 +61,12 @@ def _made(function: Any) -> str:
 def try_forces(forces: Iterable[Force], places: Array, duration: float) -> None:
     """Evaluate forces at `places` (n, 3) m, n of at least 3, and at times up to `duration`, s.
 
-    Raises `ForceError`, with the name of the force and the problem, for a force that raises an
-    exception, is not finite or has a negative error, that depends on the number of beads, that
-    depends on the time or exerts a moment unless it says so, or whose gradient is wrong.
+    Raises `ForceError`, with the name of the force and the problem, for a force that
+
+    * raises an exception, is not finite or has a negative error,
+    * depends on the number of beads,
+    * depends on the time or exerts a moment without the declaration,
+    * has a wrong gradient.
     """
     for each in forces:
         forget_faults(each)

@@ -13,7 +13,7 @@ from tweezer.compiled import named_njit
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Columns of `Data.shapes`: begin of an entry, four lengths, address of a part, kind
+#: Columns of `Data.shapes`: first index of an entry, four lengths, address of a part, kind
 COLUMNS = 7
 #: Kinds of entries beside arrays of numbers, whose kind is the number of their axes
 _INTEGERS, _PART = 5, 6

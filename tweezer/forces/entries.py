@@ -1,7 +1,7 @@
 """Entries of a force's data as a `UserForce` reads them: the number and the kind are checked.
 
-An entry that does not exist, or is of another kind, raises an `IndexError`. The forces of tweezer
-itself read theirs without the checks (`tweezer.forces.data`).
+An entry that does not exist or has another kind raises an `IndexError`. Built-in forces use the
+readers in `tweezer.forces.data`, which have no checks.
 """
 
 from __future__ import annotations

@@ -54,17 +54,17 @@ class Light(ABC):
         """Lengths by which the force is searched for zeros and largest values."""
 
     def reach(self, depth: float, least: float) -> float:
-        """How far the force is searched, m: five lengths of the light, and `least`.
+        """Return the distance to which the force is searched, m, at least `least`.
 
-        Such a length is the distance at which the light is as wide as the bead, and the depth of
-        focus, m, where its theory has one.
+        It is five times the length of the light. This is the distance at which the light is as wide
+        as the bead, plus the depth of focus, m, if its theory has one.
         """
         return max(least, LENGTHS * (self.radius / self.cone.spread + depth))
 
     @property
     @abstractmethod
     def box(self) -> Box:
-        """Where rings and places off the axis are sought."""
+        """Box in which rings and positions off the axis are searched."""
 
     def of_radius(self, radius: float) -> Self:
         """The same on a sphere scaled to that radius, m."""
@@ -107,7 +107,7 @@ class LightForce(Force):
 
     @property
     def search(self) -> Search:
-        """See `Light.search`; without what is far from the focus for a force that is not smooth."""
+        """See `Light.search`. For a force that is not smooth, only the vicinity of the focus."""
         search = self.light.search
         return search if self.smooth else search._replace(reach=search.near)
 

@@ -1,4 +1,4 @@
-"""What the digits of a recording show before any physics: samples that were not measured.
+"""Samples that were not measured, recognised from the digits of a recording.
 
 Each test compares exact coincidences with near ones: positions that move by a few of their last
 digits are as probable as positions that do not move at all.
@@ -34,7 +34,7 @@ _WHOLE = 1e-3
 _ROUNDING = 1e-12
 #: Fraction of rows that repeat earlier ones at one lag, beyond which they are a copy
 _COPIED = 0.02
-#: Number of samples from which on coincidences are looked for
+#: Smallest number of samples in which coincidences are searched
 _SHORTEST = 20
 #: Number of samples whose copies are looked for
 _PROBES = 50

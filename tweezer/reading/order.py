@@ -12,9 +12,9 @@ from tweezer.reading.table import Array
 
 #: Largest deviation of a sorted step from a whole number of usual steps
 _OFF = 0.2
-#: Largest fraction of steps back in time that a clock makes; more are of rows in another order
+#: Largest fraction of steps back in time by a clock; a larger fraction means rows in another order
 _FEW = 0.05
-#: Fraction of stamps that occur again, beyond which rows are of several beads
+#: Largest fraction of repeated time stamps; a larger fraction means rows of several beads
 _OFTEN = 0.3
 #: Largest deviation of a step that counts for a rate, in median deviations
 _FAR = 10.0

@@ -94,7 +94,7 @@ class Journal:
     def close(self) -> None:
         """Close the file, which stays."""
         if self._file is not None:
-            with contextlib.suppress(OSError):  # of a full disk, which is told already
+            with contextlib.suppress(OSError):  # on a full disk, which is reported already
                 self._file.close()
 
     def remove(self) -> None:

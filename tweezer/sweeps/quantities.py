@@ -1,4 +1,4 @@
-"""What is computed of each case of a sweep: its quantities, with their errors."""
+"""Quantities that a sweep computes for each case, with their errors."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ QUANTITIES: dict[str, dict[str, Quantity]] = {
 
 
 def quantities_of(of: str) -> dict[str, Quantity]:
-    """Return the quantities of a sweep of that name. Raises `ResultError` if there is none."""
+    """Return the quantities of a sweep of `of`. Raises `ResultError` for an unknown name."""
     if of not in QUANTITIES:
         raise ResultError(f"is a sweep of {of[:20]!r}; allowed: {', '.join(SWEPT)}")
     return QUANTITIES[of]

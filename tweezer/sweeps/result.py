@@ -94,7 +94,7 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
 
 
 def read(out: Path) -> xr.Dataset:
-    """The store of a sweep, in memory. Raises `ResultError` if it is none, or is not whole."""
+    """Return the store of a sweep, in memory. Raises `ResultError` for any other file."""
     dataset = load_result(out)
     if (kind := kind_of(dataset)) is None or kind.name != "sweep":
         raise ResultError(f"{out}: not a sweep{f': is {kind.told}' if kind else ''}")

@@ -29,7 +29,7 @@ _WIDE = 3.0
 #: Quantities whose sizes differ by orders of magnitude
 _BY_RATIO = ("lifetime", "stiffness", "corner_frequency", "escape_energy", "escape_force")
 
-#: What is computed of each case, where it is no noun
+#: Names of the computed quantities, where the name of the sweep is no noun
 _NOUNS = {"calibrate": "calibration"}
 #: Quantities in SI units
 _IN_SI = ("lifetime",)

@@ -110,7 +110,7 @@ def _typeset(words: str) -> str:
 
 
 def _in_script(value: object) -> str:
-    """JSON that may stand in a script: no `<` ends it. Raises `ResultError` for NaN."""
+    """Return JSON without `<`, which would end a script. Raises `ResultError` for NaN."""
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     except ValueError:

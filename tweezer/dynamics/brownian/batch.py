@@ -88,7 +88,25 @@ def beads(
     hidden: int = 0,
     draws: int = 0,
 ) -> Beads:
-    """Room for n beads, with so many hidden variables an axis, and so many normal numbers."""
+    """Return uninitialised arrays for a batch of beads.
+
+    Parameters
+    ----------
+    n : int
+        Number of beads.
+    dims : int
+        Degrees of freedom, 3 or 6.
+    inertial : bool
+        Whether the state includes velocities.
+    gradient : bool
+        Whether the force gradients are needed.
+    uniform : bool
+        Whether the drag is the same everywhere.
+    hidden : int
+        Number of hidden variables of the hydrodynamic memory along an axis.
+    draws : int
+        Number of normal random numbers per bead and step.
+    """
     gradients = n if gradient else 0
     places = 0 if uniform else n
     width = -(-n // LANES) * LANES

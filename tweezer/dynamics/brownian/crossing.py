@@ -1,23 +1,24 @@
 """Loss of a bead within a step: the motion between the ends of a step is a Brownian bridge.
 
-A bead that is at distances a and b inside a boundary at the ends of a step h has crossed it in
-between with the probability
+A bead is inside a boundary by the distances a and b at the ends of a step h. It has crossed the
+boundary in between with the probability
 
     p = exp(-a b/(D h)),
 
-and crosses it after the part s/(1 + s) of the step, where s has the inverse Gaussian distribution
-of mean a/|b| and shape a^2/(2 D h). A step that ends outside, b < 0, has crossed it at such a time
-too. Both laws are exact for a plane under a constant drift. They are exact for a sphere without
-drift, because the distance of a free bead from a point is Bessel's process of three dimensions: its
-bridge is a Brownian bridge on a line that stays above 0 (D. Revuz, M. Yor, Continuous Martingales
-and Brownian Motion, 1999, XI.3). The distribution of s is that of a first passage, because a bridge
-is a Brownian motion in another time.
+and crosses it after the fraction s/(1 + s) of the step. The distribution of s is inverse Gaussian
+with the mean a/|b| and the shape a^2/(2 D h). A step that ends outside, b < 0, has crossed it at
+such a time too. Both laws are exact for a plane under a constant drift. They are also exact for a
+sphere without drift. The distance of a free bead from a point is a Bessel process in three
+dimensions, and its bridge is a Brownian bridge on a line that stays above 0 (D. Revuz, M. Yor,
+Continuous Martingales and Brownian Motion, 1999, XI.3). The number s has the distribution of a
+first passage, because a bridge is a Brownian motion in another time.
 
-A velocity makes the motion smooth within the relaxation time. D is then smaller: it gives the
-position in the middle of a step the variance that the velocities at its ends leave open (`share`).
+A velocity makes the motion smooth within the relaxation time. D is then smaller. It is chosen so
+that the position in the middle of a step has the right variance for given velocities at its ends
+(`share`).
 
-Beads farther inside than a step can go are not looked at: the loop then compares the distances of
-the ends of steps with another number, as it must anyway.
+Beads further inside than the reach of a step are not tested. The loop compares the distances at the
+ends of steps with another threshold for this, at no extra cost.
 """
 
 from __future__ import annotations
@@ -90,10 +91,10 @@ def way(step: float, kT: float, mobility: float, modes: Modes | None, drift: flo
 
 
 def share(step: float, modes: Modes) -> float:
-    """Return the variance in the middle of a step, over the variance of a Brownian bridge.
+    """Return the variance in the middle of a step, divided by the variance of a Brownian bridge.
 
-    The positions and velocities of a free bead are known at both ends. The modes are those of its
-    velocity.
+    The positions and velocities of a free bead are known at both ends. `modes` describes its
+    velocity correlation.
     """
     n = len(modes.times)
     speed = np.sqrt(modes.weights / modes.times * step)  # place in sqrt(D h), time in h

@@ -44,7 +44,7 @@ _ALL = -1
 
 
 class Steps(NamedTuple):
-    """How the loop steps beads. `gradient` to `force_first` are 0 or 1."""
+    """Parameters of the loop over steps. `gradient` to `force_first` are 0 or 1."""
 
     scheme: int
     """address of its step"""
@@ -93,11 +93,34 @@ def advance(
     force: Part, steps: Steps, plan: Plan, weights: Weights, edge: Boundary,
     trajectories: NDArray[np.int64], states: Array, sample: int, out: Array,
 ) -> int:  # fmt: skip
-    """Take states (n, ...), as `tweezer.dynamics.walk.Walk` has them, to the last sample.
+    """Advance the states of beads to the last sample, in place.
 
-    From that sample to the last of out (n, samples, ...). It returns the row of a bead whose place
-    is not finite, or -1. It returns `NEAR`, with states and out changed, where a bead comes near
-    the boundary and `edge` has no function for that.
+    Parameters
+    ----------
+    force : Part
+        Compiled force and its data.
+    steps : Steps
+        Parameters of the loop over steps.
+    plan : Plan
+        Steps between samples, and the scheme's coefficients.
+    weights : Weights
+        Weights of the exposure of a camera.
+    edge : Boundary
+        Boundary at which a bead is lost.
+    trajectories : ndarray, shape (n,)
+        Numbers of the trajectories, which select the random numbers.
+    states : ndarray, shape (n, ...)
+        States as in `tweezer.dynamics.walk.Walk`.
+    sample : int
+        First sample to compute.
+    out : ndarray, shape (n, samples, ...)
+        Samples to write.
+
+    Returns
+    -------
+    int
+        Row of a bead whose position is not finite, or -1. `NEAR` if a bead approaches the boundary
+        and `edge` has no function for this case; `states` and `out` are changed then.
     """
     follow = loop()
     inertial, dims = steps.velocity >= 0, 6 if steps.orientation >= 0 else 3

@@ -58,7 +58,7 @@ class RayLight(Light):
 
     @property
     def box(self) -> Box:
-        """See `Light.box`: the focus is a point."""
+        """Box of `Light.box` for a focus that is a point."""
         r = self.radius
         return Box(_ASIDE * r, r, _AHEAD * r, math.tan(self.cone.half_angle))
 

@@ -108,7 +108,7 @@ def _not_too_far(light: Waves, name: str, distance: float, remedy: str) -> None:
 
 
 def _smaller(scene: Scene, name: str) -> str:
-    """What mends a setting that is too large for waves."""
+    """Return the remedy for a setting that is too large for wave optics."""
     smaller = f"set a smaller {name}"
     if no_rays(scene.bead, scene.lens, scene.beams):
         return smaller

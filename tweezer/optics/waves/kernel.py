@@ -292,7 +292,7 @@ def room_for(source):  # type: ignore[no-untyped-def]
 
 @functools.cache
 def _summed(*, moment: bool) -> Any:
-    """Compiled function: what the light does to a bead at (rho, 0, z), n_m P/c = 1.
+    """Return the compiled force, or moment, of light on a bead at (rho, 0, z), n_m P/c = 1.
 
     Whether gradients are wanted is an argument: the sums with and without share the waves.
     """

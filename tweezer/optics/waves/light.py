@@ -20,8 +20,8 @@ from tweezer.theory import FARTHEST_IN_WAVES
 _RADII, _WAVELENGTHS = 5.0, 10.0
 #: Distance of samples, in wavelengths in the medium: the force ripples at half a wavelength
 _SPACING = 0.05
-#: Distance from the axis in the plane of the focus up to which rings are sought, in 1/(k sin theta)
-#: beside the bead's radius; and along it, in depths of focus 2/(k sin^2 theta) beside its diameter
+#: Search range for rings, in addition to the bead's radius and diameter: from the axis in the focal
+#: plane, in 1/(k sin theta), and along the axis, in depths of focus 2/(k sin^2 theta)
 _ASIDE, _DEPTHS = 6.0, 6.0
 #: Distance from an equilibrium at which the force must pull back, in those of samples
 _BESIDE = 0.1
@@ -90,7 +90,7 @@ class Waves(Light):
         sine = self.cone.spread
         width = self.radius + (_ASIDE + max(parts, default=0)) / (self.wavenumber * sine)
         depth = 2 / (self.wavenumber * sine**2)
-        # about every place in the box the force is asked for a radius farther out
+        # the force is evaluated up to one radius beyond every position in the box
         ends = self.farthest - self.radius
         width = min(width, ends / 2)
         reach = min(2 * self.radius + _DEPTHS * depth, _height(width, sine, ends))
