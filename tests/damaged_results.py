@@ -29,12 +29,12 @@ SCENE = tweezer.load_scene("silica-1um").replace(
     simulation={"duration": 1e-5, "samples": 11, "model": "overdamped"}, medium={"inertia": "none"}
 )
 THERMAL = SCENE.replace(forces={"brownian": True})
-#: What may stand in place of an attribute, or of a value of JSON
+#: Replacements of an attribute, or of a value in JSON
 VALUES: tuple[Any, ...] = (
     "", "x", "{", "[]", "{}", "null", "[1, 2]", '{"a": 1}', "[" * 3000, "NaN", "y" * 5000, 0, 1,
     -1, 10**12, 1.5, -1e300, 1e-300, float("nan"), float("inf"), True,
 )  # fmt: skip
-#: What may stand in place of a number of an array
+#: Replacements of a number in an array
 NUMBERS = (np.nan, np.inf, -np.inf, 1e300, -1e300, 1e39, 0.0, 1e-320)
 #: Content of a file of the user's, which nothing may show
 PRIVATE = 1.234567e-7
@@ -426,7 +426,7 @@ def results(
         if ended == "read":
             same = found == _expected(reader, name)
             told = found.endswith("True)")  # that it is not complete
-            # JSON has no checksum: what stands there is what was saved
+            # JSON has no checksum, so its content counts as saved
             if change is damaged and not same and not told and not name.endswith(".json"):
                 raise AssertionError(f"{reader} {name}, {what}: damaged, and called whole")
             if change is hostile and not same and not told:

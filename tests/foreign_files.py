@@ -57,7 +57,7 @@ THINGS: tuple[Callable[[Path], None], ...] = (
 
 
 def _state(folder: Path) -> dict[str, Any]:
-    """What is in a folder: contents of files, where links lead, and what else there is."""
+    """Return the contents of a folder: of its files, the targets of links, and all other items."""
     found: dict[str, Any] = {}
     for path in folder.rglob("*"):
         if path.is_symlink():

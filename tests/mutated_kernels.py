@@ -1,8 +1,8 @@
-"""Functions of a user's own force, changed at random: none crashes, none is wrong in silence.
+"""Random changes of a user's own force: no function crashes or gives a silent wrong result.
 
-A change is of an index, an entry, a reader, a bound of a loop, an assignment, or a line that is put
-in: an exception, NaN, an error that is none, a write to what is to be read. The oracle is the text
-itself, run by Python with arrays of NumPy.
+A mutation changes an index, an entry, a reader, a bound of a loop or an assignment, or inserts a
+line: an exception, NaN, an invalid error, or a write to a read-only array. The oracle is the same
+text, run by Python with NumPy arrays.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def mutated(rng: np.random.Generator) -> tuple[str, dict[str, bool]]:
 
 
 def _changes(node: ast.AST) -> list[Any]:
-    """What can be changed of a node."""
+    """Return the possible changes of a node."""
     if isinstance(node, ast.Constant) and isinstance(node.value, int):
         return [_another_number]
     if isinstance(node, ast.Name) and node.id in _READERS:
@@ -190,7 +190,7 @@ def scenes() -> list[tweezer.Scene]:
 
 
 def outcome(text: str, how: dict[str, bool], number: int, scene: tweezer.Scene) -> str:
-    """How a run with the function ends. Raises AssertionError if it is wrong in silence."""
+    """Return the outcome of a run with the function. Raises AssertionError for silent errors."""
     try:
         force = made(text, number, **how)
         run = tweezer.simulate(scene, forces=[force])
@@ -214,7 +214,7 @@ def outcome(text: str, how: dict[str, bool], number: int, scene: tweezer.Scene) 
 
 
 def mutated_kernels(count: int, first: int = 0) -> Counter[str]:
-    """Run so many mutated functions, from number `first` on, each in a process of its own."""
+    """Run `count` mutated functions, beginning with number `first`, each in its own process."""
     ended: Counter[str] = Counter()
     where = scenes()
     for scene in where:  # loops are compiled before processes are made of this one

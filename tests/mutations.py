@@ -128,9 +128,9 @@ def changed_text(rng: np.random.Generator, lines: list[str]) -> list[str]:
 def counted(
     count: int, first: int, seed: int, case: Callable[[np.random.Generator], str]
 ) -> Counter[str]:
-    """How so many cases from the number `first` on end, each in a folder of its own.
+    """Return the outcomes of `count` cases, beginning with number `first`, in separate folders.
 
-    Raises for what must not happen.
+    Raises an exception for a forbidden outcome.
     """
     outcomes: Counter[str] = Counter()
     home = Path.cwd()

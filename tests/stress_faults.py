@@ -1,11 +1,11 @@
-"""Faults from outside: each ends whole, or as one error of tweezer's own; never wrong in silence.
+"""External faults: each ends with a complete result or one error of tweezer, never silently wrong.
 
 `python -m tests.stress_faults` prints how they ended; `make stress` calls it. With words it makes
 the faults whose names have one of them, and with numbers FIRST and COUNT that part of each:
 `python -m tests.stress_faults damaged killed 200 50`.
 
-A kind of fault is a function `kind(count, first)` that makes so many, from that number on, and
-counts how they ended; what must not happen raises AssertionError, which names the fault.
+A kind of fault is a function `kind(count, first)`. It makes `count` faults, beginning with number
+`first`, and counts their outcomes. A forbidden outcome raises AssertionError with the fault's name.
 """
 
 from __future__ import annotations
@@ -243,9 +243,9 @@ def damaged_stores(count: int, first: int = 0) -> Counter[str]:
 
 
 def failing_writes(count: int, first: int = 0) -> Counter[str]:
-    """Each write of a sweep and of ensembles fails, by a full disk, a failing one, and Ctrl-C.
+    """Let each write of a sweep and of ensembles fail: by a full disk, a broken disk, and Ctrl-C.
 
-    So many of their numbers, from `first` on; a sweep has most, fewer than 600.
+    `count` writes fail, beginning with number `first`; a sweep has the most, fewer than 600.
     """
     ended: Counter[str] = Counter()
     for name in write_faults.KINDS:

@@ -1,4 +1,4 @@
-"""A scene as an argument: a Scene, a name, a file or a mapping; and what is said of a scene."""
+"""A scene as an argument: a Scene, a name, a file or a mapping; and errors of a scene."""
 
 import inspect
 import pickle
@@ -41,7 +41,7 @@ WITH_RECORDING = {"fit", "fit_depth"}
 
 
 def test_every_function_that_takes_a_scene_is_listed():
-    """Here, so that a new one accepts names as well."""
+    """The list ensures that a new function accepts names as well."""
     every = {name: getattr(tweezer, name) for name in tweezer.__all__}
     takes = {
         name for name, each in every.items()
@@ -59,7 +59,7 @@ def test_scene_may_be_a_name_a_path_or_a_mapping(name):
 
 @pytest.mark.parametrize("name", NAMED)
 def test_longer_functions_find_a_scene_by_its_name(name):
-    """What they refuse of a name is what they refuse of its scene."""
+    """Errors for a name are the same as for its scene."""
     said = []
     for given in (SCENE, NAME):
         with pytest.raises(SceneError) as refused:

@@ -1,4 +1,4 @@
-"""Names beside an output, and what is left where a write fails."""
+"""Names beside an output, and the files that remain after a failed write."""
 
 from __future__ import annotations
 
@@ -33,7 +33,9 @@ MAKES = {
 
 @pytest.mark.parametrize("name", write_faults.KINDS)
 def test_failed_write_loses_nothing(name):
-    """Some of the 475 writes of a sweep, and of 96 and 31 of ensembles; `make stress` does all."""
+    """The test covers some of the 475 writes of a sweep, and of the 96 and 31 of ensembles;
+    `make stress` covers all.
+    """
     ended = write_faults.at_each_write(
         name, ("full disk", "Ctrl-C"), lambda count: {*range(2, count, 83), count - 4, count - 1}
     )
@@ -103,7 +105,7 @@ def test_foreign_file_beside_output_is_refused_and_kept(name, resume, tmp_path):
 
 
 def test_journal_that_is_foreign_is_refused_in_a_folder_of_its_own(tmp_path):
-    """A marker stands there, as after an interruption; what was put there later is kept."""
+    """The folder contains a marker, as after an interruption; later files are kept."""
     out, thesis = tmp_path / "s.zarr", tmp_path / "thesis.tex"
     thesis.write_text("precious")
     part = tmp_path / "s.zarr.part"
@@ -135,7 +137,7 @@ def test_journal_that_is_foreign_is_refused_in_a_folder_of_its_own(tmp_path):
 
 
 def test_what_a_killed_process_was_writing_is_removed_later(tmp_path):
-    """By the next write into the folder; not what a living process writes, or a user's file."""
+    """The next write into the folder removes it, but no file of a living process or of the user."""
     dead, file = files._begun(tmp_path)
     file.close()
     alive, writing = files._begun(tmp_path)

@@ -403,7 +403,7 @@ def test_sweeps_case_by_case(tmp_path):
 
 @pytest.mark.parametrize(("off", "agrees"), [(0.0, True), (1.0, True), (6.0, False)])
 def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, agrees):
-    """By the stiffness along each axis; an estimate with a finding against it does not count."""
+    """The stiffness along each axis is compared; an estimate with a finding does not count."""
     assert command_line("trap", "silica-1um", "--out", "trap.json").code == 0
     trap = json.loads(Path("trap.json").read_text())
     k = np.diag(trap["trap"]["equilibrium"]["stiffness"])

@@ -26,7 +26,7 @@ def without(arguments: list[str], option: str) -> list[str]:
     return [*arguments[:at], *arguments[at + 2 :]]
 
 
-#: id: (command, pattern of the line it is refused with, what the line says to do)
+#: id: (command, pattern of its error message, function that applies the remedy in the message)
 REFUSED: dict[str, tuple[list[str], str, Follow]] = {
     "scene with a slip": (
         ["run", "silca-1um", *FREE[1:]], r"did you mean (\S+)\?$",

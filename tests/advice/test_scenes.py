@@ -57,7 +57,7 @@ def renamed(data: Data, key: str, new: str) -> None:
 
 
 def removed(data: Data, line: str) -> None:
-    """Remove the key that a line begins with; of alternatives the one that is there."""
+    """Remove the key at the beginning of a line; of several alternatives, the existing one."""
     section, _, names = line.partition(":")[0].partition(".")
     for name in names.split(" or "):
         data[section].pop(name, None)

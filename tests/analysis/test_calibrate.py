@@ -546,9 +546,9 @@ def test_a_potential_in_wide_bins_is_as_stiff():
 
 @pytest.mark.parametrize("step", [0.05, 0.13, 0.4, 0.6])
 def test_a_potential_of_digitised_positions_is_as_stiff(step):
-    """Of 150 records: the 95 % intervals of 143 +- 2.7 contain k; fewer than 131 do with
-    p = 1e-4. With bins of any width it was 73 % at 0.4 deviations. One sample in 200 lies between
-    the recorded values.
+    """The 95 % intervals of 143 +- 2.7 of 150 recordings contain k, and fewer than 131 with the
+    probability 1e-4. With bins of any width they were 73 % at 0.4 deviations. One sample in 200
+    lies between the recorded values.
     """
     rng = np.random.default_rng(31)
     x = rng.standard_normal((150, 1500)) + 0.3 * np.linspace(0, 1, 150)[:, None]

@@ -101,7 +101,7 @@ def test_size_and_power_of_an_exact_record(found):
 
 
 def test_likelihood_of_kalman_filter_falls_by_that_of_the_interval(scene, recording, found):
-    """By 3.84/2 at an end, at the largest over the other key: exact, of the nonlinear force."""
+    """It falls by 3.84/2 at an end, maximised over the other key, exactly for nonlinear forces."""
     seen = recording.positions - recording.positions.mean(axis=0)
     noise = np.array([NOISE, NOISE])
 
@@ -125,9 +125,9 @@ def test_likelihood_of_kalman_filter_falls_by_that_of_the_interval(scene, record
 
 
 def test_whitened_likelihood_is_that_of_the_gaussian_process():
-    """Of the drag, in a record of 12 relaxation times, 100 samples in each: its spectrum leaks.
+    """The likelihood of the drag, for 12 relaxation times with 100 samples each: the PSD leaks.
 
-    The exact one is of the increments, as the mean of the record is not that of the trap.
+    The exact likelihood uses the increments, because the recording's mean differs from the trap's.
     """
     step, samples = 2e-5, 1200
     beads = [TrappedBead(5e-6, drag, 293.15) for drag in (0.9e-8, 1e-8, 1.1e-8)]
@@ -163,7 +163,9 @@ def remembering():
 
 
 def test_fit_of_fast_record_has_the_inertia_of_bead_and_fluid(remembering):
-    """Without it the diameter is 15 % off. Within four standard uncertainties, false alarm 6e-5."""
+    """The error is below four standard uncertainties (false alarm 6e-5). Without inertia it is
+    15 % in the diameter.
+    """
     scene, recording = remembering
     guess = scene.replace(bead={"diameter": "1.05 um"})
     found = tweezer.fit(recording, guess, free=[DIAMETER])
@@ -258,7 +260,7 @@ def test_mean_spring_of_a_cubic_force_is_the_closed_form():
 
 
 def test_the_lowest_of_several_minima_is_found():
-    """Of a 1.5 um bead seen every millisecond, where 1.2 um with less power fits too, but worse."""
+    """For a 1.5 um bead seen every millisecond, 1.2 um with less power also fits, but worse."""
     scene = tweezer.load_scene("silica-1um").replace(
         bead={"diameter": "1.5 um", "refractive_index": 1.59, "density": 1050},
         beam={"power_through_pupil": "20 mW"}, simulation={"model": "overdamped"},

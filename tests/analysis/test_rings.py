@@ -39,7 +39,7 @@ def test_released_bead_comes_to_rest_on_the_ring(beam, diameter):
     # it is driven round at the speed that the ring says
     turned = np.diff(np.unwrap(np.arctan2(position[-11:, 1], position[-11:, 0]))).sum()
     rate = turned / (2 * math.pi * 0.1 * duration)
-    # but for the memory of the fluid, which the speed of the ring leaves out
+    # the speed of the ring neglects the memory of the fluid
     vorticity_time = scene.medium.density * (diameter / 2) ** 2 / scene.medium.viscosity
     slower = 1 + math.sqrt(math.pi * abs(ring.rate) * vorticity_time)
     assert rate == pytest.approx(ring.rate / slower, rel=1e-3, abs=1e-9)

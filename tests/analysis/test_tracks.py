@@ -111,9 +111,9 @@ def test_held_beads_are_not_free(stiffness):
 
 
 def test_very_short_tracks_of_held_beads_are_told():
-    """10 frames over 3 relaxation times; free ones have a p below 1e-3 with that probability.
+    """Each has 10 frames over 3 relaxation times. Free beads have p < 1e-3 with this probability.
 
-    Beads that are driven along end no nearer to where they began.
+    Beads that a flow drives along end no closer to their beginning.
     """
     drag = BOLTZMANN * T / D
     held = [

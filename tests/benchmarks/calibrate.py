@@ -1,10 +1,10 @@
-"""Calibration of records whose trap is known: how often intervals hold it, and what is marked.
+"""Calibration of recordings with a known trap: coverage of confidence intervals, and findings.
 
-Records are drawn exactly (`tests.reference.trapped_bead`): as cameras make them, at three rates and
-exposed for none or all of each frame; and of 40 and 820 relaxation times, with drift or
-white noise. The coverage of the 95 % interval is that of the numbers that carry no finding. Records
-are calibrated on all cores. `speed` then takes the processor time of long records on one of them,
-beside that of pylake's fit of the spectrum.
+Recordings are drawn exactly (`tests.reference.trapped_bead`). Some describe cameras at three rates
+that are exposed for none or all of each frame. Others have 40 and 820 relaxation times, with drift
+or white noise. The coverage of the 95 % interval refers to the numbers without a finding.
+Recordings are calibrated on all cores. `speed` then measures the processor time for long recordings
+on one core and compares it with pylake's fit of the spectrum.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def _coverage(of: Results | None) -> str:
 
 
 def speed(results: Results) -> list[list[str]]:
-    """Of whole calibrations; the first row is that of the headings."""
+    """Return the table of whole calibrations, with the headings in its first row."""
     return [
         ["samples", "calibrate, s", "pylake, s", "ratio", "memory, records"],
         *(

@@ -1,8 +1,8 @@
-"""Fits of scenes to recordings: how often the intervals hold what is true, and what is said.
+"""Fits of scenes to recordings: coverage of the confidence intervals, and reports.
 
-Recordings are of ensembles whose beads move by the map of the force, as `run` writes them or as a
-camera with blur and noise sees them. The fits begin from wrong guesses, with the force of the
-quadrature. On all cores.
+Recordings come from ensembles with the force map, either as `run` writes them or as a camera with
+blur and noise sees them. The fits start from wrong first guesses, with the force by quadrature.
+They run on all cores.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ STEPS = (10e-6, 50e-6, 200e-6, 1e-3)
 
 
 class Study(NamedTuple):
-    """Recordings of some beads by some steps, and what is fitted to them."""
+    """Recordings of several beads with several steps, and the fitted keys."""
 
     name: str
     free: tuple[str, ...]
@@ -91,7 +91,7 @@ STUDIES = (
 
 
 def scene(study: Study, bead: str, step: float) -> tweezer.Scene:
-    """What the recordings are of."""
+    """Return the scene of the recordings."""
     samples = study.samples + round(BEFORE / step)
     medium = {} if study.inertia is None else {"inertia": study.inertia}
     simulation = {"duration": f"{samples * step} s", "samples": samples + 1, "model": study.model}

@@ -221,7 +221,7 @@ def _calls(
 
 
 def _told(runs: int, say: Callable[[str], None]) -> Results:
-    """The commit, and of each run: the error of its positions that is told, and the true one."""
+    """Return the commit, and the reported and the true error of the positions of each run."""
     rng = np.random.default_rng(_TOLD_SEED)
     lowest, highest = np.log10([VISCOSITIES[0], VISCOSITIES[-1]])
     found = []

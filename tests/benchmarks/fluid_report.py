@@ -22,13 +22,14 @@ _QUANTITIES = {
     "relaxation": "relaxation in a trap",
     "tail": "tail to 1e5 τ_f",
 }
-#: edges of the viscosities that share a row of the told errors, mPa s
+#: edges of the viscosities that share a row of the reported errors, mPa s
 _DECADES = ((1, 10), (10, 100), (100, 2000))
 
 
 def tables(results: Results) -> list[list[list[str]]]:
-    """Modes, captures, force calls, told errors, thermal steps; each
-    has its headings in the first row.
+    """Return the tables of modes, captures, force calls, reported errors and thermal steps.
+
+    Each table has its headings in the first row.
     """
     of_modes = [
         ["poles", *_QUANTITIES.values(), "ms to find the modes"],
@@ -81,7 +82,7 @@ def tables(results: Results) -> list[list[list[str]]]:
 
 
 def _told(runs: list[Results], low: float, high: float) -> list[str]:
-    """Of the runs with a viscosity from low up to high, mPa s."""
+    """Return the row of the runs with a viscosity from `low` up to `high`, mPa s."""
     within = [each for each in runs if low <= 1e3 * each["viscosity"] < high]
     ratios = [each["told_m"] / each["true_m"] for each in within]
     poles = [each["poles"] for each in within]

@@ -339,7 +339,9 @@ def test_quick_run_of_the_fluid(command_line, tmp_path):
 
 
 def test_page_quotes_the_committed_fluid():
-    """And no told error is below the true one: thrice is announced, four leaves room to round."""
+    """No reported error is below the true one. It is announced as three times the difference, and
+    four leaves room for rounding.
+    """
     committed = pages.committed("fluid")
     assert pages.quoted("fluid") == fluid_report.written(committed)
     runs = committed["told"]["runs"]
@@ -605,7 +607,7 @@ def test_a_command_that_fails_is_not_timed(tmp_path):
 
 
 def test_every_command_is_timed():
-    """But for the benchmarks, and for `examples`, which copies a file."""
+    """The benchmarks, and `examples`, which copies a file, are exceptions."""
     timed = {each.arguments[0] for each in commands.COMMANDS}
     every = set(typer.main.get_command(cli.app).commands)
     assert every - timed == {"bench", "examples"}
@@ -695,7 +697,7 @@ def test_page_quotes_the_committed_calibration_beside_a_wall():
 
 
 def test_page_quotes_the_committed_fits():
-    """Of 60 intervals of 95 %, fewer than 51 contain the truth once in 2,900 (binomial)."""
+    """Fewer than 51 of 60 intervals of 95 % contain the true value once in 2,900 (binomial)."""
     results = pages.committed("fit")
     assert pages.quoted("fit") == fit_report.block(results)
     *others, degenerate = results["studies"]

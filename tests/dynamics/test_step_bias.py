@@ -62,7 +62,7 @@ def test_thermal_energy_at_low_damping(quality, depth):
 
 
 def test_the_energy_that_steps_take_is_told():
-    """At Q = 1e4, half as many steps a period: told, and found in 250 beads."""
+    """At Q = 1e4, with half as many steps per period, 250 beads agree with the reported loss."""
     usual = levitated(1e4, 20)
     assert -0.04 < usual.variance_bias < -0.008
     longer = levitated(1e4, 20, step=2 * usual.step, duration=2e4 * SWING, samples=101)
@@ -119,13 +119,13 @@ def whirled(method, share, **simulation):
 
 
 def variances(one):
-    """Of x and y over kT/k, with their standard error."""
+    """Return the variances of x and y divided by kT/k, with their standard errors."""
     of_each = (followed(one, 600)[:, 20:, :2] ** 2).mean(axis=(1, 2)) * STIFFNESS / KT
     return of_each.mean(), of_each.std() / math.sqrt(len(of_each))
 
 
 def test_one_call_under_a_force_that_circulates():
-    """The variance is kT/k whatever the circulation; the error of a given step is told."""
+    """The variance is kT/k for any circulation, and the error of a given step is reported."""
     given = whirled("one-call", 1.0, step=0.1 * TRAP)
     found, error = variances(given)
     expected = (1 - 0.05) / (1 - 0.1) - 1  # of the scheme, in closed form: 5.6 %

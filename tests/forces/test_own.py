@@ -228,7 +228,7 @@ def test_moved_force_that_goes_wrong_fails_as_well():
 
 
 def test_only_the_bead_on_which_a_force_fails_has_none():
-    """Of many beads: in the first, a middle and the last part of a call."""
+    """The bead is one of many, in the first, a middle or the last part of a call."""
     places = np.zeros((200, 3))
     wrong = [0, 70, 71, 199]
     places[wrong, 0] = 6e-6

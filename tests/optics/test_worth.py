@@ -188,7 +188,7 @@ def test_the_way_out_is_said():
 
 
 def test_waves_are_not_advised_where_they_are_not_computed():
-    """They end 2000/k from the focus, and for beads of 160/k."""
+    """Wave optics ends 2000/k from the focus, and at a bead radius of 160/k."""
     exact = "optics.theory = 'waves' is exact"
     ends = 2000 * WAVELENGTH / (2 * math.pi) * 1e-6 * N_M / 1.326
     near, far = (silica().replace(simulation={"loss_distance": s * ends}) for s in (0.99, 1.01))

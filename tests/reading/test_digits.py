@@ -1,4 +1,4 @@
-"""What the digits of a recording show: samples that were not measured."""
+"""Samples that were not measured, recognised from the digits of a recording."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ TIMES = STEP * np.arange(N)
 
 
 def held(lost):
-    """Each sample that is lost is the one before."""
+    """Return the series with each lost sample replaced by the previous one."""
     last = np.maximum.accumulate(np.where(lost, 0, np.arange(N)))
     return POSITIONS[last]
 
@@ -195,7 +195,7 @@ def test_an_oscillation_is_no_row_of_beads(frequency, quality, step):
 
 
 def test_hum_at_a_quarter_of_the_rate_is_no_other_order():
-    """Its autocorrelation over one step is 0, over two -1; and rows with times are in order."""
+    """Its autocorrelation is 0 over one step and -1 over two; rows with times are in order."""
     hum = 6 * POSITIONS.std() * np.sqrt(2) * np.sin(np.pi / 2 * np.arange(N) + 0.3)[:, None]
     found = names(calibrated(POSITIONS + hum))
     assert "line" in found
