@@ -27,7 +27,7 @@ from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
-from tweezer.dynamics.camera import Exposure, Frames, at_short_times
+from tweezer.dynamics.camera import Exposure, Frames, at_short_times, longest_step
 from tweezer.dynamics.choose import rates_of_force
 from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.models import Motion
@@ -499,7 +499,11 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     bias = 0.0
     if not (how.displacements or how.spring_only or beside_wall):
         bias = one_call_bias(problem, mobility[:3], kT)
-    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias)
+    of_velocity = None
+    if inertial:
+        remembers = scene.medium.inertia == "memory"
+        of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
+    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias, of_velocity)
     per_sample = max(fewest, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
         raise SceneError(
@@ -533,10 +537,6 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         seed, step, per_sample, tau, mobility, load, diffusion, centre, kT,
         uniform or beside_wall, resisting,
     )  # fmt: skip
-    of_velocity = None
-    if inertial:
-        remembers = scene.medium.inertia == "memory"
-        of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
     softest = float(mobility[:3].max())
     margin = crossing.way(step, kT, softest, of_velocity, _drift(problem))
     edge = Boundary(
@@ -635,19 +635,22 @@ def _scheme(problem: Problem) -> Scheme:
 
 def _longest_step(
     problem: Problem, tau: Array, kappa: Array, diffusion: Array, beside: Towards | None,
-    bias: float,
+    bias: float, of_velocity: Modes | None,
 ) -> tuple[float, str]:  # fmt: skip
     """Return the longest step that suits the scene, s, and what limits it.
 
-    bias: of the variance over the step, 1/s.
+    bias: of the variance over the step, 1/s. of_velocity: modes of a bead with inertia.
     """
     simulation = problem.scene.simulation
     limits = [(math.inf, "from sample to sample")]
     if len(tau) == 6:
         part = LONGEST if tau[0] == 0 and beside is None else LONGEST_WITH_INERTIA
         limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
-    if problem.scene.camera is not None and (rate := float(np.abs(kappa).max())) > 0:
-        limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
+    if (camera := problem.scene.camera) is not None:
+        if (rate := float(np.abs(kappa).max())) > 0:
+            limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
+        if of_velocity is not None:
+            limits.append((longest_step(camera, of_velocity, _BIAS), "for inertia in the frames"))
     way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * float(diffusion[:3].max()))
     limits.append((way, f"diffusion over {_PART_OF_LOSS:g} of simulation.loss_distance"))
     if METHODS[simulation.method].spring_only and _reaches_loss(problem, kappa, diffusion):
