@@ -275,7 +275,8 @@ def fit_depth(
     intervals = tuple(below(profile))
     path = likelihood.filtered(best, optimum)
     parameters = tuple(likelihood.parameters(optimum, profile.spread()))
-    p_value = p_value_of(path, sized=noise is not None)
+    # the start is sought in z, and taken from the first frames in x and y
+    p_value = p_value_of(path, sized=noise is not None, fitted=3 + len(likelihood.names))
     doubts = _doubts(scene.bead.radius, likelihood, profile, path, p_value)
     (low, high), *more = intervals
     open_end = low <= at[0] or intervals[-1][1] >= at[-1]

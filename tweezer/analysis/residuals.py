@@ -11,11 +11,12 @@ from tweezer.dynamics.filter import Filtered
 _LAGS = 10
 
 
-def p_value(path: Filtered, *, sized: bool) -> float:
+def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
     """How probable residuals are that are as far from white, of size 1 if `sized`.
 
     By their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)), and by the sum
-    of their squares.
+    of their squares, a chi-square with as many degrees of freedom as there are residuals, less the
+    number of quantities that were `fitted` to them.
     """
     trusted = np.where(path.weights > 0.5, path.residuals, np.nan)
     statistic, lags = 0.0, 0
@@ -32,6 +33,6 @@ def p_value(path: Filtered, *, sized: bool) -> float:
     found = float(chdtrc(lags, statistic)) if lags else 1.0
     if sized:
         seen = trusted[np.isfinite(trusted)]
-        above = float(chdtrc(seen.size, (seen**2).sum()))
+        above = float(chdtrc(max(seen.size - fitted, 1), (seen**2).sum()))
         found = min(2 * min(found, 2 * min(above, 1 - above)), 1.0)
     return found
