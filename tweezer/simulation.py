@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tweezer.analysis.derived import derived_quantities, fault_at, force_errors
 from tweezer.analysis.summary import force_error_along, stored, summary_of_path
 from tweezer.arguments import check_run, in_si
+from tweezer.choices import METHODS, methods
 from tweezer.dynamics import (
     Event,
     Motion,
@@ -30,9 +31,11 @@ from tweezer.dynamics import (
     loss,
     model_error,
 )
+from tweezer.dynamics.brownian.stepwise import Line, Watch
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.camera import Frames
 from tweezer.dynamics.continuing import Continued, End, as_attribute, continued, finer_state
+from tweezer.dynamics.events import Occurrence
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.timing import timed
@@ -92,8 +95,11 @@ def simulate(
     that ended early holds what it reached, and a failed one also warns (`PhysicsWarning`).
 
     With thermal motion the run is trajectory 0 of the ensemble of that seed, by fixed steps: there
-    are no tolerances, events or error budget of the integration (NaN), and models without inertia
-    have no velocity.
+    are no tolerances and no error budget of the integration (NaN), and models without inertia have
+    no velocity. Events are looked for at the ends of steps and located on a straight line between
+    them, to the attribute `event_resolution`, s, a step: what a step both enters and leaves is not
+    seen (`tweezer.dynamics.brownian.stepwise`). They take states of position and, in models with
+    inertia, velocity. The first closest approach is not looked for.
 
     A run that goes on begins with the last time of the earlier one. Position, orientation,
     velocities and the memory of the fluid carry over, as do the model, the method and the time
@@ -101,9 +107,9 @@ def simulate(
     other forces and tolerances may differ. `integration_error` includes the error of the earlier
     run; it is NaN where that is unknown, as after an interrupt. An event that lasts begins anew.
 
-    Raises `SceneError` for arguments that do not make a valid scene, events that are none, and
-    events or a tolerance with thermal motion, or a seed without; `ResultError` or `SceneError` for
-    a run that cannot go on.
+    Raises `SceneError` for arguments that do not make a valid scene, events that are none, a
+    tolerance with thermal motion, or a seed without; `ResultError` or `SceneError` for a run that
+    cannot go on.
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
@@ -156,6 +162,8 @@ def motion_of(
     for them. An interrupt leaves them NaN.
     """
     check_run(scene, seed)
+    if not all(isinstance(event, Event) for event in events):
+        raise SceneError("events: must be a list of `tweezer.Event`")
     as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     begun: Continued | None = None
     if going_on is not None:
@@ -163,17 +171,13 @@ def motion_of(
         seed = begun.seed if seed is None else seed
         as_given["continued_from"] = begun.mark
     if scene.forces.brownian:
-        if events:
-            raise SceneError("events: not with forces.brownian = true")
-        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given, begun)
+        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given, begun, events)
     problem, why = decided(bound_once(scene, forces))
     frames = Frames.of(problem.scene)
     scene, simulation = problem.scene, problem.scene.simulation
     first, begin = (begun.sample, begun.begin) if begun else (0, None)
     started = begin.time if begin else 0.0
     times = np.linspace(started, simulation.duration, simulation.samples - first)
-    if not all(isinstance(event, Event) for event in events):
-        raise SceneError("events: must be a list of `tweezer.Event`")
     approach = closest_approach(simulation.position_tolerance)
     looked_for = [*events, loss(simulation.loss_distance)]
     if begun is None or not begun.approached:
@@ -197,12 +201,7 @@ def motion_of(
         **({"seed": seed or 0} if scene.draws else {}),
         "status": result.status,
         "message": result.message,
-        "events": json.dumps(
-            [
-                {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
-                for event in result.events
-            ]
-        ),
+        "events": _as_text(result.events),
         "steps": result.steps,
         "rejected_steps": result.rejected,
         "force_calls": result.force_calls,
@@ -247,12 +246,37 @@ def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget)
     return as_attribute(end)
 
 
+def _as_text(events: Sequence[Occurrence]) -> str:
+    """Return events as the attribute of a run has them."""
+    return json.dumps(
+        [
+            {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
+            for event in events
+        ]
+    )
+
+
+def _check_watched(scene: Scene) -> None:
+    """Raise `SceneError` unless events can be looked for in the thermal motion of a scene."""
+    if scene.camera is not None:
+        raise SceneError(
+            "events: cannot be combined with a camera in thermal motion; omit one of them"
+        )
+    if not METHODS[scene.simulation.method].displacements:
+        able = [each.name for each in methods(thermal=True) if each.displacements]
+        raise SceneError(
+            f"simulation.method = {scene.simulation.method!r}: its displacements are not those of "
+            f"the bead, so that events would be wrong; with events allowed: {', '.join(able)}"
+        )
+
+
 def _thermal_run(
     problem: Problem,
     seed: int,
     progress: Callable[[float], None] | None,
     as_given: dict[str, str],
     begun: Continued | None,
+    events: Sequence[Event],
 ) -> tuple[Run, Callable[[], None]]:
     """Trajectory 0 of the ensemble of that seed."""
     from tweezer.dynamics.beside_wall import rate_of_sticking
@@ -261,6 +285,8 @@ def _thermal_run(
     with timed() as seconds:
         bound = walk(problem, seed, begun.end.steps if begun else 1)
         bound.warn_of_bias()
+        if events:
+            _check_watched(bound.scene)
         first = begun.sample if begun else 0
         scene, samples = bound.scene, len(bound.times) - first
         trajectory = np.zeros(1, np.int64)
@@ -274,17 +300,24 @@ def _thermal_run(
         reached, status, message, step_time = 1, "complete", "", 0.0
         end = state.copy()
         times = bound.times[first:]
+        watch = Watch(events, columns[0, 0])
         at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
         calls = bound.per_sample * bound.force_calls
         affordable = scene.simulation.most_force_calls // max(calls, 1)
         try:
-            while reached < samples and np.isinf(state[0, -1]):
+            while reached < samples and np.isinf(state[0, -1]) and not watch.status:
                 if reached > affordable:
                     raise IntegrationError("simulation.most_force_calls is spent")
                 last = min(reached + at_once, samples, affordable + 1)
                 piece = columns[:, reached:last]
+                at = first + reached - 1
                 with timed() as stepping:
-                    seen.append(bound.filmed(state, trajectory, first + reached - 1, piece)[0])
+                    if events:
+                        ends, steps = bound.advance_by_steps(state, trajectory, at, piece)
+                        held = int(np.isfinite(steps[0, :, 0]).sum())  # up to where it was lost
+                        watch.look(Line(ends[:held], steps[0, :held]))
+                    else:
+                        seen.append(bound.filmed(state, trajectory, at, piece)[0])
                 step_time += stepping["wall_time"]
                 reached, end = last, state.copy()
                 if progress:
@@ -298,7 +331,17 @@ def _thermal_run(
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
-    times, motion = times[:reached], bound.motion(columns[0, :reached])
+    samples_seen = columns[0, :reached]
+    if watch.last is not None:
+        status, message = watch.status, watch.message
+        ended, there = watch.last
+        reached = int(np.searchsorted(times[:reached], ended, side="right"))
+        samples_seen = columns[0, :reached]
+        times = times[:reached]
+        if times[-1] < ended:
+            times = np.append(times, ended)
+            samples_seen = np.vstack([samples_seen, there])
+    times, motion = times[: len(samples_seen)], bound.motion(samples_seen)
     if status != "failed" and (fault := fault_at(bound.problem, times, motion)):
         status, message = "failed", fault
     attributes = {
@@ -311,7 +354,8 @@ def _thermal_run(
         **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
         "status": status,
         "message": message,
-        "events": "[]",
+        "events": _as_text(watch.happened),
+        **({"event_resolution": bound.step} if events else {}),
         "steps": (reached - 1) * bound.per_sample,
         "rejected_steps": 0,
         "force_calls": (reached - 1) * calls,
@@ -319,7 +363,9 @@ def _thermal_run(
         "step_time": step_time,
         "integration_error": math.nan,
         "model_error": 0.0 if _has_all_inertia(scene) else math.nan,
-        **as_attribute(bound.end(float(times[-1]), columns[0, reached - 1], end[0])),
+        **as_attribute(
+            bound.end(float(times[-1]), samples_seen[-1], end[0]) if watch.last is None else None
+        ),
     }
     if status == "failed":
         warn(f"{scene.name}: {message}")

@@ -130,7 +130,6 @@ def test_a_run_ends_when_its_force_calls_are_spent():
     ("arguments", "said"),
     [
         ({"tolerance": 1e-9}, "tolerance: not with forces.brownian"),
-        ({"events": [tweezer.capture(1e-7, 1e-4)]}, "events: not with forces.brownian"),
         ({"seed": -1}, "seed = -1"),
         ({"method": "exponential"}, "draws no thermal motion"),
     ],

@@ -187,7 +187,7 @@ def _end_of(attributes: Mapping[str, Any], times: Array) -> End:
     if "end" not in attributes:
         raise ResultError(
             "continue_from: is no run that keeps the state of its end: not a run, of an earlier "
-            "version, or interrupted where no state was known; compute it again"
+            "version, or ended by an event in thermal motion; compute it again"
         )
     try:
         end = End.model_validate_json(attributes["end"])

@@ -39,12 +39,6 @@ class Piece(Protocol):
     def states(self, times: Array) -> Array:
         """States at ascending times, (n, state); the position comes first."""
 
-    def step_lengths(self, end: float) -> Array:
-        """s, of the steps that begin before `end`; (0,) where they are not kept."""
-
-    def inner(self, time: float) -> Array:
-        """State at a time as the loop of the method has it, (inner,)."""
-
 
 @dataclass(frozen=True)
 class Occurrence:
@@ -174,6 +168,16 @@ class Event:
         if first * last >= 0:  # a value of rounding alone need not have its sign a second time
             return begin if abs(first) < abs(last) else end
         return crossing(lambda times: self._values(piece, times), begin, end, 1e-15 * end)
+
+
+def ending(event: Event, time: float) -> str:
+    """Return the message of a run that an event ended."""
+    match event.ends_as:
+        case "lost":
+            return f"the bead left the trap at {time:.6g} s"
+        case "failed":
+            return f"the bead reached the {event.name} at {time:.6g} s"
+    return f"{event.name} at {time:.6g} s"
 
 
 def crossing(value: Callable[[Array], Array], begin: float, end: float, tolerance: float) -> float:

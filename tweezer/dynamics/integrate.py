@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tweezer.choices import METHODS
 from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
-from tweezer.dynamics.events import Event, Occurrence, Piece
+from tweezer.dynamics.events import Event, Occurrence, Piece, ending
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver
@@ -80,10 +80,20 @@ class Integration:
         return None if self.inner is None else (self.states[-1], self.inner)
 
 
+class Taken(Piece, Protocol):
+    """Some steps that a solver took."""
+
+    def step_lengths(self, end: float) -> Array:
+        """s, of the steps that begin before `end`; (0,) where they are not kept."""
+
+    def inner(self, time: float) -> Array:
+        """State at a time as the loop of the method has it, (inner,)."""
+
+
 class Stepper(Protocol):
     """What `integrate` follows."""
 
-    def advance(self) -> tuple[Piece | None, int]:
+    def advance(self) -> tuple[Taken | None, int]:
         """Some more steps, and whether there are more to come: `integrators.REACHED` and so on."""
 
     @property
@@ -128,7 +138,7 @@ def integrate(
     happened: list[Occurrence] = []
     lengths: list[Array] = [np.zeros(0)]
     pieces: list[Piece] = []
-    latest_piece: Piece | None = None
+    latest_piece: Taken | None = None
     force = equations.force
     forget_faults(force)
     reached, step_time = 1, 0.0
@@ -157,7 +167,7 @@ def integrate(
                     happened.append(each)
                     if event.terminal:
                         end = each.certain
-                        status, message = event.ends_as, _ended(event, end)
+                        status, message = event.ends_as, ending(event, end)
                 lengths.append(piece.step_lengths(end))
                 if solver.steps <= most_held:
                     pieces.append(piece)
@@ -232,16 +242,6 @@ def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:
     return [(event, each) for each in event.occurrences(piece)]
 
 
-def _ended(event: Event, time: float) -> str:
-    """Message of a run that an event ended."""
-    match event.ends_as:
-        case "lost":
-            return f"the bead left the trap at {time:.6g} s"
-        case "failed":
-            return f"the bead reached the {event.name} at {time:.6g} s"
-    return f"{event.name} at {time:.6g} s"
-
-
 @dataclass(frozen=True)
 class _Step:
     """One step of a solver of SciPy's."""
@@ -300,7 +300,7 @@ class SciPySolver:
         """Places at which the force was evaluated."""
         return self._equations.force_calls - self._calls_before
 
-    def advance(self) -> tuple[Piece | None, int]:
+    def advance(self) -> tuple[Taken | None, int]:
         """One step, and whether there are more to come, as `Solver.advance`."""
         solver = self._solver
         if self.force_calls > self._most_calls:

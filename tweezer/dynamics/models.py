@@ -483,12 +483,6 @@ class _Released:
     def checkpoints(self) -> Array:
         return self.piece.checkpoints()
 
-    def step_lengths(self, end: float) -> Array:
-        return self.piece.step_lengths(end)
-
-    def inner(self, time: float) -> Array:
-        return self.piece.inner(time)
-
     def states(self, times: Array) -> Array:
         states = self.piece.states(times)
         states[:, :3] = self.equations.motion(times, states).position

@@ -295,6 +295,20 @@ class Walk:
         """
         self._advance(states, trajectories, sample, out, self.plan)
 
+    def advance_by_steps(
+        self, states: Array, trajectories: Integers, sample: int, out: Array
+    ) -> tuple[Array, Array]:
+        """As `advance`; and the times (m + 1,), s, and samples (n, m + 1, ...) after every step.
+
+        The first of these are those at times[sample].
+        """
+        total, first = out.shape[1] * self.per_sample, sample * self.per_sample
+        steps = np.empty((len(states), total + 1, len(self.columns)))
+        steps[:, 0] = self.seen(states)
+        self._advance(states, trajectories, first, steps[:, 1:], self.plan._replace(per_sample=1))
+        out[:] = steps[:, self.per_sample :: self.per_sample]
+        return (first + np.arange(total + 1)) * self.step, steps
+
     def frames(self, sample: int) -> int:
         """Number of frames of the camera that are over at times[sample]."""
         return self.exposure.closed(sample * self.per_sample) if self.exposure else 0

@@ -1,0 +1,70 @@
+"""Events of thermal motion: looked for at the ends of steps, and located on straight lines between.
+
+A path of thermal motion crosses a surface many times while it is near it. What a step both enters
+and leaves is not seen. A first crossing is therefore late: without inertia as if the surface were
+farther away by 0.58 sqrt(2 D h), for steps h and the diffusion D (M. Broadie, P. Glasserman,
+S. Kou, Mathematical Finance 7, 325 (1997)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics.events import Event, Occurrence, ending
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A part of a motion, straight from the end of a step to that of the next."""
+
+    times: Array
+    """(n,) s"""
+    samples: Array
+    """(n, columns)"""
+
+    @property
+    def begin(self) -> float:
+        """s"""
+        return float(self.times[0])
+
+    @property
+    def end(self) -> float:
+        """s"""
+        return float(self.times[-1])
+
+    def checkpoints(self) -> Array:
+        """The ends of steps, (n,) s."""
+        return self.times
+
+    def states(self, times: Array) -> Array:
+        """Samples at `times`, (n, columns)."""
+        return np.column_stack([np.interp(times, self.times, each) for each in self.samples.T])
+
+
+class Watch:
+    """The events of a run as they happen."""
+
+    def __init__(self, events: Sequence[Event], start: Array) -> None:
+        self._events = [event.restarted(start) for event in events]
+        self.happened: list[Occurrence] = []
+        self.status, self.message = "", ""
+        """of a run that an event ended; empty before"""
+        self.last: tuple[float, Array] | None = None
+        """time, s, and sample of the event that ended the run"""
+
+    def look(self, line: Line) -> None:
+        """Take the events of a part of the motion, up to one that ends the run."""
+        found = [(event, each) for event in self._events for each in event.occurrences(line)]
+        for event, each in sorted(found, key=lambda pair: pair[1].certain):
+            self.happened.append(each)
+            if event.terminal:
+                self.status, self.message = event.ends_as, ending(event, each.certain)
+                self.last = each.certain, line.states(np.array([each.certain]))[0]
+                break
+        self.happened.sort(key=lambda each: each.time)
