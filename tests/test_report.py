@@ -65,7 +65,7 @@ def test_a_page_has_every_number_and_why_it_is_not_to_be_trusted(drifting, tmp_p
 
 
 def test_the_numbers_of_a_page_are_those_of_its_notes(drifting):
-    """This holds also if another axis has other notes before."""
+    """Other notes of another axis may precede them."""
     recording, found = drifting
     x, y = found.axes
     other = dataclasses.replace(x.findings[0], text="y is another matter")

@@ -150,14 +150,8 @@ def off_axis(radius: float, box: Box, force: Force, net_force: NetForce) -> Iter
 
     Parameters
     ----------
-    radius : float
-        Radius of the bead, m.
-    box : Box
-        Box to search.
-    force : Force
-        Force with a gradient.
-    net_force : NetForce
-        Sum of all forces but drag.
+    radius, box, force, net_force
+        As in `rings`.
     """
     found: list[Array] = []
     for angle in np.pi * np.arange(4) / 4:
@@ -214,14 +208,8 @@ def ring_near(
     ----------
     start : ndarray, shape (2,)
         First guess of radius and height, m.
-    radius : float
-        Radius of the bead, m.
-    force : Force
-        Force with a gradient.
-    net_force : NetForce
-        Sum of all forces but drag.
-    motion : Motion
-        Properties of the bead for the motion on a ring.
+    radius, force, net_force, motion
+        As in `rings`.
     known : float
         Distance from the focus up to which the force is known, m.
 
@@ -289,12 +277,8 @@ def held_on(place: Array, force: Force, net_force: NetForce, motion: Motion) -> 
     ----------
     place : ndarray, shape (2,)
         Radius and height, m.
-    force : Force
-        Force with a gradient.
-    net_force : NetForce
-        Sum of all forces but drag.
-    motion : Motion
-        Properties of the bead for the motion on a ring.
+    force, net_force, motion
+        As in `rings`.
     """
     rho, z = place
     at = np.array([[rho, 0.0, z]])

@@ -101,7 +101,7 @@ def test_size_and_power_of_an_exact_record(found):
 
 
 def test_likelihood_of_kalman_filter_falls_by_that_of_the_interval(scene, recording, found):
-    """It falls by 3.84/2 at an end, maximised over the other key, exactly for nonlinear forces."""
+    """The decrease is 3.84/2, maximised over the other key, and exact for nonlinear forces."""
     seen = recording.positions - recording.positions.mean(axis=0)
     noise = np.array([NOISE, NOISE])
 

@@ -20,7 +20,7 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
     * net_force_error: error of the net force, N, with the user's own forces. It is NaN likewise.
-    * speed: m/s
+    * speed: speed of the bead, m/s
     * terminal_speed: |net_force|/beta_v (5.2), with the drag at the position, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)
     * distance: distance from the focus, m

@@ -10,7 +10,7 @@ from tweezer.scene import Scene
 
 
 class Inertia(NamedTuple):
-    """Kind of inertia of the bead of a recording, independent of its size."""
+    """Kind of inertia of a recorded bead, independent of its size."""
 
     bead: bool
     """whether the bead has mass"""

@@ -45,7 +45,7 @@ _POINTS, _WEIGHTS = _cubature()
 
 
 def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
-    """Return the mean spring of a bead about an equilibrium, or None if no spring holds it.
+    """Return the mean spring of a bead about an equilibrium, or None without a stable mean spring.
 
     The stiffness is the mean of -dF/dx over a Gaussian distribution (statistical linearisation).
     The mean force of this distribution vanishes, and its covariance is k_B T divided by the

@@ -147,8 +147,8 @@ def summarise(run: xr.Dataset) -> Summary:
     * captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
       drag, which is located by Newton's method. The capture time is the time after which the bead
       stays there. The scene's inertia decides whether an equilibrium is stable.
-    * captured on a ring: the bead ends as close to a ring around the beam axis on which the light
-      holds it, at rest or driven round.
+    * captured on a ring: the bead ends as close to a ring around the beam axis. The light keeps it
+      there, at rest or driven round.
     * complete: the light moves or changes until the end, so that no equilibrium is at rest.
 
     With thermal motion, a bead leaves this neighbourhood many times. It is captured if its mean

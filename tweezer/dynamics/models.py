@@ -490,10 +490,11 @@ class _Released:
 
 
 def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotion:
-    """The equations of motion of `scene`: the smallest emitted model that holds all it needs.
+    """Return the equations of motion of `scene`: the smallest emitted model that is sufficient.
 
-    Of a scene that names no model, the unscaled ones; of one that leaves the fluid's inertia open,
-    without it (`tweezer.simulate` decides that). They go on from `begin`, or from the release.
+    A scene without a model gets the unscaled equations. If the scene does not decide on fluid
+    inertia, it is omitted (`tweezer.simulate` decides on it). The equations continue from `begin`,
+    or begin at the release.
     """
     problem = bound_once(scene)
     model = MODELS[problem.scene.simulation.model or "full"]

@@ -189,8 +189,8 @@ def passage(
 ) -> tuple[Passage, Passage]:
     """Return the passage of a motion, and the accuracy of its location on the dense output.
 
-    events: of the run, among them its closest approach. rest: where the bead settles, as
-    `distances_from` takes it; near: m, how far it may be from there.
+    `events` are the events of the run, including its closest approach. `rest` is the position at
+    which the bead settles, as in `distances_from`, and `near` is its largest distance from there, m.
     """
     times = path.checkpoints
     close = path.position_tolerance
