@@ -190,7 +190,7 @@ def passage(
     """Return the passage of a motion, and the accuracy of its location on the dense output.
 
     `events` are the events of the run, including its closest approach. `rest` is the position at
-    which the bead settles, as in `distances_from`, and `near` is its largest distance from there, m.
+    which the bead settles, as in `distances_from`; `near` is its largest distance from there, m.
     """
     times = path.checkpoints
     close = path.position_tolerance
