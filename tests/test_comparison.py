@@ -421,6 +421,7 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
     options = ["--temperature", "20 degC", "--radius", "0.5 um", "--viscosity", "1 mPa s"]
     command_line("calibrate", "trapped-bead.csv", *options, "--blur", "0", "--out", "k.json")
     calibration = json.loads(Path("k.json").read_text())
+    del calibration["sha256"]
     calibration["axes"] = [axis("y", k[1]), axis("z", k[2])]
     Path("k.json").write_text(json.dumps(calibration))
     for pair in (("trap.json", "k.json"), ("k.json", "trap.json")):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 import warnings
@@ -16,7 +17,8 @@ import tweezer
 from tests import damaged_results
 from tests.damaged_results import PRIVATE, copied, sound
 from tests.foreign_files import foreign_files
-from tweezer.saved import kind_of_file
+from tweezer.io import load_result
+from tweezer.saved import kind_of_file, read_json
 
 
 @pytest.fixture(autouse=True)
@@ -56,6 +58,77 @@ def test_store_that_lacks_a_file_is_refused_or_marked(name):
         with pytest.raises(tweezer.ResultError, match=expected):
             tweezer.compare(path, sound() / name)
         file.write_bytes(content)
+
+
+@pytest.mark.parametrize("name", ["ensemble.zarr", "sweep.zarr"])
+def test_store_with_another_chunk_in_place_of_one_is_refused(name):
+    """With its checksum, and as large: of another array, place or store."""
+    path, other = copied(name), Path("other.zarr")
+    if name == "sweep.zarr":
+        over = {"bead.diameter": [0.6e-6, 0.8e-6]}
+        tweezer.sweep(damaged_results.SCENE, over, out=other, workers=1)
+    else:
+        tweezer.ensemble(damaged_results.THERMAL, 70, seed=2, out=other)
+    assert tweezer.view(other).content
+    chunks = sorted(each for each in path.glob("*/c/**/*") if each.is_file())
+    replaced = 0
+    for chunk in chunks:
+        sound = chunk.read_bytes()
+        for source in (other / chunk.relative_to(path), *chunks):
+            content = source.read_bytes()
+            if len(content) != len(sound) or content == sound:
+                continue
+            chunk.write_bytes(content)
+            of = chunk.relative_to(path)
+            expected = f"{of} is (not the chunk that was saved|cut short or damaged)"
+            with pytest.raises(tweezer.ResultError, match=expected):
+                load_result(path)
+            replaced += 1
+        chunk.write_bytes(sound)
+    assert replaced > 5
+    load_result(path)
+
+
+def test_store_of_the_last_release_is_read():
+    """Its seal has no checksums of chunks."""
+    path = copied("sweep.zarr")
+    about = json.loads((path / "zarr.json").read_text())
+    digest = hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+    (path / ".sha256").write_text(digest)
+    assert tweezer.compare(path, sound() / "sweep.zarr").same
+    (path / ".sha256").write_text(digest[:-1] + "x")
+    with pytest.raises(tweezer.ResultError, match=r"damaged: its zarr\.json is not what was saved"):
+        load_result(path)
+
+
+def test_list_of_checksums_that_is_cut_is_refused():
+    path = copied("sweep.zarr")
+    lines = (path / ".sha256").read_text().splitlines(keepends=True)
+    assert len(lines) > 5
+    for left in (lines[:1], lines[:-1], [*lines[:-1], lines[-1].replace("0", "1")]):
+        (path / ".sha256").write_text("".join(left))
+        with pytest.raises(tweezer.ResultError, match=r"damaged: its zarr\.json"):
+            load_result(path)
+
+
+@pytest.mark.parametrize("name", ["trap.json", "calibration.json"])
+def test_json_with_another_number_is_refused(name):
+    """Not if it is only laid out otherwise, or without its digest, as of the last release."""
+    path = copied(name)
+    whole = json.loads(path.read_text())
+    path.write_text(json.dumps(dict(reversed(whole.items())), separators=(",", ":")))
+    assert read_json(path) == read_json(sound() / name)
+    key = "exposure" if name[0] == "c" else "force_error"
+    within = whole if name[0] == "c" else whole["trap"]
+    within[key] = 1.5 * (within[key] or 1e-6)
+    path.write_text(json.dumps(whole))
+    expected = rf'^{name}: damaged: .* not what was saved; .* delete the key "sha256"$'
+    for read in (lambda it: tweezer.compare(it, sound() / name), read_json):
+        with pytest.raises(tweezer.ResultError, match=expected):
+            read(path)
+    del whole["sha256"]
+    path.write_text(json.dumps(whole))
+    assert read_json(path) == whole
 
 
 def test_sweep_that_lacks_files_is_not_resumed_as_complete():

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
+import json
 import os
 import re
 import secrets
@@ -52,6 +54,11 @@ def read_text(path: Path) -> str:
     return content.decode("utf-8-sig")
 
 
+def digest(value: object, beside: str = "") -> str:
+    """Return the SHA-256 of what JSON holds, and of a text; spaces and the order do not count."""
+    return hashlib.sha256(f"{json.dumps(value, sort_keys=True)}{beside}".encode()).hexdigest()
+
+
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BytesIO]:
     """Lend memory to write to; its content takes the place of `path` at the end.
@@ -61,7 +68,7 @@ def replacing(path: Path) -> Iterator[BytesIO]:
     content = BytesIO()
     yield content
     try:
-        _remove_left_over(path.parent)
+        remove_left_over(path.parent)
         write_whole(path, content)
     except OSError as error:
         raise ResultError(f"{path}: cannot be written: {error.strerror or error}") from None
@@ -108,7 +115,7 @@ def _begun(folder: Path) -> tuple[Path, IO[bytes]]:
         file.close()
 
 
-def _remove_left_over(folder: Path) -> None:
+def remove_left_over(folder: Path) -> None:
     """Remove what processes that were killed have begun to write: no process locks it."""
     if fcntl is None:
         return

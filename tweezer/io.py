@@ -17,9 +17,9 @@ from pydantic import ValidationError
 
 from tweezer.choices import RESULTS
 from tweezer.errors import ResultError
-from tweezer.files import check_regular, replacing
+from tweezer.files import check_regular, digest, replacing
 from tweezer.run import Run
-from tweezer.saved import check_ending, kind_of, kind_of_file
+from tweezer.saved import DIGEST, check_ending, kind_of, kind_of_file
 from tweezer.scene import Scene, by_key, described_at
 from tweezer.schema import checked
 from tweezer.units import usual_unit
@@ -97,10 +97,24 @@ def write_json(value: object, path: Path) -> None:
     `ResultError` if it cannot be written.
     """
     with replacing(path) as whole:
-        text = pydantic_core.to_json(
-            value, indent=2, inf_nan_mode="null", fallback=lambda array: array.tolist()
-        )
-        whole.write(text + b"\n")
+        whole.write(_as_json(value))
+
+
+def write_result(result: Mapping[str, Any], path: Path) -> None:
+    """Write a result as JSON with a digest, by which `saved.read_json` notices a change.
+
+    See `write_json`.
+    """
+    with replacing(path) as whole:
+        plain = json.loads(_as_json(result))
+        whole.write(_as_json(plain | {DIGEST: digest(plain)}))
+
+
+def _as_json(value: object) -> bytes:
+    text = pydantic_core.to_json(
+        value, indent=2, inf_nan_mode="null", fallback=lambda array: array.tolist()
+    )
+    return text + b"\n"
 
 
 def load_run(path: str | Path) -> xr.Dataset:

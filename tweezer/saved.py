@@ -9,7 +9,10 @@ from typing import Any, NamedTuple
 
 from tweezer.choices import RECORDINGS, SAVED_TRAP
 from tweezer.errors import ResultError
-from tweezer.files import read_text
+from tweezer.files import digest, read_text
+
+#: Key of the digest in a file of JSON
+DIGEST = "sha256"
 
 
 class Kind(NamedTuple):
@@ -104,9 +107,21 @@ def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
 
 
 def read_json(path: Path) -> Any:
-    """What a file of JSON holds. Raises `ResultError` if it cannot be read."""
+    """Return the content of a file of JSON, without its digest.
+
+    Raises `ResultError` if it cannot be read, or if its digest is not that of its content. A file
+    without a digest is read as it is: earlier versions wrote none.
+    """
     try:
-        return json.loads(read_text(path))
+        found = json.loads(read_text(path))
+        if not isinstance(found, dict) or DIGEST not in found:
+            return found
+        if found.pop(DIGEST) != digest(found):
+            raise ResultError(
+                f"{path}: damaged: its content is not what was saved; if you changed it, delete "
+                f'the key "{DIGEST}"'
+            )
+        return found
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except IsADirectoryError:

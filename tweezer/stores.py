@@ -6,13 +6,13 @@ the description of a store is checked before Zarr reads it.
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import json
 import math
 import os
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -21,11 +21,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from xarray.core import indexing
 
 from tweezer.errors import ResultError
-from tweezer.files import read_text
+from tweezer.files import digest, read_text, remove_left_over, write_whole
 
 #: Name of the description of a group or an array
 _ABOUT = "zarr.json"
-#: File with the digest of the description of a store
+#: File with a digest, of the description of a store and of the checksums of its chunks, and these
 _SEAL = ".sha256"
 #: Sizes of numbers, bytes
 _SIZES = {"bool": 1, "int8": 1, "int16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}
@@ -150,6 +150,8 @@ class _Described(NamedTuple):
     arrays: dict[str, _Array]
     files: set[str]
     """names of all files of chunks"""
+    sums: dict[str, str]
+    """checksums of chunks by their names; of an ensemble once it is complete"""
 
 
 def open_store(path: Path) -> xr.Dataset:
@@ -183,9 +185,13 @@ def open_written(path: Path) -> xr.Dataset:
         raise _unreadable(path, error) from None
 
 
-def attributes_of_store(path: Path) -> dict[str, Any]:
-    """Return the attributes of a store, whose chunks need not be there. See `open_store`."""
-    return _described(path).attributes
+def description_of_store(path: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the attributes of a store, whose chunks need not be there, and their checksums.
+
+    See `open_store`.
+    """
+    found = _described(path)
+    return found.attributes, found.sums
 
 
 def names_in_store(path: Path) -> set[str]:
@@ -196,13 +202,44 @@ def names_in_store(path: Path) -> set[str]:
     return {*about["attributes"], *arrays, *dimensions}
 
 
-def seal(path: Path) -> None:
-    """Write a digest of the description of a store into it, by which damage is noticed."""
-    (path / _SEAL).write_text(_digest(json.loads(read_text(path / _ABOUT))), encoding="ascii")
+def seal(path: Path, sums: Mapping[str, str] | None = None) -> None:
+    """Write a digest of the description of a store into it, by which damage is noticed.
+
+    sums: checksums of its chunks by their names, by which a chunk is noticed that is whole, but
+    of another place or store. Raises OSError.
+    """
+    listed = "".join(f"{found} {name}\n" for name, found in sorted((sums or {}).items()))
+    content = f"{digest(json.loads(read_text(path / _ABOUT)), listed)}\n{listed}"
+    remove_left_over(path)
+    write_whole(path / _SEAL, BytesIO(content.encode()))
 
 
-def _digest(about: object) -> str:
-    return hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
+def checksum(chunk: Path) -> str:
+    """Return the checksum at the end of a file of a chunk, which a reader compares with the rest.
+
+    Raises OSError.
+    """
+    with chunk.open("rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - _CHECKSUM))
+        return file.read().hex()
+
+
+def checksums(path: Path) -> dict[str, str]:
+    """Return the checksums of all chunks of a store by their names. Raises OSError."""
+    chunks = (name for name in _files(path) if name.split("/")[1:2] == ["c"])
+    return {name: checksum(path / name) for name in chunks}
+
+
+def _sealed(path: Path, about: object) -> dict[str, str]:
+    """Return the checksums that `seal` wrote; earlier versions wrote none."""
+    sealed, _, listed = read_text(path / _SEAL).partition("\n")
+    if sealed != digest(about, listed):
+        raise ResultError(
+            f"{path}: damaged: its {_ABOUT} is not what was saved; if you changed it, delete "
+            f"{path / _SEAL}"
+        )
+    lines = (line.partition(" ") for line in listed.splitlines())
+    return {name: found for found, _, name in lines}
 
 
 def _unreadable(path: Path, error: Exception) -> ResultError:
@@ -222,11 +259,7 @@ def _described(path: Path) -> _Described:
         about = json.loads(read_text(path / _ABOUT))
         if not (about["zarr_format"] == 3 and about["node_type"] == "group"):
             raise ResultError(f"{path}: not a result of tweezer: is not a group in Zarr format 3")
-        if _SEAL in files and read_text(path / _SEAL).strip() != _digest(about):
-            raise ResultError(
-                f"{path}: damaged: its {_ABOUT} is not what was saved; if you changed it, delete "
-                f"{path / _SEAL}"
-            )
+        sums = _sealed(path, about) if _SEAL in files else {}
         attributes, listed = about["attributes"], about["consolidated_metadata"]["metadata"]
         arrays = {}
         for name, described in listed.items():
@@ -249,7 +282,7 @@ def _described(path: Path) -> _Described:
         ) from None
     except (OSError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
         raise _unreadable(path, error) from None
-    return _Described(attributes, arrays, files)
+    return _Described(attributes, arrays, files, sums)
 
 
 def _files(path: Path) -> set[str]:
@@ -297,6 +330,11 @@ def _check_whole(path: Path, found: _Described) -> None:
             if chunk not in found.files:
                 raise ResultError(f"{path}: lacks {chunk}: cut short or damaged")
             _check_chunk(path, chunk, array)
+            if chunk in found.sums and checksum(path / chunk) != found.sums[chunk]:
+                raise ResultError(
+                    f"{path}: damaged: {chunk} is not the chunk that was saved; if you changed it, "
+                    f"delete {path / _SEAL}"
+                )
 
 
 def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...]]:

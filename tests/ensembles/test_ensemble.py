@@ -822,7 +822,15 @@ def cut(path):
     path.write_bytes(path.read_bytes()[:-1])
 
 
-@pytest.mark.parametrize("damage", [Path.unlink, empty, cut], ids=["gone", "empty", "cut"])
+def another(path):
+    """Another chunk of the store, with its checksum."""
+    sound = path.read_bytes()
+    alike = (each for each in sorted(path.parents[3].rglob("*")) if each.is_file())
+    found = (each.read_bytes() for each in alike if each.stat().st_size == len(sound))
+    path.write_bytes(next((content for content in found if content != sound), sound))
+
+
+@pytest.mark.parametrize("damage", [Path.unlink, empty, cut, another])
 @pytest.mark.parametrize("part", [None, 0.5], ids=["complete", "begun"])
 @pytest.mark.parametrize(
     "chunk", ["position/c/1/0/0", "position/c/12/6/0", "velocity/c/2/1/0", "lost_time/c/1"]

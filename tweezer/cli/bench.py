@@ -17,7 +17,6 @@ from tweezer.cli.console import (
     tell_written,
     writable,
     write_figure,
-    write_json,
 )
 from tweezer.cli.tables import print_rows
 from tweezer.errors import TweezerError
@@ -49,6 +48,8 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         for table in report.tables(results):
             print_rows(table)
         if out:
+            from tweezer.io import write_json  # here, as it loads xarray
+
             write_json(results, out)
         if plot:
             write_figure(report.figure(results), plot)

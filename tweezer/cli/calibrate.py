@@ -28,7 +28,7 @@ from tweezer.cli.console import (
     writable_figure,
     writable_result,
     write_figure,
-    write_json,
+    write_result,
 )
 from tweezer.cli.free import print_free, print_tracks
 from tweezer.cli.tables import print_table, table_of
@@ -218,7 +218,7 @@ def calibrate(
         for note in dict.fromkeys(track.note for track in tracks if track.note):
             show_warning(note)
         if out:
-            write_json({"diffusion": dataclasses.asdict(common)}, out)
+            write_result({"diffusion": dataclasses.asdict(common)}, out)
         tell_written(out)
         if common.findings:
             raise typer.Exit(FAILED)
@@ -271,7 +271,7 @@ def calibrate(
             result = {"recordings": written, "diffusion": dataclasses.asdict(free)}
         if surface:
             result = {"recordings": written, "surface": dataclasses.asdict(surface)}
-        write_json(result, out)
+        write_result(result, out)
     if plot:
         from tweezer.plots import calibration_figure
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.console import Console
@@ -180,11 +180,11 @@ def tell_written(*paths: Path | None) -> None:
         OUT.print(f"wrote {written}", highlight=False, soft_wrap=True)
 
 
-def write_json(value: object, path: Path) -> None:
-    """Write a result as JSON."""
-    from tweezer.io import write_json  # here, as it loads xarray
+def write_result(result: Mapping[str, Any], path: Path) -> None:
+    """Write a result as JSON with a digest."""
+    from tweezer.io import write_result  # here, as it loads xarray
 
-    write_json(value, path)
+    write_result(result, path)
 
 
 def write_figure(figure: Figure, path: Path) -> None:

@@ -29,7 +29,7 @@ from tweezer.cli.console import (
     writable_figure,
     writable_result,
     write_figure,
-    write_json,
+    write_result,
 )
 from tweezer.cli.tables import print_card
 from tweezer.errors import ResultError
@@ -125,7 +125,7 @@ def fit_depth(
             for name in ("minima", "parameters")
         }
         worth = ray_optics_worth(described)
-        write_json({**result, **lists, "ray_optics": worth and dataclasses.asdict(worth)}, out)
+        write_result({**result, **lists, "ray_optics": worth and dataclasses.asdict(worth)}, out)
     if plot:
         from tweezer.plots import depth_figure
 

@@ -29,7 +29,7 @@ from tweezer.cli.console import (
     writable_figure,
     writable_result,
     write_figure,
-    write_json,
+    write_result,
 )
 from tweezer.cli.tables import print_card
 from tweezer.errors import SceneError
@@ -105,7 +105,7 @@ def fit(
         }
         result["scene"] = found.scene.model_dump(mode="json", exclude_none=True)
         result["keys"] = [dataclasses.asdict(each) for each in found.keys]
-        write_json(result, out)
+        write_result(result, out)
     if plot:
         from tweezer.plots import fit_figure
 

@@ -31,7 +31,7 @@ from tweezer.cli.console import (
     writable_figure,
     writable_result,
     write_figure,
-    write_json,
+    write_result,
 )
 from tweezer.cli.tables import (
     print_card,
@@ -180,7 +180,7 @@ def tune(
         highlight=False, soft_wrap=True,
     )  # fmt: skip
     if out:
-        write_json(dataclasses.asdict(tuning), out)
+        write_result(dataclasses.asdict(tuning), out)
     if plot:
         from tweezer.plots import tuning_figure
 
@@ -227,4 +227,4 @@ def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
         "scene": scene.model_dump(mode="json", exclude_none=True),
         "trap": trap,
     }
-    write_json(result, path)
+    write_result(result, path)

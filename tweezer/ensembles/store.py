@@ -39,7 +39,7 @@ from tweezer.errors import ResultError
 from tweezer.files import write_whole
 from tweezer.io import load_result, save_run
 from tweezer.scene import Scene
-from tweezer.stores import attributes_of_store, open_written, seal
+from tweezer.stores import checksum, checksums, description_of_store, open_written, seal
 from tweezer.version import FORMAL
 
 #: Arrays by name, in memory or in the store
@@ -97,7 +97,7 @@ def _made(job: Job) -> Attributes | None:
     try:
         if job.out.exists():
             if job.skipped is None:
-                return attributes_of_store(job.out)
+                return description_of_store(job.out)[0]
             return dict(load_result(job.out).attrs)
         if job.skipped is not None and job.total.exists():
             return dict(json.loads(str(_read(job.total)["attributes"])))
@@ -158,6 +158,19 @@ def stored(job: Job) -> Samples:
     }
 
 
+def chunk_of(arrays: Samples, name: str, *at: int) -> str:
+    """Return the name of the file of a chunk in the store."""
+    return f"{name}/{arrays[name].metadata.encode_chunk_key(at)}"
+
+
+def sums_of(begun: Mapping[str, Any] | None) -> dict[str, str]:
+    """Return the checksums of the chunks that a block wrote before its checkpoint, by their names.
+
+    Chunks that are written to again are not among them.
+    """
+    return dict(json.loads(str(begun["sums"]))) if begun and "sums" in begun else {}
+
+
 def _described(arrays: Samples) -> dict[str, str]:
     """Metadata of arrays by name: each in its own file, and all in that of the store."""
     return {name: str(array.metadata.to_dict()) for name, array in arrays.items()}
@@ -172,6 +185,8 @@ class Trajectories:
     def __init__(self, job: Job, bound: Walk) -> None:
         self.job, self.bound = job, bound
         self.missing = list(range(job.blocks))
+        #: checksums of chunks that were written before, by their names
+        self.sums: dict[str, str] = {}
         if job.out is None:
             self.arrays: Samples = {
                 name: np.full(shape, np.nan) for name, _, shape, _ in self._variables()
@@ -183,6 +198,7 @@ class Trajectories:
                     self._create(job.out)
             self._open()
             if begun:
+                self.sums = description_of_store(job.out)[1]
                 with telling(job.out):
                     self.missing = [i for i in self.missing if not self._found(i)]
         self.left = set(self.missing)
@@ -210,11 +226,20 @@ class Trajectories:
                         for path in (job.out / name / "c").rglob("*.partial"):
                             if _TORN.fullmatch(path.name):
                                 path.unlink(missing_ok=True)
+                with telling(job.out):
+                    self._seal(job.out)
                 job.beside.remove()
             dataset = open_written(job.out)
         left = (job.members(index) for index in self.left)
         done = job.trajectories - sum(members.stop - members.start for members in left)
         return _ended(dataset, complete, done)
+
+    def _seal(self, out: Path) -> None:
+        """Write the checksums of all chunks, which the blocks noted when they wrote them."""
+        sums = checksums(out) | self.sums
+        for index in range(self.job.blocks):
+            sums |= sums_of(kept(self.job.checkpoint(index), identity_of(self.job, self.bound)))
+        seal(out, sums)
 
     def _open(self) -> None:
         """Open the arrays of the store. Raises `ResultError` if they are not those of the job."""
@@ -244,12 +269,14 @@ class Trajectories:
             raise ResultError(damaged)
 
     def _found(self, index: int) -> bool:
-        """Whether a block is in the store, by the sizes of its files, without reading them.
+        """Whether a block is in the store, by the sizes and checksums of its files.
 
         If it is not, it continues from its checkpoint, provided all chunks before that are there.
         """
         job, names = self.job, columns_of(self.bound)
         windows = range(len(job.cuts) - 1)
+        begun = kept(job.checkpoint(index), identity_of(job, self.bound))
+        self.sums |= sums_of(begun)
         lacking = (
             w for w in windows
             if not all(self._whole(name, index, w, 0) for name in names)
@@ -259,7 +286,6 @@ class Trajectories:
         if reached == len(windows) and self._whole("lost_time", index):
             return True
         self._chunk("lost_time", index).unlink(missing_ok=True)
-        begun = kept(job.checkpoint(index), identity_of(job, self.bound))
         if begun and int(begun["window"]) > min(reached, windows[-1]):
             job.checkpoint(index).unlink()
         return False
@@ -281,13 +307,15 @@ class Trajectories:
     def _chunk(self, name: str, *at: int) -> Path:
         """The file of a chunk."""
         assert self.job.out is not None
-        return self.job.out / name / str(self.arrays[name].metadata.encode_chunk_key(at))
+        return self.job.out / chunk_of(self.arrays, name, *at)
 
     def _whole(self, name: str, *at: int) -> bool:
-        """Whether the file of a chunk has its size: numbers and a checksum, not compressed."""
+        """Whether the file of a chunk has its size, not compressed, and its noted checksum."""
         size = 8 * math.prod(self.arrays[name].chunks) + _CHECKSUM
+        noted = self.sums.get(chunk_of(self.arrays, name, *at))
+        path = self._chunk(name, *at)
         try:
-            return self._chunk(name, *at).stat().st_size == size
+            return path.stat().st_size == size and noted in (None, checksum(path))
         except FileNotFoundError:
             return False
 

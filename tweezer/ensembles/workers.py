@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import json
 import platform
 import threading
 import uuid
@@ -24,12 +25,15 @@ from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
     Gathered,
     Samples,
+    chunk_of,
     keep,
     kept,
     stored,
+    sums_of,
 )
 from tweezer.errors import TweezerError
 from tweezer.scene import Scene
+from tweezer.stores import checksum
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -147,27 +151,41 @@ def _block(
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
+    sums: dict[str, str] = {}  # of the chunks that are written, by their names
     before = np.empty((len(trajectories), 0, width))  # samples of the current window
     if job.out is not None and (begun := kept(job.checkpoint(index), identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
+        sums = sums_of(begun)
         if statistics:
             statistics = Statistics.of(statistics.plan, begun)
 
     frames: list[Array] = []  # that ended since they were last written
     written = bound.frames(max(job.cuts[window] + before.shape[1] - 1, 0))
 
+    def note(name: str, *at: int) -> None:
+        if job.out is not None and arrays is not None:
+            chunk = chunk_of(arrays, name, *at)
+            sums[chunk] = checksum(job.out / chunk)
+
     def write_frames() -> None:
         nonlocal written
         if frames and arrays is not None:
             seen = np.concatenate(frames, axis=1)
-            arrays[SEEN][members, written : written + seen.shape[1]] = seen
-            written += seen.shape[1]
+            first, written = written, written + seen.shape[1]
+            arrays[SEEN][members, first:written] = seen
             frames.clear()
+            if job.out is not None:
+                _, most, _ = arrays[SEEN].shape
+                _, length, _ = arrays[SEEN].chunks
+                ended = -(-written // length) if written == most else written // length
+                for chunk in range(first // length, ended):
+                    note(SEEN, index, chunk, 0)
 
     def keep_for_later(window: int, samples: Array) -> None:
         if job.out is not None:
             begun = {"identity": identity, "window": window, "states": states, "held": samples}
-            keep(job.checkpoint(index), begun | (statistics.arrays() if statistics else {}))
+            more = statistics.arrays() if statistics else {"sums": json.dumps(sums)}
+            keep(job.checkpoint(index), begun | more)
 
     windows = len(job.cuts) - 1
     for i in range(window, windows):
@@ -200,9 +218,11 @@ def _block(
             if arrays is not None:
                 for name, columns in columns_of(bound).items():
                     arrays[name][members, first:end] = samples[..., columns]
+                    note(name, index, i, 0)
                 write_frames()
                 if i == windows - 1:
                     arrays["lost_time"][members] = states[:, -1]
+                    note("lost_time", index)
             keep_for_later(i + 1, before)
     return statistics.arrays() if statistics else {}
 

@@ -13,7 +13,7 @@ import numpy as np
 from tweezer.errors import ResultError
 from tweezer.io import load_result
 from tweezer.saved import kind_of
-from tweezer.stores import seal
+from tweezer.stores import checksums, seal
 from tweezer.sweeps.cases import Cases
 from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, Values
 
@@ -86,7 +86,7 @@ def write(dataset: xr.Dataset, new: Path, out: Path) -> None:
                 new, mode="w-", zarr_format=3, consolidated=True, encoding=encoding,
                 write_empty_chunks=True,
             )  # fmt: skip
-        seal(new)
+        seal(new, checksums(new))
         new.replace(out)
     except BaseException:
         shutil.rmtree(new, ignore_errors=True)  # a full disk has room for the journal again
