@@ -208,9 +208,20 @@ def scene_in(attributes: Mapping[str, Any]) -> Scene:
 def unlike(path: Path, scene: Scene, seed: int, continued: str = "", forces_from: str = "") -> str:
     """Return how the file at `path` differs from a run of `scene` and `seed`; "" if it does not.
 
-    continued, forces_from: its attributes `continued_from`, "" of a run from the release, and
-    `forces_from`, "" without forces beside those of the scene.
-    The name of a run, and how it was computed, do not count.
+    The name of a run and its method of computation are not compared.
+
+    Parameters
+    ----------
+    path : Path
+        File to compare.
+    scene : Scene
+        Scene of the run.
+    seed : int
+        Seed of the thermal motion.
+    continued : str
+        Attribute `continued_from` of the run; "" for a run from the release.
+    forces_from : str
+        Attribute `forces_from` of the run; "" without the user's own forces.
     """
     import h5netcdf
 

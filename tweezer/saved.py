@@ -79,9 +79,9 @@ def _kind_with(names: set[Any]) -> Kind | None:
 
 
 def kind_of_file(path: Path) -> Kind | None:
-    """The kind of the result that a file or folder holds, or of what else its name tells.
+    """Return the kind of the result in a file or folder, or the kind that its name indicates.
 
-    None if that cannot be told.
+    Returns None for an unknown kind.
     """
     try:
         if path.suffix == SAVED_TRAP:

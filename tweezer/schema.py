@@ -1,6 +1,6 @@
 """Required contents of a result: attributes, variables and units, checked when it is read.
 
-There is one table for each kind of dataset. Code that reads a result relies on it.
+Each kind of dataset has one table, on which the code that reads a result relies.
 """
 
 from __future__ import annotations

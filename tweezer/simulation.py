@@ -71,45 +71,76 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     continue_from: xr.Dataset | str | Path | None = None,
 ) -> xr.Dataset:
-    """Release the bead of `scene` and follow it for `duration` (s, or text such as "20 ms").
+    """Release the bead of `scene` and return its motion.
 
-    duration, model, method: in place of the scene's. tolerance: the relative tolerance; the
-    scene's absolute tolerances change in the same ratio. seed: of the thermal motion, and of the
-    noise of a camera; 0 if not given. forces: of your own, beside those of the scene
-    (`tweezer.forces`), or the name of one in a Python file, "handles.py:spring". events: to look
-    for besides the first closest approach, the loss of the bead and its contact with the lens
-    (`tweezer.capture`, `tweezer.Event`). progress: called with the time reached.
-    continue_from: an earlier run, or its file, that the run goes on from, for `duration` more; see
-    `tweezer.dynamics.continuing`.
+    With thermal motion the run is trajectory 0 of the ensemble with the same seed. Its steps are
+    fixed, so it has no tolerances, and the integration error is NaN. Models without inertia have no
+    velocity. Events are searched at the ends of steps and located on a straight line between them,
+    within a step (`event_resolution`, s). An event that begins and ends within one step is missed
+    (`tweezer.dynamics.brownian.stepwise`). Events depend on the position and, in models with
+    inertia, on the velocity. The first closest approach is not searched.
 
-    Returns a dataset over `time`: position (m from the focus), velocity, orientation (Euler
-    parameters) and angular_velocity (body frame) if the scene has a rotation, what a camera of the
-    scene saw (`seen`, m, by frame and seen_axis, with frame_time in s), and the derived
-    quantities of `tweezer.analysis.derived`. Every variable has units and a long name; the
-    attributes hold the scene, also as given, the versions, the model, the method, the inertia of
-    the fluid, what gave the force, steps, force calls, `step_time` (s, of stepping alone),
-    `wall_time` of the run (s, with binding, events and output, without compiling, `compile_time`,
-    and without the errors), how the run ended, the events, `integration_error` and `model_error`
-    (m, the largest at any time: see `tweezer.dynamics.budget`), and what `tweezer.summarise` reads.
-    `status` is "complete", "lost", "ended" (by an event of yours), "interrupted" or "failed"; a run
-    that ended early holds what it reached, and a failed one also warns (`PhysicsWarning`).
+    A continued run begins at the last time of the earlier run. Position, orientation, velocities
+    and the memory of the fluid carry over, as do the model, the method and the time between
+    samples. With thermal motion the random numbers follow those of the earlier run. Light, other
+    forces and tolerances may differ. `integration_error` includes the error of the earlier run; it
+    is NaN if that error is unknown, as after an interrupt. An event that lasts begins again.
 
-    With thermal motion the run is trajectory 0 of the ensemble of that seed, by fixed steps: there
-    are no tolerances and no error budget of the integration (NaN), and models without inertia have
-    no velocity. Events are looked for at the ends of steps and located on a straight line between
-    them, to the attribute `event_resolution`, s, a step: what a step both enters and leaves is not
-    seen (`tweezer.dynamics.brownian.stepwise`). They take states of position and, in models with
-    inertia, velocity. The first closest approach is not looked for.
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene, the name of a shipped one, a TOML file or a mapping.
+    duration : float or str, optional
+        Duration, s, e.g. "20 ms". Default: the scene's.
+    model, method : str, optional
+        Model and method, in place of the scene's.
+    tolerance : float, optional
+        Relative tolerance. The scene's absolute tolerances change in the same ratio.
+    seed : int, optional
+        Seed of the thermal motion and of the camera noise. Default: 0.
+    forces : sequence of Force or str, optional
+        Your own forces, in addition to the scene's (`tweezer.forces`), or the name of a force in a
+        Python file, "handles.py:spring".
+    events : sequence of Event, optional
+        Events to locate (`tweezer.capture`, `tweezer.Event`), in addition to the first closest
+        approach, the loss of the bead and its contact with the lens.
+    progress : callable, optional
+        Called with the time reached, s.
+    continue_from : xarray.Dataset, str or Path, optional
+        Earlier run, or its file, to continue for `duration` (`tweezer.dynamics.continuing`).
 
-    A run that goes on begins with the last time of the earlier one. Position, orientation,
-    velocities and the memory of the fluid carry over, as do the model, the method and the time
-    between samples; with thermal motion the random numbers follow those of the earlier run. Light,
-    other forces and tolerances may differ. `integration_error` includes the error of the earlier
-    run; it is NaN where that is unknown, as after an interrupt. An event that lasts begins anew.
+    Returns
+    -------
+    xarray.Dataset
+        Run over `time`. Every variable has units and a long name.
 
-    Raises `SceneError` for arguments that do not make a valid scene, events that are none, a
-    tolerance with thermal motion, or a seed without; `ResultError` or `SceneError` for a run that
-    cannot go on.
+        * position: position relative to the focus, m
+        * velocity, m/s
+        * orientation (Euler parameters) and angular_velocity (body frame): if the scene has a
+          rotation
+        * seen (frame, seen_axis): positions in the frames of a camera, m, with frame_time, s
+        * the quantities of `tweezer.analysis.derived`
+
+        The attributes include:
+
+        * the scene, also as given, the versions, the model, the method, the inertia of the fluid,
+          the evaluator of the force, steps and force calls
+        * integration_error, model_error: largest errors at any time, m (`tweezer.dynamics.budget`)
+        * step_time: time of the steps alone, s
+        * wall_time: time with binding, events and output, without compiling (compile_time) and
+          without the errors, s
+        * status: "complete", "lost", "ended" (by one of your events), "interrupted" or "failed". A
+          run that ended early contains the motion up to its end. A failed run gives a
+          `PhysicsWarning`.
+        * the events, and the input of `tweezer.summarise`
+
+    Raises
+    ------
+    SceneError
+        For arguments that do not make a valid scene, invalid events, a tolerance with thermal
+        motion, a seed without thermal motion, and a run that cannot be continued.
+    ResultError
+        For a run that cannot be continued.
     """
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
@@ -153,13 +184,18 @@ def motion_of(
     progress: Callable[[float], None] | None = None,
     going_on: tuple[Scene, Continued] | None = None,
 ) -> tuple[Run, Callable[[], None]]:
-    """The run of `scene` without some of its errors, and the function that finds them.
+    """Return the run of `scene` without some of its errors, and the function that computes them.
 
-    going_on: the scene of a run that goes on, and from what.
+    The errors of the force and of the model are NaN until this function is called. It adds them to
+    the run. They may take longer than the motion itself, because most of the code compiled for a
+    first run belongs to them. An interrupt leaves them NaN.
 
-    The errors of the force and of the model are NaN until that function is called: it adds them to
-    the run. They may need more than the motion itself: the first time, most of what is compiled is
-    for them. An interrupt leaves them NaN.
+    Parameters
+    ----------
+    scene, seed, forces, events, progress
+        As in `simulate`.
+    going_on : tuple of Scene and Continued, optional
+        Scene of a continued run, and the run that it continues.
     """
     check_run(scene, seed)
     if not all(isinstance(event, Event) for event in events):

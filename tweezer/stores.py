@@ -29,13 +29,13 @@ _ABOUT = "zarr.json"
 _SEAL = ".sha256"
 #: Sizes of numbers, bytes
 _SIZES = {"bool": 1, "int8": 1, "int16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}
-#: Largest size of what is compressed: of all arrays, and of a chunk of texts, bytes
+#: Largest uncompressed sizes, bytes: of all arrays together, and of a chunk of texts
 _MOST, _MOST_TEXTS = 2**31, 2**26
 #: Largest size of the times at which beads of an ensemble were lost, bytes
 _MOST_LOST = 2**28
 #: Size of the checksum at the end of a chunk, bytes
 _CHECKSUM = 4
-#: How a frame of Zstandard begins (RFC 8878, 3.1.1), and the length of what is read of it
+#: First bytes of a Zstandard frame (RFC 8878, 3.1.1), and the number of bytes to read from it
 _ZSTD, _HEAD = b"\x28\xb5\x2f\xfd", 18
 
 Size = Annotated[int, Field(ge=0, strict=True)]
@@ -131,7 +131,7 @@ class _Array(_Part):
         return tuple(-(-size // each) for size, each in zip(self.shape, self.chunks, strict=True))
 
     def wrong(self) -> str:
-        """What is wrong with it; "" if nothing is."""
+        """Return the error in this description; "" without an error."""
         first = "vlen-utf8" if self.texts else "bytes"
         known = ([first], [first, "zstd"], [first, "crc32c"], [first, "zstd", "crc32c"])
         if self._decoders not in known:
@@ -155,11 +155,11 @@ class _Described(NamedTuple):
 
 
 def open_store(path: Path) -> xr.Dataset:
-    """Return the result in a Zarr store, of which only what is used is read.
+    """Return the result in a Zarr store, whose arrays are read when they are used.
 
-    What cannot be read then raises `ResultError` too. Raises it for a folder that is no store of
-    tweezer, is damaged, lacks files, or has links in it. Of an ensemble whole blocks may be missing
-    as long as their chunks of `lost_time` are: these were not computed.
+    Raises `ResultError` for a folder that is no store of tweezer, is damaged, lacks files, or
+    contains links, and later for an array that cannot be read. An ensemble may lack whole blocks
+    if it also lacks their chunks of `lost_time`, because these were not computed.
     """
     _check_whole(path, _described(path))
     return open_written(path)

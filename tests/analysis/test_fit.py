@@ -216,7 +216,7 @@ def test_a_run_has_the_inertia_that_it_was_made_with(scene, recording):
 def test_runs_of_different_inertia_are_not_fitted_together(scene, recording):
     one = dataclasses.replace(recording, scene=scene)
     other = dataclasses.replace(recording, scene=scene.replace(simulation={"model": "full"}))
-    with pytest.raises(ResultError, match="of runs with different inertia; fit them apart"):
+    with pytest.raises(ResultError, match="have different inertia; fit them separately"):
         tweezer.fit([one, other], scene, free=[POWER])
 
 

@@ -67,7 +67,7 @@ _GUESS = 4.5
 _UNEVEN = 1e-3
 
 
-#: what every result says of the model of its filter
+#: note of every result on the model of its filter
 _WITHOUT_MEMORY = (
     "The filter leaves out the memory of the fluid. In water this puts the start of beads of "
     "0.5 to 2 um some 10 to 25 nm too far from the trap."
@@ -229,13 +229,15 @@ def fit_depth(
     what fits best at the places beside it, until none of these finds less
     (`tweezer.analysis.profile`). A start that cannot be followed is impossible.
 
-    The interval holds the starts whose misfit is less than 3.84 above the least (S. S. Wilks, Ann.
-    Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It is not taken to determine
-    z if a jump is left at an end of it, if a fit near it has not converged, if power, radius or
-    scaling factor meets an end of what was tried within it (1/4 to 4, 1/2 to 2 and 1e-4 to 1e4
-    times what the scene says), or noise or release their upper ones, or if the p-value is below
-    0.01. The p-value is of the correlations of the residuals (G. M. Ljung and G. E. P. Box,
-    Biometrika 65, 297 (1978)), and of their size where the noise is given.
+    The confidence interval contains the starts whose misfit is less than 3.84 above the minimum
+    (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It does
+    not determine z in any of these cases:
+
+    * A jump remains at an end of the interval, or a fit near it has not converged.
+    * Power, radius or scaling factor reaches an end of its range within the interval (1/4 to 4, 1/2
+      to 2 and 1e-4 to 1e4 times the scene's value), or noise or release reaches its upper end.
+    * The p-value is below 0.01. It tests the correlations of the residuals (G. M. Ljung and G. E.
+      P. Box, Biometrika 65, 297 (1978)), and their size if the noise is given.
 
     Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, an exposure, a
     search or a name in `fit` that is none, or that goes with no wall; `SceneError` for more than

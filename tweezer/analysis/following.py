@@ -1,8 +1,9 @@
-"""How a trapped bead follows a stage that moves in any known way.
+"""Response of a trapped bead to a stage that moves in any known way.
 
-The signal over the motion of the stage, by bands of frequencies, is the bead's response
-(J. S. Bendat and A. G. Piersol, Random Data, chapter 6): the sum of cross spectra over that of the
-stage's power, weighted alike. It holds for a triangle, a sweep or a pseudo-random motion.
+The response is the ratio of the signal to the motion of the stage, in bands of frequencies. It is
+the sum of cross spectra divided by the sum of the stage's power, with the same weights (J. S.
+Bendat and A. G. Piersol, Random Data, chapter 6). It is valid for a triangle, a sweep or a
+pseudo-random motion.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ Complex = NDArray[np.complex128]
 _FADES = 0.1
 #: Times that the bead is found by the bands in which the one before it is seen.
 _ROUNDS = 4
-#: Number of ordinates of a band, at least, and ratio of the ends of a band.
+#: Smallest number of ordinates in a band, and ratio of its ends.
 _LEAST, _BAND = 8, 1.1
 #: Number of ordinates that thermal motion is measured by.
 _FREEDOM = 40
@@ -54,7 +55,7 @@ _CORNERS = 60
 
 
 def jumping(drive: Array) -> float:
-    """Part of the way of a stage, (n,) m, in steps much longer than those beside them."""
+    """Return the fraction of a stage's path (n,), m, in steps much longer than their neighbours."""
     way = np.abs(np.diff(drive))
     beside = np.maximum(np.append(way[1:], 0.0), np.append(0.0, way[:-1]))
     jumps = way[(way > _JUMP * np.ptp(drive)) & (way > _ALONE * beside)]
@@ -89,9 +90,18 @@ class Followed:
 
     @classmethod
     def of(cls, signal: Array, stage: Array, step: float, *, steady: bool) -> Followed:
-        """Return what in a signal (n,) follows a stage (n,), m, both every `step` (s).
+        """Return the part of a signal that follows a stage.
 
-        steady: whether the stage does not jump between samples.
+        Parameters
+        ----------
+        signal : ndarray, shape (n,)
+            Signal of the bead, m or V.
+        stage : ndarray, shape (n,)
+            Positions of the stage, m.
+        step : float
+            Sampling interval of both, s.
+        steady : bool
+            Whether the stage does not jump between samples.
         """
         still = signal - signal.mean()
         bands = _bands(still, stage, step, 0.5 / step if steady else _OF_JUMPS / step)
@@ -164,7 +174,7 @@ def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
         rest = of_signal[within].copy()
         rest[moved[within]] -= response * S
         at = float(power[used] @ frequencies[used]) / float(power[used].sum())
-        # the sensor's noise is in what is left where the stage moves
+        # the remainder includes the sensor's noise where the stage moves
         left = float((np.abs(rest) ** 2).sum())
         left += (within.size - used.size) * abs(response) ** 2 * of_sensor
         ends = frequencies[within[0]], frequencies[within[-1]]
@@ -211,9 +221,9 @@ class _Nearest(NamedTuple):
 
     @classmethod
     def to(cls, bands: _Bands, seen: NDArray[np.bool_], step: float) -> _Nearest:
-        """By least squares over the bands that are seen, and a delay of about a step (s) or less.
+        """Return the nearest bead by least squares over `seen` bands, with a delay of about a step.
 
-        Far below the corner a delay is told from the relaxation time by its size alone.
+        Far below the corner frequency, a delay differs from the relaxation time only by its size.
         """
         f, response = bands.frequencies[seen], bands.response[seen]
         weights = 1 / bands.uncertainty[seen] ** 2
@@ -237,9 +247,9 @@ class _Nearest(NamedTuple):
 
 
 def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Array) -> Array:
-    """Motion (n,) of an overdamped bead by that of the stage, from where the signal starts.
+    """Return the motion (n,) of an overdamped bead on the stage, from the signal's first sample.
 
-    noise: (bands, 2) Hz, ends of the bands in which the sensor sees what the stage does not do.
+    `noise` (bands, 2), Hz, contains the ends of the bands with noise of the stage sensor.
     """
     from scipy.fft import irfft, next_fast_len, rfft
 

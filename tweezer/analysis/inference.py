@@ -1,7 +1,7 @@
 """Keys of a scene from recordings of its trapped bead, by maximum likelihood.
 
-The likelihood is that of the power spectrum of the bead in the scene's light, with the inertia of
-bead and fluid. The stiffness follows from the scene, so a recording determines what the stiffness
+The likelihood uses the power spectrum of the bead in the scene's light, with the inertia of bead
+and fluid. The stiffness follows from the scene, so a recording determines what the stiffness
 and the drag depend on: power, size, index, aperture, the height above a wall.
 """
 
@@ -43,9 +43,9 @@ _FEW = 50.0
 _DETERMINED = 0.5
 #: Misfit above the least at which another minimum is not excluded: each fits by its own chance
 _RIVAL = 15.0
-#: Systematic error that is told, in the least relative uncertainty of a key
+#: Smallest systematic error that is reported, in the smallest relative uncertainty of a key
 _HARM = 0.5
-#: Change of a key by which a pair that is not told apart is described
+#: Change of a key in the description of a pair that is not distinguished
 _TEN_PER_CENT = math.log(1.1)
 
 
@@ -130,15 +130,15 @@ def fit(
 ) -> SceneFit:
     """Fit keys of a scene to recordings of its bead at rest in the trap.
 
-    The likelihood is that of the whitened power spectrum of each coordinate (P. Whittle, Ark. Mat.
-    2, 423 (1953)). The expected spectrum has the inertia of the bead and the memory of the fluid,
+    The likelihood is the Whittle likelihood of each coordinate's whitened power spectrum (P.
+    Whittle, Ark. Mat. 2, 423 (1953)). The expected spectrum includes inertia, hydrodynamic memory,
     aliases, motion blur and the noise of the camera, without approximation
     (`TrappedBead.sampled_spectrum`). Its stiffness and drag are means over the thermal motion in
     the scene's force (statistical linearisation), which is right to first order in the anharmonic
     part of the trap. A statement says where the second order may matter.
 
     The bead is in equilibrium in the trap throughout. Its position in the recording is unknown, so
-    the mean of each coordinate is subtracted. The coordinates count as independent.
+    the mean of each coordinate is subtracted. The coordinates are treated as independent.
 
     Parameters
     ----------
@@ -294,7 +294,7 @@ def _told(
 
 
 def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
-    """The combination of keys that changes the likelihood least, where two are not told."""
+    """Return the combination of keys that changes the likelihood least, if two are undetermined."""
     sizes, directions = np.linalg.eigh(best.information)
     direction = directions[:, 0]
     involved = [i for i, key in enumerate(misfit.keys) if key.key in lost]
@@ -336,9 +336,9 @@ class _Interval:
         self._known: dict[float, float] = {float(best.at[index]): 0.0}
 
     def found(self, rivals: Sequence[Least], *, sound: bool) -> FittedKey:
-        """What is told of the key.
+        """Return the result for the key.
 
-        rivals: other minima that are not excluded; sound: whether the fit may be trusted.
+        `rivals` are other minima that are not excluded. `sound` is whether the fit is trusted.
         """
         key, at = self._misfit.keys[self._index], float(self._best.at[self._index])
         ends = [self._end(at, way) for way in (-1.0, 1.0)]

@@ -12,11 +12,11 @@ _LAGS = 10
 
 
 def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
-    """How probable residuals are that are as far from white, of size 1 if `sized`.
+    """Return the probability of residuals that deviate as much from white noise.
 
-    By their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)), and by the sum
-    of their squares, a chi-square with as many degrees of freedom as there are residuals, less the
-    number of quantities that were `fitted` to them.
+    The test uses their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)). If
+    `sized`, it also uses the sum of their squares, which is a chi-square for residuals of size 1.
+    Its degrees of freedom are the number of residuals less the number of `fitted` quantities.
     """
     trusted = np.where(path.weights > 0.5, path.residuals, np.nan)
     statistic, lags = 0.0, 0

@@ -157,7 +157,7 @@ class Misfit:
         # a run has the inertia that it was made with, whatever the scene of the fit says
         every = {Inertia.of(each.scene or scene) for each in recordings}
         if len(every) > 1:
-            raise ResultError("recordings: are of runs with different inertia; fit them apart")
+            raise ResultError("recordings: have different inertia; fit them separately")
         (self.inertia,) = every
         self.keys = [FreeKey(self._scene, key) for key in free]
         self.bounds = np.array([each.bounds for each in self.keys])
@@ -214,9 +214,9 @@ class Misfit:
         return Bound(scene, beads, max(float(bending), abs(rest.turn) / mean.stiffness[:2].min()))
 
     def __call__(self, q: Array) -> Array:
-        """The deviances of all spectra, whose sum of squares is the misfit.
+        """Return the deviances of all spectra, whose sum of squares is the misfit.
 
-        They are out of reach where there is no trap.
+        Without a trap they exceed all others.
         """
         q = np.clip(q, *self.bounds.T)
         if isinstance(self.bound(q), str):
@@ -238,7 +238,7 @@ class Misfit:
         return min(len(every) * min(every), 1.0)
 
     def curved(self, q: Array) -> float:
-        """The relative error of a stiffness at a place, for the trap is not harmonic."""
+        """Return the relative error of the stiffness, because the trap is not harmonic."""
         bound = self.bound(q)
         assert not isinstance(bound, str)
         return bound.bending**2

@@ -70,10 +70,11 @@ class Efficiency:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Trap(Comparable, Shown):
-    """A characterised trap, SI. Without a stable equilibrium there is nothing to escape from.
+    """A characterised trap, SI. Without a stable equilibrium there are no escapes.
 
-    `equilibrium` is None where no place holds the bead: `ring` may hold it instead, and `reason`
-    says where equilibria were sought. `stiffness` and `stiffness_xyz` raise an error that says so.
+    If no position holds the bead, `equilibrium` is empty (None). A `ring` may hold it instead, and
+    `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an error with
+    this reason.
     """
 
     scene: Scene = field(compare=False)
@@ -137,19 +138,22 @@ class Trap(Comparable, Shown):
 
     @functools.cached_property
     def lifetime(self) -> Lifetime | None:
-        """How long thermal motion leaves the bead in the trap, computed when it is asked for.
+        """Mean time until thermal motion removes the bead from the trap, computed on first use.
 
-        The mean time from the equilibrium, or the ring, until the bead is `Trap.reach` or
-        `simulation.loss_distance` from the focus, whichever is less, at the temperature of the
-        medium, whatever `forces.brownian` is. It is a mean first passage time of the overdamped
-        motion in the exact force, of which no potential is asked, with the mobility at each place.
-        The light is taken as the same all around the axis: of linear light it is that of the half
-        planes along x and along y, whose mean is given and whose distance is in the error.
+        It begins at the equilibrium, or the ring. It ends when the distance from the focus is
+        `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is that of
+        the medium, for any `forces.brownian`. It is a mean first passage time of the overdamped
+        motion in the exact force, which need not have a potential, with the mobility at each
+        position. The light is assumed to have rotational symmetry. For linearly polarised light the
+        half planes along x and along y are computed. Their mean is returned, and their difference
+        is part of the error.
 
-        It is None, and `lifetime_caveat` says why, without an equilibrium or ring, or if that is
-        off the axis or as far from the focus as a bead is lost. It is None of more than one beam,
-        of one that is moved or changes, and with `forces.dlvo` or forces beside those of the scene.
-        It is None where inertia carries the bead: where sqrt(k m) is above 0.3 of the drag.
+        There is no lifetime (None, with the reason in `lifetime_caveat`) in these cases:
+
+        * no equilibrium and no ring, or one off the axis or as far from the focus as a bead is lost
+        * several beams, or a beam that moves or changes
+        * `forces.dlvo`, or the user's own forces
+        * dominant inertia: sqrt(k m) above 0.3 of the drag
         """
         if self.other_forces:
             return None
@@ -158,10 +162,10 @@ class Trap(Comparable, Shown):
 
     @functools.cached_property
     def lifetime_without_light(self) -> Lifetime | None:
-        """How long the same bead stays within the same distance without light.
+        """Mean time that the same bead stays within the same distance without light.
 
-        It begins at the same place, under its weight. This is None where `lifetime` is None or
-        infinite.
+        It begins at the same position, with its weight. Without a finite `lifetime` it is empty
+        (None).
         """
         if self._holds is None or self.lifetime is None or math.isinf(self.lifetime.time):
             return None
@@ -412,11 +416,11 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     the force is along it. Equilibria are sought there, within `Trap.reach` of the focus. That is 20
     radii by rays, and 5 radii and 10 wavelengths in the medium by waves. It is at least five times
     the distance at which the light is as wide as the bead, by waves with five depths of focus
-    more. Where light carries the
-    weight they are sought up to `simulation.loss_distance`. If none is stable near the focus, rings
-    around the axis are sought in the bright region about it, and in light that is not the same all
-    around its axis, places off it: `Trap.searched`. Of several beams, and of one that is moved,
-    equilibria are sought near the axis of each beam, at the time 0.
+    more. If light carries the weight, the search extends to `simulation.loss_distance`. If no
+    equilibrium near the focus is stable, the search includes rings in the bright region around the
+    axis. In light without rotational symmetry it includes positions off the axis. `Trap.searched`
+    describes the search. For several beams, or a beam that moves, equilibria are searched near the
+    axis of each beam, at time 0.
 
     An equilibrium is stable if the linear motion with the inertia of the scene's model decays:
     `Equilibrium.spiral_rate`. The force beside the place must pull back too, since the jumps of the

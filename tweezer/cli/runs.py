@@ -227,9 +227,14 @@ def followed_with_progress(
     going_on: tuple[Scene, Continued] | None = None,
     forces: Sequence[Force] = (),
 ) -> tuple[Run, Callable[[], None]]:
-    """The run of a scene, and the function that finds the rest of its errors, with progress bars.
+    """Return the run of a scene, and the function that computes its other errors.
 
-    See `tweezer.simulation.motion_of`.
+    Both show progress bars.
+
+    Parameters
+    ----------
+    scene, seed, going_on, forces
+        As in `tweezer.simulation.motion_of`.
     """
     end = (going_on[0] if going_on else scene).simulation.duration
     with (
@@ -307,7 +312,7 @@ def _print_errors(scene: Scene, result: Run) -> None:
 
 
 def _table(heading: str) -> Table:
-    """Return an empty table whose second column stands below that of the other one."""
+    """Return an empty table whose second column is aligned with the other table's."""
     table = table_of(heading, "")
     table.columns[0].min_width = len(_BY_MODEL)
     return table

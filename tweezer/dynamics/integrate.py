@@ -121,12 +121,24 @@ def integrate(
 ) -> Integration:
     """Integrate from times[0] to times[-1] by the scene's method, with output at `times`.
 
-    times[0] is 0, or the time at which the equations begin.
-    events: looked for on the dense output; the moment of one that ends the run is the last time
-    returned. progress: called with the time reached. tightened: factor of all tolerances.
-    prescribed: all steps of a compiled method, s, instead of its own. most_held: steps up to which
-    the result has a `path`. An interrupt (Ctrl-C) or a failure ends the run early, marked, with
-    what was reached; an interrupt before anything was is raised.
+    An interrupt (Ctrl-C) or a failure ends the run early. The result contains the motion up to this
+    time and is marked. An interrupt before the first step is raised.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Output times, s. The first one is 0, or the time at which the equations begin.
+    events
+        Events to locate on the dense output. The time of an event that ends the run is the last
+        returned time.
+    progress
+        Called with the time reached, s.
+    tightened
+        Factor of all tolerances.
+    prescribed
+        All steps of a compiled method, s, instead of its own steps.
+    most_held
+        Largest number of steps for which the result has a `path`.
     """
     simulation = equations.scene.simulation
     method: str = simulation.method

@@ -248,17 +248,17 @@ class Walk:
 
     @property
     def _hidden_as(self) -> Array:
-        """What the hidden variables of the fluid's memory are, (6 n,): two rows of their weights.
+        """Weights (6 n,) that define the hidden variables of the hydrodynamic memory, in two rows.
 
-        They are combinations of velocities that depend on the step and on the spring of the trap.
+        The variables are combinations of velocities that depend on the step and the trap stiffness.
         """
         rows = [memory.DECAY, memory.SEEN] if self.hidden else []
         return self.weights.memory[:, rows].ravel()
 
     def end(self, time: float, sample: Array, state: Array) -> End:
-        """Return where a run goes on from a time, s: by its sample, and its state of `start`.
+        """Return the end of a run at a time, s, from its sample and its state in `start`.
 
-        What a camera gathered is no part of it.
+        The end does not include an unfinished frame of a camera.
         """
         inner = np.concatenate([state[: len(self.columns)], state[-1 - self.hidden : -1]])
         about = {"steps": self.per_sample, "memory": self._hidden_as.tolist()}
@@ -298,9 +298,9 @@ class Walk:
     def advance_by_steps(
         self, states: Array, trajectories: Integers, sample: int, out: Array
     ) -> tuple[Array, Array]:
-        """As `advance`; and the times (m + 1,), s, and samples (n, m + 1, ...) after every step.
+        """Advance as `advance`, and return the times (m + 1,), s, and samples (n, m + 1, ...).
 
-        The first of these are those at times[sample].
+        They contain every step, beginning with times[sample].
         """
         total, first = out.shape[1] * self.per_sample, sample * self.per_sample
         steps = np.empty((len(states), total + 1, len(self.columns)))
@@ -310,7 +310,7 @@ class Walk:
         return (first + np.arange(total + 1)) * self.step, steps
 
     def frames(self, sample: int) -> int:
-        """Number of frames of the camera that are over at times[sample]."""
+        """Return the number of camera frames that are complete at times[sample]."""
         return self.exposure.closed(sample * self.per_sample) if self.exposure else 0
 
     def filmed(self, states: Array, trajectories: Integers, sample: int, out: Array) -> Array:
@@ -381,7 +381,7 @@ class Walk:
 
     @functools.cached_property
     def _compiled(self) -> tuple[Part, march.Steps, Weights]:
-        """What the loop takes that stays."""
+        """Constant arguments of the compiled loop."""
         scheme = self.scheme
         steps = march.steps(scheme, self.columns, self.hidden)
         force = bound(self.problem.force, gradient=scheme.gradient)

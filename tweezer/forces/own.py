@@ -123,7 +123,7 @@ class UserForce(Force):
 
     @functools.cached_property
     def _met(self) -> Array:
-        """What went wrong last in compiled code; all 0 if nothing did."""
+        """Last error in compiled code; all 0 without an error."""
         return np.zeros(_OF_MET)
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 _UNCHECKED = ("flat", "as_strided", "carray", "farray")
 #: What a wrench is filled with before a trial, over the largest number that the function adds
 _FILLED = 1e4
-#: Relative change of that by which a function that sets is told from one that adds
+#: Smallest relative change of this that shows a function that sets instead of adding
 _ADDED = 1e-2
 #: Relative difference by which the force on a bead may depend on the other beads
 _SAME = 1e-9
@@ -168,7 +168,7 @@ def _is_library(function: Any) -> bool:
 
 
 def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
-    """What a reader of entries gives; raises `_MisreadError`."""
+    """Return the value that a reader of entries returns; raises `_MisreadError`."""
     many = len(data.shapes)
     if isinstance(entry, bool) or not isinstance(entry, int | np.integer):
         raise _MisreadError(f"{name}(data, {entry!r}): the number of an entry is a whole number")
@@ -204,7 +204,7 @@ def _as_compiled(function: Any) -> Any:
 
 @functools.cache
 def _mathematics() -> dict[Any, Any]:
-    """What stands for `math` and its functions in plain Python."""
+    """Return the replacements of `math` and its functions in plain Python."""
     module = ModuleType("math")
     found: dict[Any, Any] = {math: module}
     for name, each in vars(math).items():
@@ -216,10 +216,28 @@ def _mathematics() -> dict[Any, Any]:
 
 
 def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str:
-    """Run a function once for one bead and for three, and refuse what is wrong at any pose.
+    """Run a function once for one bead and for three, and refuse errors at any pose.
 
-    Returns what else it raised, which may depend on the pose, or "". Raises `ForceError` with the
-    name of the function, the problem and the line.
+    Parameters
+    ----------
+    function : callable
+        Function of a `UserForce`.
+    data : Data
+        Entries of the force.
+    gradient : bool
+        Whether the function sets force gradients.
+    turns : bool
+        Whether the force exerts a moment.
+
+    Returns
+    -------
+    str
+        Description of another exception, which may depend on the pose, or "".
+
+    Raises
+    ------
+    ForceError
+        With the name of the function, the problem and the line.
     """
     found: list[Wrench] = []
     each = _some_pose(3, turns=turns)
@@ -260,7 +278,7 @@ def first_look(function: Any, data: Data, *, gradient: bool, turns: bool) -> str
 
 
 def alike(one: Array, other: Array) -> bool:
-    """Whether two forces are the same but for rounding."""
+    """Return whether two forces are equal within rounding."""
     return bool(np.abs(one - other).max() <= _SAME * max(np.abs(one).max(), np.abs(other).max()))
 
 
@@ -285,9 +303,9 @@ def _run(
     wrench: Wrench,
     before_line: Callable[[int], None] | None = None,
 ) -> None:
-    """Add to `wrench` by plain Python; what is to be read cannot be written.
+    """Add the force to `wrench` in plain Python, with read-only arguments.
 
-    before_line: called with the number of each line of the function, before the line is run.
+    `before_line` is called with the number of each line of the function, before the line is run.
     Raises `_EndlessError` after `_MOST_LINES`, counted in the function and its helpers.
     """
     shut = Pose(*(_shut(each) for each in pose)), Data(*(_shut(each) for each in data))
@@ -323,7 +341,7 @@ def _run(
 
 @functools.cache
 def _has_empty_loop(code: CodeType) -> bool:
-    """Whether an instruction leads to itself, as of `while True: pass`, which is traced as none."""
+    """Return whether an instruction leads to itself, as in `while True: pass`, without a trace."""
     return any(
         each.opname.startswith("JUMP") and each.argval == each.offset
         for each in dis.get_instructions(code)
@@ -345,9 +363,20 @@ def _of_shapes(error: Exception) -> bool:
 
 
 def explained(function: Any, data: Data, pose: Pose, *, gradient: bool, wrong_error: bool) -> str:
-    """Return what went wrong in a function at a pose, with its line.
+    """Return a description of the error in a function at a pose, with its line.
 
-    wrong_error: it is the error of the force that is NaN or negative.
+    Parameters
+    ----------
+    function : callable
+        Function of a `UserForce`.
+    data : Data
+        Entries of the force.
+    pose : Pose
+        Pose of one bead.
+    gradient : bool
+        Whether the function sets force gradients.
+    wrong_error : bool
+        Whether the error of the force, and not the force, is NaN or negative.
     """
     wrench = no_wrench(1, gradient=gradient)
 
@@ -395,7 +424,7 @@ def _place(function: Any, line: int) -> str:
 
 
 def _told(function: Any, error: BaseException) -> str:
-    """What an exception says, in one line."""
+    """Return the message of an exception in one line."""
     code = function.py_func.__code__
     line = code.co_firstlineno
     for frame, number in traceback.walk_tb(error.__traceback__):

@@ -362,7 +362,7 @@ def asked_of(scene: Scene, of: str, forces: Sequence[Force | str] = (), **given:
         if name not in USED[of]:
             uses = ", ".join(each for each in SWEPT if name in USED[each])
             raise SceneError(f"{name}: is for sweeps of {uses}, not of {of}")
-    own = forces_of(forces)  # which refuses what is none
+    own = forces_of(forces)  # which refuses other objects
     kept = tuple(str(Path(each).absolute()) if isinstance(each, str) else each for each in forces)
     return Asked(
         scene.model_dump_json(exclude_none=True), of, **_DEFAULTS | given, forces=kept,

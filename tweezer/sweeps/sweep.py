@@ -55,45 +55,72 @@ def sweep(
     forces: Sequence[Force | str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> xr.Dataset:
-    """Compute the same of many scenes that differ in a few keys.
-
-    over: values by key, such as {"bead.diameter": ["0.5 um", 1e-6]}, each in SI or text with a
-    unit; every combination of them is a case. A table (pandas, xarray) is taken as `cases`. cases:
-    a table with a column for each key and a row for each case, or the name of such a CSV file, with
-    a unit in the heading, "beam.power [mW]", or in the cells; beside `over` each row is computed
-    for each combination. of: "trap" (`tweezer.characterise`), "run" (`tweezer.simulate` and
-    `summarise`), "ensemble" (the statistics of `tweezer.ensemble`, of so many `trajectories`, 100
-    if not given) or "calibrate" (`tweezer.calibrate` of a run). seed: of thermal motion, the same
-    in every case; 0 if not given; not of "trap". skip: s or text, the time left out at the
-    beginning by "ensemble" and "calibrate".
-
-    out: the Zarr store to write; in memory if not given. workers: processes of this machine, by
-    default one for each core; 1 is this process. scheduler: address of a Dask scheduler, or a
-    `distributed.Client`, whose workers compute in their place. resume: continue the sweep at `out`,
-    if there is one. forces: of your own, beside those of each scene (`tweezer.forces`), computed by
-    this process alone and in memory; one that is named by its Python file, "handles.py:spring",
-    can also be computed by other processes and stored at `out`. progress: called with the finished
-    part.
-
-    Returns a dataset over the swept keys, in SI with their units (over `case`, for a table). Each
-    quantity has the variable `_error` beside it, which its attribute `ancillary_variables` names:
-    of a trap the equilibrium, stiffness and corner frequency (axis), escape force and escape energy
-    in k_B T (direction), the lifetime, infinite above 1e20 s, and whether there is a stable
-    equilibrium (`trapped`), of which the outcome says "held", or "shallow" if the easiest straight
-    way out takes less than 10 k_B T; of a run the time of its outcome, its end, overshoot and
-    closest approach, the largest force and Reynolds number; of an ensemble the part that is
-    `lost`, and the mean and variance of the position (axis); of a calibration stiffness, corner
-    frequency and diffusion (axis). Errors of a trap are those of the force of the light, by its
-    theory: `caveat` says in words what ray optics is worth. `outcome` says what becomes of each
-    case; one that "failed" has its `reason`, and NaN for numbers. The attribute `status` is
-    "complete", or "interrupted" of a dataset with the cases reached before Ctrl-C, which can be
-    resumed.
+    """Compute a trap, run, ensemble or calibration for many scenes that differ in a few keys.
 
     The numbers do not depend on workers and interruptions.
 
-    Raises `SceneError` for keys and values that are none, for arguments that this kind of sweep
-    does not use, and if no case is a valid scene; `ResultError` if `out` exists and is not to be
-    resumed, is of another sweep, or cannot be written.
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene that all cases share.
+    over : mapping, DataFrame or Dataset, optional
+        Values by key, such as {"bead.diameter": ["0.5 um", 1e-6]}, in SI or as text with a unit.
+        Every combination of them is a case. A table (pandas, xarray) is used as `cases`.
+    of : str
+        "trap" (`tweezer.characterise`), "run" (`tweezer.simulate` and `summarise`), "ensemble" (the
+        statistics of `tweezer.ensemble`) or "calibrate" (`tweezer.calibrate` for a run).
+    out : str or Path, optional
+        Zarr store to write. Default: the result is in memory.
+    cases : table or path, optional
+        Table with a column for each key and a row for each case, or the name of such a CSV file,
+        with a unit in the heading, "beam.power [mW]", or in the cells. With `over` each row is
+        computed for each combination.
+    trajectories : int, optional
+        Number of trajectories of "ensemble". Default: 100.
+    seed : int, optional
+        Seed of the thermal motion, the same in every case, except for "trap". Default: 0.
+    skip : float or str, optional
+        Time to omit at the beginning in "ensemble" and "calibrate", s.
+    workers : int, optional
+        Processes on this machine; 1 is this process. Default: one for each core.
+    scheduler : str or distributed.Client, optional
+        Dask scheduler, whose workers replace the local processes.
+    resume : bool, optional
+        Continue the sweep at `out`, if it exists.
+    forces : sequence of Force or str, optional
+        Your own forces, in addition to each scene's (`tweezer.forces`). An object requires this
+        process and a result in memory. A force that is named by its Python file,
+        "handles.py:spring", may be computed by other processes and stored at `out`.
+    progress : callable, optional
+        Called with the finished fraction.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dataset over the swept keys, in SI units (over `case`, for a table). Each quantity has the
+        variable `_error` beside it, which its attribute `ancillary_variables` names.
+
+        * trap: equilibrium, stiffness and corner frequency (axis), escape force and escape energy
+          in k_B T (direction), lifetime (infinite above 1e20 s), and `trapped`, whether there is a
+          stable equilibrium. The outcome is "held", or "shallow" if the easiest straight escape
+          requires less than 10 k_B T. The errors are those of the optical force in its theory;
+          `caveat` describes the deviation of ray optics in words.
+        * run: time of its outcome, its end, overshoot and closest approach, largest force and
+          Reynolds number
+        * ensemble: fraction `lost`, mean and variance of the position (axis)
+        * calibrate: stiffness, corner frequency and diffusion (axis)
+
+        `outcome` is the outcome of each case. A case that "failed" has a `reason`, and NaN for
+        numbers. The attribute `status` is "complete", or "interrupted" for a dataset with the cases
+        that were finished before Ctrl-C, which can be resumed.
+
+    Raises
+    ------
+    SceneError
+        For invalid keys and values, for arguments that this kind of sweep does not use, and if no
+        case is a valid scene.
+    ResultError
+        If `out` exists and is not to be resumed, belongs to another sweep, or cannot be written.
     """
     scene = checked_scene(scene)
     grid = cases_of(over, cases)
