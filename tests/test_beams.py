@@ -257,7 +257,7 @@ def test_what_one_beam_is_needed_for_is_refused(tmp_path):
     with pytest.raises(SceneError, match="fitted for one beam at rest"):
         tweezer.fit_depth(track, TWO)
     harmonic = ONE.replace(forces={"brownian": True}, simulation={"method": "harmonic"})
-    with pytest.raises(SceneError, match="the spring is at rest"):
+    with pytest.raises(SceneError, match="follows a trap at rest"):
         walk(harmonic.replace(beam={"motion": TABLE}))
     walk(harmonic)
 

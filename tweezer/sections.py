@@ -54,6 +54,8 @@ from tweezer.units import (
     to_si,
 )
 
+#: Largest number of samples of a run
+MOST_SAMPLES = 10_000_000
 #: keys that say the same thing in two ways: exactly one of each pair is given
 ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
     "bead": (("radius", "diameter"),),
@@ -709,7 +711,7 @@ class Simulation(Section):
         1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
     )
     duration: PositiveTime = Field(description="time simulated")
-    samples: Annotated[StrictInt, Field(ge=2, le=10_000_000)] = Field(
+    samples: Annotated[StrictInt, Field(ge=2, le=MOST_SAMPLES)] = Field(
         2001, description="evenly spaced times in the output, both ends included"
     )
     most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(

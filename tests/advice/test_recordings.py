@@ -169,6 +169,7 @@ FINDINGS = {
     "blur": (recording(*BLURRED[:1], y=BLURRED[1]), {}, r"averaged over some (\S+ ms)", "exposure"),
     "noise": (recording(X + 0.03 * RNG.standard_normal(N)), {"exposure": 0.0},
               r"white noise of about (\S+ nm)", "noise"),
+    "exposure": (recording(X[::5], 5 * STEP, Y[::5]), {}, r"exposure = (0)", "exposure"),
     "drift": (recording(X + DRIFT), {"exposure": 0.0}, r"slower than (\S+ Hz)", "drift"),
     "line": (recording(X + WAVE), {"exposure": 0.0}, r"oscillates at (\S+) Hz", "leave_out"),
     "rounded": (recording(np.round(X / 0.04) * 0.04), {"exposure": 0.0},
@@ -189,7 +190,7 @@ def test_the_advice_of_a_finding_leads_to_the_stiffness(name):
     elif option == "skip":
         source = source.since("50 ms")
     else:
-        options = {**options, option: value}
+        options = {**options, option: 0.0 if value == "0" else value}
     after = calibrate(source, temperature=T, **options).axes[0]
     assert name not in [each.name for each in after.findings]
     trusted = [each for each in after.estimates if not each.findings]

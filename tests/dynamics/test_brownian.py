@@ -986,8 +986,8 @@ def test_a_force_that_is_not_finite_is_an_error():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"simulation": {"method": "harmonic"}}, "no stable equilibrium"),
-        ({"start": {"drawn": "boltzmann"}}, "no stable equilibrium"),
+        ({"simulation": {"method": "harmonic"}}, "requires a stable equilibrium"),
+        ({"start": {"drawn": "boltzmann"}}, "requires a stable equilibrium"),
         ({"simulation": {"duration": 1e5, "samples": 2, "step": 1e-6}}, "steps"),
     ],
 )

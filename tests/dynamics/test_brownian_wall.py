@@ -504,12 +504,15 @@ def test_auto_takes_heun_without_inertia():
 @pytest.mark.parametrize(
     ("sections", "message"),
     [
-        ({"simulation": {"model": "scaled", "scaling_factor": 0.01}}, "overdamped, full"),
-        ({"simulation": {"model": "first-order"}}, "overdamped, full"),
-        ({"simulation": {"method": "euler-maruyama"}}, "heun, one-call"),
-        ({"simulation": {"method": "baoab", "model": "full"}}, "allowed: heun"),
-        ({"simulation": {"method": "one-call", "model": "full"}}, "allowed: heun"),
-        ({"simulation": {"model": "full"}, "forces": {"brownian_torque": True}}, "no rotation"),
+        ({"simulation": {"model": "scaled", "scaling_factor": 0.01}}, "must be overdamped or full"),
+        ({"simulation": {"model": "first-order"}}, "must be overdamped or full"),
+        ({"simulation": {"method": "euler-maruyama"}}, "must be heun or one-call"),
+        ({"simulation": {"method": "baoab", "model": "full"}}, "must be heun"),
+        ({"simulation": {"method": "one-call", "model": "full"}}, "must be heun"),
+        (
+            {"simulation": {"model": "full"}, "forces": {"brownian_torque": True}},
+            "cannot follow thermal rotation",
+        ),
     ],
 )
 def test_what_does_not_go_beside_a_wall_is_refused(sections, message):

@@ -305,16 +305,16 @@ def test_what_needs_a_uniform_drag_says_so(dark):
     """One line for each: never another drag in its place."""
     scene = dark.replace(forces={"brownian": True})
     for changes, words in (
-        ({"method": "heun", "model": "overdamped"}, "'heun': .* allowed: euler-maruyama"),
-        ({"model": "full"}, "simulation.model = 'full': .* allowed: overdamped"),
+        ({"method": "heun", "model": "overdamped"}, "'heun': .* must be euler-maruyama"),
+        ({"model": "full"}, "simulation.model = 'full': .* set simulation.model to overdamped"),
     ):
         with pytest.raises(SceneError, match=words):
             walk(problem_of(scene.replace(simulation=changes), growing()))
     turning = {"angular_velocity": [0.0, 0.0, 10.0]}
     problem = problem_of(dark.replace(simulation={"model": "first-order"}), growing())
-    with pytest.raises(SceneError, match=r"simulation.model = 'first-order': takes a drag"):
+    with pytest.raises(SceneError, match=r"simulation.model = 'first-order': requires a drag"):
         integrate(bind(problem), np.array([0.0, 1e-6]))
-    with pytest.raises(SceneError, match="the Kalman filter takes a drag"):
+    with pytest.raises(SceneError, match="the Kalman filter follows no inertia"):
         kalman_filter(bind_translation(problem_of(dark, growing()), "full"))
     for start in (turning, {}):
         scene = dark.replace(start=start, simulation={"model": "full"})

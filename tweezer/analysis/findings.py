@@ -381,7 +381,7 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
         k = "the stiffness would not be determined"
     return Finding(
         "exposure", f"the exposure is not given: were it {1e3 * worst.bead.exposure:.2g} ms, {k}; "
-        "give that of the detector"
+        "give the exposure of the detector, or exposure = 0 if it does not average"
     )  # fmt: skip
 
 

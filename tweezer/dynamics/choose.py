@@ -65,10 +65,10 @@ def _inertia(problem: Problem) -> tuple[Problem, str]:
     if medium.inertia is None and simulation.model != "full":
         missing = f"with the model {simulation.model} only where it is named"
     if missing and medium.inertia == "memory":
-        raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
+        raise SceneError(without_memory(missing))
     if missing:
         if medium.poles is not None:
-            raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
+            raise SceneError(poles_without_memory(medium.poles, missing))
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     way = scene.lag * problem.fastest
     poles = medium.poles or enough_poles(way, simulation.position_tolerance)
@@ -90,18 +90,34 @@ def _without_wall(scene: Scene) -> str:
     )
 
 
+def without_memory(missing: str) -> str:
+    """Return the message for a scene that names a memory that it cannot have."""
+    return (
+        f"medium.inertia = 'memory': {missing}; must be none or added-mass; set medium.inertia to "
+        "none"
+    )
+
+
+def poles_without_memory(poles: int, missing: str) -> str:
+    """Return the message for a number of poles of a fluid that has no memory."""
+    return (
+        f"medium.poles = {poles}: requires the memory of the fluid, but {missing}; remove "
+        "medium.poles"
+    )
+
+
 def _without_memory(problem: Problem) -> str:
     """Why the motion cannot have a memory; empty if it can."""
     method = problem.scene.simulation.method
     if method != "auto" and not METHODS[method].memory:
-        return f"{method} takes no memory"
+        return f"the method {method} cannot follow it"
     if not problem.drag.uniform:
-        return "the drag depends on the place, as that beside a wall"
+        return "the drag depends on the position, as it does beside a wall"
     model = problem.scene.simulation.model or "full"
     if not bind(problem.changed(model=model)).takes_drag_exactly:
         return (
-            "it needs a sphere, a drag that is the same everywhere, and forces that do not look at "
-            "the orientation"
+            "it requires a sphere, a drag that is the same everywhere, and forces that do not "
+            "depend on the orientation"
         )
     return ""
 

@@ -128,7 +128,9 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     """
     if equations.stiff and not equations.drag.uniform:
         raise SceneError(
-            "the Kalman filter takes a drag that depends on the place without inertia alone"
+            f"simulation.model = {equations.scene.simulation.model!r}: the Kalman filter follows "
+            "no inertia under a drag that depends on the position; set simulation.model to "
+            "overdamped"
         )
     system = equations.system(gradient=True, derivatives=True)
     scale = np.ones(len(equations.initial_state))

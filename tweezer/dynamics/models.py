@@ -82,8 +82,8 @@ class EquationsOfMotion(Shown):
         self.force, self.drag = self.problem.force, self.problem.drag
         if "beta_v" in self.module.PARAMS and not self.drag.uniform:
             raise SceneError(
-                f"simulation.model = {self.scene.simulation.model!r}: takes a drag that is the "
-                "same everywhere"
+                f"simulation.model = {self.scene.simulation.model!r}: requires a drag that is "
+                "the same everywhere; set simulation.model to full"
             )
         simulation = self.scene.simulation
         values = _parameter_values(self.problem, simulation.scaling_factor)
@@ -267,8 +267,8 @@ class EquationsOfMotion(Shown):
     def _refuse_memory(self) -> None:
         if self.remembers:
             raise SceneError(
-                "medium.inertia = 'memory': not in `rhs`, which knows no past; allowed: 'none', "
-                "'added-mass', or the method exponential"
+                "medium.inertia = 'memory': `rhs` and `jacobian` cannot follow the memory; must be "
+                "none or added-mass; set medium.inertia to none"
             )
 
     def _rates(self, times: Array, states: Array) -> Array:

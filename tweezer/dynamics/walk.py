@@ -28,7 +28,7 @@ from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times, longest_step
-from tweezer.dynamics.choose import rates_of_force
+from tweezer.dynamics.choose import poles_without_memory, rates_of_force, without_memory
 from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
@@ -40,6 +40,7 @@ from tweezer.forces.data import Part
 from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
+from tweezer.sections import MOST_SAMPLES, Simulation
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -420,10 +421,10 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     if beside_wall:
         follows = list(METHODS["heun"].beside_wall)
     if not uniform and simulation.model not in (None, *follows):
-        where = "beside a wall" if beside_wall else "under a drag that depends on the place"
+        where = "beside a wall" if beside_wall else "under a drag that depends on the position"
         raise SceneError(
-            f"simulation.model = {simulation.model!r}: not with thermal motion {where}; "
-            f"allowed: {', '.join(follows)}"
+            f"simulation.model = {simulation.model!r}: cannot follow thermal motion {where}; must "
+            f"be {' or '.join(follows)}; set simulation.model to {follows[0]}"
         )
     if simulation.model is None:
         problem = problem.decided(simulation={"model": "full" if uniform else "overdamped"})
@@ -455,50 +456,24 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         if simulation.model == "scaled" and simulation.scaling_factor:
             tau = tau / simulation.scaling_factor
     how = METHODS[simulation.method]
-    if how.spring_only and not problem.force.steady:
-        raise SceneError(
-            f"simulation.method = {simulation.method!r}: the spring is at rest; not with "
-            "beam.motion, beam.modulation or another force that changes in time"
-        )
-    if beside_wall and model.name not in how.beside_wall:
-        allowed = [each.name for each in methods(thermal=True) if model.name in each.beside_wall]
-        raise SceneError(
-            f"simulation.method = {simulation.method!r}: with the model {model.name} it does not "
-            f"keep a bead on its side of a wall; allowed: {', '.join(allowed)}"
-        )
-    if beside_wall and inertial and problem.rotates:
-        raise SceneError(
-            "simulation.model = 'full': with thermal motion beside a wall it has no rotation; "
-            "allowed: 'overdamped'"
-        )
-    if not (uniform or beside_wall) and (how.uniform_drag or problem.rotates):
-        allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
-        raise SceneError(
-            f"simulation.method = {simulation.method!r}: takes a drag that is the same everywhere; "
-            f"allowed: {', '.join(allowed)}, without rotation"
-        )
-    if problem.force.oriented and (how.spring_only or model.scheme):
-        raise SceneError(
-            "forces: one that turns the bead; not with "
-            f"simulation.method = {simulation.method!r} and simulation.model = {model.name!r}"
-        )
-    if problem.rotates and scene.bead.moments_of_inertia and inertial:
-        raise SceneError(
-            "bead.moments_of_inertia: with thermal motion a rotation with inertia is that of a "
-            "sphere; allowed: model = 'overdamped', or no moments"
-        )
+    _check_goes_together(problem)
     equilibrium = problem.equilibrium
     rates = np.zeros((3, 3))
     if equilibrium is not None:
         there = problem.mobilities(np.array([equilibrium.position]))[0]
         rates = _rates(equilibrium, there if beside_wall else mobility)
     if equilibrium is None:
-        for key, value, needing in (
-            ("simulation.method", simulation.method, METHODS[simulation.method].spring_only),
-            ("start.drawn", scene.start.drawn, scene.start.drawn in ("equilibrium", "boltzmann")),
-        ):
+        for key, value, needing, instead in (
+            ("simulation.method", simulation.method, METHODS[simulation.method].spring_only,
+             "heun"),
+            ("start.drawn", scene.start.drawn, scene.start.drawn in ("equilibrium", "boltzmann"),
+             "no"),
+        ):  # fmt: skip
             if needing:
-                raise SceneError(f"{key} = {value!r}: the scene has no stable equilibrium")
+                raise SceneError(
+                    f"{key} = {value!r}: requires a stable equilibrium, and the scene has none; "
+                    f"set {key} to {instead}"
+                )
     kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
         kappa[:3] = np.diag(rates)
@@ -520,11 +495,7 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias, of_velocity)
     per_sample = max(fewest, math.ceil(interval / longest * (1 - 1e-12)))
     if per_sample > _MOST_PER_SAMPLE:
-        raise SceneError(
-            f"simulation.duration = {simulation.duration:g}: {per_sample:.2g} steps of "
-            f"{longest:.2g} s from sample to sample; allowed: {_MOST_PER_SAMPLE:.0g}. More "
-            "simulation.samples?"
-        )
+        raise SceneError(_too_many_steps(simulation, longest))
     step = interval / per_sample
     reasons.append(f"steps of {step:.3g} s: {reason}")
     # rotational diffusion without inertia is drawn by itself
@@ -586,6 +557,66 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     return found
 
 
+def _check_goes_together(problem: Problem) -> None:
+    """Raise `SceneError` for a model, a method and a body that do not go together.
+
+    Each message ends with one change that mends what it names.
+    """
+    simulation, wall = problem.scene.simulation, isinstance(problem.drag, BesideWall)
+    model, how = MODELS[str(simulation.model)], METHODS[simulation.method]
+    by_method = f"simulation.method = {how.name!r}: "
+    by_model = f"simulation.model = {model.name!r}: "
+    if how.spring_only and not problem.force.steady:
+        raise SceneError(
+            f"{by_method}follows a trap at rest, but a force or a beam changes in time; set "
+            "simulation.method to heun"
+        )
+    if wall and model.name not in how.beside_wall:
+        allowed = [each.name for each in methods(thermal=True) if model.name in each.beside_wall]
+        raise SceneError(
+            f"{by_method}cannot keep a bead on its side of a wall in the model {model.name}; must "
+            f"be {' or '.join(allowed)}; set simulation.method to {allowed[0]}"
+        )
+    if wall and model.inertia and problem.rotates:
+        raise SceneError(
+            f"{by_model}cannot follow thermal rotation beside a wall; set simulation.model to "
+            "overdamped"
+        )
+    if not (problem.drag.uniform or wall) and how.uniform_drag:
+        allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
+        raise SceneError(
+            f"{by_method}requires a drag that is the same everywhere; must be "
+            f"{' or '.join(allowed)}; set simulation.method to {allowed[0]}"
+        )
+    if not (problem.drag.uniform or wall) and problem.rotates:
+        raise SceneError(
+            "forces.brownian = True: thermal rotation requires a drag that is the same everywhere; "
+            "set forces.brownian to false"
+        )
+    if problem.force.oriented and how.spring_only:
+        raise SceneError(
+            f"{by_method}follows no force that turns the bead; set simulation.method to heun"
+        )
+    if problem.force.oriented and model.scheme:
+        raise SceneError(
+            f"{by_model}follows no force that turns the bead; set simulation.model to full"
+        )
+
+
+def _too_many_steps(simulation: Simulation, longest: float) -> str:
+    """Return the message for a run of too many steps from sample to sample."""
+    interval = simulation.duration / (simulation.samples - 1)
+    told = (
+        f"simulation.samples = {simulation.samples}: is {interval / longest:.2g} steps of "
+        f"{longest:.2g} s from sample to sample; must be at most {_MOST_PER_SAMPLE:.0g}; set "
+    )
+    needed = math.ceil(1.01 * simulation.duration / (longest * _MOST_PER_SAMPLE)) + 1
+    if needed <= MOST_SAMPLES:
+        return f"{told}simulation.samples to {needed}"
+    short = 0.99 * (simulation.samples - 1) * longest * _MOST_PER_SAMPLE
+    return f"{told}simulation.duration to {short:.2g}"
+
+
 def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
     """A problem of a decided model and method with what it has of the fluid's inertia, and why.
 
@@ -596,23 +627,23 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
         return problem, ""
     missing = ""
     if not _scheme(problem).memory or not MODELS[str(simulation.model)].inertia:
-        missing = f"{simulation.model}, {simulation.method} takes no memory"
+        missing = f"the model {simulation.model} by {simulation.method} cannot follow it"
     elif not (problem.drag.uniform and np.ptp(problem.mobility[:3]) == 0):
-        missing = "the drag depends on the place or the direction"
+        missing = "the drag depends on the position or the direction"
     elif (
         METHODS[simulation.method].spring_only
         and problem.equilibrium is not None
         and not _diagonal(_rates(problem.equilibrium, problem.mobility))
     ):
-        missing = f"{simulation.method} takes no spring that couples the axes; heun does"
+        missing = f"{simulation.method} cannot follow it in a trap that couples the axes"
     if medium.inertia == "memory":
         if missing:
-            raise SceneError(f"medium.inertia = 'memory': {missing}; allowed: 'none', 'added-mass'")
+            raise SceneError(without_memory(missing))
     elif simulation.model != "full":
         missing = missing or f"with the model {simulation.model} only where it is named"
     if missing:
         if medium.poles is not None:
-            raise SceneError(f"medium.poles = {medium.poles}: no memory: {missing}")
+            raise SceneError(poles_without_memory(medium.poles, missing))
         return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     problem = problem.remembering(medium.poles or POLES)
     return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"

@@ -169,7 +169,8 @@ def stationary_root(tau: Array, rates: Array, diffusion: Array) -> Array:
     if (growing := float(np.linalg.eigvals(A).real.max())) >= 0:
         raise SceneError(
             "start.drawn = 'boltzmann': there is no stationary motion, as the light pushes the "
-            f"bead round the axis, and its circles grow by {growing:.3g}/s"
+            f"bead round the axis, and its circles grow by {growing:.3g}/s; set start.drawn to "
+            "equilibrium"
         )
     unit = np.sqrt(np.concatenate([
         diffusion / np.diag(rates), diffusion[: len(tau_or_none)] / tau_or_none,
@@ -211,7 +212,8 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
     if largest >= 1:
         raise SceneError(
             "start.drawn = 'boltzmann': there is no stationary motion, as the light pushes the "
-            f"bead round the axis, and its circles grow by {largest - 1:.3g} a step"
+            f"bead round the axis, and its circles grow by {largest - 1:.3g} a step; set "
+            "start.drawn to equilibrium"
         )
     covariance = noise @ noise.T
     while np.abs(A).max() > 0:

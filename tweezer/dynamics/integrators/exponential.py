@@ -826,9 +826,8 @@ class Exponential:
         """
         if not equations.takes_drag_exactly:
             raise SceneError(
-                "simulation.method = 'exponential': needs a sphere, and forces that do not look at "
-                "the orientation, which "
-                f"{equations.name} has not"
+                "simulation.method = 'exponential': requires a sphere, forces that do not depend "
+                "on the orientation, and no first-order model; set simulation.method to auto"
             )
         relaxation = equations.relaxation._replace(
             turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
