@@ -69,13 +69,13 @@ def test_longer_functions_find_a_scene_by_its_name(name):
 
 
 @pytest.mark.parametrize("name", CALLS)
-def test_what_is_no_scene_is_refused_in_one_line(name):
+def test_other_objects_than_scenes_are_refused_in_one_line(name):
     for given, message in (("silica-2um", "did you mean silica-1um?"), (3, "must be a Scene")):
         with pytest.raises(SceneError, match=message):
             CALLS[name](given)
 
 
-def test_bead_has_the_diameter_that_its_file_says():
+def test_bead_has_the_diameter_in_its_file():
     assert SCENE.bead.diameter == 2 * SCENE.bead.radius == 1e-6
     coated = tweezer.load_scene("coated-1um") if "coated-1um" in shipped_scenes() else SCENE
     assert all(each.diameter == 2 * each.radius for each in coated.bead.layers or ())

@@ -136,7 +136,7 @@ def test_journal_that_is_foreign_is_refused_in_a_folder_of_its_own(tmp_path):
     assert sorted(path.name for path in part.iterdir()) == ["new", "notes.txt"]
 
 
-def test_what_a_killed_process_was_writing_is_removed_later(tmp_path):
+def test_unfinished_file_of_a_killed_process_is_removed_later(tmp_path):
     """The next write into the folder removes it, but no file of a living process or of the user."""
     dead, file = files._begun(tmp_path)
     file.close()
@@ -178,7 +178,7 @@ print("is too late", flush=True)
     assert [path.name for path in tmp_path.iterdir()] == ["a.json"]
 
 
-def test_interrupted_last_write_of_a_sweep_is_told_as_interrupted(tmp_path, monkeypatch):
+def test_interrupted_last_write_of_a_sweep_is_reported(tmp_path, monkeypatch):
     out = tmp_path / "s.zarr"
     sound = os.replace
 

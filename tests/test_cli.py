@@ -401,7 +401,7 @@ def test_the_figure_and_the_result_come_before_the_slow_errors(command_line, mon
     assert outcome.code == 0
     result, errors = outcome.out.split("wrote a.png")
     assert "outcome" in result
-    assert "off the motion with all inertia" in errors
+    assert "deviation from the motion with all inertia" in errors
 
 
 def test_a_figure_that_fails_leaves_the_run(command_line, monkeypatch):

@@ -117,7 +117,7 @@ def test_a_key_without_its_section_is_told_it(key, told):
     assert told in str(refused.value)
 
 
-def test_what_a_sweep_computes_is_completed():
+def test_quantity_of_a_sweep_is_completed():
     command = typer.main.get_command(cli.app).commands["sweep"]
     (of,) = [each for each in command.params if "--of" in each.opts]
     with command.make_context("sweep", [], resilient_parsing=True) as context:

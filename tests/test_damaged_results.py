@@ -35,7 +35,7 @@ def _here(tmp_path, monkeypatch):
         (foreign_files, 10),
     ],
 )
-def test_fault_loses_nothing_and_is_told_in_one_line(kind, count):
+def test_fault_loses_nothing_and_is_reported_in_one_line(kind, count):
     assert sum(kind(count).values()) == count
 
 
@@ -90,7 +90,7 @@ def test_store_with_another_chunk_in_place_of_one_is_refused(name):
 
 
 def test_store_of_the_last_release_is_read():
-    """Its seal has no checksums of chunks."""
+    """The seal has no checksums of chunks."""
     path = copied("sweep.zarr")
     about = json.loads((path / "zarr.json").read_text())
     digest = hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()
@@ -175,7 +175,7 @@ def test_times_that_fall_or_are_not_finite_are_refused():
             tweezer.view(wrong)
 
 
-def test_damage_found_late_is_told_with_the_name_of_the_file():
+def test_damage_found_late_is_reported_with_the_file_name():
     """A bit of a chunk: its checksum is seen where it is read."""
     path = copied("ensemble.zarr")
     chunk = path / "position" / "c" / "1" / "0" / "0"
@@ -187,7 +187,7 @@ def test_damage_found_late_is_told_with_the_name_of_the_file():
             read(path)
 
 
-def test_changed_description_is_told_with_what_to_do():
+def test_changed_description_is_reported_with_a_remedy():
     path = copied("sweep.zarr")
     about = json.loads((path / "zarr.json").read_text())
     about["attributes"]["note"] = "mine"

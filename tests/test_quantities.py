@@ -266,7 +266,7 @@ def test_the_error_of_the_force():
         ("0.5 km", "m", (2e-9, 2e-3), ""),
     ],
 )
-def test_a_bare_number_out_of_range_is_answered_with_the_unit_it_needs(value, unit, bounds, told):
+def test_bare_number_out_of_range_is_answered_with_its_unit(value, unit, bounds, told):
     with pytest.raises(ValueError, match="must be from") as refused:
         to_si(value, unit, *bounds)
     assert (told in str(refused.value)) if told else ("write" not in str(refused.value))

@@ -32,7 +32,7 @@ def folder(tmp_path):
     shared.share(None)
 
 
-def test_what_one_process_compiles_another_waits_for(folder):
+def test_process_waits_for_a_function_that_another_compiles(folder):
     assert shared.claim("a", sample)
     (path,) = folder.iterdir()
     shared.release()
@@ -54,7 +54,7 @@ def test_what_one_process_compiles_another_waits_for(folder):
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-def test_what_the_other_process_has_compiled_is_loaded(folder, tmp_path, monkeypatch):
+def test_function_compiled_by_another_process_is_loaded(folder, tmp_path, monkeypatch):
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path))
 
     def function(x):

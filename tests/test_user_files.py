@@ -26,7 +26,7 @@ def test_scene_file_may_begin_with_a_byte_order_mark():
     assert tweezer.load_scene("mine.toml").bead == tweezer.load_scene("silica-1um").bead
 
 
-def test_pipes_and_devices_are_refused_at_once():
+def test_pipes_and_devices_are_refused_immediately():
     """Each where a file of its kind is read: they may never end."""
     motion = "[beam.motion]\nfile = 'path.csv'\n"
     Path("moved.toml").write_text(SHIPPED.read_text() + motion)
@@ -63,7 +63,7 @@ def test_file_of_another_kind_is_named(name, kind):
         tweezer.load_recording("mine.toml")
 
 
-def test_many_values_are_compared_and_many_errors_told_in_a_few_lines():
+def test_many_values_are_compared_and_many_errors_reported_in_few_lines():
     values = np.linspace(1e-6, 2e-6, 40_000)
     assert cases_of({"simulation.loss_distance": values}, None).count == 40_000
     with pytest.raises(tweezer.SceneError, match="is given twice"):

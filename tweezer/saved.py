@@ -109,7 +109,7 @@ def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
 def read_json(path: Path) -> Any:
     """Return the content of a file of JSON, without its digest.
 
-    Raises `ResultError` if it cannot be read, or if its digest is not that of its content. A file
+    Raises `ResultError` if it cannot be read, or if its digest differs from its content. A file
     without a digest is read as it is: earlier versions wrote none.
     """
     try:

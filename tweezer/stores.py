@@ -25,7 +25,7 @@ from tweezer.files import digest, read_text, remove_left_over, write_whole
 
 #: Name of the description of a group or an array
 _ABOUT = "zarr.json"
-#: File with a digest, of the description of a store and of the checksums of its chunks, and these
+#: File with the checksums of a store's chunks, and a digest of these and of its description
 _SEAL = ".sha256"
 #: Sizes of numbers, bytes
 _SIZES = {"bool": 1, "int8": 1, "int16": 2, "int32": 4, "int64": 8, "float32": 4, "float64": 8}

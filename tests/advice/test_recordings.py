@@ -206,7 +206,7 @@ def test_the_advice_of_a_finding_leads_to_the_stiffness(name):
      1e6 * RNG.permutation(np.cumsum(1e-8 * RNG.standard_normal(N)))],
     ids=["twice", "repeated", "copied", "in turn", "shuffled"],
 )  # fmt: skip
-def test_what_no_option_mends_stays_marked(shown):
+def test_fault_without_a_remedy_keeps_its_finding(shown):
     """Whatever exposure and noise are given, no number loses its mark."""
     source = recording(shown, y=shown)
     for options in ({"exposure": 0.0}, {"exposure": STEP}, {"exposure": 0.0, "noise": 5e-9}):
@@ -248,7 +248,7 @@ KNOWN = {
      ["--temperature", "20 degC", "--wall", "5 um", "--focus", "1 um"]],
     ids=["temperature", "density", "wall", "fluid", "focus", "wall and focus"],
 )  # fmt: skip
-def test_options_that_are_asked_for_lead_to_a_calibration(command_line, tmp_path, given):
+def test_options_from_error_messages_lead_to_a_calibration(command_line, tmp_path, given):
     """Each refusal asks for options until there is a result; each asks for another one."""
     text = table("t,x [um]", TIMES[:400], X[:400])
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")

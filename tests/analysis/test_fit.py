@@ -220,7 +220,7 @@ def test_runs_of_different_inertia_are_not_fitted_together(scene, recording):
         tweezer.fit([one, other], scene, free=[POWER])
 
 
-def test_record_that_begins_off_the_trap_is_refused_with_a_time_that_helps(remembering):
+def test_recording_that_begins_outside_the_trap_is_refused_with_the_time_to_skip(remembering):
     scene, recording = remembering
     step, before = recording.step, 300
     falling = 2e-6 * np.exp(-np.arange(before) / 30)[:, None] * np.array([1.0, 0.0, 0.3])

@@ -289,7 +289,7 @@ def test_long_exposures(scene):
         tweezer.fit_depth(track, scene, exposure=2.1e-3)
 
 
-def test_residuals_are_fewer_by_what_is_fitted_to_them():
+def test_fitted_quantities_reduce_the_degrees_of_freedom():
     """With 13 numbers fitted to 24 residuals, p < 0.1 in a tenth of 300 tracks.
 
     The limit is four standard errors above. Counted as 24, they would be too small in 217.

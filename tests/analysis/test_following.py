@@ -109,7 +109,7 @@ def test_noise_of_the_sensor_of_the_stage_is_not_taken_for_motion(hum):
     ],
     ids=["square", "sawtooth"],
 )
-def test_a_stage_that_jumps_between_samples_is_said(stage):
+def test_stage_that_jumps_between_samples_is_a_finding(stage):
     """Followed as it says, "sample faster": at 80 kHz the step is 1 % of the relaxation time."""
     found = calibrated(recorded(stage, 24_000, 45))
     assert any("the stage jumps between two samples" in each.text for each in found.findings)
@@ -118,7 +118,7 @@ def test_a_stage_that_jumps_between_samples_is_said(stage):
     assert k.findings or abs(k.stiffness - K) < 4 * k.uncertainty
 
 
-def test_what_speaks_against_the_record_speaks_against_the_drag_and_the_volts():
+def test_findings_apply_to_the_drag_and_the_displacement_sensitivity():
     """A stage that moves as its column does, and at 33 Hz too."""
     recording = recorded(triangle(4), 12_000, 47)
     hum = 2e-7 * RESPONSE * np.sin(2 * np.pi * 33 * recording.times)

@@ -19,7 +19,7 @@ from tweezer.sweeps.quantities import values_of_trap
     ("light", "viscosity"),
     [("linear", 1e-6), ("circular", 1e-6), ("circular", 9e-7), ("vortex", 1e-7), ("vortex", 1e-4)],
 )
-def test_equilibrium_is_stable_where_matrix_and_run_say_so(light, viscosity):
+def test_equilibrium_is_stable_if_matrix_and_run_agree(light, viscosity):
     found = compared(light, viscosity)
     assert found.agrees, found
 

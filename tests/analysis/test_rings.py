@@ -122,7 +122,7 @@ def test_ring_widens_in_thin_gas_until_it_is_gone():
 
 
 @pytest.mark.parametrize("viscosity", [1e-7, 1e-8])
-def test_ring_lost_by_too_little_drag_says_so(viscosity):
+def test_reason_names_a_ring_lost_by_too_little_drag(viscosity):
     scene = hollow(VORTEX, medium={"viscosity": viscosity})
     trap = tweezer.characterise(scene)
     assert trap.ring is None
@@ -132,7 +132,7 @@ def test_ring_lost_by_too_little_drag_says_so(viscosity):
     )
 
 
-def test_no_ring_is_sought_where_the_axis_holds_the_bead():
+def test_no_ring_is_searched_if_the_axis_has_an_equilibrium():
     trap = tweezer.characterise(hollow({}, 1e-6))
     assert trap.rings == ()
     assert "ring" not in trap.searched

@@ -66,7 +66,7 @@ def pulled_back(scene, farthest):
     ],
     ids=["ball", "two places", "down", "drop", "dense", "far"],
 )  # fmt: skip
-def test_every_place_that_holds_the_bead_is_found(scene, farthest):
+def test_every_stable_equilibrium_is_found(scene, farthest):
     trap = tweezer.characterise(scene)
     stable = sorted(each.position[2] for each in trap.equilibria if each.stable)
     assert stable == pytest.approx(pulled_back(scene, farthest), abs=4e-3 * farthest)
@@ -97,7 +97,7 @@ def test_run_and_trap_agree_on_the_ball():
     assert end == pytest.approx(tweezer.characterise(BALL).equilibrium.position[2], abs=1e-7)
 
 
-def test_what_is_not_found_says_where_it_was_sought():
+def test_empty_answers_name_the_searched_range():
     none = tweezer.characterise(BALL.of_power(1e-3))
     assert none.equilibrium is None
     assert none.reason.startswith(

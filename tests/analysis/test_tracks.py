@@ -80,7 +80,7 @@ def test_the_likelihood_of_tracks_is_that_of_dense_gaussians():
      {"axes": 3, "count": 12, "frames": 31}, {"axes": 1, "count": 50}],
     ids=["plane", "blurred", "gaps", "space", "line"],
 )  # fmt: skip
-def test_the_common_diffusion_is_as_uncertain_as_it_says(how):
+def test_common_diffusion_has_the_stated_uncertainty(how):
     """9 sets each: false alarms below 1e-3."""
     every = [diffusion(tracks(seed, **how)) for seed in range(9)]
     z = np.array([math.log(each.diffusion / D) * D / each.uncertainty for each in every])
@@ -91,7 +91,7 @@ def test_the_common_diffusion_is_as_uncertain_as_it_says(how):
     assert sum(each.homogeneity < 0.05 for each in every) <= 4
 
 
-def test_tracks_of_different_beads_are_told():
+def test_tracks_of_different_beads_are_a_finding():
     found = diffusion(tracks(1, diffusions=(0.5 * D, 1.5 * D)))
     assert found.homogeneity < 1e-6
     assert "tracks" in names(found)
@@ -110,10 +110,10 @@ def test_held_beads_are_not_free(stiffness):
     assert "confined" in names(found) or found.interval[0] == 0
 
 
-def test_very_short_tracks_of_held_beads_are_told():
+def test_very_short_tracks_of_held_beads_are_a_finding():
     """Each has 10 frames over 3 relaxation times. Free beads have p < 1e-3 with this probability.
 
-    Beads that a flow drives along end no closer to their beginning.
+    A flow that drives the beads along does not lead them closer to their beginning.
     """
     drag = BOLTZMANN * T / D
     held = [

@@ -92,7 +92,7 @@ def test_a_thrown_bead_is_lost_between_the_ends_of_a_step():
 
 
 @pytest.mark.parametrize("step", [1e-3, 0.3, 1.0, 20.0, 1e4])
-def test_what_velocities_leave_open_of_the_middle_of_a_step(step):
+def test_variance_in_the_middle_of_a_step_for_given_velocities(step):
     """The oracle is Van Loan's matrix exponential, with the limits (step/tau)^2/48 and
     1 - 4 tau/step.
     """

@@ -61,7 +61,7 @@ def test_thermal_energy_at_low_damping(quality, depth):
         assert abs(of_each.mean() - 1) < FAR * of_each.std() / math.sqrt(len(of_each))
 
 
-def test_the_energy_that_steps_take_is_told():
+def test_energy_loss_of_the_steps_is_reported():
     """At Q = 1e4, with half as many steps per period, 250 beads agree with the reported loss."""
     usual = levitated(1e4, 20)
     assert -0.04 < usual.variance_bias < -0.008

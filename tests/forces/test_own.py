@@ -256,7 +256,7 @@ def test_function_that_sets_its_force_beyond_its_trial_leaves_the_others():
         (22, {}, "depends on the time; give by_time=True"),
     ],
 )
-def test_force_that_is_not_what_it_is_said_to_be_is_refused(how, of_force, message):
+def test_force_that_contradicts_its_declaration_is_refused(how, of_force, message):
     with pytest.raises(ForceError) as refused:
         tweezer.simulate(DARK, forces=[force_of(how, **of_force)])
     assert str(refused.value).startswith(f"forces: faulty: {message}")

@@ -60,7 +60,7 @@ def test_force_alone_holds_the_bead():
     np.testing.assert_allclose(trap.stiffness, K, atol=1e-11)
 
 
-def test_what_is_of_the_scene_alone_is_not_told_of_others():
+def test_quantities_of_the_scene_alone_are_refused_with_other_forces():
     """The lifetime and the picture do not know the force."""
     trap = tweezer.characterise(SCENE, forces=tethered())
     assert "not yet computed" not in repr(trap)

@@ -83,7 +83,7 @@ def test_measured_samples_are_left_alone(rounded):
      (one_axis(0), "marks", "samples have the same numbers (0) along one axis: taken as lost"),
      (interpolated(at(0.03)), "copies", "samples lie on the line between")],
 )  # fmt: skip
-def test_a_few_unmeasured_samples_become_missing(positions, which, said):
+def test_few_unmeasured_samples_become_missing(positions, which, said):
     found = getattr(unmeasured(positions), which)
     truth = (positions != POSITIONS[:, : positions.shape[1]]).any(axis=1)
     assert (found != truth).sum() <= 4  # ends of runs, and equal by chance
@@ -195,7 +195,7 @@ def test_an_oscillation_is_no_row_of_beads(frequency, quality, step):
 
 
 def test_hum_at_a_quarter_of_the_rate_is_no_other_order():
-    """Its autocorrelation is 0 over one step and -1 over two; rows with times are in order."""
+    """The autocorrelation is 0 over one step and -1 over two; rows with times are in order."""
     hum = 6 * POSITIONS.std() * np.sqrt(2) * np.sin(np.pi / 2 * np.arange(N) + 0.3)[:, None]
     found = names(calibrated(POSITIONS + hum))
     assert "line" in found

@@ -533,7 +533,7 @@ def test_a_structure_of_matlab_beside_the_record():
      "Frequency,X,Y\nHz,V^2/Hz,V^2/Hz", "Frequency (Hz),Magnitude (dB)"],
 )  # fmt: skip
 @pytest.mark.parametrize("options", [{}, {"columns": "t=1,x=2"}, {"columns": "x=2", "rate": 1000}])
-def test_a_spectrum_is_said_to_be_one(heading, options):
+def test_table_of_a_spectrum_is_refused_as_such(heading, options):
     """A table of another kind is not answered as if a column had the wrong name."""
     columns = heading.split("\n")[0].count(",") + heading.count(";") + 1
     text(heading, *[FRAMES + 1.0] * columns, mark=";" if ";" in heading else ",")("a.csv")

@@ -74,7 +74,7 @@ class FittedKey:
         factor, unit = usual_unit(self.value, self.unit)
         uncertainty = math.nan if self.uncertainty is None else self.uncertainty / factor
         value = f"{with_uncertainty(self.value / factor, uncertainty)} {unit}".rstrip()
-        ends = ["not told" if end is None else f"{end / factor:.4g}" for end in self.interval]
+        ends = ["not determined" if end is None else f"{end / factor:.4g}" for end in self.interval]
         told = f"{value} (95 %: {ends[0]} to {ends[1]})"
         return told, "" if self.determined else "not determined"
 

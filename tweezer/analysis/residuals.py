@@ -14,8 +14,8 @@ _LAGS = 10
 def p_value(path: Filtered, *, sized: bool, fitted: int) -> float:
     """Return the probability of residuals that deviate as much from white noise.
 
-    The test uses their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)). If
-    `sized`, it also uses the sum of their squares, which is a chi-square for residuals of size 1.
+    The test uses their correlations (G. M. Ljung and G. E. P. Box, Biometrika 65, 297 (1978)). It
+    also uses the sum of their squares if `sized`, which is a chi-square for residuals of size 1.
     Its degrees of freedom are the number of residuals less the number of `fitted` quantities.
     """
     trusted = np.where(path.weights > 0.5, path.residuals, np.nan)

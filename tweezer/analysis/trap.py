@@ -72,9 +72,9 @@ class Efficiency:
 class Trap(Comparable, Shown):
     """A characterised trap, SI. Without a stable equilibrium there are no escapes.
 
-    If no position holds the bead, `equilibrium` is empty (None). A `ring` may hold it instead, and
-    `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an error with
-    this reason.
+    If no position holds the bead, `equilibrium` is empty (None). The bead may be held by a `ring`
+    instead, and `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an
+    error with this reason.
     """
 
     scene: Scene = field(compare=False)
@@ -141,10 +141,10 @@ class Trap(Comparable, Shown):
         """Mean time until thermal motion removes the bead from the trap, computed on first use.
 
         It begins at the equilibrium, or the ring. It ends when the distance from the focus is
-        `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is that of
-        the medium, for any `forces.brownian`. It is a mean first passage time of the overdamped
-        motion in the exact force, which need not have a potential, with the mobility at each
-        position. The light is assumed to have rotational symmetry. For linearly polarised light the
+        `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
+        `medium.temperature`, for any `forces.brownian`. The time is a mean first passage time of
+        the overdamped motion in the exact force, which need not have a potential, with the mobility
+        at each position. The light is assumed to have rotational symmetry. For linearly polarised light the
         half planes along x and along y are computed. Their mean is returned, and their difference
         is part of the error.
 

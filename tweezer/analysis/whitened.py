@@ -61,9 +61,9 @@ class Whitened:
     def p_value(self, bead: TrappedBead) -> float:
         """Return the probability of ordinates that deviate as much or more from those of that bead.
 
-        It is twice the smaller p-value of two tests: Bartlett's test (Kolmogorov and Smirnov) for
-        the cumulative periodogram, and the sum of the ratios of ordinates to expected ordinates,
-        which is distributed as half a chi-square.
+        It is twice the smaller p-value of two tests. The first is Bartlett's test (Kolmogorov and
+        Smirnov) of the cumulative periodogram. The second is the sum of the ratios of ordinates to
+        expected ordinates, which is distributed as half a chi-square.
         """
         counts = self.periodogram.counts
         passed = np.cumsum(counts * self.periodogram.density / self.expected(bead))

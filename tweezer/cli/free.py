@@ -23,9 +23,9 @@ def print_free(free: Diffusion, unit: str, seen: str | None = None) -> None:
     ----------
     free : Diffusion
     unit : str
-        Of the recording, "m" or "V".
+        Unit of the recording, "m" or "V".
     seen : str, optional
-        What the line says of the bead before its diffusion.
+        Beginning of the line, before the diffusion.
     """
     from tweezer.analysis.wording import NO_TRAP, diffusion_in_words
 
@@ -35,16 +35,16 @@ def print_free(free: Diffusion, unit: str, seen: str | None = None) -> None:
 
 
 def print_tracks(free: Diffusion, tracks: Sequence[Trajectory], few: ResultError | None) -> None:
-    """Print the diffusion of one short track, or the common one of several.
+    """Print the diffusion of one short track, or the common diffusion of several.
 
-    Raises `ResultError` for long tracks of beads that are held: a trap is calibrated bead by bead.
+    Raises `ResultError` for long tracks of trapped beads, which are calibrated one by one.
 
     Parameters
     ----------
     free : Diffusion
     tracks : sequence of Trajectory
     few : ResultError or None
-        Why the last track cannot be calibrated as that of a trapped bead, if so.
+        Reason why the last track cannot be calibrated as a trapped bead, if any.
     """
     first = tracks[0]
     held = any(each.name == "confined" for each in free.findings)

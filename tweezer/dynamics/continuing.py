@@ -111,7 +111,7 @@ class Continued:
         return f"{self.end.time:.9g} s, {digest[:16]}"
 
     def check_module(self, module: str) -> None:
-        """Raise `SceneError` unless the equations of motion are those of the earlier run."""
+        """Raise `SceneError` unless the earlier run has the same equations of motion."""
         if module != self.end.module:
             raise SceneError(
                 f"continue_from: the run followed {self.end.module}, this one {module}; must be "
