@@ -144,9 +144,9 @@ class Trap(Comparable, Shown):
         `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
         `medium.temperature`, for any `forces.brownian`. The time is a mean first passage time of
         the overdamped motion in the exact force, which need not have a potential, with the mobility
-        at each position. The light is assumed to have rotational symmetry. For linearly polarised light the
-        half planes along x and along y are computed. Their mean is returned, and their difference
-        is part of the error.
+        at each position. The light is assumed to have rotational symmetry. For linearly polarised
+        light the half planes along x and along y are computed. Their mean is returned, and their
+        difference is part of the error.
 
         There is no lifetime (None, with the reason in `lifetime_caveat`) in these cases:
 
