@@ -42,7 +42,7 @@ PRIVATE = 1.234567e-7
 
 @functools.cache
 def sound() -> Path:
-    """A folder with a result of each kind."""
+    """Return a folder with a result of each kind."""
     folder = Path(tempfile.mkdtemp(prefix="tweezer-results-"))
     tweezer.save_run(tweezer.simulate(SCENE), folder / "run.nc")
     tweezer.save_run(tweezer.simulate(THERMAL, seed=1), folder / "thermal.nc")
@@ -68,7 +68,7 @@ RESULTS = (
 
 
 def copied(name: str) -> Path:
-    """A copy of a sound result in the current folder."""
+    """Return a copy of a sound result in the current folder."""
     path = Path(name)
     if path.suffix == ".zarr":
         shutil.copytree(sound() / name, path)

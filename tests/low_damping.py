@@ -51,7 +51,7 @@ class Compared(NamedTuple):
 
 
 def scene(light: str, viscosity: float) -> tweezer.Scene:
-    """A bead in gas without memory, in light of a kind."""
+    """Return a bead in gas without memory, in light of a kind."""
     beam, diameter, index = KINDS[light]
     return tweezer.load_scene("silica-1um").replace(
         bead={"diameter": diameter, "refractive_index": index, "density": 1050.0},
@@ -87,7 +87,7 @@ def growth_of(of: tweezer.Scene, place: np.ndarray) -> float:
 
 
 def compared(light: str, viscosity: float) -> Compared:
-    """A scene, three ways."""
+    """Return a scene, three ways."""
     of = scene(light, viscosity)
     trap = tweezer.characterise(of)
     pulled = [each for each in trap.equilibria if each.eigenvalues[0] > 0]

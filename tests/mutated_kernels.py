@@ -140,7 +140,7 @@ def _longer(node: Any, rng: np.random.Generator) -> None:
 
 
 def made(text: str, number: int, **how: bool) -> UserForce:
-    """The force of a function of that text."""
+    """Return the force of a function of that text."""
     name = f"<kernel {number}>"
     linecache.cache[name] = len(text), None, text.splitlines(keepends=True), name
     names: dict[str, Any] = {each: getattr(forces, each) for each in _READERS}

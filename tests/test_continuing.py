@@ -20,7 +20,7 @@ OVERDAMPED = THERMAL.replace(simulation={"model": "overdamped"})
 
 
 def twice(scene):
-    """The scene of one run as long as two."""
+    """Return the scene of one run as long as two."""
     simulation = scene.simulation
     return scene.replace(
         simulation={"duration": 2 * simulation.duration, "samples": 2 * simulation.samples - 1}

@@ -122,7 +122,7 @@ class Writes:
 
 
 def _sweep(out: Path, computed: list[int], *, resume: bool) -> str:
-    """A sweep whose cases cost nothing; `computed` counts them."""
+    """Return a sweep whose cases cost nothing; `computed` counts them."""
 
     def compute(asked: quantities.Asked, settings: Any) -> quantities.Values:
         computed.append(1)
@@ -149,7 +149,7 @@ KINDS: dict[str, Callable[..., str]] = {
 
 
 def content(folder: Path) -> dict[str, bytes]:
-    """The files in a folder by their names."""
+    """Return the files in a folder by their names."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in folder.rglob("*") if path.is_file() and not path.is_symlink()

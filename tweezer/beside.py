@@ -113,7 +113,7 @@ class Part:
                 file.write(f"{self._sentence}{self.out} goes on from\n")
 
     def _marked(self) -> bool:
-        """Whether the folder is no link, and has its marker; a disk that was full left it empty."""
+        """Return whether the folder is no link and has its marker, which a full disk left empty."""
         if self.folder.is_symlink() or self._marker.is_symlink() or not self._marker.is_file():
             return False
         with self._marker.open("rb") as file:

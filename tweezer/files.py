@@ -91,7 +91,7 @@ def write_whole(path: Path, content: BytesIO) -> None:
 
 
 def is_saving(name: str) -> bool:
-    """Whether a file of that name is one that `write_whole` has begun."""
+    """Return whether a file of that name is one that `write_whole` has begun."""
     match = _SAVING.fullmatch(name)
     return match is not None and match[2] == _checksum(match[1])
 

@@ -100,7 +100,7 @@ def _datasets(path: Path, file: h5py.File) -> Iterator[tuple[str, h5py.Dataset]]
 
 
 def _unsound(dataset: h5py.Dataset) -> str:
-    """Why the numbers of a dataset cannot be read as they were written; "" if they can."""
+    """Return why the numbers of a dataset cannot be read as they were written; "" if they can."""
     about = dataset.attrs.get("NAME", b"")
     if isinstance(about, bytes) and about.startswith(_NO_VARIABLE):
         return ""

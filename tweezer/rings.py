@@ -190,7 +190,7 @@ def _starts(box: Box, net_force: NetForce, to_side: Array) -> Iterator[Array]:
 
 
 def _size(start: Array, radius: float, net_force: NetForce) -> float:
-    """The largest force about a place, N."""
+    """Return the largest force about a place, N."""
     return float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
 
 

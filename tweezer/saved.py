@@ -74,7 +74,7 @@ def kind_of(result: Any) -> Kind | None:
 
 
 def _kind_with(names: set[Any]) -> Kind | None:
-    """The kind of a result that has attributes, variables and dimensions of these names."""
+    """Return the kind of a result that has attributes, variables and dimensions of these names."""
     return next((kind for kind in KINDS if names.issuperset(kind.marks)), None)
 
 

@@ -71,7 +71,7 @@ def _processors() -> int:
 
 
 def _started(scene: Scene, folder: Path) -> subprocess.Popen[bytes]:
-    """The second process, in a session of its own: an interrupt reaches it by its parent alone."""
+    """Return the second process, in its own session: only its parent interrupts it."""
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL, start_new_session=True,

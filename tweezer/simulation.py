@@ -273,7 +273,7 @@ def motion_of(
 
 
 def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
-    """The attribute that says where a run goes on: `tweezer.dynamics.continuing`."""
+    """Return the attribute that says where a run goes on: `tweezer.dynamics.continuing`."""
     if result.end is None:
         return {}
     finer = budget.finer.run.end if budget.finer else None

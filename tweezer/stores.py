@@ -286,7 +286,7 @@ def _described(path: Path) -> _Described:
 
 
 def _files(path: Path) -> set[str]:
-    """The names of all files in a store. Raises `ResultError` for a link among them."""
+    """Return the names of all files in a store. Raises `ResultError` for a link among them."""
     found = set()
     waiting = [""]
     for folder in waiting:
@@ -338,7 +338,7 @@ def _check_whole(path: Path, found: _Described) -> None:
 
 
 def _indices(array: _Array, blocks: list[int] | None) -> Iterator[tuple[int, ...]]:
-    """The chunks that an array must have. blocks: along its first dimension, if not all."""
+    """Return the chunks that an array must have. blocks: along its first dimension, if not all."""
     ranges: list[Any] = [range(count) for count in array.counts]
     if blocks is not None:
         ranges[0] = blocks

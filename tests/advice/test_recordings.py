@@ -114,7 +114,7 @@ def load(path: Path, options: Mapping[str, str]) -> tweezer.Recording | str:
 
 
 def followed(said: str, options: Mapping[str, str]) -> dict[str, str]:
-    """The options that a message names, beside those that are given already."""
+    """Return the options that a message names, beside those that are given already."""
     for part, do in BY_HAND.items():
         if part in said:
             return do(said, options)

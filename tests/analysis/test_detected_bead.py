@@ -472,7 +472,7 @@ def test_an_axis_that_is_not_driven_has_the_drag_of_one_that_is():
 
 
 def without_findings(calibration):
-    """The numbers alone: about one record in a hundred has a finding by chance."""
+    """Return the numbers alone: about one record in a hundred has a finding by chance."""
     axes = [
         dataclasses.replace(
             axis,

@@ -140,7 +140,7 @@ def speed(*, quick: bool, say: Callable[[str], object]) -> Results:
 
 
 def _processor_time(run: Callable[[], object], repeats: int) -> float:
-    """The least of some calls after a first one, s."""
+    """Return the least of some calls after a first one, s."""
     found = []
     for _ in range(1 + repeats):
         before = time.process_time()

@@ -25,7 +25,7 @@ SWING = math.sqrt(BEAD.mass / STIFFNESS)
 
 
 def levitated(quality, depth, **simulation):
-    """A bead in a Gaussian well of that depth, kT, in a fluid of that damping."""
+    """Return a bead in a Gaussian well of that depth, kT, in a fluid of that damping."""
     viscosity = DARK.medium.viscosity * math.sqrt(STIFFNESS * BEAD.mass) / DRAG / quality
     scene = DARK.replace(
         medium={"viscosity": viscosity},
@@ -110,7 +110,7 @@ class Whirl(Force):
 
 
 def whirled(method, share, **simulation):
-    """A bead driven round by `share` of the stiffness."""
+    """Return a bead driven round by `share` of the stiffness."""
     scene = DARK.replace(
         simulation={"model": "overdamped", "method": method, "duration": 200 * TRAP, "samples": 201}
         | simulation

@@ -48,7 +48,7 @@ def file(tmp_path, monkeypatch):
 
 
 def ends(scene):
-    """Where the spring has pulled the bead, of each radius: by the exponential law."""
+    """Return the position of the bead in the spring, for each radius, by the exponential law."""
     beta = 6 * np.pi * scene.medium.viscosity * np.array([4e-7, 5e-7])
     return 1e-7 * np.exp(-STIFFNESS * 2e-3 / beta)
 

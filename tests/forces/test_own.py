@@ -34,7 +34,7 @@ ENTRIES = (2e-5, [0.0, 1e-7, 0.0], np.eye(3))
 
 
 def made(lines, entries=ENTRIES, **how):
-    """The force of a function of these lines."""
+    """Return the force of a function of these lines."""
     text = "def own(pose, data, wrench):\n    " + lines.replace("\n", "\n    ") + "\n"
     linecache.cache["own.py"] = len(text), None, text.splitlines(keepends=True), "own.py"
     names = {
@@ -82,7 +82,7 @@ def test_function_that_is_wrong_everywhere_is_refused_with_its_line(line, messag
 
 @numba.njit
 def waits(values):
-    """A helper that never returns."""
+    """Return a helper that never returns."""
     i = 0
     while i < len(values):
         values[0] += 1e-15
@@ -142,7 +142,7 @@ def test_faults_of_floating_point_are_those_of_compiled_code():
 
 @numba.njit
 def beyond(values, index):
-    """A helper that reads beyond an array."""
+    """Return a helper that reads beyond an array."""
     return values[index]
 
 

@@ -954,7 +954,7 @@ def _disagreeing(fit: WhittleFit, answers: tuple[Answer, ...], response: float) 
 
 
 def _jumping(fit: WhittleFit, step: float, jumps: float) -> list[Finding]:
-    """A stage that jumps between samples, with what the bead moves until the next one.
+    """Return a stage that jumps between samples, with what the bead moves until the next one.
 
     Whether it jumps just after a sample or just before the next one changes the size of an answer
     by the step over the relaxation time, half of it to either side.

@@ -147,7 +147,7 @@ def _white(power: Array) -> float:
 
 
 def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
-    """Whether ordinates are above what the largest of that noise may be."""
+    """Return whether ordinates are above what the largest of that noise may be."""
     return np.asarray(power > noise * (math.log(len(power)) + _CERTAIN))
 
 

@@ -456,7 +456,7 @@ class _Fit:
 
     @classmethod
     def of(cls, axis: str, tracks: Sequence[Array], step: float, given: Given) -> _Fit | None:
-        """The fit of positions (n,), m, of each track; None if all steps are the same."""
+        """Return the fit of positions (n,), m, of each track; None if all steps are the same."""
         moves = [np.diff(x) for x in tracks]
         every = np.concatenate(moves)
         every = every[np.isfinite(every)]
@@ -499,7 +499,7 @@ class _Fit:
         )  # fmt: skip
 
     def noisy(self, a: float) -> bool:
-        """Whether no diffusion is seen beside the noise, at the common a."""
+        """Return whether no diffusion is seen beside the noise, at the common a."""
         return self._at(a + self.shift)[1] - a - self.shift > _NO_DIFFUSION
 
     def noise_beside(self, a: float) -> tuple[float, float]:

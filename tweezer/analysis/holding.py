@@ -99,7 +99,7 @@ def lifetime(
     reach: float,
     force_error: float,
 ) -> Lifetime | None:
-    """The lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`.
+    """Return the lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`.
 
     held: what holds the bead.
     """
@@ -128,7 +128,7 @@ def lifetime(
 
 
 def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> Lifetime:
-    """The mean time until the same bead is lost from the same place without light.
+    """Return the mean time until the same bead is lost from the same place without light.
 
     Thermal motion and the weight take it to the same distance, between the same walls.
     """
@@ -215,7 +215,7 @@ def _region(problem: Problem, radius: float) -> Region:
 
 
 def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: bool = False) -> Field:
-    """The forces and mobilities in the half plane along x (side 0) or y (1).
+    """Return the forces and mobilities in the half plane along x (side 0) or y (1).
 
     dark: without light.
     """

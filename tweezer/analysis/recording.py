@@ -391,7 +391,7 @@ class Run(NamedTuple):
 def read_source(
     source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
 ) -> Run | dict[str, Columns]:
-    """A run of tweezer, or the columns of a table by the bead."""
+    """Return a run of tweezer, or the columns of a table by the bead."""
     if not isinstance(source, str | os.PathLike):
         return _of_run(source, source.attrs.get("title", "run"), reading)
     path = Path(source)

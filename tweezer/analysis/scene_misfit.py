@@ -177,7 +177,7 @@ class Misfit:
         return with_settings(self._scene, settings)
 
     def bound(self, q: Array) -> Bound | str:
-        """The beads that the scene at a place traps, or why it traps none."""
+        """Return the beads that the scene at a place traps, or why it traps none."""
         return self._bound(tuple(q.tolist()))
 
     def _bind(self, place: tuple[float, ...]) -> Bound | str:
@@ -226,13 +226,13 @@ class Misfit:
         return np.concatenate([each.deviances(bead) for each, bead in pairs])
 
     def beads(self, q: Array) -> list[TrappedBead]:
-        """The bead of each spectrum at a place that has a trap."""
+        """Return the bead of each spectrum at a place that has a trap."""
         bound = self.bound(q)
         assert not isinstance(bound, str)
         return [_exposed(bound.beads[each.axis], each) for each in self.spectra]
 
     def p_value(self, q: Array) -> float:
-        """The probability of spectra that deviate as much or more from those of a place."""
+        """Return the probability of spectra that deviate as much or more from those of a place."""
         pairs = zip(self.spectra, self.beads(q), strict=True)
         every = [each.p_value(bead) for each, bead in pairs]
         return min(len(every) * min(every), 1.0)
@@ -244,7 +244,7 @@ class Misfit:
         return bound.bending**2
 
     def minima(self, progress: Callable[[float], None]) -> list[Least]:
-        """The minima that the best of several places lead to, the lowest first."""
+        """Return the minima that the best of several places lead to, the lowest first."""
         n = len(self.keys)
         trials = _ABOUT * (2 * Sobol(n, scramble=False).random(_TRIALS) - 1)
         places = [np.clip(trial, *self.bounds.T) for trial in trials]  # the guesses among them
@@ -298,7 +298,7 @@ def _height(scene: Scene, z: float) -> float | None:
 
 
 def _exposed(bead: TrappedBead, spectrum: Whitened) -> TrappedBead:
-    """The bead with an exposure no longer than the step of a recording: times are rounded."""
+    """Return the bead with an exposure of at most the recording's step (times are rounded)."""
     return replace(bead, exposure=min(bead.exposure, spectrum.periodogram.step))
 
 

@@ -287,7 +287,7 @@ def calibrate(
 
 
 def _is_free(calibration: Calibration) -> bool:
-    """Whether no trap is detected along any axis."""
+    """Return whether no trap is detected along any axis."""
     free = calibration.free
     return free is not None and len(free.axes) == len(calibration.axes)
 

@@ -106,7 +106,7 @@ _SIGNS = {
 
 
 def _no_figure(path: Path) -> str:
-    """Why a figure must not replace the file at `path`; "" if that is one of tweezer too."""
+    """Return why a figure must not replace the file at `path`; "" if that is one of tweezer too."""
     with contextlib.suppress(OSError):
         check_regular(path)
         if _SIGNS[path.suffix.lower()] in path.read_bytes():

@@ -218,7 +218,7 @@ class _File:
             part.unlink(missing_ok=True)
 
     def path(self, key: Any) -> Path:
-        """The file of the code stored under `key`."""
+        """Return the file of the code stored under `key`."""
         signature, *others = key
         told = f"{signature!r} {_fields(getattr(signature, 'args', signature))} {others!r}"
         types_and_processor = hashlib.sha256(told.encode()).hexdigest()

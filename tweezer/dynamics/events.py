@@ -252,7 +252,7 @@ class ClosestApproach(Event):
             yield self._at(low.piece, low.begin, low.begin)
 
     def _has_risen(self, far: Array) -> bool:
-        """Whether distances since the lowest one are larger by enough."""
+        """Return whether distances since the lowest one are larger by enough."""
         lowest = self._lowest
         return lowest is not None and far.max(initial=0.0) > lowest.distance + self.rise
 

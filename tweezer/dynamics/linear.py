@@ -93,7 +93,7 @@ class LinearMotion:
         return float((1 / times[grows]).real.max(initial=0.0))
 
     def _enough_drag(self, eigenvalues: Complex, drag: float) -> bool:
-        """Whether no root can grow, without computing the roots.
+        """Return whether no root can grow, without computing the roots.
 
         eigenvalues: a + i b of K, N/m. A root on the edge of growth is i w with
         |b| = w (beta + r) and a = (m + m_f/2) w^2 + r w, where r > 0 is the real part of Basset's

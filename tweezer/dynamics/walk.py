@@ -737,13 +737,13 @@ def _longest_step(
 
 
 def _drift(problem: Problem) -> float:
-    """The largest slow velocity at places about the foci and at the start, m/s."""
+    """Return the largest slow velocity at places about the foci and at the start, m/s."""
     pushed = problem.scene.lit or any(problem.bead.weight) or problem.beside_the_light
     return problem.fastest if pushed else 0.0
 
 
 def _reaches_loss(problem: Problem, kappa: Array, diffusion: Array) -> bool:
-    """Whether a bead in the spring of the trap comes to where it is lost."""
+    """Return whether a bead in the spring of the trap comes to where it is lost."""
     scene, trap = problem.scene, problem.equilibrium
     assert trap is not None  # a method that follows the spring alone refuses a scene without one
     spread = math.sqrt(float((diffusion[:3] / kappa[:3]).max()))

@@ -269,7 +269,7 @@ class Trajectories:
             raise ResultError(damaged)
 
     def _found(self, index: int) -> bool:
-        """Whether a block is in the store, by the sizes and checksums of its files.
+        """Return whether a block is in the store, by the sizes and checksums of its files.
 
         If it is not, it continues from its checkpoint, provided all chunks before that are there.
         """
@@ -310,7 +310,7 @@ class Trajectories:
         return self.job.out / chunk_of(self.arrays, name, *at)
 
     def _whole(self, name: str, *at: int) -> bool:
-        """Whether the file of a chunk has its size, not compressed, and its noted checksum."""
+        """Return whether the file of a chunk has its uncompressed size and its checksum."""
         size = 8 * math.prod(self.arrays[name].chunks) + _CHECKSUM
         noted = self.sums.get(chunk_of(self.arrays, name, *at))
         path = self._chunk(name, *at)

@@ -189,7 +189,7 @@ def _read(name: str, read: Any, axes: int, data: Data, entry: Any) -> Any:
 
 
 def _as_compiled(function: Any) -> Any:
-    """A function of `math` that raises nothing: infinity or NaN, as in compiled code."""
+    """Return a function of `math` that raises nothing: infinity or NaN, as in compiled code."""
     name = function.__name__
     other = getattr(np, _NUMPY.get(name, name), None)
 
@@ -355,7 +355,7 @@ def _shut(values: Any) -> Any:
 
 
 def _of_shapes(error: Exception) -> bool:
-    """Whether arrays that do not fit, or that are read-only, raised an error."""
+    """Return whether arrays that do not fit, or that are read-only, raised an error."""
     said = str(error)
     return isinstance(error, ValueError) and any(
         each in said for each in ("broadcast", "read-only", "unpack", "shape")

@@ -205,7 +205,7 @@ def _way_out(scene: Scene) -> str:
 
 
 def _too_far_for_waves(scene: Scene) -> str | None:
-    """Why the sums of waves do not reach the bead of a scene; None if they do."""
+    """Return why the sums of waves do not reach the bead of a scene; None if they do."""
     wavenumber = largest_wavenumber(scene.medium, scene.beams)
     largest, farthest = LARGEST_IN_WAVES / wavenumber, FARTHEST_IN_WAVES / wavenumber
     if scene.bead.radius > largest:

@@ -125,7 +125,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
 
 
 def only(name: str, found: dict[str, Columns]) -> Columns:
-    """The columns of the one bead. Raises `SeveralBeadsError` if there are several."""
+    """Return the columns of the one bead. Raises `SeveralBeadsError` if there are several."""
     if len(found) > 1:
         raise SeveralBeadsError(
             f"{name}: has {len(found)} beads; name the one to be read, such as --bead "
@@ -141,7 +141,7 @@ def _sorted(
     values: dict[str, Array],
     rate: float | None,
 ) -> tuple[dict[str, Array], str]:
-    """The values by time, and what was done to them."""
+    """Return the values by time, and what was done to them."""
     stamps = values.get("frame", values.get("t"))
     if stamps is None:
         return values, ""
@@ -247,7 +247,7 @@ def _beads(
 
 
 def _labels(table: Table, index: int) -> NDArray[Any]:
-    """The labels of beads in a column; "" for none."""
+    """Return the labels of beads in a column; "" for none."""
     try:
         (numbers,) = table.numbers([index])
     except ResultError:
@@ -402,7 +402,7 @@ def _folded(name: str) -> str:
 def _by_headings(
     table: Table, quantities: Sequence[str], groups: Set[str] = frozenset()
 ) -> dict[str, _Place]:
-    """The columns whose headings name one of `quantities`.
+    """Return the columns whose headings name one of `quantities`.
 
     Columns in one of `groups` of the file come first, then those whose heading has no other words.
     """

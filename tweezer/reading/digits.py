@@ -271,7 +271,7 @@ def _some(rows: Array) -> Array:
 
 
 def _long(rows: Rows) -> Rows:
-    """The rows that are in a row with more others than gaps that are filled in."""
+    """Return the rows that are in a row with more others than gaps that are filled in."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
     found = np.zeros(len(rows), bool)
     for first, end in zip(edges[::2], edges[1::2], strict=True):

@@ -25,7 +25,7 @@ _CALLED = {
 
 
 def read_table(path: Path, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
-    """The columns of a file that are wanted, by the bead (`read`).
+    """Return the columns of a file that are wanted, by the bead (`read`).
 
     Raises `ResultError` for a file of another kind, one that is damaged, or has more samples than
     are read, and where `read` does.

@@ -186,7 +186,7 @@ def _of_numbers(line: str) -> tuple[str, int] | None:
 
 
 def _commas(head: list[str], layout: _Layout, places: Sequence[int]) -> bool:
-    """Whether decimals in these columns have a comma."""
+    """Return whether decimals in these columns have a comma."""
     for line in head[layout.first :]:
         cells = _cells(line, layout.delimiter)
         if any(_WITH_COMMA.fullmatch(cells[i].strip(AROUND)) for i in places if i < len(cells)):
@@ -237,7 +237,7 @@ def _numbers(
 
 
 def _labels(content: bytes, encoding: str, layout: _Layout, place: int) -> list[str]:
-    """The cells of a column as they are written; empty ones as nothing."""
+    """Return the cells of a column as they are written; empty ones as nothing."""
     import pandas as pd
 
     table = pd.read_csv(

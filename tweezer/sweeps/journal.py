@@ -104,7 +104,7 @@ class Journal:
 
 
 def part_of(out: Path) -> Part:
-    """The folder of a running sweep."""
+    """Return the folder of a running sweep."""
     return Part(out, "sweep", _OWN)
 
 

@@ -163,7 +163,7 @@ def _held(steps: Steps, beads: Beads, n: int) -> Iterator[tuple[slice, Array]]:
 
 @functools.cache
 def loop() -> Any:
-    """The compiled loop of one batch; lost_at (n,), s: when a bead was lost, else infinite."""
+    """Return the compiled loop of one batch. lost_at (n,), s, is infinite without a loss."""
 
     def follow(  # type: ignore[no-untyped-def]
         force, steps, plan, weights, edge, who, beads, lost_at, sample, out

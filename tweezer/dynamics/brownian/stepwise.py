@@ -39,7 +39,7 @@ class Line:
         return float(self.times[-1])
 
     def checkpoints(self) -> Array:
-        """The ends of steps, (n,) s."""
+        """Return the ends of steps, (n,) s."""
         return self.times
 
     def states(self, times: Array) -> Array:
