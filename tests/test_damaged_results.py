@@ -113,7 +113,7 @@ def test_list_of_checksums_that_is_cut_is_refused():
 
 @pytest.mark.parametrize("name", ["trap.json", "calibration.json"])
 def test_json_with_another_number_is_refused(name):
-    """Not if it is only laid out otherwise, or without its digest, as of the last release."""
+    """Another layout is accepted, and a file without a digest, as in the last release."""
     path = copied(name)
     whole = json.loads(path.read_text())
     path.write_text(json.dumps(dict(reversed(whole.items())), separators=(",", ":")))

@@ -16,8 +16,8 @@ from tweezer.vectors import Comparable, Vector, fixed
 Array = NDArray[np.float64]
 #: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
 NetForce = Callable[[Array], Array]
-#: rate at which a bead that is pulled back spirals out of an equilibrium, 1/s, by the place, (3,)
-#: m, and the stiffness there, (3, 3) N/m; 0 where it comes to rest
+#: function of a position (3,), m, and the stiffness there (3, 3), N/m: the rate at which a bead
+#: spirals out of an equilibrium, 1/s; 0 if it comes to rest
 SpiralRate = Callable[[Array, Array], float]
 Component = Callable[[Array], Array]
 
@@ -61,7 +61,7 @@ class Search(NamedTuple):
     besides: tuple[float, ...] = ()
     """z, m from the origin, of more samples on lines along z: next to walls, say"""
     farthest: float = 0.0
-    """up to where on its axis light is searched for the place at which it carries a weight, m"""
+    """largest distance on the axis at which the light may carry the weight of the bead, m"""
     known: float = math.inf
     """distance from the origin up to which the force is known, m"""
 

@@ -301,8 +301,8 @@ def _check_watched(scene: Scene) -> None:
     if not METHODS[scene.simulation.method].displacements:
         able = [each.name for each in methods(thermal=True) if each.displacements]
         raise SceneError(
-            f"simulation.method = {scene.simulation.method!r}: its displacements are not those of "
-            f"the bead, so that events would be wrong; with events allowed: {', '.join(able)}"
+            f"simulation.method = {scene.simulation.method!r}: does not reproduce displacements, "
+            f"so that events would be wrong; with events allowed: {', '.join(able)}"
         )
 
 

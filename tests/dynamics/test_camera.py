@@ -87,9 +87,10 @@ def test_frames_of_a_bead_far_from_its_spring_follow_the_bend_of_its_path(exposu
 
 
 def test_frames_of_a_bead_with_inertia_move_from_one_to_the_next_as_it_does():
-    """By the closed form of the correlation; x and y are five standard errors off at most, 2 %.
+    """The oracle is the closed form of the correlation. The limit for x and y is five standard
+    errors, 2 %.
 
-    The force alone allows a step of 3.6 frames, by which they move 4 % more: nine errors.
+    The force alone allows a step of 3.6 frames, with which they move 4 % more: nine errors.
     """
     exposure = 5e-6
     camera = {"rate": 1 / exposure, "exposure": exposure, "noise_along": 0.0}

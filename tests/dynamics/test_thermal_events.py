@@ -24,7 +24,7 @@ def plane(**how):
 
 @pytest.fixture(scope="module")
 def steps():
-    """The same motion, with a sample for each step."""
+    """Return times and positions of the same motion, with a sample for each step."""
     run = tweezer.simulate(EVERY, seed=6)
     return run["time"].values, run["position"].values
 
@@ -67,7 +67,7 @@ def test_capture_must_last(steps):
 
 
 def test_first_passage_is_late_by_the_law_of_looking_at_steps():
-    """Of a free bead: that of a plane farther by 0.5826 sqrt(2 D h), P = erfc(a/sqrt(4 D t))."""
+    """For a free bead the plane is further by 0.5826 sqrt(2 D h), with P = erfc(a/sqrt(4 D t))."""
     scene = FREE.replace(simulation={"step": "0.2 ms", "duration": "10 ms", "samples": 2})
     D = 1.380649e-23 * scene.medium.temperature
     D /= 6 * math.pi * scene.medium.viscosity * scene.bead.radius

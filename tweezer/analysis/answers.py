@@ -19,13 +19,13 @@ class Answer:
     stage: float
     """amplitude of the stage, m"""
     stage_uncertainty: float
-    """its standard uncertainty, m"""
+    """standard uncertainty of `stage`, m"""
     signal: float
     """amplitude of the signal, m or V"""
     signal_uncertainty: float
-    """its standard uncertainty, by the thermal motion around it, m or V"""
+    """standard uncertainty of `signal`, from the thermal motion around it, m or V"""
     phase: float
-    """of the signal before the stage, rad"""
+    """phase lead of the signal before the stage, rad"""
 
     def misfit(self, bead: TrappedBead) -> float:
         """Return the deviation from the amplitude of `bead`, in standard uncertainties."""
@@ -60,7 +60,7 @@ class KnownDrag:
     drag: float
     """kg/s"""
     uncertainty: float
-    """standard uncertainty of its logarithm"""
+    """standard uncertainty of the drag's logarithm"""
 
     def misfit(self, bead: TrappedBead) -> float:
         """Return the deviation from the drag of `bead`, in standard uncertainties."""

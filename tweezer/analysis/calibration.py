@@ -280,7 +280,7 @@ class Calibration(Shown):
     wall: Height | None = None
     """the bead's height above a wall; None if not given"""
     free: Diffusion | None = None
-    """of the axes along which no trap is detected; None if a trap is seen along all"""
+    """diffusion along the axes without a detected trap; None if a trap is detected along all"""
     left_out: LeftOut = NOTHING
     """what was left out of the record, and of the fits"""
     radius: float | None = None

@@ -63,7 +63,7 @@ _EXPOSURES = (1.0, 0.5, 0.25)
 _NOT_EXCLUDED = 6.0
 #: Highest frequency, Hz, up to which the inertia of a fluid is not suspected.
 _FAST = 5e3
-#: Part of the variance of a noise from which on rounding is named as its cause.
+#: Smallest fraction of a noise variance at which rounding is named as its cause.
 _BY_ROUNDING = 0.25
 #: Tolerance of the fits in tests.
 _ROUGHLY = 1e-2

@@ -25,13 +25,13 @@ Complex = NDArray[np.complex128]
 
 #: Part of a record over which both signals fade in and out, so that its ends do not count.
 _FADES = 0.1
-#: Times that the bead is found by the bands in which the one before it is seen.
+#: Number of rounds in which the bead is fitted to the bands that the previous one predicts.
 _ROUNDS = 4
 #: Smallest number of ordinates in a band, and ratio of its ends.
 _LEAST, _BAND = 8, 1.1
-#: Number of ordinates that thermal motion is measured by.
+#: Number of ordinates that measure the thermal motion.
 _FREEDOM = 40
-#: Amplitude of an answer that counts as one, in standard uncertainties.
+#: Smallest amplitude of a response, in standard uncertainties.
 _SEEN = 5.0
 #: Predicted size above which, and measured one below which, a band is not followed, in standard
 #: uncertainties. A bead by few bands may predict several times too much.
@@ -50,7 +50,7 @@ _OF_JUMPS = 1 / 8
 _REMEMBERED = 20.0
 #: Number of samples, at least, by which a record is extended.
 _EXTENDED = 1000
-#: Number of corner frequencies that a first one is chosen from.
+#: Number of corner frequencies among which the first guess is selected.
 _CORNERS = 60
 
 

@@ -147,9 +147,9 @@ class Diffusion(Shown):
     axes: ByAxis[FreeAxis]
     """by number or by name: axes["x"]"""
     tracks: tuple[FreeTrack, ...] = ()
-    """each by itself, if there are several"""
+    """results of the single tracks, if there are several"""
     homogeneity: float | None = None
-    """probability of tracks that differ as much or more; None of a single one"""
+    """probability of tracks that differ as much or more; None for a single track"""
 
     def card(self) -> Card:
         """The diffusion, and what it tells, with what speaks against it."""

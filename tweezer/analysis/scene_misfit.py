@@ -49,7 +49,7 @@ _FITTED = re.compile(
 )
 #: Largest relative difference of a camera's rate from that of a record
 _UNEVEN = 1e-3
-#: Distance from a wall, in radii, from which on it does not change the memory of the fluid
+#: Smallest distance from a wall, in radii, at which it does not change the hydrodynamic memory
 _FAR = 20.0
 _AXES = ("x", "y", "z")
 

@@ -89,52 +89,52 @@ class Trap(Comparable, Shown):
     lateral_efficiency: Efficiency | None
     """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
     equilibria: tuple[Equilibrium, ...]
-    """of one beam by z, then those off its axis; of several by beam, at the time 0; may be empty"""
+    """equilibria of one beam by z, then those off its axis; or of several beams at time 0"""
     equilibrium: Equilibrium | None
-    """the stable one nearest the focus; None without one, or where a ring is nearer"""
+    """stable equilibrium nearest the focus; None without one, or if a ring is nearer"""
     rings: tuple[Ring, ...]
-    """rings around the axis of the only beam that hold the bead, the nearest to the focus first"""
+    """rings around the axis of a single beam that hold the bead, nearest to the focus first"""
     searched: str
-    """where equilibria were sought"""
+    """range in which equilibria were searched"""
     drag: Vector | None
     """1/mobility along each axis at `equilibrium`, (3,) kg/s"""
     corner_frequencies: Vector | None
     """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, (3,) Hz; NaN for an axis along
-    which the bead swings"""
+    which the bead oscillates"""
     resonance_frequencies: Vector | None
-    """of the axes along which the bead swings, (3,) Hz: sqrt(k_ii/m)/(2 pi) without the fluid's
-    inertia; NaN for the others"""
+    """resonance frequencies along the axes along which the bead oscillates, (3,) Hz:
+    sqrt(k_ii/m)/(2 pi) without fluid inertia; NaN for the others"""
     quality_factors: Vector | None
-    """of these axes, (3,), above 1/2: sqrt(k_ii m)/beta_v without the fluid's inertia"""
+    """quality factors of these axes, (3,), above 1/2: sqrt(k_ii m)/beta_v without fluid inertia"""
     gap: float | None
-    """distance of the bead's surface at `equilibrium` from the wall, the nearer of two, m; None
-    without one"""
+    """distance of the bead's surface at `equilibrium` from the nearer wall, m; None without a
+    wall"""
     rests: bool
     """whether the forces press a bead on the axis to the wall that touches it"""
     escapes: tuple[Escape, ...]
-    """from `equilibrium`, one for each of `DIRECTIONS`; empty without one"""
+    """escapes from `equilibrium`, one for each of `DIRECTIONS`; empty without an equilibrium"""
     evaluator: str
     """how the force was computed: "grid", "quadrature", ..., or "dark" """
     force_error: float
-    """largest error of any force these numbers come from, N: as estimated, or certified by the map,
-    or for the grid the distance to the quadrature"""
+    """largest error of the forces, N: estimated, or certified by the map, or for the grid the
+    distance to the quadrature"""
     theory: str
     """theory of the light: "rays" or "waves" """
     theory_reason: str
-    """why it is that one"""
+    """reason for this theory"""
     reach: float
-    """how far from the focus equilibria were sought, and escapes from an equilibrium, m"""
+    """distance from the focus up to which equilibria and escapes were searched, m"""
     absorbed_power: float | None
     """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
     torque: Vector | None
-    """moment of the light about the bead's centre there, N m; None as `absorbed_power`"""
+    """optical moment about the bead's centre there, N m; None as for `absorbed_power`"""
     caveat: str | None
-    """what ray optics is worth for this bead (`ray_optics_caveat`); None by waves, in the dark"""
+    """error of ray optics for this bead in words (`ray_optics_caveat`); None with wave optics"""
     ray_optics: RayOpticsWorth | None
-    """the same in numbers: how far equilibrium, stiffness and escape forces may be off; None with
-    forces beside those of the scene"""
+    """the same in numbers: errors of equilibrium, stiffness and escape forces; None with the user's
+    own forces"""
     other_forces: int = 0
-    """number of forces beside those of the scene"""
+    """number of the user's own forces"""
 
     @functools.cached_property
     def lifetime(self) -> Lifetime | None:

@@ -37,7 +37,7 @@ def folders() -> list[Path]:
 
 
 def is_own(folder: Path) -> bool:
-    """Return whether a cache folder is there and is no link, nor is the folder that it is in."""
+    """Return whether a cache folder exists, and neither it nor its parent is a link."""
     return folder.is_dir() and not folder.is_symlink() and not folder.parent.is_symlink()
 
 

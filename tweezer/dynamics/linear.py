@@ -31,7 +31,7 @@ _OF_SLOWEST = 1e-13
 #: Factor by which drag is larger than it has to be where no root is computed: the root of the
 #: fluid's memory is a sum of poles, which is off by little
 _SURELY = 2.0
-#: Quality factor above which a displaced bead swings
+#: Quality factor above which a displaced bead oscillates
 CRITICAL = 0.5
 
 

@@ -267,8 +267,8 @@ class EquationsOfMotion(Shown):
     def _refuse_memory(self) -> None:
         if self.remembers:
             raise SceneError(
-                "medium.inertia = 'memory': `rhs` and `jacobian` cannot follow the memory; must be "
-                "none or added-mass; set medium.inertia to none"
+                "medium.inertia = 'memory': `rhs` and `jacobian` cannot follow the memory; "
+                "allowed: none, added-mass; set medium.inertia to none"
             )
 
     def _rates(self, times: Array, states: Array) -> Array:

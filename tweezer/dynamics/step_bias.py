@@ -32,7 +32,7 @@ _SHORT = 1e-3
 _MANY, _FEW = (128, 40), (16, 24)
 #: Part of these periods at the end, in which the energy is taken
 _END = 0.5
-#: By what the drag is smaller in that
+#: Factor by which the drag is smaller in this measurement
 _LESS_DRAG = 1e-6
 
 

@@ -302,6 +302,11 @@ class Walk:
         """Advance as `advance`, and return the times (m + 1,), s, and samples (n, m + 1, ...).
 
         They contain every step, beginning with times[sample].
+
+        Parameters
+        ----------
+        states, trajectories, sample, out
+            As in `advance`.
         """
         total, first = out.shape[1] * self.per_sample, sample * self.per_sample
         steps = np.empty((len(states), total + 1, len(self.columns)))
