@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.errors import ResultError
+from tweezer.reading.matlab import check_elements
 from tweezer.reading.table import (
     MOST_SAMPLES,
     Array,
@@ -58,6 +59,8 @@ def open_matlab(path: Path) -> Table:
     """The columns of a .mat of version 4 to 7."""
     from scipy.io import loadmat, matlab, whosmat
 
+    if matlab.matfile_version(path)[0] == 1:
+        check_elements(path, _MOST_BYTES)
     for name, shape, _ in whosmat(path):
         refuse_too_long(str(path), name, max(shape, default=0))  # loadmat reads all of them
     variables = loadmat(path, squeeze_me=True, struct_as_record=False)
