@@ -70,6 +70,51 @@ def test_ring_is_reported():
         _ = trap.stiffness
 
 
+WEIGHTLESS = {"gravity": False, "buoyancy": False}
+
+
+def test_ring_of_faint_light_holds_no_bead():
+    """Depths go by the power: the same ring at 0.4 mW and, a twentieth as deep, at 20 uW."""
+    bright, faint = (
+        tweezer.characterise(
+            hollow(VORTEX, 0.5e-6).replace(beam={"power_through_pupil": power}, forces=WEIGHTLESS)
+        )
+        for power in (4e-4, 2e-5)
+    )
+    depths = [min(each.energy_kT for each in trap.ring.escapes) for trap in (bright, faint)]
+    assert depths[0] == pytest.approx(20 * depths[1], rel=1e-3)
+    assert depths[0] > 1 > depths[1]
+    assert bright.too_shallow == ""
+    assert values_of_trap(bright)["outcome"] == "shallow"
+    told = f"takes {depths[1]:.2g} kT, less than 1 kT"
+    assert told in faint.too_shallow
+    assert told in repr(faint)
+    assert "held on a ring" not in repr(faint)
+    values = values_of_trap(faint)
+    assert (values["outcome"], values["reason"]) == ("not held", faint.reason)
+
+
+def test_place_in_faint_light_holds_no_bead():
+    scene = tweezer.load_scene("silica-1um").replace(forces=WEIGHTLESS)
+    swept = tweezer.sweep(scene, {"beam.power_through_pupil": [2e-6, 5e-2]}, workers=1)
+    assert swept["outcome"].values.tolist() == ["not held", "held"]
+    assert swept["trapped"].values.tolist() == [False, True]
+    assert "less than 1 kT" in str(swept["reason"].values[0])
+
+
+def test_thermal_run_in_faint_light_is_not_captured():
+    """Both runs end within a radius of the focus; only one trap is deeper than kT."""
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True} | WEIGHTLESS, start={"position": [0, 0, 0]},
+        optics={"evaluator": "map", "table_tolerance": 1e-4},
+        simulation={"duration": "1 ms", "samples": 21},
+    )  # fmt: skip
+    for power, outcome in ((2e-6, "not captured"), (5e-2, "captured")):
+        run = tweezer.simulate(scene.replace(beam={"power_through_pupil": power}), seed=1)
+        assert np.linalg.norm(run["position"][-1]) < 5e-7
+        assert tweezer.summarise(run).outcome == outcome
+
+
 def test_shallow_ring_has_a_lifetime():
     """Independent Brownian dynamics in the same light give the same mean time."""
     scene = hollow(VORTEX, 0.5e-6).replace(beam={"power_through_pupil": "0.4 mW"})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +23,8 @@ from tweezer.scene import Scene
 
 Array = NDArray[np.float64]
 
+#: Depth of a well, in k_B T, below which thermal motion carries a bead off as if it were not there
+LEAST_DEPTH = 1.0
 #: Tolerance of the end of the pull, in radii
 _END = 1e-10
 #: Tolerance of the place of a maximum, in distances of samples
@@ -81,6 +84,21 @@ class Escape:
     faint_at: float | None = None
     """m from the equilibrium to where the restoring force, past its largest value, has fallen to
     5 % of it; None if it is larger up to `Trap.reach` or a wall"""
+
+
+def too_shallow(ways: Iterable[Escape]) -> str:
+    """Return why ways out of a well show that it holds no bead; "" if it may hold one.
+
+    A way on which the force pulls the bead back up to a wall is no way out.
+    """
+    free = [each for each in ways if each.wall_at is None]
+    easiest = min(free, key=lambda each: each.energy_kT, default=None)
+    if easiest is None or easiest.energy_kT >= LEAST_DEPTH:
+        return ""
+    return (
+        f"holds no bead: the way out along {easiest.direction} takes "
+        f"{max(easiest.energy_kT, 0.0):.2g} kT, less than {LEAST_DEPTH:g} kT"
+    )
 
 
 def escapes(

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter, ValidationError
 
+from tweezer.analysis.escape import escapes, escapes_from_ring, too_shallow
 from tweezer.dynamics.budget import ErrorBudget
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.path import Passage, Path, across_axis, distances_from, passage
@@ -316,11 +317,23 @@ def _outcome(
         return "not captured", end, settled.mean(axis=0), 0.0
     away = distances_from(found[0], position) > nearby
     if scene.forces.brownian:
-        if away.all():
+        if away.all() or _too_shallow(problem, outcome, found[0]):
             return "not captured", end, settled.mean(axis=0), 0.0
         return outcome, float(times[away.argmin()]), *found
     last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
     return outcome, float(times[last_away + 1]), *found
+
+
+def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
+    """Whether an equilibrium, or a ring, is too shallow to hold a bead in thermal motion.
+
+    rest: (3,) m, or the radius and height of the ring.
+    """
+    about = problem.scene, problem.search, problem.net_force
+    if outcome == CAPTURED:
+        on_axis = problem.symmetric and not rest[:2].any()
+        return bool(too_shallow(escapes(*about, rest, symmetric=on_axis)))
+    return bool(too_shallow(escapes_from_ring(*about, np.array([rest[0], 0.0, rest[1]]))))
 
 
 def _sought(scene: Scene) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.analysis.escape import Escape, escapes, escapes_from_ring, largest
+from tweezer.analysis.escape import Escape, escapes, escapes_from_ring, largest, too_shallow
 from tweezer.analysis.holding import (
     Lifetime,
     adds_nothing,
@@ -193,9 +193,13 @@ class Trap(Comparable, Shown):
     def reason(self) -> str:
         """Why no place holds the bead; empty if one does."""
         if self.equilibrium is not None:
-            return ""
+            told = self.too_shallow
+            return told and f"the equilibrium at {_where(self.equilibrium)} {told}"
         if self.ring is not None:
-            return f"held on a ring of {micrometres(self.ring.radius)} um, at no place"
+            radius = f"{micrometres(self.ring.radius)} um"
+            if self.too_shallow:
+                return f"no stable equilibrium; the ring of {radius} {self.too_shallow}"
+            return f"held on a ring of {radius}, at no place"
         resting = "; it rests on the wall" if self.rests else ""
         spirals = [each for each in self.equilibria if each.spiral_rate > 0]
         if spirals:
@@ -221,6 +225,14 @@ class Trap(Comparable, Shown):
     @property
     def _ways_out(self) -> tuple[Escape, ...]:
         return self.ring.escapes if self.ring else self.escapes
+
+    @property
+    def too_shallow(self) -> str:
+        """Why the equilibrium, or the ring, holds no bead in thermal motion; "" if it does.
+
+        The easiest straight way out of it takes less than 1 k_B T.
+        """
+        return too_shallow(self._ways_out) if self._holds else ""
 
     @property
     def lifetime_caveat(self) -> str | None:
@@ -278,6 +290,7 @@ class Trap(Comparable, Shown):
             return
         (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
         doubt = "" if worth is None or worth.trusted else "not to be trusted"
+        doubt = ", ".join(filter(None, (doubt, self.too_shallow)))
         if self.scene.plain:
             on_axis = "" if doubt or place.position[:2].any() else ", on the axis"
             yield Row("stable equilibrium", f"{_where(place)}{on_axis}", doubt)
@@ -310,7 +323,9 @@ class Trap(Comparable, Shown):
     def _on_ring(self, ring: Ring) -> Iterator[Row]:
         """Rows of the ring that holds the bead."""
         radius, height = micrometres(ring.radius), micrometres(ring.height)
-        yield Row("held on a ring", f"of radius {radius} um about the axis, at z = {height} um")
+        name = "ring" if self.too_shallow else "held on a ring"
+        told = f"of radius {radius} um about the axis, at z = {height} um"
+        yield Row(name, told, self.too_shallow)
         across, along = (f"{1e6 * each:.4g}" for each in ring.stiffness_across)
         yield Row("stiffness (radial, z)", f"{across}, {along} pN/um")
         if abs(ring.azimuthal_force) > self.force_error:

@@ -204,7 +204,8 @@ def values_of_trap(trap: Trap) -> Values:
         depth = min(each.energy_kT for each in ring.escapes)
         softest = float(np.linalg.eigvals(ring.stiffness).real.min())
         return values | {
-            "outcome": ON_RING if depth >= STABLE else SHALLOW,
+            "outcome": LOST if trap.too_shallow else ON_RING if depth >= STABLE else SHALLOW,
+            "reason": trap.reason if trap.too_shallow else "",
             "ring_radius": ring.radius,
             "ring_radius_error": error / softest,
         }
@@ -225,7 +226,8 @@ def values_of_trap(trap: Trap) -> Values:
             f"{name}_error": (numbers * power * relative).tolist(),
         }
     return values | {
-        "outcome": HELD if depth >= STABLE else SHALLOW,
+        "outcome": LOST if trap.too_shallow else HELD if depth >= STABLE else SHALLOW,
+        "reason": trap.reason,
         "equilibrium": place.position.tolist(),
         "equilibrium_error": [errors["equilibrium"]] * 3,
         "stiffness": place.stiffness_xyz.tolist(),

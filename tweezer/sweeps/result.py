@@ -43,8 +43,9 @@ def dataset_of(
         words = np.array([row.get(name, "") for row in rows], dtype=str).reshape(cases.shape)
         variables[name] = names, words, {"long_name": about}
     if of == "trap":
-        held = np.array(["stiffness" in row for row in rows]).reshape(cases.shape)
-        about = "whether it has a stable equilibrium, however shallow; false too of a failure"
+        held = np.array(["stiffness" in row and not row["reason"] for row in rows])
+        held = held.reshape(cases.shape)
+        about = "whether it has a stable equilibrium at least 1 k_B T deep; false too of a failure"
         variables["trapped"] = names, held, {"long_name": about}
     for name, quantity in QUANTITIES[of].items():
         over = [quantity.dimension] if quantity.dimension else []

@@ -102,9 +102,10 @@ def sweep(
 
         * trap: equilibrium, stiffness and corner frequency (axis), escape force and escape energy
           in k_B T (direction), lifetime (infinite above 1e20 s), and `trapped`, whether there is a
-          stable equilibrium. The outcome is "held", or "shallow" if the easiest straight escape
-          requires less than 10 k_B T. The errors are those of the optical force in its theory;
-          `caveat` describes the deviation of ray optics in words.
+          stable equilibrium at least 1 k_B T deep. The outcome is "held", "shallow" if the easiest
+          straight escape requires less than 10 k_B T, or "not held" if it requires less than
+          1 k_B T. The errors are those of the optical force in its theory; `caveat` describes the
+          deviation of ray optics in words.
         * run: time of its outcome, its end, overshoot and closest approach, largest force and
           Reynolds number
         * ensemble: fraction `lost`, mean and variance of the position (axis)

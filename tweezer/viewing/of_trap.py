@@ -371,6 +371,6 @@ def _notes(trap: Trap, compared: _Compared) -> list[str]:
         )
     if trap.lifetime_caveat:
         notes.append(f"Of the time for which the bead is held: {trap.lifetime_caveat}.")
-    if trap.equilibrium is None:
+    if trap.reason:
         notes.append(f"{trap.reason[:1].upper()}{trap.reason[1:]}.")
     return notes
