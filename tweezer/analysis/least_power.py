@@ -71,7 +71,6 @@ def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | No
     time : float or str
         Required `Trap.lifetime`, s or with a unit.
 
-
     Raises
     ------
     SceneError
