@@ -27,6 +27,17 @@ class Answer:
     phase: float
     """phase lead of the signal before the stage, rad"""
 
+    @property
+    def response(self) -> complex:
+        """Return the signal over the motion of the stage, V/m or 1."""
+        return cmath.rect(self.signal / self.stage, self.phase)
+
+    @property
+    def response_uncertainty(self) -> float:
+        """Return the standard uncertainty of its real and of its imaginary part, V/m or 1."""
+        of_stage = abs(self.response) * self.stage_uncertainty
+        return math.hypot(self.signal_uncertainty, of_stage) / self.stage
+
     def misfit(self, bead: TrappedBead) -> float:
         """Return the deviation from the amplitude of `bead`, in standard uncertainties."""
         per_metre = abs(complex(bead.driven(self.frequency)))

@@ -163,8 +163,17 @@ class Drive:
         """
         signal = signal[: len(self.beside)]
         amplitudes, moved = motion(signal, self.frequencies, self.step)
-        followed = Followed.of(signal - moved, self.beside, self.step, steady=not self.jumps)
+        rest = signal - moved
+        lines = self._lines(amplitudes, rest)
+        followed = Followed.of(rest, self.beside, self.step, lines, steady=not self.jumps)
         still = followed.still + signal.mean()
+        return still, (*self._lines(amplitudes, still), *followed.answers), followed.noise
+
+    def _lines(self, amplitudes: Complex, still: Array) -> list[Answer]:
+        """Return the answers at the frequencies of the drive that are seen.
+
+        Their uncertainty is by the thermal motion of `still`, the signal without them.
+        """
         spectrum = power_spectrum(still, self.step)
         found = []
         for f, stage, error, answer in zip(
@@ -175,7 +184,7 @@ class Drive:
             if power > _SEEN**2 * variance:
                 seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
                 found.append(Answer(f, float(abs(stage)), float(error), *seen))
-        return still, (*found, *followed.answers), followed.noise
+        return found
 
 
 def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -89,8 +90,12 @@ class Followed:
     """Hz, of bands in which the sensor of the stage sees what the bead does not follow"""
 
     @classmethod
-    def of(cls, signal: Array, stage: Array, step: float, *, steady: bool) -> Followed:
+    def of(
+        cls, signal: Array, stage: Array, step: float, known: Sequence[Answer] = (), *, steady: bool
+    ) -> Followed:
         """Return the part of a signal that follows a stage.
+
+        What the bead does in bands in which it is not seen follows from the others.
 
         Parameters
         ----------
@@ -100,18 +105,20 @@ class Followed:
             Positions of the stage, m.
         step : float
             Sampling interval of both, s.
+        known : sequence of Answer
+            Of the same bead, at frequencies that signal and stage are without.
         steady : bool
             Whether the stage does not jump between samples.
         """
         still = signal - signal.mean()
         bands = _bands(still, stage, step, 0.5 / step if steady else _OF_JUMPS / step)
         first = np.abs(bands.response) > _SEEN * bands.uncertainty
-        if not first.any():
+        if not (bands.frequencies.size and (first.any() or known)):
             return cls(still, ())
         absent = np.abs(bands.response) < _ABSENT * bands.uncertainty
         followed = np.zeros_like(first)
         for _ in range(_ROUNDS):
-            bead = _Nearest.to(bands, first | followed, step)
+            bead = _Nearest.to(bands, first | followed, known, step)
             # by what is expected: chance would choose those that are too large
             expected = np.abs(bead.moved(bands.frequencies))
             noise = absent & (expected > _FORETOLD * bands.uncertainty)
@@ -220,13 +227,19 @@ class _Nearest(NamedTuple):
         return np.asarray(self.by_position * follows * late)
 
     @classmethod
-    def to(cls, bands: _Bands, seen: NDArray[np.bool_], step: float) -> _Nearest:
-        """Return the nearest bead by least squares over `seen` bands, with a delay of about a step.
+    def to(
+        cls, bands: _Bands, seen: NDArray[np.bool_], known: Sequence[Answer], step: float
+    ) -> _Nearest:
+        """Return the nearest bead by least squares, with a delay of about a step.
+
+        It is that nearest to the `seen` bands and to the `known` answers.
 
         Far below the corner frequency, a delay differs from the relaxation time only by its size.
         """
-        f, response = bands.frequencies[seen], bands.response[seen]
-        weights = 1 / bands.uncertainty[seen] ** 2
+        f = np.append(bands.frequencies[seen], [each.frequency for each in known])
+        response = np.append(bands.response[seen], [each.response for each in known])
+        error = np.append(bands.uncertainty[seen], [each.response_uncertainty for each in known])
+        weights = 1 / error**2
 
         def nearest(logarithm: float, steps: float) -> _Nearest:
             unit = cls(math.exp(logarithm), float(steps) * step, 1.0)
@@ -238,7 +251,7 @@ class _Nearest(NamedTuple):
             off = np.abs(response - nearest(*coordinates).moved(f))
             return float(weights @ off**2 + coordinates[1] ** 2)
 
-        grid = np.linspace(math.log(f[0] / 30), math.log(f[-1] * 30), _CORNERS)
+        grid = np.linspace(math.log(f.min() / 30), math.log(f.max() * 30), _CORNERS)
         start = min(grid, key=lambda each: misfit(np.array([each, 0.0])))
         options = {"xatol": 1e-6, "fatol": 1e-6}
         bounds = [(grid[0], grid[-1]), (-np.inf, np.inf)]
