@@ -189,10 +189,10 @@ def test_what_is_there_is_not_lost(whole, tmp_path):
     before = content(store)
     with pytest.raises(tweezer.ResultError, match="already exists; resume it"):
         tweezer.sweep(SCENE, OVER, out=store, workers=1)
-    with pytest.raises(tweezer.ResultError, match="sweeps over other keys or values; name"):
+    with pytest.raises(tweezer.ResultError, match="sweeps over other keys or values; choose"):
         tweezer.sweep(SCENE, {**OVER, "bead.diameter": [1e-6]}, out=store, workers=1, resume=True)
     other = SCENE.replace(medium={"viscosity": "1 mPa s"})
-    with pytest.raises(tweezer.ResultError, match="is a sweep of another scene; name"):
+    with pytest.raises(tweezer.ResultError, match="is a sweep of another scene; choose"):
         tweezer.sweep(other, OVER, out=store, workers=1, resume=True)
     with pytest.raises(tweezer.ResultError, match="is a sweep of trap, not of run; choose another"):
         tweezer.sweep(SCENE, OVER, "run", out=store, workers=1, resume=True)

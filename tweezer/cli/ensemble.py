@@ -116,6 +116,8 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
         (result["lost_time"] < math.inf).sum()
     )  # fmt: skip
     table.add_row("lost", f"{int(lost)}")
+    if int(lost) and "loss_caveat" in attributes:
+        table.add_row("", attributes["loss_caveat"])
     table.add_row("samples", f"{attributes['samples']} in {1e3 * attributes['duration']:.4g} ms")
     if "stationary_mean" in result:
         mean, error = (1e6 * result[f"stationary_mean{of}"].values for of in ("", "_error"))

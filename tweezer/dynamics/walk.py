@@ -55,6 +55,9 @@ _PART_OF_SWING = 0.1
 _BIAS, _WARNED = 0.005, 0.01
 #: Smallest error of the variance that is reported
 _TOLD = 1e-5
+#: Lateness of losses by one call of the force, over the step in relaxation times of the trap and
+#: its depth in k_B T, as measured on springs; and the smallest that is reported
+_LATE, _TOLD_LATE = 0.25, 1e-3
 #: Number of swings in the relaxation time above which the energy that steps take is measured
 _MANY_SWINGS = 100.0
 #: Step over the relaxation time, for methods that must resolve it
@@ -109,6 +112,8 @@ class Walk:
     """count of the numbers of a state that no sample shows: before the last"""
     exposure: Exposure | None = None
     """of the scene's camera; what it gathers stands behind the columns of a state"""
+    late_losses: float = 0.0
+    """relative lateness of times of loss by the step, about, for each k_B T of the well's depth"""
     variance_bias: float | None = None
     """relative error of the variance of the position by the step, about; None where it is small"""
 
@@ -116,6 +121,16 @@ class Walk:
     def scheme(self) -> Scheme:
         """Scheme of its steps."""
         return _scheme(self.problem)
+
+    @property
+    def loss_caveat(self) -> str:
+        """What is wrong with the times of losses; "" if nothing is."""
+        if self.late_losses < _TOLD_LATE:
+            return ""
+        return (
+            f"times of loss by {self.scene.simulation.method} are late, by about "
+            f"{100 * self.late_losses:.2g} % for each kT of the well's depth; heun has them right"
+        )
 
     def warn_of_bias(self) -> None:
         """Warn of a step by which the variance is off by more than a hundredth."""
@@ -544,6 +559,9 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         exposure = Exposure(
             frames, problem, step, short, mobility[:3], np.diag(rates).copy(), spring
         )
+    late = 0.0
+    if not how.displacements:
+        late = _LATE * step * float(np.linalg.eigvals(rates).real.max())
     forget_faults(problem.force)  # where equilibria were sought
     columns = ["x", "y", "z"]
     if inertial:
@@ -554,7 +572,8 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         columns += ["wx", "wy", "wz"]
     found = Walk(
         problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
-        edge, 3 * weights.memory.shape[2], exposure, bias * step if bias * step > _TOLD else None,
+        edge, 3 * weights.memory.shape[2], exposure, late,
+        bias * step if bias * step > _TOLD else None,
     )  # fmt: skip
     swings = math.sqrt(float(tau[0] * kappa[:3].max())) if inertial and not beside_wall else 0.0
     if swings > _MANY_SWINGS and simulation.method == "heun" and problem.force.steady:

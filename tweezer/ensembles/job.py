@@ -196,6 +196,7 @@ def attributes_of(job: Job, bound: Walk) -> Attributes:
         "method": bound.scene.simulation.method,
         "chosen": bound.why,
         **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
+        **({"loss_caveat": bound.loss_caveat} if bound.loss_caveat else {}),
         **worth_attributes(bound.scene),
         "samples_skipped": job.skipped or 0,
         "trajectories_per_block": job.block,
