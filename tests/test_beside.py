@@ -33,8 +33,8 @@ MAKES = {
 
 @pytest.mark.parametrize("name", write_faults.KINDS)
 def test_failed_write_loses_nothing(name):
-    """The test covers some of the 475 writes of a sweep, and of the 96 and 31 of ensembles;
-    `make stress` covers all.
+    """A sweep has 475 writes, and ensembles have 96 and 31. The test lets some of them fail, and
+    `make stress` lets all fail.
     """
     ended = write_faults.at_each_write(
         name, ("full disk", "Ctrl-C"), lambda count: {*range(2, count, 83), count - 4, count - 1}

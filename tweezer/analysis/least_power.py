@@ -60,9 +60,9 @@ class LeastPower(Shown):
 def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | None:
     """Return the minimum power through the pupil at which the trap has a given lifetime.
 
-    The scene's own power is ignored. The result is None if the lifetime is shorter at every power
-    up to 100 W, which is far beyond the damage threshold of beads and lenses. A `PhysicsWarning`
-    then describes the trap at 100 W.
+    The scene's own power is ignored. Returns None if the lifetime is shorter at every power up to
+    100 W, which is far beyond the damage threshold of beads and lenses. A `PhysicsWarning` then
+    describes the trap at 100 W.
 
     Parameters
     ----------

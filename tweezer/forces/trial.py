@@ -367,14 +367,10 @@ def explained(function: Any, data: Data, pose: Pose, *, gradient: bool, wrong_er
 
     Parameters
     ----------
-    function : callable
-        Function of a `UserForce`.
-    data : Data
-        Entries of the force.
+    function, data, gradient
+        As in `first_look`.
     pose : Pose
         Pose of one bead.
-    gradient : bool
-        Whether the function sets force gradients.
     wrong_error : bool
         Whether the error of the force, and not the force, is NaN or negative.
     """
