@@ -106,9 +106,9 @@ def test_noise_of_the_sensor_of_the_stage_is_not_taken_for_motion(hum):
 
 
 def test_what_is_not_seen_of_a_bead_follows_from_what_is():
-    """Overtones of a triangle of 1 um, of which 3 of these 6 records show none: 5.4 nm of them.
+    """The overtones of a triangle of 1 um are 5.4 nm; 3 of these 6 recordings show none.
 
-    The same thermal motion beside a stage at rest says what is left of them.
+    The same thermal motion beside a stage at rest determines their remainder.
     """
     for seed in range(100, 106):
         moving, still = (
@@ -125,7 +125,7 @@ def test_what_is_not_seen_of_a_bead_follows_from_what_is():
 
 @pytest.mark.parametrize("late", [0.0, 0.3])
 def test_nearest_bead(late):
-    """Of exact bands, of exact answers, and of some of both: corner, delay and volts are those."""
+    """Corner, delay and volts are exact for exact bands, exact answers, and some of both."""
     corner = K / (2 * math.pi * DRAG)
     f = np.array([10.0, 40.0, 90.0, 160.0, 300.0])
     exact = RESPONSE * 1j * f / (1j * f + corner) * np.exp(-2j * np.pi * f * late * STEP)
@@ -143,7 +143,7 @@ def test_nearest_bead(late):
 
 
 def test_the_corner_of_the_nearest_bead_is_bounded():
-    """One band far below the corner tells nothing of it."""
+    """One band far below the corner does not determine it."""
     f, none = np.array([10.0]), np.zeros((1, 2))
     for response in (1e-3j, 1.0 + 0j):
         bands = _Bands(f, np.array([response]), np.array([1e-5]), np.ones(1), none)
@@ -153,10 +153,10 @@ def test_the_corner_of_the_nearest_bead_is_bounded():
 
 
 def test_bands_are_not_chosen_by_chance():
-    """Of a weak sweep, many bands are near the limit: their mean answer is that of the bead.
+    """In a weak sweep many bands are near the limit, and their mean is the bead's response.
 
-    12 records; 3.5 standard errors: false alarm 5e-4. With bands chosen by what is measured in them
-    the mean is 4.8 too large.
+    The limit for 12 recordings is 3.5 standard errors (false alarm 5e-4). If the measured response
+    selects the bands, the mean is too large by 4.8 standard errors.
     """
     scores = []
     for seed in range(60, 72):

@@ -87,9 +87,9 @@ class Escape:
 
 
 def too_shallow(ways: Iterable[Escape]) -> str:
-    """Return why ways out of a well show that it holds no bead; "" if it may hold one.
+    """Return the reason why a well is too shallow for a bead; "" if it is not.
 
-    A way on which the force pulls the bead back up to a wall is no way out.
+    A direction in which the force pulls the bead back up to a wall is no escape.
     """
     free = [each for each in ways if each.wall_at is None]
     easiest = min(free, key=lambda each: each.energy_kT, default=None)

@@ -95,7 +95,7 @@ class Followed:
     ) -> Followed:
         """Return the part of a signal that follows a stage.
 
-        What the bead does in bands in which it is not seen follows from the others.
+        The response in bands in which the bead is not visible follows from the other bands.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Followed:
         step : float
             Sampling interval of both, s.
         known : sequence of Answer
-            Of the same bead, at frequencies that signal and stage are without.
+            Answers of the same bead at frequencies that signal and stage do not contain.
         steady : bool
             Whether the stage does not jump between samples.
         """

@@ -228,7 +228,7 @@ class Trap(Comparable, Shown):
 
     @property
     def too_shallow(self) -> str:
-        """Why the equilibrium, or the ring, holds no bead in thermal motion; "" if it does.
+        """Reason why the equilibrium, or the ring, is too shallow in thermal motion, or "".
 
         The easiest straight way out of it takes less than 1 k_B T.
         """

@@ -124,7 +124,7 @@ class Walk:
 
     @property
     def loss_caveat(self) -> str:
-        """What is wrong with the times of losses; "" if nothing is."""
+        """Caveat on the times of losses; "" without one."""
         if self.late_losses < _TOLD_LATE:
             return ""
         return (

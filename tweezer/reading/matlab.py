@@ -69,7 +69,7 @@ def _check(elements: memoryview, order: str, most_bytes: int, depth: int) -> Non
                     raise ValueError(f"an array has more than {most_bytes:,} bytes")
                 _check(memoryview(unpacked), order, most_bytes, depth)
             elif code not in _NUMBERS:
-                raise ValueError(f"an element has the code {code}, which has no meaning there")
+                raise ValueError(f"an element has the code {code}, which is not defined there")
         at = end if code == _COMPRESSED else -(-end // _TAG) * _TAG
         count += 1
     if count < fewest:
