@@ -13,6 +13,11 @@ FREE = [
     "silica-1um", "--duration", "1 us", "--set", "simulation.samples=3",
     "--set", "forces.optical=false",
 ]  # fmt: skip
+#: the same, for a sweep of two cases
+SWEPT = [
+    "silica-1um", "--of", "run", "--workers", "1", "--set", "simulation.duration=1 us", *FREE[3:],
+    "--set", "medium.mean_free_path=0.1 nm",
+]  # fmt: skip
 Follow = Callable[[list[str], re.Match[str]], list[str]]
 
 
@@ -84,6 +89,19 @@ REFUSED: dict[str, tuple[list[str], str, Follow]] = {
     "setting given twice": (
         ["run", *FREE, "--set", "simulation.duration=2 us"], r"set twice, by --set too$",
         lambda words, said: without(words, "--duration"),
+    ),
+    "setting without a value": (
+        ["run", *FREE, "--set", "beam.power"], r"must be key=value, such as (beam.power=80 mW)$",
+        lambda words, said: [*words[:-1], said[1]],
+    ),
+    "range without a count": (
+        ["sweep", *SWEPT, "--over", "bead.diameter=0.2um..3um"],
+        r"must be FROM..TO:COUNT, such as (\S+),",
+        lambda words, said: replaced(words, "0.2um..3um", said[1].replace(":40", ":2")),
+    ),
+    "key without a section to sweep over": (
+        ["sweep", *SWEPT, "--over", "gibberish=1,2"], r"such as (beam\.power)$",
+        lambda words, said: replaced(words, "gibberish=1,2", f"{said[1]}=1mW,2mW"),
     ),
     "cache without a terminal": (
         ["cache", "--clear"], r"requires (--yes)", lambda words, said: [*words, said[1]],

@@ -233,6 +233,20 @@ def test_the_advice_on_short_tracks_and_held_beads(tmp_path, command_line):
     np.testing.assert_allclose(1e6 * found.positions[:, 0], X, rtol=1e-6, atol=1e-9)
 
 
+def test_examples_in_refusals_are_accepted(tmp_path):
+    """What stands behind "such as", in place of what was refused."""
+    path = tmp_path / "a.csv"
+    path.write_text(table("t [s],x_px", TIMES, X), encoding="utf-8")
+    with pytest.raises(tweezer.ResultError) as refused:
+        load_recording(path, scale="abc")
+    for scale in re.findall(r'"(.*?)"', str(refused.value))[:2]:
+        assert isinstance(load_recording(path, scale=scale), tweezer.Recording)
+    with pytest.raises(tweezer.ResultError) as refused:
+        calibrate(recording(X), temperature=T, exposure=0.0, leave_out=["5"])
+    (band,) = re.findall(r'such as "(.*?)"', str(refused.value))
+    assert calibrate(recording(X), temperature=T, exposure=0.0, leave_out=[band]).axes
+
+
 #: what the user knows, where a message asks for it
 KNOWN = {
     "--temperature": "20 degC", "--radius": "500 nm", "--viscosity": "1.002 mPa s",
