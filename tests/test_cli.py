@@ -80,7 +80,7 @@ try:
     cli.main()
 except SystemExit:
     unused = {"dask", "matplotlib", "pint", "scipy.stats", "xarray"}
-    unused |= {"numba"} if sys.argv[1] == "calibrate" else {"pandas", "scipy.integrate"}
+    unused |= {"numba"} if sys.argv[1] == "calibrate" else {"pandas", "scipy.integrate", "scipy.optimize"}
     print(sorted(sys.modules.keys() & unused))
 """
     recording = Path(cli.__file__).parents[1] / "examples" / "trapped-bead.csv"

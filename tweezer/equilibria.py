@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.bracketing import zero
 from tweezer.forces.force import Force
 from tweezer.vectors import Comparable, Vector, fixed
 
@@ -23,8 +24,6 @@ Component = Callable[[Array], Array]
 
 #: to how much a zero is located, in radii
 _ZERO = 1e-14
-#: Smallest tolerance that `scipy.optimize.brentq` takes
-_ROUNDING = 4 * np.finfo(float).eps
 #: Pull where there is one by definition, N
 _PULLING = 1e-300
 #: growth of the distance of samples with the distance, where they are not even
@@ -146,8 +145,8 @@ def equilibria(
 
     radius: of the bead, m. force: whose gradient is the stiffness.
     """
-    for zero in _zeros_on_axis(FOCUS, radius, search, net_force):
-        yield equilibrium_at(np.array([0.0, 0.0, zero]), search, force, net_force, spiral_rate)
+    for z in _zeros_on_axis(FOCUS, radius, search, net_force):
+        yield equilibrium_at(np.array([0.0, 0.0, z]), search, force, net_force, spiral_rate)
 
 
 def equilibria_about(
@@ -298,10 +297,9 @@ def opposite(component: Component) -> Component:
 
 def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
     """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
-    from scipy.optimize import brentq
 
     def pulls(distance: float) -> float:
         value = float(pull(np.array([distance]))[0])
         return max(value, _PULLING) if distance == start else value
 
-    return float(brentq(pulls, start, stop, xtol=tolerance, rtol=_ROUNDING))
+    return zero(pulls, start, stop, tolerance)

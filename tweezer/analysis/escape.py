@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.bracketing import maximum
 from tweezer.constants import Boltzmann
 from tweezer.equilibria import (
     DIRECTIONS,
@@ -216,17 +217,10 @@ def _refined(
     component: Component, distances: Array, values: Array, tolerance: float
 ) -> tuple[float, float]:
     """Largest value between the ends of `distances`, and where to within `tolerance`."""
-    from scipy.optimize import minimize_scalar
-
     best = int(values.argmax())
-    refined = minimize_scalar(
-        lambda distance: -component(np.array([distance]))[0],
-        bounds=(distances[max(best - 1, 0)], distances[min(best + 1, len(distances) - 1)]),
-        method="bounded",
-        options={"xatol": tolerance},
-    )
     sampled = float(values[best]), float(distances[best])
-    return max(sampled, (-float(refined.fun), float(refined.x)))
+    low, high = distances[max(best - 1, 0)], distances[min(best + 1, len(distances) - 1)]
+    return max(sampled, maximum(component, low, high, tolerance))
 
 
 # ------------------------------------------------------------------------------------------- work

@@ -451,11 +451,10 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
 
     Lines are sampled about every 0.02 radii, and by waves every twentieth of a wavelength in the
     medium; far from the focus the distance of samples grows with the distance. Zeros are found by
-    Brent's method (`scipy.optimize.brentq`, to 1e-14 radii). It keeps to a change of sign, so that
-    it works also where the sum over a grid of rays jumps. Maxima are refined with
-    `scipy.optimize.minimize_scalar` to 5e-7 of a sample's distance. Work is integrated by the rules
-    of Gauss and Kronrod on panels that are halved to 1e-7, or to `Escape.energy_error` where jumps
-    hinder it.
+    Brent's method, to 1e-14 radii. It keeps to a change of sign, so that it works also where the
+    sum over a grid of rays jumps. Maxima are refined by finer and finer samples, to 5e-7 of the
+    distance of the first. Work is integrated by the rules of Gauss and Kronrod on panels that are
+    halved to 1e-7, or to `Escape.energy_error` where jumps hinder it.
 
     The force is linear in the power of one beam: what it is on lines through the focus is kept for
     the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power
