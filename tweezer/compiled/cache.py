@@ -20,18 +20,19 @@ import secrets
 import shutil
 import tempfile
 import time
+import weakref
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, ClassVar
 
 import numba
 from numba.core import caching, event
 from numba.core.dispatcher import Dispatcher
 from numba.core.runtime.nrt import rtsys
 
-from tweezer.compiled import linked, options, shared
+from tweezer.compiled import environments, linked, options, shared
 from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
 from tweezer.errors import warn
@@ -41,7 +42,7 @@ _log = logging.getLogger("tweezer")
 #: Compile time before the notice is shown, s
 _PATIENCE = 1.0
 #: Form of what is kept; another number, and what was kept is compiled again
-_FORM = 2
+_FORM = 3
 #: Length of a SHA-256, bytes
 _DIGEST = 32
 
@@ -120,9 +121,9 @@ def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Co
 def found() -> int:
     """Number of tweezer's functions that this process loaded from the cache."""
     return sum(
-        sum(each.stats.cache_hits.values())
-        for each in gc.get_objects()
-        if issubclass(type(each), Dispatcher) and _ours(each)
+        sum(each.dispatcher.stats.cache_hits.values())
+        for each in _Cache.every
+        if _ours(each.dispatcher)
     )
 
 
@@ -231,8 +232,14 @@ class _File:
 class _Contents(caching.CompileResultCacheImpl):
     """What Numba keeps of a function, and what is only to be linked."""
 
+    def reduce(self, result: Any) -> tuple[Any, ...]:
+        """What is kept of a function."""
+        *others, referenced = super().reduce(result)
+        return (*others, environments.to_keep(referenced))
+
     def rebuild(self, target_context: Any, payload: tuple[Any, ...]) -> Any:
         """The function of which `payload` was kept."""
+        payload = (*payload[:-1], environments.rebuilt(payload[-1]))
         if linked.is_linked(payload):
             return linked.rebuilt(target_context, payload)
         return super().rebuild(target_context, payload)
@@ -245,13 +252,16 @@ class _Cache(caching.FunctionCache):
 
     kept = False
     """whether this process stored a function"""
+    every: ClassVar[weakref.WeakSet[_Cache]] = weakref.WeakSet()
+    """the caches of this process"""
 
     def __init__(self, dispatcher: Dispatcher, callers: Callers) -> None:
         super().__init__(dispatcher.py_func)
         base = Path(self.cache_path, self._impl.filename_base)
         self._cache_file = _File(str(base), dispatcher)
         self._callers = callers
-        self._dispatcher = dispatcher
+        self.dispatcher = dispatcher
+        self.every.add(self)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         """Argument types, processor, and who calls it; the fingerprint covers the rest."""
@@ -262,7 +272,7 @@ class _Cache(caching.FunctionCache):
         found = self._loaded(signature, context)
         if found is None and not self._callers.compiled:
             key = self._index_key(signature, context.codegen())
-            if shared.claim(str(self._cache_file.path(key)), self._dispatcher):
+            if shared.claim(str(self._cache_file.path(key)), self.dispatcher):
                 found = self._loaded(signature, context)
         return found
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import functools
 import hashlib
 import sys
 import sysconfig
@@ -90,16 +91,19 @@ def _of_function(function: types.FunctionType, seen: set[int]) -> Iterator[str]:
             yield f"no {name}"
 
 
-def _of_code(code: types.CodeType) -> Iterator[str]:
-    yield code.co_code.hex()
-    yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars))
+@functools.cache
+def _of_code(code: types.CodeType) -> list[str]:
+    parts = [
+        code.co_code.hex(),
+        repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)),
+    ]
     for constant in code.co_consts:
-        if isinstance(constant, types.CodeType):
-            yield from _of_code(constant)
-        else:
-            yield from _parts(constant, set())
+        within = isinstance(constant, types.CodeType)
+        parts += _of_code(constant) if within else _parts(constant, set())
+    return parts
 
 
+@functools.cache
 def _names(code: types.CodeType) -> set[str]:
     """Names that the code of a function reads from its globals or from a module."""
     names = set(code.co_names)
@@ -113,6 +117,7 @@ def _ours(value: Any) -> bool:
     return _may_change(str(value.__module__))
 
 
+@functools.cache
 def _may_change(module: str) -> bool:
     """Whether a module is tweezer's or a user's. Other libraries change only with their version."""
     if module.partition(".")[0] in ("tweezer", "__main__"):

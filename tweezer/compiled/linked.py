@@ -70,7 +70,7 @@ def is_linked(kept: tuple[Any, ...]) -> bool:
 def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
     """The function of which the cache has `kept`; as `CompileResult._rebuild`."""
     (name, _, bitcode), descriptor, environment, signature, objectmode, lifted, *others = kept
-    annotation, reload_init, environments = others
+    annotation, reload_init, referenced = others
     for initialise in reload_init:
         initialise()
     library = _Linked(context.codegen(), name)
@@ -81,5 +81,5 @@ def rebuilt(context: Any, kept: tuple[Any, ...]) -> CompileResult:
         typing_error=None, type_annotation=annotation, signature=signature, objectmode=objectmode,
         lifted=lifted, fndesc=descriptor, library=library, call_helper=None,
         environment=environment, metadata=None, reload_init=reload_init,
-        referenced_envs=environments,
+        referenced_envs=referenced,
     )  # fmt: skip
