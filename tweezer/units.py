@@ -31,7 +31,7 @@ QuantitiesLike: TypeAlias = Union[QuantityLike, "NDArray[Any]", Sequence["Quanti
 """The same of several: an array, or a list of quantities, of lists, ..."""
 
 _NUMBER_AND_UNIT = re.compile(
-    r"\s*(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(?P<unit>.*?)\s*"
+    r"(?P<number>[+-]?(?:[0-9]++\.?[0-9]*+|\.[0-9]++)(?:[eE][+-]?[0-9]++)?)\s*+(?P<unit>.*)"
 )
 _NUMBER = re.compile(r"\s*[+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?\s*")
 _COMPLEX = re.compile(r"[0-9.eEj+ -]{1,100}")
@@ -274,7 +274,7 @@ def _from_text(text: str, unit: str) -> float:
 
 def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
     """A text's two parts; raises `ValueError` if it has not both."""
-    match = _NUMBER_AND_UNIT.fullmatch(text)
+    match = _NUMBER_AND_UNIT.fullmatch(text.strip())
     if not match or not unit:
         raise ValueError(f"must be a number{_or_text(unit)}")
     if not match["unit"]:

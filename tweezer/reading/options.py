@@ -160,7 +160,7 @@ def _rate(given: QuantityLike) -> float:
 
 def _scale(given: QuantityLike) -> Scale:
     """Such as 8.58e-8, "85.8 nm", "85.8 nm/px", "11.66 px/um", "0.5 um/V" or "2 V/um"."""
-    above, _, below = re.sub(r"\s+per\s+|\s*/\s*", "/", as_given(given).strip()).partition("/")
+    above, _, below = re.sub(r" per | ?/ ?", "/", " ".join(as_given(given).split())).partition("/")
     try:
         match = _NUMBER.fullmatch(above)
         if match is None:
