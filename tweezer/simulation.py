@@ -40,7 +40,7 @@ from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.timing import timed
 from tweezer.errors import IntegrationError, ResultError, SceneError, warn
-from tweezer.forces.force import Force
+from tweezer.forces.force import Force, Wrench
 from tweezer.forces.named import origins_of
 from tweezer.io import load_run
 from tweezer.optics import evaluators_of, worth_attributes
@@ -248,7 +248,8 @@ def motion_of(
         **_end(equations, result, budget),
         **({"approached": 1} if begun and begun.approached else {}),
     }
-    run = _run(problem, result.times, motion, attributes)
+    light = problem.light.field(motion.position, time=result.times)
+    run = _run(problem, result.times, motion, light, attributes)
     if frames is not None and result.path is not None:
         run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
     elif frames is not None and result.status != "failed":
@@ -263,7 +264,7 @@ def motion_of(
 
     def find_errors() -> None:
         with contextlib.suppress(KeyboardInterrupt):
-            run.variables.update(force_errors(problem, result.times, motion))
+            run.variables.update(force_errors(problem, result.times, motion, light))
             if result.path is not None and summary is not None:
                 error = force_error_along(result.path)
                 attributes["summary"] = stored(dataclasses.replace(summary, force_error=error))
@@ -414,8 +415,9 @@ def _thermal_run(
             f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
             f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
         )
-    run = _run(bound.problem, times, motion, attributes)
-    run.variables.update(force_errors(bound.problem, times, motion))
+    light = bound.problem.light.field(motion.position, time=times)
+    run = _run(bound.problem, times, motion, light, attributes)
+    run.variables.update(force_errors(bound.problem, times, motion, light))
     if bound.exposure is None:
         return run, lambda: None
     frames = bound.exposure.frames
@@ -425,9 +427,13 @@ def _thermal_run(
 
 
 def _run(
-    problem: Problem, times: NDArray[np.float64], motion: Motion, attributes: dict[str, Any]
+    problem: Problem,
+    times: NDArray[np.float64],
+    motion: Motion,
+    light: Wrench,
+    attributes: dict[str, Any],
 ) -> Run:
-    """Motion and derived quantities at `times`."""
+    """Motion and derived quantities at `times`, in which `light` acts on the bead."""
     coordinates: dict[str, Variable] = {
         "time": variable(("time",), times, "s", "time since release"),
         "axis": (("axis",), np.array(["x", "y", "z"]), {"long_name": "axis, z along the light"}),
@@ -454,7 +460,7 @@ def _run(
         variables["angular_velocity"] = variable(
             ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
         )
-    variables |= derived_quantities(problem, times, motion)
+    variables |= derived_quantities(problem, times, motion, light)
     return Run(coordinates, variables, attributes)
 
 

@@ -194,12 +194,13 @@ def test_what_follows_from_the_drag_is_of_the_place(dark):
     times = run["time"].values
     motion = Motion(run["position"].values, None, None, None)
     weighed = problem_of(dark, growing())
-    _, speed, _ = derived_quantities(weighed, times, motion)["terminal_speed"]
+    unlit = weighed.light.field(motion.position, time=times)
+    _, speed, _ = derived_quantities(weighed, times, motion, unlit)["terminal_speed"]
     heights = motion.position[:, 2]
     expected = weight * growing().values[1] * (1 + heights / 2e-6)
     np.testing.assert_allclose(speed, expected, rtol=1e-12)
     slowed = problem_of(dark, Slowing())
-    _, timed, _ = derived_quantities(slowed, times, motion)["terminal_speed"]
+    _, timed, _ = derived_quantities(slowed, times, motion, unlit)["terminal_speed"]
     np.testing.assert_allclose(timed * (1 + times / 1e-6), timed[0], rtol=1e-12)
 
 

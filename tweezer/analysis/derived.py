@@ -7,14 +7,17 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
 from tweezer.forces.acting import name_of
+from tweezer.forces.force import Wrench
 from tweezer.forces.own import fault_of
 from tweezer.run import Variable, variable, with_error
 
 Array = NDArray[np.float64]
 
 
-def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
-    """Return the variables that follow from a motion at `times` (n,) s.
+def derived_quantities(
+    problem: Problem, times: Array, motion: Motion, light: Wrench
+) -> dict[str, Variable]:
+    """Return the variables that follow from a motion at `times` (n,) s, with its optical force.
 
     * optical_force: force of the light (3.26), N
     * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
@@ -33,7 +36,6 @@ def derived_quantities(problem: Problem, times: Array, motion: Motion) -> dict[s
     """
     scene, bead, places = problem.scene, problem.bead, motion.position
     weight = np.array(bead.weight)
-    light = problem.light.field(places, time=times)
     net_force = light.force + weight
     for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
@@ -89,15 +91,16 @@ def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
     return ""
 
 
-def force_errors(problem: Problem, times: Array, motion: Motion) -> dict[str, Variable]:
-    """Return the errors of the forces in a motion at `times` (n,) s.
+def force_errors(
+    problem: Problem, times: Array, motion: Motion, light: Wrench
+) -> dict[str, Variable]:
+    """Return the errors of the forces in a motion at `times` (n,) s, with its optical force.
 
     * force_error: error of the optical force, N. It is estimated, or certified by the map. For the
       thesis's grid it is the distance to the quadrature.
     * net_force_error: error of all forces, N, with the user's own forces
     """
     places = motion.position
-    light = problem.light.field(places, time=times)
     of_light = problem.light.error_of(places, light, times)
     errors = {"force_error": _of_force(of_light)}
     if problem.others:

@@ -237,8 +237,9 @@ def worth_attributes(scene: Scene) -> dict[str, str]:
 def _table() -> dict[str, Array]:
     """The columns of `ray_optics_worth.csv`; NaN where wave optics has no trap."""
     with resources.files("tweezer.optics").joinpath("ray_optics_worth.csv").open() as file:
-        names = next(csv.reader(file))
-        return dict(zip(names, np.genfromtxt(file, delimiter=",").T, strict=True))
+        names, *rows = csv.reader(file)
+    values = [[float(each or "nan") for each in row] for row in rows]
+    return dict(zip(names, np.array(values).T, strict=True))
 
 
 def _alike(index_ratio: float, aperture: float, wavelengths: float) -> dict[str, Array]:

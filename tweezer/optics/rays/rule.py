@@ -10,7 +10,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import Legendre, Polynomial, chebyshev, legendre
+from numpy.polynomial import Polynomial, chebyshev, legendre
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -169,16 +169,17 @@ def _panel_tables() -> tuple[Array, Array]:
     """Gauss nodes after substitutions with zeros of the given orders at the ends."""
     nodes = np.zeros((len(LEVELS), len(ORDERS) ** 2, 3, LEVELS[-1]))
     tail = np.zeros((len(LEVELS), TAIL, LEVELS[-1]))
+    x, w = (np.concatenate(each) for each in zip(*map(_gauss, LEVELS), strict=True))
+    z, ends = (x + 1) / 2, np.cumsum(LEVELS)[:-1]
+    for i, low in enumerate(ORDERS):
+        for j, high in enumerate(ORDERS):
+            rising, slope = _substitution(low, high)
+            falling, _ = _substitution(high, low)
+            values = np.array([rising(z), falling(1 - z), slope(z) * w / 2])
+            for level, of_level in enumerate(np.split(values, ends, axis=1)):
+                nodes[level, i * len(ORDERS) + j, :, : LEVELS[level]] = of_level
     for level, count in enumerate(LEVELS):
-        x, w = legendre.leggauss(count)
-        z = (x + 1) / 2
-        for i, low in enumerate(ORDERS):
-            for j, high in enumerate(ORDERS):
-                rising, slope = _substitution(low, high)
-                falling, _ = _substitution(high, low)
-                pair = i * len(ORDERS) + j
-                nodes[level, pair, :, :count] = rising(z), falling(1 - z), slope(z) * w / 2
-        tail[level, :, :count] = _legendre_tails(x)
+        tail[level, :, :count] = _legendre_tails(_gauss(count)[0])
     return nodes, tail
 
 
@@ -194,7 +195,7 @@ def _substitution(low: int, high: int) -> tuple[Polynomial, Polynomial]:
 def _legendre_tails(x: Array) -> Array:
     """Last coefficients resolved by the Gauss nodes x, for a weighted value of 1, (TAIL, n)."""
     degrees = np.maximum(len(x) - 1 - np.arange(TAIL), 0)
-    return np.array([(2 * degree + 1) * Legendre.basis(degree)(x) for degree in degrees])
+    return np.asarray((2 * degrees + 1)[:, None] * legendre.legvander(x, len(x) - 1).T[degrees])
 
 
 @functools.cache
