@@ -7,7 +7,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,10 +89,12 @@ class Outcome:
 
 
 @pytest.fixture
-def main_undone(monkeypatch) -> None:
+def main_undone(monkeypatch) -> Iterator[None]:
     """What `cli.main` sets in a process is set back after the test."""
     monkeypatch.setattr(warnings, "showwarning", warnings.showwarning)
     monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture

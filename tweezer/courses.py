@@ -28,7 +28,7 @@ Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
 class Section(BaseModel):
     """A part of a scene: immutable, and no key it does not know."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     def __setattr__(self, name: str, value: Any) -> None:
         if not name.startswith("_"):

@@ -9,10 +9,12 @@ __version__ = importlib.metadata.version("tweezer")
 
 @functools.cache
 def versions() -> dict[str, str]:
-    """The versions that are installed, as attributes of a result."""
-    libraries = {
-        f"{name}_version": importlib.metadata.version(name) for name in ("numpy", "scipy", "numba")
-    }
+    """The versions in use, as attributes of a result."""
+    import numba
+    import numpy as np
+    import scipy
+
+    libraries = {f"{each.__name__}_version": each.__version__ for each in (np, scipy, numba)}
     return {"tweezer_version": __version__, **libraries}
 
 

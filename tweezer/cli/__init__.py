@@ -63,6 +63,8 @@ def main() -> None:
     sys.unraisablehook = _interrupt_again
     # matrices are small here: threads for them take longer to start than they save
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # nor is a plugin of pydantic worth the search of all installed packages
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for number in {signal.SIGTERM, getattr(signal, "SIGHUP", signal.SIGTERM)}:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)

@@ -11,7 +11,7 @@ import typer.core
 
 from tweezer.choices import EVALUATORS
 from tweezer.cli.completion import complete_scene, complete_setting
-from tweezer.cli.console import show_warning, showing_progress, telling_interrupt
+from tweezer.cli.console import importing, show_warning, showing_progress, telling_interrupt
 from tweezer.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class _Commands(typer.core.TyperGroup):
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Read the line of the command."""
-        with telling_interrupt():
+        with telling_interrupt(), importing():
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
@@ -156,7 +156,8 @@ def with_thermal_motion(scene: str, settings: dict[str, str]) -> Scene:
 
 def bind_light(scene: Scene) -> None:
     """Show the caveat of ray optics, and compute the maps that the scene needs."""
-    from tweezer.optics import light, ray_optics_caveat
+    with importing():
+        from tweezer.optics import light, ray_optics_caveat
 
     if caveat := ray_optics_caveat(scene):
         show_warning(caveat)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -112,6 +113,17 @@ def _no_figure(path: Path) -> str:
         if _SIGNS[path.suffix.lower()] in path.read_bytes():
             return ""
     return "already exists and is no figure of tweezer"
+
+
+@contextlib.contextmanager
+def importing() -> Iterator[None]:
+    """Context of imports: Python looks for no garbage among their objects, then or later."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @contextlib.contextmanager
