@@ -1,5 +1,7 @@
 """What shells complete: scenes, keys of `--set` and their values, names."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -101,6 +103,26 @@ def test_what_bash_asks(words, values, monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("COMP_CWORD", f"{len(words.split())}")
     cli.main()
     assert capsys.readouterr().out.splitlines() == values
+
+
+def test_keys_are_completed_without_numbers_and_validators():
+    """A shell waits for it."""
+    program = """
+import os, sys
+from tweezer import cli
+os.environ |= {"_TWEEZER_COMPLETE": "complete_bash", "COMP_CWORD": "4",
+               "COMP_WORDS": "tweezer run silica-1um --set optics.th"}
+cli.main()
+from tweezer.sections import Beam
+print(sorted(sys.modules.keys() & {"numpy", "numba", "scipy", "pint", "xarray", "matplotlib"}))
+print(Beam.__pydantic_complete__)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    *offered, imported, validated = done.stdout.splitlines()
+    assert "optics.theory=waves" in offered
+    assert (imported, validated) == ("[]", "False")
 
 
 @pytest.mark.parametrize(
