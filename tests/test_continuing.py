@@ -179,6 +179,18 @@ def test_interrupted_run_goes_on(scene, monkeypatch):
     assert np.isnan(rest.attrs["integration_error"])
 
 
+def test_summary_of_a_continued_run_is_by_its_path(first):
+    """The bead falls into the trap in the second part."""
+    rest = tweezer.simulate(SCENE, "1 ms", continue_from=first)
+    summary = tweezer.summarise(rest)
+    assert not summary.by_samples
+    assert summary.outcome == "captured"
+    whole = tweezer.summarise(tweezer.simulate(SCENE, "1.2 ms"))
+    errors = summary.outcome_time_error + whole.outcome_time_error
+    assert abs(summary.outcome_time - whole.outcome_time) <= errors < 1e-6
+    assert tweezer.summarise(rest.isel(time=slice(1, None))).by_samples
+
+
 def test_light_may_change(first):
     """A bead that goes on in the dark stops; with its memory it does not stop at once."""
     dark = SCENE.replace(beam={"power": "1 nW"})

@@ -200,12 +200,12 @@ def motion_of(
     check_run(scene, seed)
     if not all(isinstance(event, Event) for event in events):
         raise SceneError("events: must be a list of `tweezer.Event`")
-    as_given = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
+    as_given: dict[str, Any] = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
     begun: Continued | None = None
     if going_on is not None:
         scene, begun = going_on
         seed = begun.seed if seed is None else seed
-        as_given["continued_from"] = begun.mark
+        as_given |= {"continued_from": begun.mark, "begin_time": begun.end.time}
     if scene.forces.brownian:
         return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given, begun, events)
     problem, why = decided(bound_once(scene, forces))
@@ -311,7 +311,7 @@ def _thermal_run(
     problem: Problem,
     seed: int,
     progress: Callable[[float], None] | None,
-    as_given: dict[str, str],
+    as_given: dict[str, Any],
     begun: Continued | None,
     events: Sequence[Event],
 ) -> tuple[Run, Callable[[], None]]:

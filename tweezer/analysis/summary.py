@@ -169,7 +169,8 @@ def summary_of(run: Run) -> Summary:
     times, position = run["time"], run["position"]
     if "summary" in run.attributes:
         summary = _read(run.attributes["summary"])
-        if times[0] == 0 and summary.end == _point(position[-1]):  # the whole run, not a part
+        begin = run.attributes.get("begin_time", 0.0)
+        if times[0] == begin and summary.end == _point(position[-1]):  # the whole run, not a part
             return summary
     scene = scene_in(run.attributes)
     outcome, outcome_time, _, _ = _outcome(run, times, position, scene)
