@@ -1,6 +1,7 @@
 """External faults: each ends with a complete result or one error of tweezer, never silently wrong.
 
-`python -m tests.stress_faults` prints how they ended; `make stress` calls it. With words it makes
+`python -m tests.stress_faults` prints how they ended; `make stress` calls it. Each kind runs on all
+cores; a part that finds what must not happen is WRONG, and the others go on. With words it makes
 the faults whose names have one of them, and with numbers FIRST and COUNT that part of each:
 `python -m tests.stress_faults damaged killed 200 50`.
 
@@ -10,6 +11,7 @@ A kind of fault is a function `kind(count, first)`. It makes `count` faults, beg
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import resource
 import signal
@@ -17,18 +19,24 @@ import subprocess
 import sys
 import tempfile
 import time
+import traceback
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+import tweezer
 from tests import write_faults
 from tests.damaged_results import damaged_results, edited_results, hostile_results
 from tests.foreign_files import foreign_files
 from tests.mutated_kernels import mutated_kernels
 from tests.mutations import mutated_command_lines, mutated_recordings, mutated_scenes
+from tweezer.ensembles import job, statistics, store
 
 ROOT = Path(__file__).parents[1]
 
@@ -42,6 +50,36 @@ scene = tweezer.load_scene("silica-1um").replace(
 places = 0.5e-6 * np.random.default_rng(1).normal(size=(20, 3))
 print(*(component for place in places for component in tweezer.optical_force(scene, place)))
 """
+
+
+#: Number of files that are damaged for a process
+_AT_ONCE = 10
+
+
+def _damage(rng: np.random.Generator, sound: dict[Path, bytes]) -> str:
+    """Damage one of the files, if no fault before has made it a folder."""
+    tables = [path for path in sound if path.suffix == ".table"]
+    # every fifth time a table, of which there is one
+    path = rng.choice(tables if rng.random() < 0.2 else list(sound))
+    kind = str(rng.choice(["changed", "cut", "empty", "longer", "another's", "a folder"]))
+    content = bytearray(sound[path])
+    if kind == "changed":
+        for at in rng.integers(len(content), size=rng.integers(1, 9)):
+            content[at] ^= rng.integers(1, 256)
+    elif kind == "cut":
+        del content[rng.integers(len(content)) :]
+    elif kind == "empty":
+        content.clear()
+    elif kind == "longer":
+        content += rng.bytes(100)
+    elif kind == "another's":
+        content[:] = sound[rng.choice(list(sound))]
+    if path.is_dir():
+        path.rmdir()
+    else:
+        path.unlink()
+    path.mkdir() if kind == "a folder" else path.write_bytes(content)
+    return f"{path.suffix} {kind}"
 
 
 def damaged_caches(count: int, first: int = 0) -> Counter[str]:
@@ -63,75 +101,89 @@ def damaged_caches(count: int, first: int = 0) -> Counter[str]:
 
         right = forces()
         sound = {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
-        tables = [path for path in sound if path.suffix == ".table"]
-        for number in range(first, first + count):
-            rng = np.random.default_rng([1, number])
-            # every fifth time a table, of which there is one
-            path = rng.choice(tables if rng.random() < 0.2 else list(sound))
-            kind = rng.choice(["changed", "cut", "empty", "longer", "another's", "a folder"])
-            content = bytearray(sound[path])
-            if kind == "changed":
-                for at in rng.integers(len(content), size=rng.integers(1, 9)):
-                    content[at] ^= rng.integers(1, 256)
-            elif kind == "cut":
-                del content[rng.integers(len(content)) :]
-            elif kind == "empty":
-                content.clear()
-            elif kind == "longer":
-                content += rng.bytes(100)
-            elif kind == "another's":
-                content[:] = sound[rng.choice(list(sound))]
-            path.unlink()
-            path.mkdir() if kind == "a folder" else path.write_bytes(content)
-            fault = f"{path.suffix} {kind}"
+        for begin in range(first, first + count, _AT_ONCE):
+            faults = [
+                _damage(np.random.default_rng([1, number]), sound)
+                for number in range(begin, min(begin + _AT_ONCE, first + count))
+            ]
             different = np.abs(forces() - right).max() / np.abs(right).max()
-            assert different < 1e-13, f"forces differ by {different:.2g}: {fault}: {path.name}"
-            ended[f"the same forces: {fault}"] += 1
-            for left in folder.rglob("*"):
-                if left.is_file() and left not in sound:
+            assert different < 1e-13, f"forces differ by {different:.2g}: {begin}: {faults}"
+            ended.update(f"the same forces: {fault}" for fault in faults)
+            for left in [each for each in folder.rglob("*") if each not in sound]:
+                if left.is_file():
                     left.unlink()
-            if kind == "a folder":
-                path.rmdir()
-            path.write_bytes(sound[path])
+            for path, content in sound.items():
+                if path.is_dir():
+                    path.rmdir()
+                path.write_bytes(content)
     return ended
 
 
-#: An ensemble of 16 blocks of 7 windows, or what is left to do of it: trajectories, or statistics
-ENSEMBLE = """
-import resource
-import sys
-import tweezer
-from tweezer.ensembles import job, statistics, store
-job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
-scene = tweezer.load_scene("silica-1um").replace(
-    forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
-    simulation={"model": "overdamped", "duration": 1e-2, "samples": 101, "loss_distance": 1e-6},
-)
-out, most_bytes = sys.argv[1], int(sys.argv[2])
-resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
-try:
-    if out.endswith("sweep.zarr"):
-        over = {"simulation.duration": [1e-3 * number for number in range(1, 31)]}
-        tweezer.sweep(
-            scene, over, "ensemble", out, trajectories=64, seed=8, workers=2, resume=True
-        )
-    else:
-        tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.endswith("nc"), resume=True)
-except tweezer.TweezerError as error:
-    sys.exit(f"refused: {error}")
-"""
 #: Names of the two kinds of output
 OUTPUTS = ("a.zarr", "a.nc")
 #: These, and that of a sweep
 WITH_SWEEP = (*OUTPUTS, "sweep.zarr")
 
 
-def _ensemble(out: Path, most_bytes: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
-    """Start the ensemble, or go on with it; most_bytes: of a file, as on a disk that is full."""
-    return subprocess.Popen(
-        [sys.executable, "-c", ENSEMBLE, str(out), str(most_bytes)], cwd=ROOT,
-        stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+def _work(out: Path, workers: int) -> None:
+    """An ensemble of 16 blocks of 7 windows, trajectories or statistics, or a sweep of them.
+
+    What is left to do of it is done.
+    """
+    job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
+    scene = tweezer.load_scene("silica-1um").replace(
+        forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
+        simulation={"model": "overdamped", "duration": 1e-2, "samples": 101, "loss_distance": 1e-6},
+    )
+    if out.name == "sweep.zarr":
+        over = {"simulation.duration": [1e-3 * number for number in range(1, 31)]}
+        tweezer.sweep(
+            scene, over, "ensemble", out, trajectories=64, seed=8, workers=workers, resume=True
+        )
+    else:
+        tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.suffix == ".nc", resume=True)
+
+
+class _Ensemble:
+    """A process that computes an ensemble or a sweep, or goes on with it.
+
+    It is a copy of this one, in which everything is imported and compiled. most_bytes: of a file,
+    as on a disk that is full. workers: processes of a sweep; two are begun from nothing.
+    """
+
+    def __init__(
+        self, out: Path, most_bytes: int = resource.RLIM_INFINITY, workers: int = 1
+    ) -> None:
+        self._said, saying = multiprocessing.Pipe(duplex=False)
+        process = multiprocessing.get_context("fork").Process(
+            target=self._run, args=(out, most_bytes, workers, saying)
+        )
+        with warnings.catch_warnings(action="ignore"):  # of Zarr's thread, which Zarr begins anew
+            process.start()
+        self.process = process
+        saying.close()
+
+    def _run(self, out: Path, most_bytes: int, workers: int, saying: Any) -> None:
+        self._said.close()
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+        warnings.simplefilter("ignore")
+        try:
+            _work(out, workers)
+        except tweezer.TweezerError as error:
+            saying.send(f"refused: {error}")
+            sys.exit(1)
+        except Exception:
+            saying.send(traceback.format_exc())
+            sys.exit(1)
+
+    def ended(self) -> tuple[int, str]:
+        """Wait for the end; the exit code, and what was said."""
+        try:
+            said = self._said.recv()
+        except EOFError:
+            said = ""
+        self.process.join()
+        return self.process.exitcode or 0, said
 
 
 def _content(out: Path) -> dict[Path, bytes]:
@@ -146,16 +198,15 @@ def _whole(folder: Path, outputs: tuple[str, ...]) -> dict[str, dict[Path, bytes
     for name in outputs:
         out = folder / "whole" / name
         out.parent.mkdir(exist_ok=True)
-        assert _ensemble(out).wait() == 0
+        _work(out, workers=1)
         found[name] = _content(out)
     return found
 
 
 def _mended(out: Path, expected: dict[Path, bytes], fault: str) -> str:
     """Go on with an ensemble: the bytes are those of one that met no fault, or it is refused."""
-    going = _ensemble(out)
-    said = going.communicate()[1]
-    if going.returncode == 0:
+    code, said = _Ensemble(out).ended()
+    if code == 0:
         assert _content(out) == expected, f"{fault}: other bytes"
         assert [path.name for path in out.parent.iterdir()] == [out.name], f"{fault}: leftovers"
         return "the same bytes"
@@ -181,15 +232,16 @@ def kills(count: int, first: int = 0) -> Counter[str]:
     ended: Counter[str] = Counter()
     for number, out, expected in _places(count, first):
         rng = np.random.default_rng([2, number])
-        going = _ensemble(out)
-        while not list(out.parent.iterdir()) and going.poll() is None:
-            time.sleep(0.01)
-        time.sleep(rng.uniform(0, 0.5))
-        going.send_signal(rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGHUP]))
-        going.wait()
+        going = _Ensemble(out, workers=1 + (number % 15 == WITH_SWEEP.index("sweep.zarr")))
+        while not list(out.parent.iterdir()) and going.process.is_alive():
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0, 0.3))
+        if going.process.is_alive():
+            os.kill(going.process.pid, rng.choice([signal.SIGKILL, signal.SIGTERM, signal.SIGHUP]))
+        code, _ = going.ended()
         left = _mended(out, expected, f"kill {number}")
         assert left == "the same bytes", f"kill {number}: {left}"
-        ended[f"killed: {going.returncode != 0}; then {left}"] += 1
+        ended[f"{out.name}, killed: {code != 0}; then {left}"] += 1
     return ended
 
 
@@ -199,43 +251,46 @@ def full_disk(count: int, first: int = 0) -> Counter[str]:
     for number, out, expected in _places(count, first):
         rng = np.random.default_rng([3, number])
         most = int(rng.integers(50_000))
-        going = _ensemble(out, most)
-        said = going.communicate()[1]
+        code, said = _Ensemble(out, most).ended()
         fault = f"files of {most} bytes"
-        if going.returncode:
+        if code:
             assert said.startswith("refused: "), f"{fault}: {said}"
             assert len(said.splitlines()) == 1, f"{fault}: {said}"
         left = _mended(out, expected, fault)
         assert left == "the same bytes", f"{fault}: {left}"
-        ended[f"full: {going.returncode != 0}; then {left}"] += 1
+        ended[f"{out.name}, full: {code != 0}; then {left}"] += 1
     return ended
 
 
 def damaged_stores(count: int, first: int = 0) -> Counter[str]:
     """Damage a file of an ensemble begun or complete: the same bytes, or one line.
 
-    A byte that is changed in a chunk is left to its checksum, which readers see.
+    A byte that is changed in a chunk is left to its checksum, which readers see. Another chunk in
+    its place is noticed.
     """
     ended: Counter[str] = Counter()
     for number, out, expected in _places(count, first, OUTPUTS):
         rng = np.random.default_rng([4, number])
-        going = _ensemble(out)
+        going = _Ensemble(out)
         if number % 4 < 2:
-            while not list(out.parent.glob("*.part/*.npz")) and going.poll() is None:
-                time.sleep(0.01)
-            time.sleep(rng.uniform(0, 0.3))
-            going.kill()
-        going.wait()
+            while not list(out.parent.glob("*.part/*.npz")) and going.process.is_alive():
+                time.sleep(0.001)
+            time.sleep(rng.uniform(0, 0.2))
+            going.process.kill()
+        going.ended()
         files = [path for path in sorted(out.parent.rglob("*")) if path.is_file()]
         path = files[rng.integers(len(files))]
         sound = path.read_bytes()
-        kind = rng.choice(["changed", "cut", "empty", "missing"])
+        kind = rng.choice(["changed", "cut", "empty", "missing", "another's"])
         chunk = "c" in path.relative_to(out.parent).parts
         if kind == "changed" and sound and not chunk:
             at = rng.integers(len(sound))
             path.write_bytes(sound[:at] + bytes([sound[at] ^ 1]) + sound[at + 1 :])
         elif kind == "missing":
             path.unlink()
+        elif kind == "another's":
+            others = [each for each in files if each.stat().st_size == len(sound)]
+            path.write_bytes(others[rng.integers(len(others))].read_bytes())
         else:
             path.write_bytes(sound[: rng.integers(len(sound)) if kind == "cut" and sound else 0])
         ended[_mended(out, expected, f"{number}: {path} {kind}")] += 1
@@ -275,20 +330,39 @@ FAULTS: list[tuple[str, Callable[[int, int], Counter[str]], int]] = [
 ]
 
 
-def _make(arguments: list[str]) -> None:
-    """Make the faults that the arguments name, and print how they ended."""
+def _part(number: int, count: int, first: int) -> Counter[str]:
+    """Make a part of the faults of a kind, by its number; the outcome "WRONG" is told."""
+    try:
+        return FAULTS[number][1](count, first)
+    except AssertionError as error:
+        traceback.print_exception(error)
+        return Counter({f"WRONG: {error}": 1})
+
+
+def _make(arguments: list[str]) -> bool:
+    """Make the faults that the arguments name on all cores, print how they ended: all well?"""
     words = [each for each in arguments if not each.isdigit()]
     numbers = [int(each) for each in arguments if each.isdigit()]
-    for name, make, all_of_them in FAULTS:
-        if words and not any(word in name for word in words):
-            continue
-        first, count = numbers or (0, all_of_them)
-        began = time.perf_counter()
-        print(f"{count} {name}, from {first}", flush=True)
-        for ended, times in make(count, first).most_common():
-            print(f"{times:8d}  {ended}")
-        print(f"{time.perf_counter() - began:8.0f}  s", flush=True)
+    cores, well = os.cpu_count() or 1, True
+    with ProcessPoolExecutor(cores, multiprocessing.get_context("spawn")) as pool:
+        for number, (name, _, all_of_them) in enumerate(FAULTS):
+            if words and not any(word in name for word in words):
+                continue
+            first, count = numbers or (0, all_of_them)
+            began = time.perf_counter()
+            print(f"{count} {name}, from {first}", flush=True)
+            each = -(-count // cores)
+            parts = [
+                pool.submit(_part, number, min(each, first + count - begin), begin)
+                for begin in range(first, first + count, each)
+            ]
+            ended = sum((part.result() for part in parts), Counter[str]())
+            for what, times in ended.most_common():
+                print(f"{times:8d}  {what}")
+                well &= not what.startswith("WRONG")
+            print(f"{time.perf_counter() - began:8.0f}  s", flush=True)
+    return well
 
 
 if __name__ == "__main__":
-    _make(sys.argv[1:])
+    sys.exit(not _make(sys.argv[1:]))
