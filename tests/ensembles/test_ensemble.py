@@ -584,6 +584,22 @@ def test_a_torn_checkpoint_is_not_believed(small, tmp_path):
     assert content(out) == content(tmp_path / "whole.zarr")
 
 
+@pytest.mark.parametrize("gathered", [False, True])
+def test_a_checkpoint_of_another_block_is_not_believed(gathered, small, tmp_path, monkeypatch):
+    suffix = "nc" if gathered else "zarr"
+    out, kind = tmp_path / f"cut.{suffix}", {"workers": 1, "statistics": gathered}
+    tweezer.ensemble(FREE, 64, out=tmp_path / f"whole.{suffix}", **kind)
+    with monkeypatch.context() as patch:
+        fails_after(patch, 40, trajectory=8)  # in the second window of the second block
+        with pytest.raises(tweezer.IntegrationError):
+            tweezer.ensemble(FREE, 64, out=out, **kind)
+    part = out.with_name(f"{out.name}.part")
+    for other in range(2, 8):
+        shutil.copy(part / "1.npz", part / f"{other}.npz")
+    tweezer.ensemble(FREE, 64, out=out, resume=True, **kind)
+    assert content(out) == content(tmp_path / f"whole.{suffix}")
+
+
 FULL = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 TOLD = r"cut\.(zarr|nc): cannot be written: No space left on device; the results written"
 

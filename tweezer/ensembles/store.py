@@ -141,13 +141,17 @@ def _read(path: Path) -> dict[str, Any]:
         return dict(arrays)
 
 
-def kept(path: Path, identity: str) -> dict[str, Any] | None:
-    """The arrays that `keep` wrote; None if missing, damaged, or of another ensemble."""
+def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
+    """Return the checkpoint of a block.
+
+    None if it is missing, damaged, or of another block or ensemble.
+    """
     try:
-        arrays = _read(path)
-        return arrays if str(arrays["identity"]) == identity else None
+        arrays = _read(job.checkpoint(index))
+        own = str(arrays["identity"]) == identity and int(arrays["block"]) == index
     except _UNREADABLE:
         return None
+    return arrays if own else None
 
 
 def stored(job: Job) -> Samples:
@@ -238,7 +242,7 @@ class Trajectories:
         """Write the checksums of all chunks, which the blocks noted when they wrote them."""
         sums = checksums(out) | self.sums
         for index in range(self.job.blocks):
-            sums |= sums_of(kept(self.job.checkpoint(index), identity_of(self.job, self.bound)))
+            sums |= sums_of(kept(self.job, index, identity_of(self.job, self.bound)))
         seal(out, sums)
 
     def _open(self) -> None:
@@ -275,7 +279,7 @@ class Trajectories:
         """
         job, names = self.job, columns_of(self.bound)
         windows = range(len(job.cuts) - 1)
-        begun = kept(job.checkpoint(index), identity_of(job, self.bound))
+        begun = kept(job, index, identity_of(job, self.bound))
         self.sums |= sums_of(begun)
         lacking = (
             w for w in windows
@@ -441,7 +445,7 @@ class Joined:
 
     def _of(self, index: int) -> Statistics:
         """Statistics of a finished block."""
-        gathered = self.later[index] or kept(self.job.checkpoint(index), self.identity)
+        gathered = self.later[index] or kept(self.job, index, self.identity)
         if gathered is None or not gathered["blocks"]:
             raise ResultError(
                 f"{self.job.checkpoint(index)}: not what a worker wrote; resumed, it is done again"

@@ -153,7 +153,7 @@ def _block(
     window, states = 0, bound.start(trajectories)
     sums: dict[str, str] = {}  # of the chunks that are written, by their names
     before = np.empty((len(trajectories), 0, width))  # samples of the current window
-    if job.out is not None and (begun := kept(job.checkpoint(index), identity)):
+    if job.out is not None and (begun := kept(job, index, identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
         sums = sums_of(begun)
         if statistics:
@@ -183,7 +183,10 @@ def _block(
 
     def keep_for_later(window: int, samples: Array) -> None:
         if job.out is not None:
-            begun = {"identity": identity, "window": window, "states": states, "held": samples}
+            begun = {
+                "identity": identity, "block": index, "window": window, "states": states,
+                "held": samples,
+            }  # fmt: skip
             more = statistics.arrays() if statistics else {"sums": json.dumps(sums)}
             keep(job.checkpoint(index), begun | more)
 
