@@ -92,11 +92,13 @@ def test_without_its_folder_a_process_compiles_alone(folder):
 def test_a_process_is_started_once_where_it_helps(
     monkeypatch, scene, processors, possible, started
 ):
-    begun = []
+    begun, processes = [], []
 
     def pretended(scene, folder):
         begun.append(folder)
-        return subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+        sleeping = [sys.executable, "-c", "import time; time.sleep(600)"]
+        processes.append(subprocess.Popen(sleeping, stdin=subprocess.PIPE))
+        return processes[-1]
 
     monkeypatch.setattr(second_process, "_started", pretended)
     monkeypatch.setattr(second_process, "_processors", lambda: processors)
@@ -108,6 +110,7 @@ def test_a_process_is_started_once_where_it_helps(
                 pass
         assert len(begun) == started
     assert not any(folder.exists() for folder in begun)
+    assert all(each.stdin.closed and each.returncode is not None for each in processes)
     assert not shared.claim("a", sample)  # no longer shared
 
 

@@ -55,8 +55,8 @@ def compiling_beside(scene: Scene) -> Iterator[None]:
     finally:
         shared.share(None)
         if process is not None:
-            process.kill()
-            process.wait()
+            with contextlib.suppress(OSError), process:  # which waits for it and closes its pipe
+                process.kill()
         shutil.rmtree(folder, ignore_errors=True)
 
 
