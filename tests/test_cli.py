@@ -174,7 +174,7 @@ def test_run_writes_a_trajectory_and_a_figure_and_prints_a_table(command_line):
     assert Path("thesis-990nm.png").read_bytes().startswith(b"\x89PNG")
     x, y, z = np.round(1e6 * run["position"].values[-1], 4) + 0.0
     for row, value in {
-        "outcome": "not captured, 0.2 ms; no stable",
+        "outcome": "not captured, 0.2 ms; no stable equilibrium",
         r"end \(x, y, z\)": f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus",
         "overshoot past the axis": "0 um",
         "first closest approach": "none",
@@ -403,7 +403,7 @@ def test_the_figure_and_the_result_come_before_the_slow_errors(command_line, mon
     assert outcome.code == 0
     result, errors = outcome.out.split("wrote a.png")
     assert "outcome" in result
-    assert "deviation from the motion with all inertia" in errors
+    assert "deviation from full inertia" in errors
 
 
 def test_a_figure_that_fails_leaves_the_run(command_line, monkeypatch):

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from tweezer.scene import Scene
 
 #: Name of the error of the model, the longest in the tables of a run
-_BY_MODEL = "deviation from the motion with all inertia"
+_BY_MODEL = "deviation from full inertia"
 
 
 @app.command()

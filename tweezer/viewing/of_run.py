@@ -251,7 +251,7 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     else:
         for name, key in (
             ("error of the integration", "integration_error"),
-            ("deviation from the motion with all inertia", "model_error"),
+            ("deviation from full inertia", "model_error"),
         ):
             error = attributes[key]
             if error != 0 or key == "integration_error":
