@@ -376,9 +376,9 @@ def test_whoever_writes_a_result_takes_overwrite_or_resume():
 def test_a_run_that_another_has_written_meanwhile_is_not_replaced(command_line, monkeypatch):
     sound = cli.runs.followed_with_progress
 
-    def while_another_runs(scene, seed):
+    def while_another_runs(*arguments):
         Path("a.nc").write_text("of another process")
-        return sound(scene, seed)
+        return sound(*arguments)
 
     monkeypatch.setattr(cli.runs, "followed_with_progress", while_another_runs)
     outcome = command_line("run", *FREE, "--out", "a.nc", "--plot", "a.png")

@@ -367,8 +367,8 @@ def _thermal_run(
             status, message = "failed", f"failed after {times[reached - 1]:.6g} s: {error}"
         if np.isfinite(lost := state[0, -1]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
-        if bound.loss_caveat:
-            message += f"; {bound.loss_caveat}"
+            if bound.loss_caveat:
+                message += f"; {bound.loss_caveat}"
             reached = int(np.isfinite(columns[0, :reached, 0]).sum())
     samples_seen = columns[0, :reached]
     if watch.last is not None:

@@ -393,7 +393,7 @@ def test_named_where_it_cannot_be_it_is_refused():
         forces={"brownian": True}, medium={"inertia": "memory"},
         simulation={"model": "full", "method": "harmonic"},
     )  # fmt: skip
-    with pytest.raises(SceneError, match=r"couples the axes; heun does; allowed: 'none', 'added"):
+    with pytest.raises(SceneError, match=r"couples the axes; must be none or added-mass; set"):
         walk(light)
     with pytest.raises(SceneError, match="baoab"):
         walk(DARK.replace(simulation={"method": "baoab"}))

@@ -291,7 +291,7 @@ def test_a_force_that_looks_at_the_orientation_is_asked_with_one():
     run = tweezer.simulate(thermal, "10 us", forces=[swimmer])
     assert "orientation" in run
     for changes in ({"model": "first-order"}, {"method": "harmonic", "model": "overdamped"}):
-        with pytest.raises(SceneError, match="one that turns the bead"):
+        with pytest.raises(SceneError, match="follows no force that turns the bead"):
             tweezer.simulate(thermal.replace(simulation=changes), "1 us", forces=[swimmer])
 
 

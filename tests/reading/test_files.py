@@ -537,7 +537,9 @@ def test_table_of_a_spectrum_is_refused_as_such(heading, options):
     """A table of another kind is not answered as if a column had the wrong name."""
     columns = heading.split("\n")[0].count(",") + heading.count(";") + 1
     text(heading, *[FRAMES + 1.0] * columns, mark=";" if ";" in heading else ",")("a.csv")
-    with pytest.raises(tweezer.ResultError, match=r"is a spectrum: .* needs the recording itself"):
+    with pytest.raises(
+        tweezer.ResultError, match=r"is a spectrum: .* requires the recording itself"
+    ):
         tweezer.load_recording("a.csv", **options)
 
 

@@ -160,7 +160,7 @@ def test_a_saved_trap_is_the_trap(trap, tmp_path):
     assert version == tweezer.__version__
     assert (saved.scene, saved.lifetime) == (trap.scene, trap.lifetime)
     assert saved.lifetime_without_light == trap.lifetime_without_light
-    whole = path.read_text()
+    whole = re.sub(r',\s*"sha256": "[^"]*"', "", path.read_text())  # as an earlier version wrote it
     assert whole.count('"residual"') > 1
     for wrong in (
         "{}",

@@ -157,7 +157,7 @@ def calibrate(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:  # fmt: skip
-    """Determine the trap stiffness from a RECORDING.
+    """Determine trap stiffness from a RECORDING.
 
     Several methods use the thermal motion of the bead and its response to a drive. For a free bead
     the diffusion coefficient is determined. Exit code: 0 if every axis of each RECORDING has a

@@ -77,7 +77,7 @@ def fit_depth(
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Determine the depth at which the bead of a TRACK was released.
+    """Determine the release depth from a TRACK.
 
     The depth is the coordinate along the light; the track contains the coordinates across the
     light. Exit code: 0 if the depth is determined, 1 if it is not or if the track refutes the

@@ -43,7 +43,7 @@ def dataset_of(
         words = np.array([row.get(name, "") for row in rows], dtype=str).reshape(cases.shape)
         variables[name] = names, words, {"long_name": about}
     if of == "trap":
-        held = np.array(["stiffness" in row and not row["reason"] for row in rows])
+        held = np.array(["stiffness" in row and not row.get("reason") for row in rows])
         held = held.reshape(cases.shape)
         about = "whether it has a stable equilibrium at least 1 k_B T deep; false too of a failure"
         variables["trapped"] = names, held, {"long_name": about}
