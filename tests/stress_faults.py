@@ -1,8 +1,8 @@
 """External faults: each ends with a complete result or one error of tweezer, never silently wrong.
 
-`python -m tests.stress_faults` prints how they ended; `make stress` calls it. Each kind runs on all
-cores; a part that finds what must not happen is WRONG, and the others go on. With words it makes
-the faults whose names have one of them, and with numbers FIRST and COUNT that part of each:
+`python -m tests.stress_faults` prints the outcomes; `make stress` calls it. Each kind runs on all
+cores. A part with a forbidden outcome is WRONG, and the other parts continue. Words select the
+faults with such a word in their name. Two numbers, FIRST and COUNT, select a part of each kind:
 `python -m tests.stress_faults damaged killed 200 50`.
 
 A kind of fault is a function `kind(count, first)`. It makes `count` faults, beginning with number
@@ -147,8 +147,16 @@ def _work(out: Path, workers: int) -> None:
 class _Ensemble:
     """A process that computes an ensemble or a sweep, or goes on with it.
 
-    It is a copy of this one, in which everything is imported and compiled. most_bytes: of a file,
-    as on a disk that is full. workers: processes of a sweep; two are begun from nothing.
+    The process is a copy of this one, in which everything is imported and compiled.
+
+    Parameters
+    ----------
+    out : Path
+        Output of the ensemble or sweep.
+    most_bytes : int
+        Largest size of a file, as on a full disk.
+    workers : int
+        Number of processes of a sweep. Two start without compiled code.
     """
 
     def __init__(
@@ -331,7 +339,7 @@ FAULTS: list[tuple[str, Callable[[int, int], Counter[str]], int]] = [
 
 
 def _part(number: int, count: int, first: int) -> Counter[str]:
-    """Make a part of the faults of a kind, by its number; the outcome "WRONG" is told."""
+    """Make some faults of the kind with this number; a forbidden outcome counts as "WRONG"."""
     try:
         return FAULTS[number][1](count, first)
     except AssertionError as error:

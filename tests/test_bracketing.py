@@ -69,7 +69,7 @@ def test_zero_refuses_a_function_that_is_not_a_number(undefined):
 @pytest.mark.parametrize("place", [-1.0, -0.99, 0.123456, 0.7, 2.0])
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-7])
 def test_maximum_is_located(place, tolerance):
-    """Of a function that is not symmetric, at the ends of the interval too."""
+    """The function is not symmetric, and its maximum may be at an end of the interval."""
 
     def function(x):
         return 3 - np.abs(x - place) ** 1.5 * (1 + 0.3 * np.sign(x - place))

@@ -73,7 +73,7 @@ for names in ((), *((name,) for name in commands), *benches):
 
 
 def test_commands_import_what_they_use(tmp_path):
-    """And their objects are left out when Python looks for garbage."""
+    """The garbage collector also skips the objects that an import makes."""
     program = """
 import gc, sys
 from tweezer import cli

@@ -234,7 +234,7 @@ def test_the_advice_on_short_tracks_and_held_beads(tmp_path, command_line):
 
 
 def test_examples_in_refusals_are_accepted(tmp_path):
-    """What stands behind "such as", in place of what was refused."""
+    """The example after "such as" replaces the value that was refused."""
     path = tmp_path / "a.csv"
     path.write_text(table("t [s],x_px", TIMES, X), encoding="utf-8")
     with pytest.raises(tweezer.ResultError) as refused:

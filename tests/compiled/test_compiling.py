@@ -154,7 +154,7 @@ def test_after_a_warm_up_a_run_compiles_nothing(tmp_path):
 
 
 def test_what_is_compiled_and_what_is_found_round_alike(tmp_path):
-    """And what is found imports no module of Numba that only its compiler needs."""
+    """Loading compiled code imports no module of Numba that only its compiler needs."""
     first, second = (
         python("-W", "ignore", "-c", FORCE, cwd=ROOT, NUMBA_CACHE_DIR=str(tmp_path))
         for _ in range(2)

@@ -22,7 +22,8 @@ def derived_quantities(
     * optical_force: force of the light (3.26), N
     * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
     * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
-    * net_force_error: error of the net force, N, with the user's own forces. It is NaN likewise.
+    * net_force_error: error of the net force, N, with the user's own forces. `force_errors`
+      sets it too.
     * speed: speed of the bead, m/s
     * terminal_speed: |net_force|/beta_v (5.2), with the drag at the position, m/s
     * reynolds_number: 2 rho_m v r/mu_m (5.1)

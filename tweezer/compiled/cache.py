@@ -233,7 +233,7 @@ class _Contents(caching.CompileResultCacheImpl):
     """What Numba keeps of a function, and what is only to be linked."""
 
     def reduce(self, result: Any) -> tuple[Any, ...]:
-        """What is kept of a function."""
+        """Return the parts of a compiled function that the cache stores."""
         *others, referenced = super().reduce(result)
         return (*others, environments.to_keep(referenced))
 

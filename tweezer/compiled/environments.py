@@ -14,7 +14,7 @@ from numba.core.environment import Environment, lookup_environment
 
 
 class Kept(NamedTuple):
-    """What the cache has of an environment."""
+    """An environment as the cache stores it."""
 
     name: str
     module: str
@@ -22,7 +22,7 @@ class Kept(NamedTuple):
 
 
 def to_keep(environments: Iterable[Environment]) -> tuple[Kept, ...]:
-    """Return what the cache has of environments."""
+    """Return environments as the cache stores them."""
     return tuple(
         Kept(each.env_name, each.globals["__name__"], each.consts) for each in environments
     )

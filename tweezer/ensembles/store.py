@@ -144,7 +144,8 @@ def _read(path: Path) -> dict[str, Any]:
 def kept(job: Job, index: int, identity: str) -> dict[str, Any] | None:
     """Return the checkpoint of a block.
 
-    None if it is missing, damaged, or of another block or ensemble.
+    The result is None if the checkpoint is missing or damaged, or belongs to another block or
+    ensemble.
     """
     try:
         arrays = _read(job.checkpoint(index))

@@ -88,7 +88,7 @@ def beads(
     hidden: int = 0,
     draws: int = 0,
 ) -> Beads:
-    """Return uninitialised arrays for a batch of beads.
+    """Return arrays of zeros for a batch of beads.
 
     Parameters
     ----------
