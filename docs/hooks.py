@@ -32,7 +32,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 from tweezer.scene import Scene
-from tweezer.sections import ALTERNATIVES, BELONGING
+from tweezer.scene.sections import ALTERNATIVES, BELONGING
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted(f"notebooks/{path.name}" for path in (ROOT / "notebooks").glob("*.ipynb"))
@@ -49,7 +49,8 @@ _log = logging.getLogger("mkdocs.hooks.tweezer")  # a warning fails a strict bui
 
 #: pages that are made from a source; links of docs/ lead to what the repository has
 MADE = {
-    "tweezer/scene.py": "scenes.md", "tweezer/cli/": "commands.md", "tweezer/scenes/": "gallery.md",
+    "tweezer/scene/scene.py": "scenes.md", "tweezer/cli/": "commands.md",
+    "tweezer/scenes/": "gallery.md",
 }  # fmt: skip
 
 #: code, and its copy that a button takes

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tweezer.catalogue import LASERS, OBJECTIVES
-from tweezer.materials import Material, materials
+from tweezer.scene.catalogue import LASERS, OBJECTIVES
+from tweezer.scene.materials import Material, materials
 
 PAGE = Path(__file__).parents[1] / "docs" / "materials.md"
 #: Wavelengths of the table, nm

@@ -23,7 +23,7 @@ import numpy as np
 import tweezer
 from tests.mutations import counted, pick
 from tweezer.cli.trap import _write_trap
-from tweezer.io import load_result, write_result
+from tweezer.results.io import load_result, write_result
 
 SCENE = tweezer.load_scene("silica-1um").replace(
     simulation={"duration": 1e-5, "samples": 11, "model": "overdamped"}, medium={"inertia": "none"}

@@ -19,7 +19,7 @@ import tweezer
 from tests.damaged_results import sound
 from tests.mutations import counted, pick
 from tests.write_faults import KINDS
-from tweezer.io import write_json
+from tweezer.results.io import write_json
 
 #: Outputs of one file
 FILES: dict[str, Callable[[Path], Any]] = {

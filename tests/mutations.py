@@ -25,8 +25,8 @@ from nptdms import ChannelObject, TdmsWriter
 
 import tweezer
 from tweezer import cli
-from tweezer.errors import TweezerError
 from tweezer.scene import Scene
+from tweezer.values.errors import TweezerError
 
 #: s, after which a case hangs
 PATIENCE = 60

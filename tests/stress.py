@@ -25,8 +25,8 @@ from tweezer.dynamics import (
 )
 from tweezer.dynamics.integrate import SOFT, SOFT_IN_TOLERANCES
 from tweezer.dynamics.walk import walk
-from tweezer.errors import IntegrationError, TweezerError
 from tweezer.scene import Scene
+from tweezer.values.errors import IntegrationError, TweezerError
 
 #: force calls of one run: what needs more ends as failed, its work spent
 MOST_CALLS = 20_000

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import stats
 
 import tweezer
-from tweezer.io import write_json
+from tweezer.results.io import write_json
 
 SCENE = tweezer.load_scene("thesis-990nm").replace(
     start={"frame": "focus", "position": [1e-7, 0, 1e-7]}, beam={"divisions": 20},

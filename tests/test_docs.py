@@ -61,7 +61,7 @@ NOT_RUN = {
     '--duration "2 s" --seed 1 --out seen.nc': "`make figures` runs it",
     'tweezer fit seen.nc --skip "20 ms" --scene silica-1um --set "bead.diameter=1.06 um" '
     '--set "beam.power_through_pupil=13 mW" --free bead.diameter '
-    "--free beam.power_through_pupil --plot fit.png": "takes long; tests/analysis/test_fit.py",
+    "--free beam.power_through_pupil --plot fit.png": "takes long; tests/tracking/test_fit.py",
     "python -m derivation": "writes into the checkout; tests/derivation/test_emission.py",
     "python -m derivation --check": "tests/derivation/test_emission.py",
     "python -m derivation.memory_poles": "takes minutes; tests/derivation bounds what it made",

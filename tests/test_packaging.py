@@ -86,7 +86,7 @@ def test_the_wheel_has_one_package_with_all_that_the_checkout_has(site):
         for path in files:
             if "__pycache__" not in path.parts:
                 assert (site / "tweezer" / path).read_bytes() == (ROOT / path).read_bytes()
-    assert (site / "tweezer" / "materials.toml").is_file()
+    assert (site / "tweezer" / "scene" / "materials.toml").is_file()
     shipped = {path.name for path in (ROOT / "tweezer" / "scenes").glob("*.toml")}
     assert {path.name for path in (site / "tweezer" / "scenes").glob("*.toml")} == shipped
 

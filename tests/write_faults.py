@@ -1,7 +1,7 @@
 """A fault at the n-th write of a sweep or an ensemble, for every n: nothing is lost or left over.
 
 A write is any call that changes a folder: a file that is made, written to, renamed or removed, a
-folder that is made or removed. `tests/test_beside.py` does a part of it, `make stress` all.
+folder that is made or removed. `tests/values/test_beside.py` does a part of it, `make stress` all.
 """
 
 from __future__ import annotations

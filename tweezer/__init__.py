@@ -8,6 +8,15 @@
 package costs nothing.
 """
 
+from typing import Any
+
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from tweezer.values.former import find_former_paths, module_of
+
+_public, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+find_former_paths()
+
+
+def __getattr__(name: str) -> Any:
+    return module_of(name) or _public(name)

@@ -1,45 +1,8 @@
-from .analysis import (
-    Calibration,
-    DepthFit,
-    FittedKey,
-    LeastPower,
-    Lifetime,
-    Recording,
-    SceneFit,
-    Summary,
-    Surface,
-    Track,
-    Trap,
-    Tuned,
-    Tuning,
-    calibrate,
-    characterise,
-    escape_times,
-    find_wall,
-    fit,
-    fit_depth,
-    least_power,
-    load_recording,
-    load_track,
-    potential,
-    summarise,
-    trap_over_heights,
-    tune,
-)
-from .bead import BeadProperties, bead_properties
+from .calibration import Calibration, Surface, calibrate, find_wall, potential
 from .comparison import Comparison, compare
 from .dynamics import Event, bind, capture, chosen
-from .ensembles import ensemble
-from .errors import (
-    IntegrationError,
-    PhysicsWarning,
-    ResultError,
-    SceneError,
-    TweezerError,
-    UnitWarning,
-)
+from .ensembles import ensemble, escape_times
 from .fluid import wall_mobilities
-from .io import load_run, save_run, scene_of
 from .optics import (
     absorbed_power,
     optical_force,
@@ -47,12 +10,26 @@ from .optics import (
     optical_jacobian,
     optical_torque,
 )
-from .report import write_report
+from .plots.report import write_report
+from .reading import Recording, Track, load_recording, load_track
+from .results.io import load_run, save_run, scene_of
+from .runs import Summary, Tuned, Tuning, summarise, tune
+from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
-from .simulation import simulate
+from .scene.bead import BeadProperties, bead_properties
 from .sweeps import sweep
-from .units import QuantitiesLike, QuantityLike
-from .version import __version__
+from .tracking import DepthFit, FittedKey, SceneFit, fit, fit_depth
+from .trap import LeastPower, Lifetime, Trap, characterise, least_power, trap_over_heights
+from .values.errors import (
+    IntegrationError,
+    PhysicsWarning,
+    ResultError,
+    SceneError,
+    TweezerError,
+    UnitWarning,
+)
+from .values.units import QuantitiesLike, QuantityLike
+from .values.version import __version__
 from .viewing import view
 
 __all__ = [

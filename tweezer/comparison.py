@@ -17,19 +17,19 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
-from tweezer.analysis.calibration import Calibration
-from tweezer.analysis.saved_trap import load_trap
-from tweezer.analysis.spectra import statistical_inefficiency
-from tweezer.analysis.trap import Trap
-from tweezer.errors import ResultError
-from tweezer.io import load_result, scene_of
-from tweezer.run import Run
-from tweezer.saved import COMPARED, kind_of, read_json, refusal
+from tweezer.calibration.calibration import Calibration
+from tweezer.calibration.spectra import statistical_inefficiency
+from tweezer.results.io import load_result, scene_of
+from tweezer.results.run import Run
+from tweezer.results.schema import of_validation, plain
 from tweezer.scene import Scene, by_key
-from tweezer.schema import of_validation, plain
-from tweezer.shown import Card, Row, Shown, Table, clipped
 from tweezer.sweeps.quantities import FAILED, MISSING, errors_of_trap
-from tweezer.units import usual_unit
+from tweezer.trap.saved_trap import load_trap
+from tweezer.trap.trap import Trap
+from tweezer.values.errors import ResultError
+from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
+from tweezer.values.shown import Card, Row, Shown, Table, clipped
+from tweezer.values.units import usual_unit
 
 Array = NDArray[np.float64]
 

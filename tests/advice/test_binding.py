@@ -20,8 +20,8 @@ from tweezer.dynamics import bind, bound_once, decided
 from tweezer.dynamics.integrators.exponential import EXPONENTIAL
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.walk import walk
-from tweezer.errors import SceneError
 from tweezer.forces import UserForce, kernel
+from tweezer.values.errors import SceneError
 
 Data = dict[str, Any]
 #: largest number of pieces of advice that lead to a scene that can be bound

@@ -21,7 +21,8 @@ import pytest
 import tweezer
 from tests.reference.free_bead import free
 from tests.reference.trapped_bead import trapped
-from tweezer.analysis import calibrate, diffusion, load_recording, load_trajectories
+from tweezer.calibration import calibrate, diffusion, load_trajectories
+from tweezer.reading import load_recording
 
 T, K, DRAG, STEP, N = 293.15, 2e-6, 9.44e-9, 1e-3, 1500
 #: um: a bead with a relaxation time of 4.7 steps

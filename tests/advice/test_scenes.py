@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from tests.test_bad_scenes import BAD_SCENES, as_toml
-from tweezer.errors import SceneError
+from tests.scene.test_bad_scenes import BAD_SCENES, as_toml
 from tweezer.scene import Scene, load_scene
+from tweezer.values.errors import SceneError
 
 Data = dict[str, Any]
 #: largest number of pieces of advice that lead from a bad scene to a good one

@@ -22,7 +22,7 @@ _THERMAL = (
     "tweezer/compiled/lanes.py",
 )
 _LIGHT = ("tweezer/optics", "generated/ray.py", "generated/waves.py")
-_CALIBRATION = ("tweezer/analysis", "tweezer/reading", "generated/hydrodynamics.py")
+_CALIBRATION = ("tweezer/calibration", "tweezer/reading", "generated/hydrodynamics.py")
 
 #: the code that each result is about, beside the benchmark itself
 SUBJECTS: dict[str, tuple[str, ...]] = {
@@ -30,9 +30,9 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "calibrate": _CALIBRATION,
     "camera": (*_CALIBRATION, "tweezer/dynamics/camera.py"),
     "commands": ("tweezer", "generated"),
-    "depth": ("tweezer/analysis/depth.py", "tweezer/dynamics/filter.py"),
-    "diagram": (*_LIGHT, "tweezer/analysis", "tweezer/equilibria.py"),
-    "fit": ("tweezer/analysis", "tweezer/fluid"),
+    "depth": ("tweezer/tracking",),
+    "diagram": (*_LIGHT, "tweezer/trap", "tweezer/forces"),
+    "fit": ("tweezer/tracking", "tweezer/calibration", "tweezer/fluid"),
     "fluid": _THERMAL,
     "force": _LIGHT,
     "free": _CALIBRATION,
@@ -41,7 +41,7 @@ SUBJECTS: dict[str, tuple[str, ...]] = {
     "integrate": ("tweezer/dynamics", "tweezer/fluid", *_LIGHT),
     "real_tracks": _CALIBRATION,
     "scaling": ("tweezer/ensembles", *_THERMAL),
-    "sweep": ("tweezer/sweeps", "tweezer/analysis", *_LIGHT),
+    "sweep": ("tweezer/sweeps", "tweezer/trap", "tweezer/runs", *_LIGHT),
     "view": ("tweezer/viewing",),
     "wall": _THERMAL,
 }

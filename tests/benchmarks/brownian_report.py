@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages
 from tests.benchmarks.brownian import HARMONIC, MILD, STEP, Results, Way, way_of
 from tests.benchmarks.report import rounded
-from tweezer import style
+from tweezer.plots import style
 
 _STYLES = {
     Way("full", "heun", spring=True): (style.SERIES[0].colour, "o", "-"),

@@ -26,7 +26,8 @@ import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine
 from tests.reference.trapped_bead import BOLTZMANN, trapped
-from tweezer.analysis import AxisCalibration, Recording
+from tweezer.calibration import AxisCalibration
+from tweezer.reading import Recording
 
 Results = dict[str, Any]
 

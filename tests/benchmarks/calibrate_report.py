@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.calibrate import Results
-from tweezer import style
+from tweezer.plots import style
 
 METHODS = {
     "power spectrum": "spectrum",

@@ -13,7 +13,7 @@ from scipy.stats import binomtest
 from tests.benchmarks import pages
 from tests.benchmarks.calibrate_report import METHODS
 from tests.benchmarks.camera import FRAMES, Results
-from tweezer import style
+from tweezer.plots import style
 
 
 def pooled(study: Results) -> dict[str, tuple[int, int]]:

@@ -26,9 +26,10 @@ from scipy.stats import binomtest
 import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine
-from tweezer.analysis import DepthFit, Track, fit_depth
-from tweezer.errors import PhysicsWarning
+from tweezer.reading import Track
 from tweezer.scene import Scene
+from tweezer.tracking import DepthFit, fit_depth
+from tweezer.values.errors import PhysicsWarning
 
 Results = dict[str, Any]
 

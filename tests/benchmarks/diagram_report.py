@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.diagram import MATERIALS, TIMES, Results
 from tests.benchmarks.timing import ROOT
-from tweezer import style
-from tweezer.analysis.heights import HELD
+from tweezer.plots import style
 from tweezer.sweeps.quantities import SHALLOW
+from tweezer.trap.heights import HELD
 
 PAGE = ROOT / "docs/trapping-diagram.md"
 #: The least powers, one line for each bead and time

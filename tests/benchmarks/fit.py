@@ -16,7 +16,7 @@ from scipy.stats import binomtest
 
 import tweezer
 from tests.benchmarks.timing import machine, on_all_cores
-from tweezer.analysis import Recording
+from tweezer.reading import Recording
 from tweezer.scene import value_at
 
 Results = dict[str, Any]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.fit import Results
-from tweezer import style
+from tweezer.plots import style
 
 
 def tables(results: Results) -> list[list[list[str]]]:

@@ -30,10 +30,10 @@ from tweezer.dynamics import EquationsOfMotion, bind, bound_once, decided, error
 from tweezer.dynamics.integrate import integrate
 from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.walk import walk
-from tweezer.errors import PhysicsWarning
 from tweezer.fluid.memory import NODES, Modes, modes
 from tweezer.scene import Scene
 from tweezer.thesis.runs import in_the_light
+from tweezer.values.errors import PhysicsWarning
 
 Array = NDArray[np.float64]
 Results = dict[str, Any]

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from tests.benchmarks import pages
 from tests.benchmarks.fluid import Results
 from tests.benchmarks.report import rounded
-from tweezer import style
+from tweezer.plots import style
 
 #: what of the modes is compared, and how
 _QUANTITIES = {

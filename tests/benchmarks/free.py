@@ -20,7 +20,7 @@ from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine, on_all_cores
 from tests.reference.free_bead import free
 from tests.reference.trapped_bead import BOLTZMANN
-from tweezer.analysis import Recording
+from tweezer.reading import Recording
 
 Results = dict[str, Any]
 

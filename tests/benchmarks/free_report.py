@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.free import Results
-from tweezer import style
+from tweezer.plots import style
 
 #: What is counted: its key, tracks or axes, and a heading
 COUNTED = (

@@ -35,7 +35,8 @@ from tests.benchmarks.hydro import (
 from tests.benchmarks.timing import machine, on_all_cores
 from tests.reference import detected_bead, reflected_flow, wall
 from tests.reference.detected_bead import BOLTZMANN
-from tweezer.analysis import AxisCalibration, Recording
+from tweezer.calibration import AxisCalibration
+from tweezer.reading import Recording
 
 Results = dict[str, Any]
 

@@ -13,7 +13,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.heights import RADIUS, Results
-from tweezer import style
+from tweezer.plots import style
 
 #: ways of the figure, with their colours
 WAYS = {"x": style.SERIES[0].colour, "z": style.SERIES[1].colour}

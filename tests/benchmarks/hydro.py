@@ -20,7 +20,8 @@ import tweezer
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine, on_all_cores
 from tests.reference import detected_bead
-from tweezer.analysis import AxisCalibration, Recording
+from tweezer.calibration import AxisCalibration
+from tweezer.reading import Recording
 
 Results = dict[str, Any]
 

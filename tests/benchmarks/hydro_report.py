@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from tests.benchmarks import pages
 from tests.benchmarks.hydro import Results
-from tweezer import style
+from tweezer.plots import style
 
 #: ways of the figure
 WAYS = ("volts", "pylake", "pylake, as called", "volts, no inertia", "pylake, no inertia")

@@ -29,12 +29,12 @@ from tests.benchmarks import estimate, numpy_sum, peers
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import machine
 from tests.reference.fields import GaussianWell, in_field
-from tweezer.choices import METHODS
 from tweezer.dynamics import EquationsOfMotion, Event, bind, integrators
 from tweezer.dynamics.integrate import SciPySolver, integrate
 from tweezer.dynamics.integrators.modes import NODES
 from tweezer.dynamics.solution import Solver
 from tweezer.scene import Scene
+from tweezer.scene.choices import METHODS
 from tweezer.thesis.runs import in_the_light
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages
 from tests.benchmarks.integrate import HEADLINE, Results
 from tests.benchmarks.report import rounded
-from tweezer import style
+from tweezer.plots import style
 
 _STYLES = {
     ("full", "exponential"): (style.SERIES[0].colour, "o", "unscaled, exponential"),

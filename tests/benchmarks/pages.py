@@ -12,7 +12,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from tests.benchmarks.timing import ROOT
-from tweezer import style
+from tweezer.plots import style
 
 BENCHMARKS = ROOT / "docs/benchmarks.md"
 FIGURES = ROOT / "docs/figures"

@@ -24,7 +24,7 @@ from tests.benchmarks import pages
 from tests.benchmarks.force import _to_four_digits
 from tests.benchmarks.timing import ROOT, machine
 from tests.reference.free_bead import free
-from tweezer import style
+from tweezer.plots import style
 
 Results = dict[str, Any]
 

@@ -16,7 +16,7 @@ from matplotlib.lines import Line2D
 from tests.benchmarks import pages, waves_report
 from tests.benchmarks.force import BANDS, STARTS, Results
 from tests.benchmarks.waves import FULL
-from tweezer import style
+from tweezer.plots import style
 
 KINDS = ("inside", "edge", "outside", "far", STARTS)
 _ROWS = (

@@ -17,7 +17,7 @@ from tests.benchmarks.pages import Results
 from tests.benchmarks.report import rounded
 from tests.benchmarks.scaling import CORES, STATISTICS
 from tests.benchmarks.timing import ROOT
-from tweezer import style
+from tweezer.plots import style
 
 PAGE = ROOT / "docs/scaling.md"
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.sweep import Results
-from tweezer import style
+from tweezer.plots import style
 
 #: load average from which on times are not those of an idle machine
 BUSY = 1.0

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from tests.benchmarks import pages
 from tests.benchmarks.wall import OF_INERTIA, Results
-from tweezer import style
+from tweezer.plots import style
 
 #: schemes by how they are called
 _SCHEMES = {

@@ -9,7 +9,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from tests.benchmarks.waves import BANDS, TOLERANCE
-from tweezer import style
+from tweezer.plots import style
 
 Results = dict[str, Any]
 

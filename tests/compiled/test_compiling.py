@@ -24,12 +24,13 @@ from numba.core.dispatcher import Dispatcher
 from rich.console import Console
 
 import tweezer
-from tweezer import cli, warmup
+from tweezer import cli
+from tweezer.cli import warmup
+from tweezer.cli.warmup import usual_scenes
 from tweezer.compiled import cache, compilation, fingerprint, named_njit
 from tweezer.dynamics import bind
 from tweezer.dynamics.solution import Solver
 from tweezer.dynamics.walk import Walk
-from tweezer.warmup import usual_scenes
 
 ROOT = Path(__file__).parents[2]
 NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"

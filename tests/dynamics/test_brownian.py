@@ -21,10 +21,10 @@ from tweezer.compiled import cached_njit
 from tweezer.dynamics import bind, integrate
 from tweezer.dynamics.brownian import batch, euler, heun, noise, propagator
 from tweezer.dynamics.walk import walk
-from tweezer.errors import IntegrationError, SceneError
 from tweezer.forces.data import packed
 from tweezer.forces.force import Force
 from tweezer.forces.force import bound as bound_force
+from tweezer.values.errors import IntegrationError, SceneError
 
 #: five standard deviations: one seed in 1.7 million
 FAR = 5.0

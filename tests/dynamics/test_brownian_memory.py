@@ -20,8 +20,8 @@ from tweezer.dynamics import bind, integrate
 from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.problem import bound_once
 from tweezer.dynamics.walk import walk
-from tweezer.errors import SceneError
 from tweezer.fluid import modes
+from tweezer.values.errors import SceneError
 
 DARK = tweezer.load_scene("silica-1um").replace(
     forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},

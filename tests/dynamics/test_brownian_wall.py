@@ -17,8 +17,8 @@ from tests.reference.fields import LinearTrap
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.brownian import plane, propagator, wall_with_inertia
 from tweezer.dynamics.walk import walk
-from tweezer.errors import IntegrationError, SceneError
 from tweezer.generated import wall
+from tweezer.values.errors import IntegrationError, SceneError
 
 #: five standard deviations
 FAR = 5.0

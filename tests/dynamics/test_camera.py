@@ -13,8 +13,8 @@ import tweezer
 from tests.reference.detected_bead import correlation
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import job
-from tweezer.errors import ResultError, SceneError
-from tweezer.report import page_of
+from tweezer.plots.report import page_of
+from tweezer.values.errors import ResultError, SceneError
 
 SCENE = tweezer.load_scene("silica-1um").replace(
     forces={"brownian": True},

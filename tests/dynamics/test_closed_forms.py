@@ -10,9 +10,9 @@ from scipy.special import ellipj
 import tweezer
 from tests.reference.fields import LinearTrap, in_trap
 from tests.reference.rigid_body import rotation_matrix
-from tweezer.bead import bead_properties
 from tweezer.dynamics import bind, integrate
 from tweezer.fluid import Stokes
+from tweezer.scene.bead import bead_properties
 
 COMPILED = ["dormand-prince", "dop853", "exponential"]
 TIGHT = {"relative_tolerance": 1e-12, "position_tolerance": 1e-18, "orientation_tolerance": 1e-13}

@@ -17,7 +17,6 @@ from tests.dynamics.test_closed_forms import trap_solution
 from tests.reference import memory
 from tests.reference.fields import GaussianWell, LinearTrap, in_field, in_trap
 from tests.reference.rigid_body import rotation_matrix
-from tweezer.choices import METHODS
 from tweezer.compiled import cached_njit
 from tweezer.dynamics import (
     Event,
@@ -30,6 +29,7 @@ from tweezer.dynamics import (
 )
 from tweezer.dynamics.solution import Solver
 from tweezer.forces.data import number, packed
+from tweezer.scene.choices import METHODS
 
 COMPILED = ["dormand-prince", "dop853", "exponential"]
 ORDER = {"dormand-prince": 5, "dop853": 8}

@@ -16,8 +16,8 @@ from tests.reference.fields import GaussianWell
 from tweezer.compiled import cached_njit
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.walk import walk
-from tweezer.equilibria import Search
 from tweezer.forces.data import number, packed
+from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Force
 
 #: Time of a swing of the bead in its well, sqrt(m/k), s

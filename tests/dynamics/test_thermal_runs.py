@@ -54,7 +54,7 @@ def test_steps_divide_the_time_between_samples():
         run = tweezer.simulate(SCENE.replace(simulation={"step": step}))
         per_sample = run.attrs["steps"] / 40
         assert per_sample == round(per_sample)
-        assert run.attrs["step"] <= tweezer.units.to_si(step, "s", 0.0) * (1 + 1e-12)
+        assert run.attrs["step"] <= tweezer.values.units.to_si(step, "s", 0.0) * (1 + 1e-12)
 
 
 def test_without_inertia_there_is_no_velocity():
@@ -103,7 +103,7 @@ def test_an_interrupt_keeps_what_was_reached():
 
 
 def test_a_force_that_is_not_finite_fails_the_run(monkeypatch):
-    from tweezer.errors import IntegrationError
+    from tweezer.values.errors import IntegrationError
 
     def fail(self, states, trajectories, sample, out):
         raise IntegrationError("trajectory 0: not finite")

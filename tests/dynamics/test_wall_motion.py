@@ -14,8 +14,8 @@ import tweezer
 from tests.reference.fields import LinearTrap, in_place
 from tweezer.dynamics import bind, bound_once, choose
 from tweezer.dynamics.walk import walk
-from tweezer.errors import SceneError
 from tweezer.fluid import BesideWall
+from tweezer.values.errors import SceneError
 
 RADIUS, VISCOSITY = 1e-6, 1e-3
 DRAG = 6 * math.pi * VISCOSITY * RADIUS

@@ -27,12 +27,12 @@ from scipy.constants import Boltzmann
 from scipy.spatial.transform import Rotation
 
 import tweezer
-from tweezer import beside
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles import job, statistics, store
 from tweezer.ensembles import workers as workers_module
 from tweezer.ensembles.statistics import error_of_part, joined, moments
-from tweezer.rounding import with_uncertainty
+from tweezer.values import beside
+from tweezer.values.rounding import with_uncertainty
 
 ensemble_module = importlib.import_module("tweezer.ensembles.ensemble")
 

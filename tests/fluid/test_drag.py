@@ -11,15 +11,15 @@ from scipy.constants import Boltzmann
 import tweezer
 from tests.reference.fields import LinearTrap, in_place
 from tests.reference.rigid_body import Body
-from tweezer.analysis.derived import derived_quantities
 from tweezer.compiled import cached_njit
 from tweezer.dynamics import Motion, bind, bound_once, choose, integrate
-from tweezer.dynamics.filter import kalman_filter
 from tweezer.dynamics.models import bind_translation
 from tweezer.dynamics.walk import rotation_matrices, walk
-from tweezer.errors import SceneError
 from tweezer.fluid import Drag, stokes
 from tweezer.forces.data import number, packed, vector
+from tweezer.runs.derived import derived_quantities
+from tweezer.tracking.filter import kalman_filter
+from tweezer.values.errors import SceneError
 
 RADIUS, VISCOSITY = 0.5e-6, 1e-3
 FREE = stokes(VISCOSITY, RADIUS)

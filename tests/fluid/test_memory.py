@@ -7,9 +7,9 @@ import pytest
 from scipy.constants import Boltzmann
 
 from tests.reference.fluid import Sphere
-from tweezer.choices import POLES
 from tweezer.fluid.memory import NODES, modes
 from tweezer.generated.memory_poles import ERRORS
+from tweezer.scene.choices import POLES
 
 #: of 250 nm and 1.5 um radius, polystyrene and silica
 BEADS = {

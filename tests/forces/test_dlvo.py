@@ -8,8 +8,8 @@ from scipy.optimize import brentq
 
 import tweezer
 from tweezer.dynamics import bound_once
-from tweezer.errors import SceneError
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
+from tweezer.values.errors import SceneError
 
 STRENGTH, DEBYE, HAMAKER, RADIUS = 4e-18, 12e-9, 5e-21, 1e-6
 

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 import tweezer
 from tests.reference.fields import GaussianWell, LinearTrap, QuarticTrap
-from tweezer.errors import SceneError
 from tweezer.forces import (
     Course,
     Moved,
@@ -23,6 +22,7 @@ from tweezer.forces import (
 )
 from tweezer.forces.data import integers, packed, part, tensor_of_four
 from tweezer.forces.force import bound
+from tweezer.values.errors import SceneError
 
 RNG = np.random.default_rng(101)
 PLACES = RNG.normal(size=(7, 3)) * 2e-7

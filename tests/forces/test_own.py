@@ -11,7 +11,6 @@ import pytest
 import tweezer
 from tests.mutated_kernels import mutated_kernels
 from tweezer import forces
-from tweezer.errors import ForceError, SceneError
 from tweezer.forces import (
     Course,
     Moved,
@@ -23,6 +22,7 @@ from tweezer.forces import (
     trial,
     vector,
 )
+from tweezer.values.errors import ForceError, SceneError
 
 DARK = tweezer.load_scene("silica-1um").replace(
     forces={"optical": False, "gravity": False, "buoyancy": False},

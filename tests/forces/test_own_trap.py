@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import root
 
 import tweezer
-from tweezer.errors import ForceError, ResultError
 from tweezer.forces import UserForce, kernel, matrix, number, vector
+from tweezer.values.errors import ForceError, ResultError
 
 SCENE = tweezer.load_scene("silica-1um")
 DARK = SCENE.replace(forces={"optical": False})

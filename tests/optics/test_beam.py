@@ -16,7 +16,6 @@ import pytest
 from scipy.integrate import quad
 
 import tweezer
-from tweezer.errors import PhysicsWarning, SceneError
 from tweezer.optics import (
     cone,
     fraction_through_pupil,
@@ -25,6 +24,7 @@ from tweezer.optics import (
     total_power,
 )
 from tweezer.optics.beam import intensity
+from tweezer.values.errors import PhysicsWarning, SceneError
 
 RADIUS, FOCAL_LENGTH, INDEX = 2.6e-3, 2e-3, 1.33
 #: part of the power per area at rho of a beam of standard deviation s

@@ -19,7 +19,8 @@ import pytest
 from filelock import FileLock
 
 import tweezer
-from tweezer.optics import evaluators_of, force_map, light, tabulate
+from tweezer.optics import evaluators_of, force_map, light
+from tweezer.optics.rays import tabulate
 from tweezer.optics.table import _in_memory, _load, _save
 from tweezer.optics.waves.lattice import Lattice
 
@@ -207,7 +208,7 @@ def builds(monkeypatch):
     """A list that grows by one with every table that is made."""
     made = []
     build = tabulate.build
-    module = importlib.import_module("tweezer.optics.by_map")
+    module = importlib.import_module("tweezer.optics.rays.by_map")
     monkeypatch.setattr(module, "build", lambda *a, **k: made.append(k) or build(*a, **k))
     return made
 
@@ -275,7 +276,7 @@ def test_another_table_for_anything_it_depends_on(scene, builds, key):
 @pytest.mark.usefixtures("cache_folder")
 def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch):
     force_map(scene)
-    module = importlib.import_module("tweezer.optics.by_map")
+    module = importlib.import_module("tweezer.optics.rays.by_map")
     monkeypatch.setattr(module, "_SOURCES", module._SOURCES + "# changed")
     assert force_map(scene)
     assert len(builds) == 2
@@ -283,9 +284,8 @@ def test_another_table_after_a_change_of_the_sources(scene, builds, monkeypatch)
 
 #: What a table does not depend on, but by the values of the light and the keys in its own key
 BY_VALUE = (
-    "tweezer.scene", "tweezer.sections", "tweezer.theory", "tweezer.optics.beam", "tweezer.errors",
-    "tweezer.compiled", "tweezer.choices", "tweezer.courses", "tweezer.units", "tweezer.equilibria",
-    "tweezer.rings", "tweezer.vectors",
+    "tweezer.values", "tweezer.scene", "tweezer.compiled", "tweezer.optics.beam",
+    "tweezer.forces.equilibria", "tweezer.forces.rings",
 )  # fmt: skip
 
 
@@ -305,7 +305,7 @@ def reached(name, found):
 
 @pytest.mark.parametrize(
     ("maker", "some"),
-    [("tweezer.optics.by_map", {"tweezer.generated.ray", "tweezer.optics.rays.rule"}),
+    [("tweezer.optics.rays.by_map", {"tweezer.generated.ray", "tweezer.optics.rays.rule"}),
      ("tweezer.optics.waves.by_map", {"tweezer.generated.waves", "tweezer.optics.waves.nodes"})],
 )  # fmt: skip
 def test_every_source_that_makes_a_table_is_in_its_key(maker, some):
@@ -376,9 +376,10 @@ import importlib
 import sys
 import numpy as np
 import tweezer
-from tweezer.optics import light, tabulate
+from tweezer.optics import light
+from tweezer.optics.rays import tabulate
 from tweezer.optics.rays import quadrature
-by_map = importlib.import_module("tweezer.optics.by_map")
+by_map = importlib.import_module("tweezer.optics.rays.by_map")
 built = []
 by_map.build = lambda *a, **k: built.append(1) or tabulate.build(*a, **k)
 scene = tweezer.Scene.model_validate_json(sys.argv[1])

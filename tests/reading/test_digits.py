@@ -5,8 +5,7 @@ import pytest
 
 import tweezer
 from tests.reference.trapped_bead import BOLTZMANN, trapped
-from tweezer.analysis import Recording
-from tweezer.reading import copied, measured, step_of, unmeasured
+from tweezer.reading import Recording, copied, measured, step_of, unmeasured
 
 T, STEP, N = 293.15, 1e-3, 3000
 K, DRAG = 2e-6, 9.44e-9

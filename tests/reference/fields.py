@@ -9,8 +9,8 @@ import numpy as np
 
 from tweezer.compiled import cached_njit
 from tweezer.dynamics.brownian import propagator
-from tweezer.equilibria import Search
 from tweezer.forces.data import number, packed, vector
+from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Force
 
 

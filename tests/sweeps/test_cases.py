@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 
 import tweezer
-from tweezer.choices import SWEPT
+from tweezer.scene.choices import SWEPT
 from tweezer.sweeps.cases import cases_of, read_over
 from tweezer.sweeps.quantities import QUANTITIES
 

@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 import tweezer
 from tweezer.cli.app import app
 from tweezer.ensembles import scheduler
+from tweezer.plots.sweeps import sweep_figure
 from tweezer.sweeps import pool
-from tweezer.sweeps.figures import sweep_figure
 from tweezer.sweeps.journal import check_same
 from tweezer.sweeps.quantities import asked_of, values_of_trap
 

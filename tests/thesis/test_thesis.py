@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 import tweezer
 from tests import readable
 from tweezer import cli, thesis
-from tweezer.errors import ResultError, SceneError
 from tweezer.thesis import figures, lost_bead, verdicts, writing
 from tweezer.thesis.runs import closest_approach, crossings
 from tweezer.thesis.verdicts import Claim
+from tweezer.values.errors import ResultError, SceneError
 
 DOCS = Path(__file__).parents[2] / "docs"
 COMMITTED = DOCS / "figures" / "thesis"

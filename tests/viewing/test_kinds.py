@@ -9,9 +9,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import tweezer
-from tweezer.analysis.holding import Lifetime
 from tweezer.cli.trap import _write_trap
 from tweezer.plots.scene import add_caveat, draw_cones
+from tweezer.trap.holding import Lifetime
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
 from tweezer.viewing.heading import heading, of_changes
 from tweezer.viewing.page import Page

@@ -25,7 +25,7 @@ from tweezer.cli.console import (
     show_warning,
     tell_interrupted,
 )
-from tweezer.errors import TweezerError
+from tweezer.values.errors import TweezerError
 
 __all__ = ["app", "main"]
 
@@ -95,7 +95,7 @@ def _interrupt_again(unraisable: Any) -> None:
 
 def _version(asked: bool) -> None:
     if asked:
-        from tweezer.version import __version__
+        from tweezer.values.version import __version__
 
         OUT.print(f"tweezer {__version__}", highlight=False)
         raise typer.Exit

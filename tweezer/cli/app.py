@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 import typer.core
 
-from tweezer.choices import EVALUATORS
 from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import importing, show_warning, showing_progress, telling_interrupt
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.scene.choices import EVALUATORS
+from tweezer.values.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
     from tweezer.optics import Table as Map
@@ -178,10 +178,10 @@ def map_of(scene: Scene) -> Map:
 
 def quantity_in(option: str, text: str, annotation: object) -> float:
     """`text` of `option` as a quantity of type `annotation`: with a unit, or a number in SI."""
-    from tweezer.units import bare, quantity_of, to_si
+    from tweezer.values.units import bare, quantity_of, to_si
 
     quantity = quantity_of(annotation)
-    assert quantity is not None  # all annotations of tweezer.units have one
+    assert quantity is not None  # all annotations of tweezer.values.units have one
     value = bare(text)
     try:
         number = to_si(value, quantity.unit, quantity.low, quantity.high)

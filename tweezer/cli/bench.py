@@ -19,7 +19,7 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import print_rows
-from tweezer.errors import TweezerError
+from tweezer.values.errors import TweezerError
 
 bench = typer.Typer(
     help="Measure speed and errors, from a checkout.", no_args_is_help=True, rich_markup_mode=None
@@ -48,7 +48,7 @@ def _add_benchmark(name: str, report_name: str, told: str) -> None:
         for table in report.tables(results):
             print_rows(table)
         if out:
-            from tweezer.io import write_json  # here, as it loads xarray
+            from tweezer.results.io import write_json  # here, as it loads xarray
 
             write_json(results, out)
         if plot:

@@ -32,20 +32,20 @@ from tweezer.cli.console import (
 )
 from tweezer.cli.free import print_free, print_tracks
 from tweezer.cli.tables import print_table, table_of
-from tweezer.errors import ResultError, SeveralBeadsError, TooFewError
-from tweezer.rounding import rounded, with_uncertainty
+from tweezer.values.errors import ResultError, SeveralBeadsError, TooFewError
+from tweezer.values.rounding import rounded, with_uncertainty
 
 if TYPE_CHECKING:
-    from tweezer.analysis import (
+    from tweezer.calibration import (
         AxisCalibration,
         Calibration,
         Diffusion,
         Height,
-        Recording,
         Surface,
         Together,
         Trajectory,
     )
+    from tweezer.reading import Recording
 
 
 @app.command()
@@ -163,15 +163,10 @@ def calibrate(
     the diffusion coefficient is determined. Exit code: 0 if every axis of each RECORDING has a
     number without a finding, 1 if an axis has none, 2 if the input is refused.
     """
-    from tweezer.analysis import (
-        Trajectory,
-        find_wall,
-        load_recording,
-        load_trajectories,
-        together,
-    )
-    from tweezer.analysis import calibrate as calibrated
-    from tweezer.units import BeadRadius, Density, Temperature, Time, Viscosity, bare
+    from tweezer.calibration import Trajectory, find_wall, load_trajectories, together
+    from tweezer.calibration import calibrate as calibrated
+    from tweezer.reading import load_recording
+    from tweezer.values.units import BeadRadius, Density, Temperature, Time, Viscosity, bare
 
     given = {
         name: quantity_in(f"--{name}", text, kind)
@@ -256,7 +251,7 @@ def calibrate(
         print_tracks(free, tracks, None)
     surface = None
     if places:
-        from tweezer.sphere import drag_of_translation
+        from tweezer.scene.sphere import drag_of_translation
 
         drag = drag_of_translation(given["viscosity"], given["radius"])
         surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
@@ -277,7 +272,7 @@ def calibrate(
 
         write_figure(calibration_figure(loaded[0], calibrations[0]), plot)
     if report:
-        from tweezer.report import write_report
+        from tweezer.plots.report import write_report
 
         write_report(loaded[0], calibrations[0], report)
     tell_written(out, plot, report)
@@ -299,8 +294,8 @@ def _diffusion(
     noise: str | None,
 ) -> Diffusion:
     """Return the common diffusion coefficient of tracks, with the given values of the beads."""
-    from tweezer.analysis import diffusion
-    from tweezer.units import bare
+    from tweezer.calibration import diffusion
+    from tweezer.values.units import bare
 
     return diffusion(
         tracks, temperature=given.get("temperature"), radius=given.get("radius"),
@@ -316,7 +311,7 @@ def _places(
 
     recordings: their number.
     """
-    from tweezer.units import Length, bare
+    from tweezer.values.units import Length, bare
 
     if focus is None:
         if shift is not None:
@@ -390,7 +385,7 @@ def _print_wall(wall: Height, axis: AxisCalibration) -> None:
 
 def _print_trapped(axis: AxisCalibration, unit: str) -> None:
     """A table of estimates, and below it numbered notes on what speaks against them."""
-    from tweezer.analysis.wording import axis_in_words
+    from tweezer.calibration.wording import axis_in_words
 
     print_table(axis.table())
     notes = [finding.text for finding in axis.listed]
@@ -402,7 +397,7 @@ def _print_trapped(axis: AxisCalibration, unit: str) -> None:
 
 def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]) -> None:
     """A table over recordings, and their means."""
-    from tweezer.analysis.together import QUANTITIES
+    from tweezer.calibration.together import QUANTITIES
 
     factors = {"stiffness": (1e6, "pN/um"), "drag": (1e9, "nN s/m"), "sensitivity": (1e6, "um/V")}
     if any(each.unit != "V" for each in calibrations):

@@ -13,9 +13,9 @@ import sys
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
-from tweezer.choices import RESULTS, SAVED_TRAP
+from tweezer.values.saved import RESULTS, SAVED_TRAP
 
-#: `tweezer.scene.SHIPPED`, which takes half a second to load
+#: `tweezer.scene.scene.SHIPPED`, which takes half a second to load
 _SHIPPED = Path(__file__).parents[1] / "scenes"
 
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.console import Console
 
-from tweezer.errors import ResultError
-from tweezer.files import check_regular
-from tweezer.saved import check_ending
+from tweezer.values.errors import ResultError
+from tweezer.values.files import check_regular
+from tweezer.values.saved import check_ending
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -194,15 +194,15 @@ def tell_written(*paths: Path | None) -> None:
 
 def write_result(result: Mapping[str, Any], path: Path) -> None:
     """Write a result as JSON with a digest."""
-    from tweezer.io import write_result  # here, as it loads xarray
+    from tweezer.results.io import write_result  # here, as it loads xarray
 
     write_result(result, path)
 
 
 def write_figure(figure: Figure, path: Path) -> None:
     """Write a figure, as a whole or not at all."""
-    from tweezer.files import replacing
-    from tweezer.style import save
+    from tweezer.plots.style import save
+    from tweezer.values.files import replacing
 
     with replacing(path) as whole:
         save(figure, whole, path.suffix[1:].lower())

@@ -32,7 +32,7 @@ from tweezer.cli.console import (
     write_result,
 )
 from tweezer.cli.tables import print_card
-from tweezer.errors import ResultError
+from tweezer.values.errors import ResultError
 
 
 @app.command("fit-depth")
@@ -83,7 +83,7 @@ def fit_depth(
     light. Exit code: 0 if the depth is determined, 1 if it is not or if the track refutes the
     scene, 2 if the input is refused.
     """
-    from tweezer.units import Length, PositiveLength, Time
+    from tweezer.values.units import Length, PositiveLength, Time
 
     described = scene_with(scene, settings_of(set or []))
     given = quantity_in("--noise", noise, PositiveLength) if noise is not None else None
@@ -95,9 +95,9 @@ def fit_depth(
     out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
 
-    from tweezer.analysis import fit_depth as fitted
-    from tweezer.analysis import load_track
     from tweezer.optics import ray_optics_worth, rows_of_light
+    from tweezer.reading import load_track
+    from tweezer.tracking import fit_depth as fitted
 
     loaded = load_track(track, columns=columns, rate=rate, scale=scale, bead=bead)
     if loaded.scene is not None and loaded.scene.bead != described.bead:

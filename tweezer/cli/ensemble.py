@@ -30,8 +30,8 @@ from tweezer.cli.console import (
     writable,
 )
 from tweezer.cli.tables import add_light, table_of
-from tweezer.errors import PhysicsWarning
-from tweezer.rounding import with_uncertainty
+from tweezer.values.errors import PhysicsWarning
+from tweezer.values.rounding import with_uncertainty
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,8 +76,8 @@ def ensemble(
     Each trajectory has independent thermal motion, which the command adds to a scene without it.
     Continue an interrupted ensemble with --resume.
     """
-    from tweezer.arguments import check_ensemble
-    from tweezer.units import Time
+    from tweezer.scene.arguments import check_ensemble
+    from tweezer.values.units import Time
 
     described = with_thermal_motion(scene, settings_of(set or [], duration=duration))
     skipped = quantity_in("--skip", skip, Time) if skip else 0.0

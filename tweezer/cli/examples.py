@@ -11,8 +11,8 @@ from tweezer.cli.app import Overwrite, app
 from tweezer.cli.completion import among
 from tweezer.cli.console import OUT, writable_result
 from tweezer.cli.tables import table_of
-from tweezer.errors import ResultError
-from tweezer.files import replacing
+from tweezer.values.errors import ResultError
+from tweezer.values.files import replacing
 
 FOLDER = Path(__file__).parents[1] / "examples"
 

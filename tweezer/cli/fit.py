@@ -32,7 +32,7 @@ from tweezer.cli.console import (
     write_result,
 )
 from tweezer.cli.tables import print_card
-from tweezer.errors import SceneError
+from tweezer.values.errors import SceneError
 
 
 @app.command()
@@ -78,7 +78,7 @@ def fit(
     bead and fluid. Exit code: 0 if every key is determined, 1 if a key is not or if the
     recording refutes the scene, 2 if the input is refused.
     """
-    from tweezer.units import Time
+    from tweezer.values.units import Time
 
     if set and scene is None:
         raise SceneError("--set: requires --scene")
@@ -87,8 +87,8 @@ def fit(
     out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
 
-    from tweezer.analysis import fit as fitted
-    from tweezer.analysis import load_recording
+    from tweezer.reading import load_recording
+    from tweezer.tracking import fit as fitted
 
     loaded = [
         load_recording(each, columns=columns, rate=rate, scale=scale, bead=bead).since(skipped)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from tweezer.cli.console import OUT
-from tweezer.errors import ResultError
+from tweezer.values.errors import ResultError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from tweezer.analysis import Diffusion, Trajectory
+    from tweezer.calibration import Diffusion, Trajectory
 
 #: Smallest number of frames in each track at which trapped beads are calibrated one by one
 _LONG = 100
@@ -27,7 +27,7 @@ def print_free(free: Diffusion, unit: str, seen: str | None = None) -> None:
     seen : str, optional
         Beginning of the line, before the diffusion.
     """
-    from tweezer.analysis.wording import NO_TRAP, diffusion_in_words
+    from tweezer.calibration.wording import NO_TRAP, diffusion_in_words
 
     OUT.print(diffusion_in_words(free, unit, seen or NO_TRAP), highlight=False, soft_wrap=True)
     for text in (*free.remarks, *(f"not trusted: {each.text}" for each in free.findings)):

@@ -18,7 +18,7 @@ import typer
 from tweezer.cli.app import app
 from tweezer.cli.console import ERR, FAILED, OUT, complain
 from tweezer.cli.tables import table_of
-from tweezer.errors import ResultError, TweezerError
+from tweezer.values.errors import ResultError, TweezerError
 
 #: Packages whose versions matter for what goes wrong
 _PACKAGES = (
@@ -155,7 +155,7 @@ def _size(path: Path) -> int:
 
 def _facts() -> dict[str, Any]:
     """What a report of a fault needs, in the order in which it is read."""
-    from tweezer.version import __version__
+    from tweezer.values.version import __version__
 
     caches = {
         each.name: {

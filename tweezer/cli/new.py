@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
 
 import typer
 
-from tweezer.catalogue import GLASS, LASERS, OBJECTIVES, Objective
 from tweezer.cli.app import Overwrite, app, quantity_in
 from tweezer.cli.completion import among
 from tweezer.cli.console import ERR, OUT, writable_result
 from tweezer.cli.tables import table_of
-from tweezer.errors import SceneError
-from tweezer.materials import Material, materials
+from tweezer.scene.catalogue import GLASS, LASERS, OBJECTIVES, Objective
+from tweezer.scene.materials import Material, materials
+from tweezer.values.errors import SceneError
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -127,8 +127,8 @@ def new(
     experiment = _Experiment(material, size, lens, wavelength, power_in_watts, behind)
     text = scene_text(experiment)
 
-    from tweezer.files import replacing
     from tweezer.scene import load_scene
+    from tweezer.values.files import replacing
 
     load_scene({"name": file.stem, **tomllib.loads(text)})
     writable_result(file, ("toml",), overwrite=overwrite, option="FILE")  # it may be there by now
@@ -215,7 +215,7 @@ def _objective(text: str) -> Objective:
 
 
 def _diameter(text: str) -> float:
-    from tweezer.units import BEAD_RADIUS, Quantity
+    from tweezer.values.units import BEAD_RADIUS, Quantity
 
     low, high = BEAD_RADIUS
     return quantity_in("--diameter", text, Annotated[float, Quantity("m", 2 * low, 2 * high)])
@@ -223,8 +223,8 @@ def _diameter(text: str) -> float:
 
 def _wavelength(text: str, material: Material) -> float:
     """That of a laser of the list, with or without its unit, or another."""
-    from tweezer.units import PositiveLength
-    from tweezer.water import WAVELENGTHS
+    from tweezer.scene.water import WAVELENGTHS
+    from tweezer.values.units import PositiveLength
 
     names = {_folded(name): laser for name, laser in LASERS.items()}
     known = names.get(_folded(text)) or names.get(f"{_folded(text)}nm")
@@ -242,7 +242,7 @@ def _wavelength(text: str, material: Material) -> float:
 
 
 def _power(text: str) -> float:
-    from tweezer.units import Power
+    from tweezer.values.units import Power
 
     found = quantity_in("--power", text, Power)
     if not found:
@@ -251,7 +251,7 @@ def _power(text: str) -> float:
 
 
 def _depth(text: str, objective: Objective, diameter: float) -> float | None:
-    from tweezer.units import PositiveLength
+    from tweezer.values.units import PositiveLength
 
     if _folded(text) == "none":
         if objective.immersion == "oil":
@@ -307,7 +307,7 @@ def _in_toml(index: complex) -> str:
 
 
 def _length(metres: float) -> str:
-    from tweezer.units import usual_unit
+    from tweezer.values.units import usual_unit
 
     factor, unit = usual_unit(metres, "m")
     return f"{metres / factor:.6g} {unit}"
@@ -318,7 +318,7 @@ def _millimetres(metres: float) -> str:
 
 
 def _watts(power: float) -> str:
-    from tweezer.units import usual_unit
+    from tweezer.values.units import usual_unit
 
     factor, unit = usual_unit(power, "W")
     return f"{power / factor:.6g} {unit}"

@@ -10,7 +10,7 @@ from tweezer.cli.app import SceneName, app, map_of, scene_with, settings_of
 from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import ERR, OUT
 from tweezer.cli.tables import add_light, table_of
-from tweezer.errors import SceneError
+from tweezer.values.errors import SceneError
 
 if TYPE_CHECKING:
     from tweezer.compiled import Compilation
@@ -60,8 +60,8 @@ def warmup(
 
     described = [load_scene(name) for name in scene or shipped_scenes()]
     with ERR.status("loading") as status:
+        from tweezer.cli.warmup import usual_scenes, warm_up
         from tweezer.compiled import compilation, found
-        from tweezer.warmup import usual_scenes, warm_up
 
         def say(compiling: Compilation) -> None:
             status.update(f"compiling {compiling.latest}, {compiling.seconds:.0f} s so far")

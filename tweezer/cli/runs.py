@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.choices import METHODS, MODELS, methods
 from tweezer.cli.app import (
     Changes,
     FigureFile,
@@ -37,17 +36,18 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import add_light, add_rows, table_of
-from tweezer.errors import PhysicsWarning, SceneError
+from tweezer.scene.choices import METHODS, MODELS, methods
+from tweezer.values.errors import PhysicsWarning, SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from rich.table import Table
 
-    from tweezer.analysis.summary import Summary
     from tweezer.dynamics.continuing import Continued
     from tweezer.forces.force import Force
-    from tweezer.run import Run
+    from tweezer.results.run import Run
+    from tweezer.runs.summary import Summary
     from tweezer.scene import Scene
 
 #: Name of the error of the model, the longest in the tables of a run
@@ -120,7 +120,7 @@ def run(
     An existing OUT is replaced by a run of the same scene, settings and seed. Any other run needs
     --overwrite. An interrupted or failed run replaces no file: it is written to a new one.
     """
-    from tweezer.arguments import check_run
+    from tweezer.scene.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
     described = (with_thermal_motion if thermal else scene_with)(scene, settings)
@@ -134,7 +134,7 @@ def run(
     going_on = None
     default = f"{described.name}.nc"
     if continue_from is not None:
-        from tweezer.simulation import going_on_from
+        from tweezer.runs.simulation import going_on_from
 
         going_on = going_on_from(described, continue_from)
         seed = going_on[1].seed if seed is None else seed
@@ -153,7 +153,7 @@ def run(
     plot = writable_figure(plot, overwrite=overwrite)
     bind_light(described)
 
-    from tweezer.second_process import compiling_beside
+    from tweezer.dynamics.second_process import compiling_beside
 
     with compiling_beside(described):
         result, find_errors = followed_with_progress(described, seed, going_on, own)
@@ -172,7 +172,7 @@ def run(
             find_errors()
             _print_errors(described, result)
         finally:
-            from tweezer.io import write_run
+            from tweezer.results.io import write_run
 
             write_run(result, out)
             tell_written(out)
@@ -187,7 +187,7 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
     """Return the scene with as many samples as `rate` gives over its duration."""
     if "simulation.samples" in settings:
         raise SceneError(f"--rate {rate!r}: simulation.samples is set too; give one of the two")
-    from tweezer.units import Frequency
+    from tweezer.values.units import Frequency
 
     intervals = quantity_in("--rate", rate, Frequency) * scene.simulation.duration
     if intervals < 1:
@@ -201,9 +201,9 @@ def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
 def _obstacle(out: Path, scene: Scene, seed: int | None, continued: str, forces_from: str) -> str:
     """Return why a run of `scene` must not replace the file at `out`; "" if it may.
 
-    See `tweezer.io.unlike`.
+    See `tweezer.results.io.unlike`.
     """
-    from tweezer.io import unlike
+    from tweezer.results.io import unlike
 
     return unlike(out, scene, seed or 0, continued, forces_from)
 
@@ -234,14 +234,14 @@ def followed_with_progress(
     Parameters
     ----------
     scene, seed, going_on, forces
-        As in `tweezer.simulation.motion_of`.
+        As in `tweezer.runs.simulation.motion_of`.
     """
     end = (going_on[0] if going_on else scene).simulation.duration
     with (
         showing_progress(scene.name, end, "errors") as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said at the end
     ):
-        from tweezer.simulation import motion_of
+        from tweezer.runs.simulation import motion_of
 
         run, find_errors = motion_of(scene, seed, forces, progress=progress, going_on=going_on)
 
@@ -256,7 +256,7 @@ def followed_with_progress(
 
 
 def _print_summary(scene: Scene, result: Run) -> None:
-    from tweezer.analysis.summary import summary_of
+    from tweezer.runs.summary import summary_of
 
     summary = summary_of(result)
     attributes = result.attributes
@@ -295,8 +295,8 @@ def _print_summary(scene: Scene, result: Run) -> None:
 
 
 def _print_errors(scene: Scene, result: Run) -> None:
-    """Print the errors that are known last: see `tweezer.simulation.motion_of`."""
-    from tweezer.analysis.summary import summary_of
+    """Print the errors that are known last: see `tweezer.runs.simulation.motion_of`."""
+    from tweezer.runs.summary import summary_of
 
     summary, by_model = summary_of(result), result.attributes["model_error"]
     table = _table("errors")

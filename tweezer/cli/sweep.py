@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.choices import SWEPT
 from tweezer.cli.app import (
     Changes,
     FigureFile,
@@ -35,6 +34,7 @@ from tweezer.cli.console import (
     write_figure,
 )
 from tweezer.cli.tables import table_of
+from tweezer.scene.choices import SWEPT
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -96,7 +96,7 @@ def sweep(
     They differ from SCENE in a few keys. Stopped at any time, by Ctrl-C or worse, it goes on with
     --resume where it was. Only the figure of --plot is replaced with --overwrite, never a store.
     """
-    from tweezer.units import Time
+    from tweezer.values.units import Time
 
     described = scene_with(scene, settings_of(set or []))
     out = writable(out or Path(f"{described.name}-sweep.zarr"), STORES)
@@ -121,7 +121,7 @@ def sweep(
         )
         raise typer.Exit(INTERRUPTED)
     if plot:
-        from tweezer.sweeps.figures import sweep_figure
+        from tweezer.plots.sweeps import sweep_figure
 
         write_figure(sweep_figure(result), plot)
     tell_written(out, plot)
@@ -129,8 +129,8 @@ def sweep(
 
 def _check_drawn(over: list[str], cases: Path | None) -> None:
     """Raises `ResultError` for a sweep that has no figure, before it is computed."""
+    from tweezer.plots.sweeps import drawn_over
     from tweezer.sweeps.cases import cases_of, read_over
-    from tweezer.sweeps.figures import drawn_over
 
     with warnings.catch_warnings(action="ignore"):  # the sweep gives them again
         grid = cases_of(read_over(over), cases)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from rich.table import Table as RichTable
 
     from tweezer.scene import Scene
-    from tweezer.shown import Card, Row, Table
+    from tweezer.values.shown import Card, Row, Table
 
 
 def add_light(table: RichTable, scene: Scene) -> None:

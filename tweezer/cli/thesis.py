@@ -11,7 +11,7 @@ import typer
 from tweezer.cli.app import app
 from tweezer.cli.console import OUT, awaited, showing_progress
 from tweezer.cli.tables import table_of
-from tweezer.errors import PhysicsWarning
+from tweezer.values.errors import PhysicsWarning
 
 
 @app.command()

@@ -38,14 +38,14 @@ from tweezer.cli.tables import (
     print_rows,
     print_table,
 )
-from tweezer.errors import PhysicsWarning, SceneError
-from tweezer.rounding import micrometres, three
+from tweezer.values.errors import PhysicsWarning, SceneError
+from tweezer.values.rounding import micrometres, three
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from tweezer.analysis import Trap
     from tweezer.scene import Scene
+    from tweezer.trap import Trap
 
 
 @app.command()
@@ -84,7 +84,7 @@ def trap(
         raise SceneError("--count: requires --heights")
     bind_light(described)
 
-    from tweezer.analysis import characterise
+    from tweezer.trap import characterise
 
     characterised = characterise(described)
     _ = characterised.lifetime  # computed where it is asked for
@@ -103,7 +103,7 @@ def _trap_over(
 ) -> None:
     """The trap over heights: table, file, figure; of an interrupted one what was reached."""
     from tweezer.optics import ray_optics_caveat
-    from tweezer.units import PositiveLength
+    from tweezer.values.units import PositiveLength
 
     low, high = (quantity_in("--heights", text, PositiveLength) for text in ends)
     if count == 1 and low != high:
@@ -115,12 +115,12 @@ def _trap_over(
         showing_progress(scene.name, 1.0) as progress,
         warnings.catch_warnings(action="ignore", category=PhysicsWarning),  # said above
     ):
-        from tweezer.analysis import trap_over_heights
+        from tweezer.trap import trap_over_heights
 
         found = trap_over_heights(scene, [low + i * step for i in range(count)], progress=progress)
     _print_heights(found)
     if out:
-        from tweezer.io import save_run
+        from tweezer.results.io import save_run
 
         save_run(found, out)
     if plot and found.sizes["height"]:
@@ -158,15 +158,15 @@ def tune(
 
     For a list of a2: the thesis's search.
     """
-    from tweezer.units import PositiveLength
+    from tweezer.values.units import PositiveLength
 
     described = scene_with(scene, settings_of(set or [], duration=duration))
     allowed = quantity_in("--deviation", deviation, PositiveLength)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
 
-    from tweezer.analysis.tuning import scaled_scenes
-    from tweezer.analysis.tuning import tune as compared
+    from tweezer.runs.tuning import scaled_scenes
+    from tweezer.runs.tuning import tune as compared
 
     scaled_scenes(described, factor, method)  # errors before the light is bound
     bind_light(described)
@@ -213,7 +213,7 @@ def _print_heights(found: xr.Dataset) -> None:
 
 
 def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
-    from tweezer.version import __version__
+    from tweezer.values.version import __version__
 
     trap = dataclasses.asdict(characterised)
     del trap["scene"]

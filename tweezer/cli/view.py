@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from tweezer.choices import RESULTS, SAVED_TRAP
 from tweezer.cli.app import Changes, Overwrite, app, bind_light, scene_with, settings_of
 from tweezer.cli.completion import complete_shown
 from tweezer.cli.console import (
@@ -21,7 +20,8 @@ from tweezer.cli.console import (
     writable_result,
 )
 from tweezer.cli.runs import followed_with_progress
-from tweezer.errors import ResultError, SceneError
+from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.saved import RESULTS, SAVED_TRAP
 
 if TYPE_CHECKING:
     from tweezer.viewing import Page
@@ -115,12 +115,12 @@ def _page(name: str, changes: list[str], *, trap: bool) -> tuple[Page, int]:
     scene = scene_with(name, settings_of(changes))
     bind_light(scene)
     if trap:
-        from tweezer.analysis import characterise
+        from tweezer.trap import characterise
         from tweezer.viewing import view as page_of
 
         return page_of(characterise(scene)), 0
 
-    from tweezer.second_process import compiling_beside
+    from tweezer.dynamics.second_process import compiling_beside
 
     with compiling_beside(scene):
         result, find_errors = followed_with_progress(scene, None)

@@ -35,7 +35,7 @@ from numba.core.runtime.nrt import rtsys
 from tweezer.compiled import environments, linked, options, shared
 from tweezer.compiled.callers import Callers
 from tweezer.compiled.fingerprint import fingerprint
-from tweezer.errors import warn
+from tweezer.values.errors import warn
 
 _log = logging.getLogger("tweezer")
 

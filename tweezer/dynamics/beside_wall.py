@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
-from tweezer.constants import Boltzmann
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import BesideWall
 from tweezer.forces.wall import Dlvo
+from tweezer.values.constants import Boltzmann
 
 Array = NDArray[np.float64]
 

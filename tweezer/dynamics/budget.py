@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import METHODS
 from tweezer.dynamics.choose import decided
 from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.events import Event
@@ -20,6 +19,7 @@ from tweezer.dynamics.path import largest_distance
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.solution import BEFORE
 from tweezer.fluid import left_out_of_walls, other_poles
+from tweezer.scene.choices import METHODS
 
 Array = NDArray[np.float64]
 

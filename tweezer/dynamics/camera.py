@@ -21,7 +21,7 @@ from tweezer.dynamics.path import Path
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import Modes
 from tweezer.scene import Scene
-from tweezer.sections import Camera
+from tweezer.scene.sections import Camera
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

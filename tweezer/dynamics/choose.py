@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import METHODS
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.errors import SceneError
 from tweezer.fluid import enough_poles, left_out_of_walls
 from tweezer.scene import FREE, Scene
+from tweezer.scene.choices import METHODS
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from tweezer.errors import ResultError, SceneError
-from tweezer.io import scene_in
+from tweezer.results.io import scene_in
+from tweezer.results.schema import events_in
 from tweezer.scene import Scene, by_key
-from tweezer.schema import events_in
+from tweezer.values.errors import ResultError, SceneError
 
 Array = NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.arguments import in_si, numbers_in_si
-from tweezer.errors import IntegrationError, SceneError
 from tweezer.scene import Scene
-from tweezer.units import QuantitiesLike, QuantityLike
+from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.errors import IntegrationError, SceneError
+from tweezer.values.units import QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
 

@@ -14,7 +14,6 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import METHODS
 from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece, ending
@@ -22,8 +21,9 @@ from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver
 from tweezer.dynamics.timing import timed
-from tweezer.errors import IntegrationError, SceneError
 from tweezer.forces.own import fault_of, forget_faults
+from tweezer.scene.choices import METHODS
+from tweezer.values.errors import IntegrationError, SceneError
 
 Array = NDArray[np.float64]
 

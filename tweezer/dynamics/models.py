@@ -16,21 +16,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import MODELS, Model
 from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.errors import IntegrationError, SceneError
 from tweezer.fluid import DRAG_KERNEL, Modes, Resisted
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, bound, numbered
 from tweezer.forces.wall import BORN
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
-from tweezer.shown import Card, Row, Shown
+from tweezer.scene.choices import MODELS, Model
+from tweezer.values.errors import IntegrationError, SceneError
+from tweezer.values.shown import Card, Row, Shown
 
 cache_functions(kinematics)
 

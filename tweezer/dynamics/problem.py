@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.bead import BeadProperties, bead_properties
-from tweezer.choices import METHODS, MODELS, POLES
-from tweezer.constants import speed_of_light
 from tweezer.dynamics.linear import LinearMotion
-from tweezer.equilibria import (
+from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
+from tweezer.forces.acting import forces_of, try_forces
+from tweezer.forces.composed import Sum
+from tweezer.forces.equilibria import (
     Equilibrium,
     NetForce,
     Search,
@@ -24,15 +24,15 @@ from tweezer.equilibria import (
     equilibrium_at,
     nearest_stable,
 )
-from tweezer.errors import SceneError
-from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
-from tweezer.forces.acting import forces_of, try_forces
-from tweezer.forces.composed import Sum
 from tweezer.forces.force import Force
+from tweezer.forces.rings import Motion, Ring, off_axis, rings
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
-from tweezer.rings import Motion, Ring, off_axis, rings
 from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene.bead import BeadProperties, bead_properties
+from tweezer.scene.choices import METHODS, MODELS, POLES
+from tweezer.values.constants import speed_of_light
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

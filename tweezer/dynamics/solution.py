@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import METHODS
 from tweezer.dynamics import integrators
 from tweezer.dynamics.integrators import Bound, Control, Records
+from tweezer.scene.choices import METHODS
 
 if TYPE_CHECKING:
     from tweezer.dynamics.models import EquationsOfMotion

@@ -10,10 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.arguments import check_thermal
-from tweezer.choices import METHODS, MODELS, POLES, at, methods
 from tweezer.compiled import address
-from tweezer.constants import Boltzmann
 from tweezer.dynamics.beside_wall import (
     Towards,
     cut,
@@ -33,14 +30,17 @@ from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.dynamics.step_bias import energy_loss, one_call_bias
-from tweezer.equilibria import Equilibrium
-from tweezer.errors import IntegrationError, SceneError, warn
 from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
 from tweezer.forces.data import Part
+from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
-from tweezer.sections import MOST_SAMPLES, Simulation
+from tweezer.scene.arguments import check_thermal
+from tweezer.scene.choices import METHODS, MODELS, POLES, at, methods
+from tweezer.scene.sections import MOST_SAMPLES, Simulation
+from tweezer.values.constants import Boltzmann
+from tweezer.values.errors import IntegrationError, SceneError, warn
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]

@@ -19,5 +19,6 @@ when it is read.
 """
 
 from tweezer.ensembles.ensemble import ensemble
+from tweezer.ensembles.first_passage import EscapeTimes, escape_times
 
-__all__ = ["ensemble"]
+__all__ = ["EscapeTimes", "ensemble", "escape_times"]

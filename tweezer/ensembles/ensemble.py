@@ -17,7 +17,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from tweezer.arguments import check_ensemble, samples_skipped
 from tweezer.dynamics.problem import bound_once
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import Job
@@ -28,11 +27,12 @@ from tweezer.ensembles.store import (
     at_work,
 )
 from tweezer.ensembles.workers import cluster, threads
-from tweezer.errors import ResultError, SceneError
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
 from tweezer.scene import SceneLike, checked_scene
-from tweezer.units import QuantityLike
+from tweezer.scene.arguments import check_ensemble, samples_skipped
+from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.units import QuantityLike
 
 if TYPE_CHECKING:
     from distributed import Client

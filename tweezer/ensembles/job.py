@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.beside import NEW, Part
-from tweezer.choices import METHODS
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.forces.named import origins_of
 from tweezer.optics import worth_attributes
-from tweezer.version import FORMAL, made_by, versions
+from tweezer.scene.choices import METHODS
+from tweezer.values.beside import NEW, Part
+from tweezer.values.version import FORMAL, made_by, versions
 
 Array = NDArray[np.float64]
 Attributes = dict[str, Any]

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from tweezer.errors import SceneError, TweezerError
+from tweezer.values.errors import SceneError, TweezerError
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
-from tweezer.beside import held, remove, telling
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
     COORDINATES,
@@ -35,12 +34,13 @@ from tweezer.ensembles.job import (
     plan_of,
 )
 from tweezer.ensembles.statistics import Statistics
-from tweezer.errors import ResultError
-from tweezer.files import write_whole
-from tweezer.io import load_result, save_run
+from tweezer.results.io import load_result, save_run
 from tweezer.scene import Scene
-from tweezer.stores import checksum, checksums, description_of_store, open_written, seal
-from tweezer.version import FORMAL
+from tweezer.values.beside import held, remove, telling
+from tweezer.values.errors import ResultError
+from tweezer.values.files import write_whole
+from tweezer.values.stores import checksum, checksums, description_of_store, open_written, seal
+from tweezer.values.version import FORMAL
 
 #: Arrays by name, in memory or in the store
 Samples = Mapping[str, Any]

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.beside import telling
 from tweezer.dynamics.walk import Walk, walk
 from tweezer.ensembles.job import SEEN, Job, columns_of, found_of, identity_of, plan_of
 from tweezer.ensembles.scheduler import PATIENCE, client_of
@@ -31,9 +30,10 @@ from tweezer.ensembles.store import (
     stored,
     sums_of,
 )
-from tweezer.errors import TweezerError
 from tweezer.scene import Scene
-from tweezer.stores import checksum
+from tweezer.values.beside import telling
+from tweezer.values.errors import TweezerError
+from tweezer.values.stores import checksum
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -17,10 +17,10 @@ from numba import typeof, types
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
-from tweezer.errors import SceneError
 from tweezer.forces.data import DATA, Data, number, packed
 from tweezer.forces.force import POSE, Pose
-from tweezer.sphere import drag_of_rotation, drag_of_translation
+from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 Kernel = Callable[[Any, Data, Any], None]

@@ -23,8 +23,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import SceneError
 from tweezer.generated import hydrodynamics, memory_poles
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tweezer.compiled import cache_functions, cached_njit
-from tweezer.errors import SceneError
 from tweezer.generated import wall
-from tweezer.units import QuantitiesLike, array_in_si
-from tweezer.version import made_by
+from tweezer.values.errors import SceneError
+from tweezer.values.units import QuantitiesLike, array_in_si
+from tweezer.values.version import made_by
 
 if TYPE_CHECKING:
     import xarray as xr

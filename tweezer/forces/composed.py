@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit
-from tweezer.errors import SceneError
 from tweezer.forces.data import Data, matrix, number, packed, part, vector
 from tweezer.forces.force import (
     Force,
@@ -27,7 +26,8 @@ from tweezer.forces.force import (
     no_wrench,
     numbered,
 )
-from tweezer.units import QuantityLike, array_in_si, in_base_units, to_si
+from tweezer.values.errors import SceneError
+from tweezer.values.units import QuantityLike, array_in_si, in_base_units, to_si
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from tweezer.errors import SceneError
-from tweezer.files import check_regular
 from tweezer.forces.force import Force
+from tweezer.values.errors import SceneError
+from tweezer.values.files import check_regular
 
 #: Where forces that were read came from, by their identity; they live as long as the process
 _ORIGINS: dict[int, str] = {}

@@ -22,12 +22,12 @@ from tweezer.compiled import (
     read_only,
 )
 from tweezer.compiled.stack import borrowed, on_stack
-from tweezer.errors import ForceError
 from tweezer.forces import trial
 from tweezer.forces.composed import Differenced, read_argument
 from tweezer.forces.data import DATA, Data, Part, number, packed, part
 from tweezer.forces.force import POSE, WRENCH, Force, Kernel, Pose, Wrench
-from tweezer.units import QuantitiesLike, in_base_units, to_si
+from tweezer.values.errors import ForceError
+from tweezer.values.units import QuantitiesLike, in_base_units, to_si
 
 Array = NDArray[np.float64]
 

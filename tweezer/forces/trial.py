@@ -24,10 +24,10 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
-from tweezer.errors import ForceError
 from tweezer.forces.data import Data
 from tweezer.forces.entries import READERS
 from tweezer.forces.force import Pose, Wrench, no_wrench
+from tweezer.values.errors import ForceError
 
 Array = NDArray[np.float64]
 

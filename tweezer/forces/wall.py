@@ -35,7 +35,7 @@ class Dlvo(Force):
     position: float
     """of the wall, m"""
     normal: float
-    """1 or -1, see `tweezer.sections.Wall`"""
+    """1 or -1, see `tweezer.scene.sections.Wall`"""
     strength: float
     """B, J"""
     debye_length: float
@@ -85,7 +85,7 @@ class Contact(Force):
     position: float
     """of the wall, m"""
     normal: float
-    """1 or -1, see `tweezer.sections.Wall`"""
+    """1 or -1, see `tweezer.scene.sections.Wall`"""
     largest: float
     """F_0, N: about 1000 times the largest force towards the wall"""
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.polynomial import Chebyshev
 from numpy.typing import NDArray
 
-from tweezer.errors import SceneError
 from tweezer.scene import Scene
-from tweezer.sections import Beam, Lens, Medium
+from tweezer.scene.sections import Beam, Lens, Medium
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 Profile = Callable[[Array], Array]

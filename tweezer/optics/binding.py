@@ -10,18 +10,18 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.choices import THEORIES, at, evaluator
-from tweezer.equilibria import Search
-from tweezer.errors import SceneError, warn
 from tweezer.forces.composed import Course, Moved, Sum
 from tweezer.forces.data import Data, packed
+from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Kernel, Wrench, no_force
 from tweezer.optics.light import LightForce, error_by
 from tweezer.optics.table import Progress, Table
 from tweezer.optics.worth import ray_optics_caveat
 from tweezer.scene import Scene, SceneLike, checked_scene
-from tweezer.sections import Beam
-from tweezer.units import QuantitiesLike, QuantityLike, array_in_si, to_si
+from tweezer.scene.choices import THEORIES, at, evaluator
+from tweezer.scene.sections import Beam
+from tweezer.values.errors import SceneError, warn
+from tweezer.values.units import QuantitiesLike, QuantityLike, array_in_si, to_si
 
 Array = NDArray[np.float64]
 

@@ -11,13 +11,13 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.equilibria import Search
-from tweezer.errors import SceneError
 from tweezer.forces.data import Data, Part
+from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Force, Kernel, Wrench, bound, evaluated
+from tweezer.forces.rings import Box
 from tweezer.optics.beam import Cone
-from tweezer.rings import Box
-from tweezer.sections import Beam
+from tweezer.scene.sections import Beam
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError, warn
 from tweezer.forces.data import Data, Part
 from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.beam import Cone
+from tweezer.values.errors import ResultError, warn
 
 if TYPE_CHECKING:
     from filelock import FileLock
@@ -216,7 +216,7 @@ def _wait_for(lock: FileLock) -> None:
 
 def _save(path: Path, key: str, made: Any) -> None:
     """Write a table: a digest of its key and content, and an npz archive."""
-    from tweezer.files import replacing
+    from tweezer.values.files import replacing
 
     buffer = io.BytesIO()
     np.savez(buffer, **{f.name: getattr(made, f.name) for f in dataclasses.fields(made)})

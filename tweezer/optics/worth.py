@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from tweezer.optics.beam import cone
 from tweezer.optics.light import LENGTHS
 from tweezer.scene import Scene
-from tweezer.shown import Row
-from tweezer.theory import FARTHEST_IN_WAVES, LARGEST_IN_WAVES, largest_wavenumber, no_waves
+from tweezer.scene.theory import FARTHEST_IN_WAVES, LARGEST_IN_WAVES, largest_wavenumber, no_waves
+from tweezer.values.shown import Row
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]

@@ -10,16 +10,24 @@ import numpy as np
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from tweezer import analysis, style
-from tweezer.constants import Boltzmann
+from tweezer.calibration import (
+    in_metres,
+    mean_squared_displacement,
+    potential,
+    power_spectrum,
+    standard_error,
+)
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, MILLI, NANO
-from tweezer.rounding import with_uncertainty
+from tweezer.values.constants import Boltzmann
+from tweezer.values.rounding import with_uncertainty
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
-    from tweezer.analysis import Calibration, Finding, Recording
+    from tweezer.calibration import Calibration, Finding
+    from tweezer.reading import Recording
 
 #: Size of the figure, inches
 SIZE = (style.PAGE, 7.0)
@@ -45,7 +53,7 @@ def draw_calibration(
     figure: Figure | SubFigure, recording: Recording, calibration: Calibration
 ) -> None:
     """Draw what `calibration_figure` has."""
-    recording = analysis.in_metres(recording, calibration)
+    recording = in_metres(recording, calibration)
     axes = figure.subplot_mosaic(
         [["trajectory", "trajectory"], ["spectrum", "displacement"], ["potential", "density"]],
         height_ratios=(0.6, 1, 1),
@@ -105,7 +113,7 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
 def _draw_spectrum(axes: Axes, recording: Recording, calibration: Calibration) -> None:
     """Spectra with their models in the range of the fits, dotted beyond; rings: the corners."""
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
-        frequencies, density = analysis.power_spectrum(positions, recording.step)
+        frequencies, density = power_spectrum(positions, recording.step)
         edges = np.geomspace(frequencies[0], frequencies[-1] * (1 + 1e-9), 61)
         bins = np.digitize(frequencies, edges)
         counts = np.bincount(bins)
@@ -151,10 +159,8 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
         longest = min(len(positions) // 4, 10 * found.fit.bead.relaxation_time / step)
         lags = np.unique(np.geomspace(1, max(longest, 10), 24).astype(int))
-        values = analysis.mean_squared_displacement(positions, lags)
-        errors = [
-            analysis.standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags
-        ]
+        values = mean_squared_displacement(positions, lags)
+        errors = [standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags]
         mark, estimate = style.AXES[found.axis], found.by("displacement") or found.estimates[0]
         axes.errorbar(
             lags * step, values * NANO**2, np.array(errors) * NANO**2, elinewidth=0.7, ms=2.5,
@@ -188,7 +194,7 @@ def _number(along: Axis) -> None:
 def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) -> None:
     kT = Boltzmann * calibration.temperature
     for found, positions in zip(calibration.axes, recording.positions.T, strict=True):
-        well = analysis.potential(positions, calibration.temperature)
+        well = potential(positions, calibration.temperature)
         mark = style.AXES[found.axis]
         label = "too few independent samples"
         if well.stiffness is not None and well.uncertainty is not None and well.minimum is not None:

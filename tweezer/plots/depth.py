@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from tweezer import style
-from tweezer.analysis.profile import LEVEL
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, MILLI
+from tweezer.tracking.profile import LEVEL
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from tweezer.analysis import DepthFit, Track
+    from tweezer.reading import Track
+    from tweezer.tracking import DepthFit
 
 
 @style.styled

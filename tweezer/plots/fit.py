@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from tweezer import style
-from tweezer.analysis.profile import LEVEL
-from tweezer.units import usual_unit
+from tweezer.plots import style
+from tweezer.tracking.profile import LEVEL
+from tweezer.values.units import usual_unit
 
 if TYPE_CHECKING:
-    from tweezer.analysis import SceneFit
+    from tweezer.tracking import SceneFit
 
 
 @style.styled

@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from tweezer import style
-from tweezer.io import scene_of
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, add_caveat
+from tweezer.results.io import scene_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,11 +8,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from tweezer import analysis, style
-from tweezer.analysis.resolved import resolved
-from tweezer.io import scene_of
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, MILLI, add_caveat, draw_cones, draw_walls, planes
-from tweezer.run import Run
+from tweezer.results.io import scene_of
+from tweezer.results.run import Run
+from tweezer.runs import summarise
+from tweezer.runs.resolved import resolved
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
@@ -171,7 +172,7 @@ def _draw_speed(axes: Axes, run: xr.Dataset) -> None:
 
 
 def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
-    time = analysis.summarise(run).closest_approach_time
+    time = summarise(run).closest_approach_time
     if time is None or _thermal(run):  # thermal motion comes close many times
         return
     axes.axvline(time * MILLI, color=style.MUTED, lw=0.8, ls=":")

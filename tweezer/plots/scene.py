@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.patches import Polygon
 
-from tweezer import style
 from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
+from tweezer.plots import style
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:

@@ -8,15 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from tweezer import style
 from tweezer.dynamics import bound_once
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, MILLI, PICO, add_caveat, draw_cones, planes
 from tweezer.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from tweezer.analysis import Escape, Trap
+    from tweezer.trap import Escape, Trap
 
 #: Force below which no field lines are drawn, as a part of the largest
 _NO_LINES = 1e-3

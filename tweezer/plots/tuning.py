@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from tweezer import style
+from tweezer.plots import style
 from tweezer.plots.scene import MICRO, MILLI
 
 if TYPE_CHECKING:
-    from tweezer.analysis import Tuning
+    from tweezer.runs import Tuning
 
 
 @style.styled

@@ -2,29 +2,9 @@
 
 A file is opened as a `Table` of columns; those that are wanted are chosen by their headings, or by
 name (`Reading`), and put into SI units (`read_table`). `without_gaps` is the rule on what lacks.
+`__init__.pyi` lists the names. They are loaded when first used.
 """
 
-from tweezer.reading.columns import Columns, Wanted, only
-from tweezer.reading.digits import copied, measured, step_of, unmeasured
-from tweezer.reading.formats import HDF5, damaged, read_table
-from tweezer.reading.gaps import without_gaps
-from tweezer.reading.hdf5 import datasets
-from tweezer.reading.options import Reading
-from tweezer.reading.table import refuse_too_long
+import lazy_loader
 
-__all__ = [
-    "HDF5",
-    "Columns",
-    "Reading",
-    "Wanted",
-    "copied",
-    "damaged",
-    "datasets",
-    "measured",
-    "only",
-    "read_table",
-    "refuse_too_long",
-    "step_of",
-    "unmeasured",
-    "without_gaps",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

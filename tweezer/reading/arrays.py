@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError
 from tweezer.reading.matlab import check_elements
 from tweezer.reading.table import (
     MOST_SAMPLES,
@@ -23,6 +22,7 @@ from tweezer.reading.table import (
     rate_among,
     refuse_too_long,
 )
+from tweezer.values.errors import ResultError
 
 #: First bytes of a .npy
 _NPY = b"\x93NUMPY"

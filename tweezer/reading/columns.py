@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError, SeveralBeadsError
 from tweezer.reading.headings import (
     AROUND,
     AXES,
@@ -25,6 +24,7 @@ from tweezer.reading.options import Chosen, Reading
 from tweezer.reading.order import in_order, refuse_another_order
 from tweezer.reading.table import Array, Table, refuse_too_long
 from tweezer.reading.times import at_even_times, of_frames
+from tweezer.values.errors import ResultError, SeveralBeadsError
 
 #: Deviation of a rate from that of times which are not read, beyond which a note reports it
 _ANOTHER_RATE = 0.05

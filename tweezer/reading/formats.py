@@ -6,8 +6,6 @@ from pathlib import Path
 
 import h5py
 
-from tweezer.choices import HDF5, MATLAB, NUMPY, RECORDINGS, TDMS, TEXTS
-from tweezer.errors import ResultError
 from tweezer.reading.arrays import open_matlab, open_numpy
 from tweezer.reading.columns import Columns, Wanted, are_headings, read
 from tweezer.reading.hdf5 import open_hdf5
@@ -16,6 +14,8 @@ from tweezer.reading.options import Reading
 from tweezer.reading.table import Table
 from tweezer.reading.tdms import open_tdms
 from tweezer.reading.text import open_text
+from tweezer.values.errors import ResultError
+from tweezer.values.saved import HDF5, MATLAB, NUMPY, RECORDINGS, TDMS, TEXTS
 
 #: What files are called by their ends, in errors
 _CALLED = {

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tweezer.errors import ResultError, TooFewError
 from tweezer.reading.filling import LONGEST, filled
 from tweezer.reading.table import Array
+from tweezer.values.errors import ResultError, TooFewError
 
 #: Largest fraction of samples that are filled in
 _FILLED = 0.05

@@ -10,7 +10,6 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tweezer.hdf5 import item_of
 from tweezer.reading.table import (
     Array,
     Column,
@@ -19,6 +18,7 @@ from tweezer.reading.table import (
     columns_of,
     rate_among,
 )
+from tweezer.values.hdf5 import item_of
 
 #: How deep groups within groups are read
 _DEPTH = 4

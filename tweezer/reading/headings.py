@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from tweezer.units import FREQUENT, to_si
+from tweezer.values.units import FREQUENT, to_si
 
 AXES = ("x", "y", "z")
 #: SI unit of each quantity that a column may have

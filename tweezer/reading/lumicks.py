@@ -9,9 +9,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tweezer.errors import ResultError
 from tweezer.reading.hdf5 import datasets, text_of
 from tweezer.reading.table import Array, Column, Table, refuse_too_long
+from tweezer.values.errors import ResultError
 
 #: Attribute of the file by which it is known
 _VERSION = "Bluelake version"

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
-from tweezer.errors import ResultError
 from tweezer.reading.headings import AXES, PIXEL, factor_of, understood
-from tweezer.units import QuantityLike, as_given, bare, to_si
+from tweezer.values.errors import ResultError
+from tweezer.values.units import QuantityLike, as_given, bare, to_si
 
 #: Quantities that a column may be named as
 _QUANTITIES = ("t", "frame", "bead", *AXES)

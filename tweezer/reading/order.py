@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError
 from tweezer.reading.table import Array
+from tweezer.values.errors import ResultError
 
 #: Largest deviation of a sorted step from a whole number of usual steps
 _OFF = 0.2

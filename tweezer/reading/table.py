@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import ResultError
+from tweezer.values.errors import ResultError
 
 Array = NDArray[np.float64]
 

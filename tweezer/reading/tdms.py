@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tweezer.errors import ResultError
 from tweezer.reading.table import Array, Column, Table
+from tweezer.values.errors import ResultError
 
 #: First bytes of a TDMS file
 _BEGINNING = b"TDSm"

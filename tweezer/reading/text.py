@@ -15,10 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tweezer.errors import ResultError
 from tweezer.reading.columns import short
 from tweezer.reading.headings import AROUND, is_unit, understood
 from tweezer.reading.table import MOST_SAMPLES, Array, Column, Table
+from tweezer.values.errors import ResultError
 
 #: Number of lines in which headings and the first numbers are looked for
 _HEAD = 200

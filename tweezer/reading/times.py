@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tweezer.errors import ResultError
 from tweezer.reading.table import Array
+from tweezer.values.errors import ResultError
 
 #: Largest deviation of the rate from that of a column of times, over it
 _RATE_OFF = 0.05

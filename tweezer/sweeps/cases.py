@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tweezer.errors import SceneError, UnitWarning, warn
 from tweezer.scene import described_at
 from tweezer.sweeps.tables import columns_of
-from tweezer.units import Quantity, listed, to_si
+from tweezer.values.errors import SceneError, UnitWarning, warn
+from tweezer.values.units import Quantity, listed, to_si
 
 if TYPE_CHECKING:
     from pathlib import Path

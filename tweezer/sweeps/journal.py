@@ -12,11 +12,11 @@ from typing import IO, Any
 
 from pydantic import ValidationError
 
-from tweezer.beside import NEW, Part, remove, telling
-from tweezer.errors import ResultError
 from tweezer.scene import Scene
 from tweezer.sweeps.quantities import Values, to_text
-from tweezer.version import FORMAL
+from tweezer.values.beside import NEW, Part, remove, telling
+from tweezer.values.errors import ResultError
+from tweezer.values.version import FORMAL
 
 _JOURNAL = "journal.jsonl"
 #: Names of the files of a running sweep in its folder

@@ -19,10 +19,10 @@ from concurrent.futures import CancelledError, Future
 from queue import SimpleQueue
 from typing import IO, TYPE_CHECKING
 
-from tweezer.errors import TweezerError
 from tweezer.sweeps.cases import Cases
 from tweezer.sweeps.quantities import FAILED, Asked, Values, to_text
-from tweezer.version import versions
+from tweezer.values.errors import TweezerError
+from tweezer.values.version import versions
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from tweezer.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
-from tweezer.choices import SWEPT
-from tweezer.constants import Boltzmann
-from tweezer.equilibria import DIRECTIONS
-from tweezer.errors import ResultError, SceneError, TweezerError
 from tweezer.forces.acting import forces_of
+from tweezer.forces.equilibria import DIRECTIONS
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
 from tweezer.scene import Scene, with_settings
-from tweezer.theory import largest_wavenumber
+from tweezer.scene.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
+from tweezer.scene.choices import SWEPT
+from tweezer.scene.theory import largest_wavenumber
+from tweezer.values.constants import Boltzmann
+from tweezer.values.errors import ResultError, SceneError, TweezerError
 
 if TYPE_CHECKING:
-    from tweezer.analysis import Trap
+    from tweezer.trap import Trap
 
 #: Values of a case by name: numbers, or lists of them along a dimension
 Values = dict[str, Any]
@@ -181,14 +181,14 @@ class Asked:
 
 
 def _of_trap(scene: Scene, asked: Asked) -> Values:
-    from tweezer.analysis import characterise
+    from tweezer.trap import characterise
 
     return values_of_trap(characterise(scene, forces=asked.own))
 
 
 def values_of_trap(trap: Trap) -> Values:
     """The values of a trap, with its outcome and caveat."""
-    from tweezer.analysis.heights import HELD, LOST, ON_RING, RESTS
+    from tweezer.trap.heights import HELD, LOST, ON_RING, RESTS
 
     scene, place, error = trap.scene, trap.equilibrium, trap.force_error
     of_lifetime = trap.lifetime_caveat
@@ -270,8 +270,8 @@ def gradient_of_errors(scene: Scene) -> float:
 
 
 def _of_run(scene: Scene, asked: Asked) -> Values:
-    from tweezer.analysis import summarise
-    from tweezer.simulation import simulate
+    from tweezer.runs import summarise
+    from tweezer.runs.simulation import simulate
 
     run = simulate(scene, seed=asked.seed if scene.forces.brownian else None, forces=asked.own)
     found = summarise(run)
@@ -319,8 +319,9 @@ def _of_ensemble(scene: Scene, asked: Asked) -> Values:
 
 
 def _of_calibration(scene: Scene, asked: Asked) -> Values:
-    from tweezer.analysis import calibrate, load_recording
-    from tweezer.simulation import simulate
+    from tweezer.calibration import calibrate
+    from tweezer.reading import load_recording
+    from tweezer.runs.simulation import simulate
 
     run = simulate(scene, seed=asked.seed, forces=asked.own)
     if run.attrs["status"] == "failed":

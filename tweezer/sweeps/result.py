@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tweezer.errors import ResultError
-from tweezer.io import load_result
-from tweezer.saved import kind_of
-from tweezer.stores import checksums, seal
+from tweezer.results.io import load_result
 from tweezer.sweeps.cases import Cases
 from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, Values
+from tweezer.values.errors import ResultError
+from tweezer.values.saved import kind_of
+from tweezer.values.stores import checksums, seal
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,19 +9,19 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from tweezer.arguments import in_si
-from tweezer.beside import held, telling
 from tweezer.ensembles.scheduler import client_of
-from tweezer.errors import ResultError, SceneError
 from tweezer.forces.force import Force
 from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene.arguments import in_si
 from tweezer.sweeps.cases import Cases, cases_of
 from tweezer.sweeps.journal import Journal, check_same, part_of
 from tweezer.sweeps.pool import Done, cluster, cores, here, processes, tasks_of
 from tweezer.sweeps.quantities import USED, Asked, asked_of
 from tweezer.sweeps.result import dataset_of, read, write
-from tweezer.units import QuantityLike
-from tweezer.version import made_by, versions
+from tweezer.values.beside import held, telling
+from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.units import QuantityLike
+from tweezer.values.version import made_by, versions
 
 if TYPE_CHECKING:
     import pandas as pd

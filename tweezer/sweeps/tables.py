@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tweezer.errors import ResultError, SceneError
-from tweezer.files import read_text
+from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.files import read_text
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tweezer.dynamics import bound_once
-from tweezer.errors import TweezerError
 from tweezer.thesis.runs import BEADS, Motions, unscaled_scene
+from tweezer.values.errors import TweezerError
 
 #: Distance from the place of rest at which a bead has arrived, m
 ARRIVED = 20e-9

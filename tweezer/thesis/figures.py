@@ -14,13 +14,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from tweezer import style
-from tweezer.bead import bead_properties
-from tweezer.errors import SceneError
-from tweezer.io import scene_of
+from tweezer.plots import style
+from tweezer.results.io import scene_of
+from tweezer.scene.bead import bead_properties
 from tweezer.thesis.fluid_inertia import READINGS, Remembered
 from tweezer.thesis.lost_bead import Study
 from tweezer.thesis.runs import BEADS, Motions, closest_approach
+from tweezer.values.errors import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from tweezer.analysis import summarise
+from tweezer.runs import summarise
+from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
-from tweezer.simulation import simulate
 from tweezer.thesis.runs import BEADS, Motions, in_the_light
 
 #: Readings of the scaled model: what has the inertia that a2 divides, and what else has inertia

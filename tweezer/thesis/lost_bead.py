@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from scipy.stats import binomtest
 
-from tweezer.analysis import summarise
 from tweezer.ensembles import ensemble
-from tweezer.errors import PhysicsWarning
+from tweezer.runs import summarise
+from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
-from tweezer.simulation import simulate
 from tweezer.thesis.runs import INTEGRAL, crossings
+from tweezer.values.errors import PhysicsWarning
 
 _BEAD = "thesis-500nm"
 _FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from tweezer.analysis import Summary, summarise
-from tweezer.bead import BeadProperties, bead_properties
-from tweezer.io import scene_of
+from tweezer.results.io import scene_of
+from tweezer.runs import Summary, summarise
+from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
-from tweezer.simulation import simulate
+from tweezer.scene.bead import BeadProperties, bead_properties
 
 #: Beads in the thesis's order and names
 BEADS = ("500nm", "990nm", "1950nm")

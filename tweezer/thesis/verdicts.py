@@ -10,18 +10,17 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import xarray as xr
 
-from tweezer.analysis import Track, fit_depth, summarise, tune
-from tweezer.bead import bead_properties
-from tweezer.constants import Boltzmann
 from tweezer.dynamics import bind, bound_once, integrate
 from tweezer.ensembles import ensemble
-from tweezer.equilibria import Equilibrium
-from tweezer.errors import TweezerError
-from tweezer.io import scene_of
+from tweezer.forces.equilibria import Equilibrium
 from tweezer.optics import optical_force
 from tweezer.optics.rays.pupil import grid
+from tweezer.reading import Track
+from tweezer.results.io import scene_of
+from tweezer.runs import summarise, tune
+from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
-from tweezer.simulation import simulate
+from tweezer.scene.bead import bead_properties
 from tweezer.thesis.runs import (
     BEADS,
     Motions,
@@ -31,6 +30,9 @@ from tweezer.thesis.runs import (
     thesis_scene,
     unscaled_scene,
 )
+from tweezer.tracking import fit_depth
+from tweezer.values.constants import Boltzmann
+from tweezer.values.errors import TweezerError
 
 _MICRO, _NANO, _MILLI, _PICO = 1e6, 1e9, 1e3, 1e12
 _WHICH = ("thesis", "unscaled")

@@ -12,11 +12,9 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from tweezer import style
-from tweezer.arguments import check_seed
-from tweezer.errors import ResultError, SceneError
-from tweezer.files import replacing
-from tweezer.io import write_json
+from tweezer.plots import style
+from tweezer.results.io import write_json
+from tweezer.scene.arguments import check_seed
 from tweezer.thesis.captures import Capture, captures
 from tweezer.thesis.figures import (
     FIGURES,
@@ -29,6 +27,8 @@ from tweezer.thesis.fluid_inertia import READINGS, Remembered, Scaled, remembere
 from tweezer.thesis.lost_bead import Study, study
 from tweezer.thesis.runs import BEADS, Motions, motions
 from tweezer.thesis.verdicts import Claim, claims
+from tweezer.values.errors import ResultError, SceneError
+from tweezer.values.files import replacing
 
 #: Names of what `reproduce` can write besides figures
 TABLES = ("claims", "waves", "memory", "study")

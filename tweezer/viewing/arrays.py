@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tweezer.errors import ResultError
+from tweezer.values.errors import ResultError
 
 #: Number of steps of a range that 16 bits tell apart; one more number is that of what is missing
 _STEPS = 65534

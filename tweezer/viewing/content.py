@@ -23,7 +23,7 @@ class Content:
     """What a page shows."""
 
     kind: str
-    """of `tweezer.saved.KINDS`, its page: which module of the page draws it"""
+    """of `tweezer.values.saved.KINDS`, its page: which module of the page draws it"""
     title: str
     facts: dict[str, Any]
     """numbers and words that the page's module reads, as JSON"""

@@ -5,9 +5,9 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from tweezer.errors import ResultError, TweezerError
-from tweezer.saved import SHOWN, kind_of, refusal
-from tweezer.schema import rising
+from tweezer.results.schema import rising
+from tweezer.values.errors import ResultError, TweezerError
+from tweezer.values.saved import SHOWN, kind_of, refusal
 
 if TYPE_CHECKING:
     from tweezer.viewing.content import Content

@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tweezer.choices import RESULTS, SAVED_TRAP
 from tweezer.scene import Scene
+from tweezer.values.saved import RESULTS, SAVED_TRAP
 from tweezer.viewing.kinds import content_of
 from tweezer.viewing.page import Page
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from tweezer.analysis import Trap
+    from tweezer.trap import Trap
 
 
 def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
@@ -35,7 +35,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
             return Page(saved_trap.content(path))
         of = _read(path)
     if isinstance(of, Scene):
-        from tweezer.simulation import simulate
+        from tweezer.runs.simulation import simulate
 
         of = simulate(of)
     return Page(content_of(of, name))
@@ -43,7 +43,7 @@ def view(of: xr.Dataset | Trap | Scene | str | Path) -> Page:
 
 def _read(path: Path) -> xr.Dataset | Scene:
     if path.suffix in RESULTS:
-        from tweezer.io import load_result
+        from tweezer.results.io import load_result
 
         return load_result(path)
     from tweezer.scene import load_scene

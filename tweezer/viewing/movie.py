@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tweezer.errors import ResultError
-from tweezer.files import replacing
+from tweezer.values.errors import ResultError
+from tweezer.values.files import replacing
 
 if TYPE_CHECKING:
     from selenium.webdriver.remote.webdriver import WebDriver

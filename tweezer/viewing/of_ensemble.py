@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import bound_once
 from tweezer.ensembles.statistics import error_of_part, joined, moments
-from tweezer.errors import ResultError
-from tweezer.io import scene_of
+from tweezer.results.io import scene_of
 from tweezer.scene import Scene
+from tweezer.values.errors import ResultError
 from tweezer.viewing.arrays import Packed, float32, uint16
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes

@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.analysis.resolved import resolved
-from tweezer.analysis.summary import Summary, summary_of
-from tweezer.bead import bead_properties
-from tweezer.constants import Boltzmann
 from tweezer.dynamics import Problem, bound_once
-from tweezer.errors import ResultError
-from tweezer.io import scene_of
 from tweezer.optics import Beams, ray_optics_caveat
-from tweezer.run import Run
+from tweezer.results.io import scene_of
+from tweezer.results.run import Run
+from tweezer.runs.resolved import resolved
+from tweezer.runs.summary import Summary, summary_of
 from tweezer.scene import Scene
+from tweezer.scene.bead import bead_properties
+from tweezer.values.constants import Boltzmann
+from tweezer.values.errors import ResultError
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes

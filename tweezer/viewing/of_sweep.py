@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.io import scene_of
+from tweezer.results.io import scene_of
 from tweezer.sweeps.quantities import (
     DIMENSIONS,
     FAILED,

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 
-from tweezer.analysis import Escape, Trap
-from tweezer.constants import Boltzmann
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams
 from tweezer.optics.light import LightForce
 from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
+from tweezer.trap import Escape, Trap
+from tweezer.values.constants import Boltzmann
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes

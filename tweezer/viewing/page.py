@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tweezer.errors import ResultError
-from tweezer.files import replacing
-from tweezer.saved import SHOWN, check_ending
-from tweezer.version import __version__
+from tweezer.values.errors import ResultError
+from tweezer.values.files import replacing
+from tweezer.values.saved import SHOWN, check_ending
+from tweezer.values.version import __version__
 from tweezer.viewing.content import Content
 
 _STATIC = Path(__file__).with_name("static")

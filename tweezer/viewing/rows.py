@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from tweezer.rounding import rounded
 from tweezer.sweeps.quantities import SHOWN, Quantity
+from tweezer.values.rounding import rounded
 from tweezer.viewing.content import Row
 
 #: In place of a number, or of its error, where there is none

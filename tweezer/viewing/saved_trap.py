@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
-from tweezer.analysis.saved_trap import load_trap
-from tweezer.errors import ResultError
-from tweezer.saved import SHOWN, kind_of_file, refusal
+from tweezer.trap.saved_trap import load_trap
+from tweezer.values.errors import ResultError
+from tweezer.values.saved import SHOWN, kind_of_file, refusal
 from tweezer.viewing import of_trap
 from tweezer.viewing.content import Content
 

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.dynamics.brownian import memory
-from tweezer.errors import SceneError
 from tweezer.generated import langevin
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

@@ -61,11 +61,11 @@ from tweezer.dynamics.integrators.system import (
     step_to_try,
 )
 from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
-from tweezer.errors import SceneError
 from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, bound, clear
 from tweezer.generated import kinematics
+from tweezer.values.errors import SceneError
 
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4

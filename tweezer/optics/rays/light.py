@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.equilibria import Search
 from tweezer.forces.data import Data, packed
+from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Kernel
+from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.rays.ray_sum import Rays, Sphere
-from tweezer.rings import Box
 from tweezer.scene import Scene
 
 Array = NDArray[np.float64]

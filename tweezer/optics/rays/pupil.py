@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.optics.beam import intensity, polar_sine_and_cosine
-from tweezer.sections import Beam, Lens, Medium
+from tweezer.scene.sections import Beam, Lens, Medium
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ class Rays(NamedTuple):
     """What the sum over the rays of a scene has to compute; a kernel is compiled for each."""
 
     polarisation: str
-    """see `tweezer.scene.Beam.polarisation`"""
+    """see `tweezer.scene.sections.Beam.polarisation`"""
     denser_medium: bool
     """whether n_P < n_m, so that rays may be totally reflected"""
     gradient: bool

@@ -1,4 +1,4 @@
-"""The regions in each of which the force of rays is smooth: see `tweezer.optics.charts`."""
+"""The regions in each of which the force of rays is smooth: see `tweezer.optics.rays.charts`."""
 
 from __future__ import annotations
 

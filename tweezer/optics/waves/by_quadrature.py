@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.errors import SceneError
 from tweezer.forces.data import Data
 from tweezer.forces.force import Kernel, Wrench
 from tweezer.optics.light import LightForce
@@ -17,7 +16,8 @@ from tweezer.optics.waves.binding import Sums, sums
 from tweezer.optics.waves.kernel import absorption, waves_kernel
 from tweezer.optics.waves.light import Waves, waves_on_bead
 from tweezer.scene import Scene
-from tweezer.theory import LARGEST_IN_WAVES, no_rays
+from tweezer.scene.theory import LARGEST_IN_WAVES, no_rays
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

@@ -43,7 +43,6 @@ from tweezer.compiled.lanes import (
     store,
 )
 from tweezer.compiled.stack import borrowed, on_stack
-from tweezer.errors import SceneError
 from tweezer.forces.data import Data, Part, begin_of, packed, part
 from tweezer.forces.force import KERNEL, Kernel, evaluated
 from tweezer.optics.beyond import add_one, unreached
@@ -59,6 +58,7 @@ from tweezer.optics.polynomials import (
     read,
 )
 from tweezer.optics.table import Evaluate, Progress
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 

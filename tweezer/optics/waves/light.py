@@ -7,13 +7,13 @@ import functools
 import math
 from dataclasses import dataclass
 
-from tweezer.equilibria import Search
+from tweezer.forces.equilibria import Search
+from tweezer.forces.rings import Box
 from tweezer.optics.beam import cone
 from tweezer.optics.light import SPEED_OF_LIGHT, Light, jones_vector
 from tweezer.optics.waves.focus import Face, Focus, State, states
-from tweezer.rings import Box
 from tweezer.scene import Scene
-from tweezer.theory import FARTHEST_IN_WAVES
+from tweezer.scene.theory import FARTHEST_IN_WAVES
 
 #: How far the force is sampled evenly, in radii and in wavelengths in the medium, which add up: a
 #: small bead's trap reaches many radii

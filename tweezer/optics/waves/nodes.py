@@ -18,8 +18,8 @@ import numpy as np
 from numpy.polynomial.legendre import leggauss
 from numpy.typing import NDArray
 
-from tweezer.errors import SceneError
 from tweezer.optics.waves.focus import Focus
+from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -1,8 +1,0 @@
-"""Analysis of runs, recordings and traps: derived quantities, outcome, calibration, depth.
-
-`__init__.pyi` lists the public names. They are loaded when first used.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

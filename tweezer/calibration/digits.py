@@ -1,0 +1,160 @@
+"""Findings from the digits and the order of samples, before any physics of a bead.
+
+A recording whose samples repeat, are copies, or are not in order has a spectrum that no physical
+cause explains. These findings replace those that would name one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.calibration.findings import IMPROBABLE, Finding
+from tweezer.reading import copied, step_of, unmeasured
+
+Array = NDArray[np.float64]
+
+#: Physical findings that samples which were not measured also cause
+_CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}
+#: Part of the variance of displacements that rounding may have
+_ROUNDED = 0.05
+#: Smallest standard deviation of displacements at which rounding errors are independent (with a
+#: correlation of 1 %), in steps of the digits
+_INDEPENDENT = 0.5
+#: Smallest ratio of a known noise to that of rounding that includes it
+_INCLUDED = 0.8
+#: Largest number of beads whose rows may be in turn
+_MOST_IN_TURN = 8
+#: Number of samples in which that is looked for
+_ENOUGH = 20_000
+#: Largest mean squared displacement over that many rows, over that of one row, of beads in turn
+_IN_TURN = 0.5
+#: Largest correlation of displacements of different beads; for one that oscillates in so many rows
+#: it is a third or more
+_APART = 0.2
+#: Number of steps over which independent samples have no autocorrelation
+_LAGS = 16
+#: Largest autocorrelation at these lags that counts as zero, in its standard deviation
+_NONE = 4.0
+
+
+def of_samples(positions: Array) -> tuple[Finding, ...]:
+    """Return findings against positions, (n, axes): samples that were not measured.
+
+    Their order is `repeated`, `interpolated`, `copied`.
+    """
+    found = []
+    missing = unmeasured(positions)
+    n = len(positions)
+    way = "record each frame once, with its time"
+    if missing.marks.any():
+        text = f"{missing.said[0].partition(':')[0]}: leave out lost frames"
+        found.append(Finding("lost", text))
+    if missing.repeated.any():
+        share = f"{100 * missing.repeated.mean():.2g} % of its {n:,} samples"
+        text = f"{share} repeat the previous one to the last digit: {way}"
+        found.append(Finding("repeated", text))
+    if missing.between.any():
+        share = f"{100 * missing.between.mean():.2g} % of its {n:,} samples"
+        text = f"{share} lie exactly between their neighbours, as interpolated ones: {way}"
+        found.append(Finding("interpolated", text))
+    if said := copied(positions[~(missing.marks | missing.copies)]):
+        found.append(Finding("copied", f"{said}: read the samples once"))
+    return tuple(found)
+
+
+def of_axis(
+    positions: Array, noise: float, unit: str, error: float, *, dated: bool
+) -> Finding | None:
+    """Return a finding against the digits or the order of positions, (n,), along one axis.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        m or V.
+    noise : float
+        Known standard deviation of the noise, m or V; 0 if not known.
+    unit : str
+        "m" or "V".
+    error : float
+        Relative uncertainty of the variance that is harmless.
+    dated : bool
+        Whether the order of the samples is known.
+    """
+    rounded = _rounded(positions, noise, unit, error)
+    if dated:
+        return rounded
+    return _in_turn(positions) or rounded or _shuffled(positions)
+
+
+def first(digits: Sequence[Finding], physical: Sequence[Finding]) -> list[Finding]:
+    """Return both kinds of findings, without physical causes for what the digits explain."""
+    if not digits:
+        return list(physical)
+    caused = _CAUSED | ({"stuck"} if "rounded" in [each.name for each in digits] else set())
+    return [*digits, *(each for each in physical if each.name not in caused)]
+
+
+def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding | None:
+    """Return a finding if rounding contributes to the motion: as white noise for longer steps."""
+    step = step_of(positions)
+    variance, moved = float(np.var(positions)), float(np.var(np.diff(positions)))
+    rounding = step**2 / 12
+    if rounding < error * variance and 2 * rounding < _ROUNDED * moved:
+        return None
+    factor, of = (1e3, "mV") if unit == "V" else (1e9, "nm")
+    text = f"its positions are whole multiples of {factor * step:.3g} {of}"
+    if math.sqrt(moved) < _INDEPENDENT * step:
+        return Finding("rounded", f"{text}, more than it moves in a step: record more digits")
+    if noise >= _INCLUDED * math.sqrt(rounding):
+        return None
+    white = f"{factor * math.sqrt(rounding):.3g} {of}"
+    return Finding("rounded", f'{text}: their rounding is white noise; give --noise "{white}"')
+
+
+def _in_turn(positions: Array) -> Finding | None:
+    """Return a finding for rows of several beads in turn, whose motions are independent."""
+    positions = positions[:_ENOUGH]
+    for beads in range(2, _MOST_IN_TURN + 1):
+        whole = len(positions) // beads * beads
+        table = positions[:whole].reshape(-1, beads)
+        series = (table - table.mean(axis=0)).ravel()
+        near, far = np.diff(series), series[beads:] - series[:-beads]
+        continues = (far @ far) / len(far) < _IN_TURN * (near @ near) / len(near)
+        if continues and _autocorrelation(far, beads - 1).max() < _APART:
+            text = (
+                f"each sample continues the one {beads} before: are these rows of {beads} beads in "
+                "turn?"
+            )
+            return Finding("turns", f"{text} Keep the rows of one bead")
+    return None
+
+
+def _shuffled(positions: Array) -> Finding | None:
+    """Return a finding for independent samples that are not Gaussian, unlike a trapped bead's."""
+    away = positions - positions.mean()
+    if _autocorrelation(away, _LAGS).max() > _NONE / math.sqrt(len(away)):
+        return None
+    from scipy.stats import kstest
+
+    away = away / away.std()
+    if _probable(away) and kstest(away, "norm").pvalue >= IMPROBABLE:
+        return None
+    text = "its samples are independent and not Gaussian: are the rows in time order?"
+    return Finding("order", f"{text} Read the column of times or frames too")
+
+
+def _autocorrelation(series: Array, lags: int) -> Array:
+    """Return the absolute autocorrelation at the lags 1 to `lags`."""
+    products = [series[lag:] @ series[:-lag] for lag in range(1, lags + 1)]
+    return np.abs(products) / (series @ series)
+
+
+def _probable(scaled: Array) -> bool:
+    """Return whether the excess kurtosis of independent samples agrees with a Gaussian."""
+    from scipy.stats import kurtosistest
+
+    return bool(kurtosistest(scaled).pvalue >= IMPROBABLE)

@@ -1,0 +1,198 @@
+"""The response of a trapped bead to a moving stage, which active calibration measures.
+
+The fluid moves with the stage and displaces the bead. The displacement follows from stiffness and
+drag, so that the bead's signal determines the displacement sensitivity (S. F. Tolic-Norrelykke et
+al., Rev. Sci. Instrum. 77, 103101 (2006)). This module covers a stage that oscillates at a few
+frequencies; `tweezer.calibration.following` covers any other motion.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from tweezer.calibration.answers import Answer
+from tweezer.calibration.following import Followed, jumping
+from tweezer.calibration.spectra import power_spectrum
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Largest number of frequencies of a drive
+_MOST_LINES = 8
+#: Smallest amplitude of a frequency that counts as driven, of the largest.
+_WEAKEST = 0.03
+#: Smallest power of it over the medians on both sides.
+_DISTINCT = 1e3
+#: Number of ordinates of such a side, and their distance.
+_SIDE = 7
+#: Part of a drift that is only its rounding.
+_ROUNDING = 1e-6
+#: Accuracy of a frequency, in 1/t of the record.
+_FINE = 1e-4
+#: Smallest number of periods in a record.
+_LEAST_PERIODS = 5
+#: Smallest amplitude of an answer that counts as one, in standard uncertainties.
+_SEEN = 5.0
+#: Number of ordinates on each side of a line that its thermal motion is measured by.
+_AROUND = 50
+
+
+def driven_frequencies(drive: Array, step: float) -> list[float]:
+    """Frequencies (Hz) at which a stage oscillates, the strongest first; none if it does not.
+
+    drive: (n,) m, one every `step` (s). The largest of the spectrum by Hann's window that stands
+    out on both sides, refined where the sum over the record is largest, and so on for what is left
+    without it.
+    """
+    from scipy.fft import rfft
+    from scipy.ndimage import median_filter
+    from scipy.signal.windows import hann
+
+    n = len(drive)
+    window = hann(n, sym=False)
+    left = drive
+    found: list[float] = []
+    strongest = 0.0
+    while len(found) < _MOST_LINES:
+        power = np.abs(rfft(window * left)) ** 2
+        beside = np.pad(median_filter(power, _SIDE, mode="nearest"), _SIDE, mode="edge")
+        sides = np.maximum(beside[: -2 * _SIDE], beside[2 * _SIDE :])
+        power[(power <= _DISTINCT * sides) | (np.arange(len(power)) < _LEAST_PERIODS)] = 0.0
+        peak = int(power.argmax())
+        if not power[peak]:
+            break
+
+        frequency, size = _refined(window * left, peak, step)
+        amplitude = 2 * size / window.sum()
+        strongest = max(strongest, amplitude)
+        if amplitude < _WEAKEST * strongest:
+            break
+        found.append(frequency)
+        left = drive - motion(drive, found, step)[1]
+    return found
+
+
+def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> float | None:
+    """The frequency (Hz) in a band that a signal (n,) is largest at; None if it has none there."""
+    from scipy.fft import rfft
+    from scipy.signal.windows import hann
+
+    windowed = hann(len(signal), sym=False) * signal
+    size = np.abs(rfft(windowed))
+    frequencies = np.arange(len(size)) / (len(signal) * step)
+    size[(frequencies < band[0]) | (frequencies > band[1]) | (frequencies == 0)] = 0.0
+    peak = int(size.argmax())
+    return _refined(windowed, peak, step)[0] if peak else None
+
+
+def _refined(windowed: Array, peak: int, step: float) -> tuple[float, float]:
+    """Frequency (Hz) near an ordinate where the sum over a record is largest, and that sum."""
+    times = np.arange(len(windowed)) * step
+
+    def missed(frequency: float) -> float:
+        return -abs(np.exp(-2j * np.pi * frequency * times) @ windowed)
+
+    bin_ = 1 / (len(windowed) * step)
+    ends = (peak - 0.6) * bin_, (peak + 0.6) * bin_
+    options = {"xatol": _FINE * bin_}
+    best = minimize_scalar(missed, bounds=ends, method="bounded", options=options)
+    return float(best.x), -float(best.fun)
+
+
+def whole_periods(frequencies: Sequence[float], samples: int, step: float) -> int:
+    """The largest number of samples, up to one period less, that is nearest to whole periods."""
+    lengths = np.arange(max(samples - math.ceil(1 / (min(frequencies) * step)), 2), samples + 1)
+    periods = np.outer(frequencies, lengths * step)
+    return int(lengths[::-1][np.abs(periods - np.rint(periods)).max(axis=0)[::-1].argmin()])
+
+
+def motion(signal: Array, frequencies: Sequence[float], step: float) -> tuple[Complex, Array]:
+    """Amplitudes c of Re(c e^(i w t)) in a signal, and their sum with its mean (n,)."""
+    angles = 2 * np.pi * step * np.outer(frequencies, np.arange(len(signal)))
+    waves = np.vstack([np.ones(len(signal)), np.cos(angles), np.sin(angles)])
+    parts = np.linalg.solve(waves @ waves.T, waves @ signal)
+    cosines, sines = np.split(parts[1:], 2)
+    return cosines - 1j * sines, parts @ waves
+
+
+@dataclass(frozen=True)
+class Drive:
+    """The motion of a stage in one record."""
+
+    frequencies: tuple[float, ...]
+    """Hz, at which it oscillates; none for one that moves in another way"""
+    amplitudes: Complex
+    """(frequencies,) m, with their phases"""
+    uncertainty: Array
+    """(frequencies,) standard uncertainty of their real and of their imaginary parts, m"""
+    beside: Array
+    """(samples,) m, the motion at all other frequencies"""
+    step: float
+    """s"""
+    jumps: float
+    """part of the stage's way that it covers within single samples, from 0 to 1"""
+
+    @classmethod
+    def of(cls, drive: Array, step: float) -> Drive | None:
+        """Return the drive of the positions `drive` (n,), m; None if they do not oscillate."""
+        from scipy.signal import detrend
+
+        raw, drive = drive, detrend(drive)
+        if np.ptp(drive) <= _ROUNDING * np.ptp(raw):
+            return None
+        frequencies = driven_frequencies(drive, step)
+        samples = whole_periods(frequencies, len(drive), step) if frequencies else len(drive)
+        amplitudes, moved = motion(drive[:samples], frequencies, step)
+        still = detrend(raw[:samples] - moved)  # parts of a period have a slope of their own
+        spectrum = power_spectrum(still, step)
+        error = [_thermal(spectrum, frequencies, each) for each in frequencies]
+        return cls(
+            tuple(frequencies), amplitudes, np.sqrt(error), still, step, jumping(drive)
+        )  # fmt: skip
+
+    def answers(self, signal: Array) -> tuple[Array, tuple[Answer, ...], tuple[float, ...]]:
+        """The signal (samples,) without its answers to the drive, those that are seen, and the
+        frequencies (Hz) at which the sensor of the stage has noise that the bead does not follow.
+        """
+        signal = signal[: len(self.beside)]
+        amplitudes, moved = motion(signal, self.frequencies, self.step)
+        rest = signal - moved
+        lines = self._lines(amplitudes, rest)
+        followed = Followed.of(rest, self.beside, self.step, lines, steady=not self.jumps)
+        still = followed.still + signal.mean()
+        return still, (*self._lines(amplitudes, still), *followed.answers), followed.noise
+
+    def _lines(self, amplitudes: Complex, still: Array) -> list[Answer]:
+        """Return the answers at the frequencies of the drive that are seen.
+
+        Their uncertainty is by the thermal motion of `still`, the signal without them.
+        """
+        spectrum = power_spectrum(still, self.step)
+        found = []
+        for f, stage, error, answer in zip(
+            self.frequencies, self.amplitudes, self.uncertainty, amplitudes, strict=True
+        ):
+            variance = _thermal(spectrum, self.frequencies, f)
+            power = abs(answer) ** 2 - variance  # thermal motion adds to it
+            if power > _SEEN**2 * variance:
+                seen = math.sqrt(power), math.sqrt(variance), cmath.phase(answer / stage)
+                found.append(Answer(f, float(abs(stage)), float(error), *seen))
+        return found
+
+
+def _thermal(spectrum: tuple[Array, Array], lines: Sequence[float], at: float) -> float:
+    """Variance of the real part of an amplitude by the spectrum around it: S/t."""
+    frequencies, density = spectrum
+    others = np.ones(len(frequencies), bool)
+    for line in lines:
+        others &= np.abs(frequencies - line) > 2.5 * frequencies[0]
+    here = int(np.searchsorted(frequencies, at))
+    around = slice(max(here - _AROUND, 0), here + _AROUND)
+    return float(density[around][others[around]].mean()) * frequencies[0]

@@ -1,0 +1,292 @@
+"""Response of a trapped bead to a stage that moves in any known way.
+
+The response is the ratio of the signal to the motion of the stage, in bands of frequencies. It is
+the sum of cross spectra divided by the sum of the stage's power, with the same weights (J. S.
+Bendat and A. G. Piersol, Random Data, chapter 6). It is valid for a triangle, a sweep or a
+pseudo-random motion.
+"""
+
+from __future__ import annotations
+
+import cmath
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+from tweezer.calibration.answers import Answer
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+#: Part of a record over which both signals fade in and out, so that its ends do not count.
+_FADES = 0.1
+#: Number of rounds in which the bead is fitted to the bands that the previous one predicts.
+_ROUNDS = 4
+#: Smallest number of ordinates in a band, and ratio of its ends.
+_LEAST, _BAND = 8, 1.1
+#: Number of ordinates that measure the thermal motion.
+_FREEDOM = 40
+#: Smallest amplitude of a response, in standard uncertainties.
+_SEEN = 5.0
+#: Predicted size above which, and measured one below which, a band is not followed, in standard
+#: uncertainties. A bead by few bands may predict several times too much.
+_FORETOLD, _ABSENT = 20.0, 3.0
+#: Power of the quietest frequencies over the mean power of white noise.
+_QUIET = 0.565
+#: Logarithm of the chance that any ordinate of white noise counts as motion, with its sign changed.
+_CERTAIN = 5.0
+#: Number of ordinates over which the quietest frequencies are looked for.
+_AROUND = 101
+#: Step that is a jump: of the extent of a stage, and over the steps beside it.
+_JUMP, _ALONE = 0.05, 3.0
+#: Highest frequency at which a stage that jumps between samples is known, of the rate.
+_OF_JUMPS = 1 / 8
+#: Time before a record that the bead remembers, in relaxation times.
+_REMEMBERED = 20.0
+#: Number of samples, at least, by which a record is extended.
+_EXTENDED = 1000
+#: Number of corner frequencies among which the first guess is selected.
+_CORNERS = 60
+
+
+def jumping(drive: Array) -> float:
+    """Return the fraction of a stage's path (n,), m, in steps much longer than their neighbours."""
+    way = np.abs(np.diff(drive))
+    beside = np.maximum(np.append(way[1:], 0.0), np.append(0.0, way[:-1]))
+    jumps = way[(way > _JUMP * np.ptp(drive)) & (way > _ALONE * beside)]
+    return float(jumps.sum() / way.sum())
+
+
+class _Bands(NamedTuple):
+    """The response in bands of frequencies."""
+
+    frequencies: Array
+    """(bands,) Hz, mean of those at which the stage moves"""
+    response: Complex
+    """(bands,) signal by motion of the stage"""
+    uncertainty: Array
+    """(bands,) standard uncertainty of its real and of its imaginary part"""
+    stage: Array
+    """(bands,) m, amplitude of one oscillation of that power"""
+    ends: Array
+    """(bands, 2) Hz"""
+
+
+@dataclass(frozen=True)
+class Followed:
+    """A signal and what in it follows the stage."""
+
+    still: Array
+    """(n,) the signal without it, about its mean"""
+    answers: tuple[Answer, ...]
+    """in the bands in which it is seen"""
+    noise: tuple[float, ...] = ()
+    """Hz, of bands in which the sensor of the stage sees what the bead does not follow"""
+
+    @classmethod
+    def of(
+        cls, signal: Array, stage: Array, step: float, known: Sequence[Answer] = (), *, steady: bool
+    ) -> Followed:
+        """Return the part of a signal that follows a stage.
+
+        The response in bands in which the bead is not visible follows from the other bands.
+
+        Parameters
+        ----------
+        signal : ndarray, shape (n,)
+            Signal of the bead, m or V.
+        stage : ndarray, shape (n,)
+            Positions of the stage, m.
+        step : float
+            Sampling interval of both, s.
+        known : sequence of Answer
+            Answers of the same bead at frequencies that signal and stage do not contain.
+        steady : bool
+            Whether the stage does not jump between samples.
+        """
+        still = signal - signal.mean()
+        bands = _bands(still, stage, step, 0.5 / step if steady else _OF_JUMPS / step)
+        first = np.abs(bands.response) > _SEEN * bands.uncertainty
+        if not (bands.frequencies.size and (first.any() or known)):
+            return cls(still, ())
+        absent = np.abs(bands.response) < _ABSENT * bands.uncertainty
+        followed = np.zeros_like(first)
+        for _ in range(_ROUNDS):
+            bead = _Nearest.to(bands, first | followed, known, step)
+            # by what is expected: chance would choose those that are too large
+            expected = np.abs(bead.moved(bands.frequencies))
+            noise = absent & (expected > _FORETOLD * bands.uncertainty)
+            followed = (expected > _SEEN * bands.uncertainty) & ~noise
+        still = still - _motion(stage, step, still, bead, bands.ends[noise])
+        answers = []
+        for i in np.flatnonzero(followed):
+            amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
+            power = abs(bands.response[i] * amplitude) ** 2 - error**2
+            size = math.sqrt(max(power, error**2))
+            phase = cmath.phase(bands.response[i])
+            answers.append(
+                Answer(
+                    float(bands.frequencies[i]), float(amplitude), 0.0, size, float(error), phase
+                )
+            )
+        return cls(still, tuple(answers), tuple(bands.frequencies[noise].tolist()))
+
+
+def _waves(series: Array) -> Complex:
+    """Fourier components of a series about its mean, faded in and out."""
+    from scipy.fft import rfft
+    from scipy.signal.windows import tukey
+
+    return np.asarray(rfft(tukey(len(series), _FADES) * (series - series.mean())))
+
+
+def _white(power: Array) -> float:
+    """Mean power of the white noise of a stage's sensor, by the frequencies that are quietest."""
+    from scipy.ndimage import median_filter
+
+    return float(np.quantile(median_filter(power, _AROUND, mode="nearest"), 0.1)) / _QUIET
+
+
+def _stands_out(power: Array, noise: float) -> NDArray[np.bool_]:
+    """Return whether ordinates are above what the largest of that noise may be."""
+    return np.asarray(power > noise * (math.log(len(power)) + _CERTAIN))
+
+
+def _bands(signal: Array, stage: Array, step: float, highest: float) -> _Bands:
+    of_stage, of_signal = _waves(stage), _waves(signal)
+    frequencies = np.arange(len(of_stage)) / (len(stage) * step)
+    power = np.abs(of_stage) ** 2
+    of_sensor = _white(power)
+    moved = _stands_out(power, of_sensor)
+    moved[0] = False
+    edges = [1]
+    while edges[-1] < np.searchsorted(frequencies, highest):
+        edges.append(max(edges[-1] + _LEAST, math.ceil(edges[-1] * _BAND)))
+    half = (1 - 5 * _FADES / 8) * len(stage) / 2  # sum of the window over two
+    rows: list[tuple[Any, ...]] = []
+    for first, last in itertools.pairwise(edges):
+        within = np.arange(first, min(last, len(power)))
+        used = within[moved[within]]
+        if not used.size:
+            continue
+        S, X = of_stage[used], of_signal[used]
+        total = float(power[used].sum()) - used.size * of_sensor
+        response = complex(np.vdot(S, X) / total)
+        rest = of_signal[within].copy()
+        rest[moved[within]] -= response * S
+        at = float(power[used] @ frequencies[used]) / float(power[used].sum())
+        # the remainder includes the sensor's noise where the stage moves
+        left = float((np.abs(rest) ** 2).sum())
+        left += (within.size - used.size) * abs(response) ** 2 * of_sensor
+        ends = frequencies[within[0]], frequencies[within[-1]]
+        rows.append((at, response, total, left, within.size - 1, ends))
+    if not rows:
+        none = np.empty(0)
+        return _Bands(none, none.astype(complex), none, none, np.empty((0, 2)))
+    frequency, responses, totals, squares, counts, ends = zip(*rows, strict=True)
+    noise = _smooth(np.array(squares), np.array(counts))
+    return _Bands(
+        np.array(frequency), np.array(responses), np.sqrt(noise / (2 * np.array(totals))),
+        np.sqrt(totals) / half, np.array(ends),
+    )  # fmt: skip
+
+
+def _smooth(squares: Array, freedom: Array) -> Array:
+    """Mean squares of bands, each with as many neighbours as it takes for enough ordinates."""
+    means = np.empty(len(squares))
+    for i in range(len(squares)):
+        beside = 0
+        near = slice(i, i + 1)
+        while freedom[near].sum() < min(_FREEDOM, freedom.sum()):
+            beside += 1
+            near = slice(max(i - beside, 0), i + beside + 1)
+        means[i] = squares[near].sum() / freedom[near].sum()
+    return means
+
+
+class _Nearest(NamedTuple):
+    """The overdamped bead whose response is nearest to a measured one."""
+
+    corner: float
+    """Hz"""
+    late: float
+    """s, by which the signal is behind"""
+    by_position: float
+    """signal by position"""
+
+    def moved(self, frequencies: Array) -> Complex:
+        """Signal by the motion of the stage, at frequencies (Hz)."""
+        follows = 1j * frequencies / (1j * frequencies + self.corner)
+        late = np.exp(-2j * np.pi * frequencies * self.late)
+        return np.asarray(self.by_position * follows * late)
+
+    @classmethod
+    def to(
+        cls, bands: _Bands, seen: NDArray[np.bool_], known: Sequence[Answer], step: float
+    ) -> _Nearest:
+        """Return the nearest bead by least squares, with a delay of about a step.
+
+        It is that nearest to the `seen` bands and to the `known` answers.
+
+        Far below the corner frequency, a delay differs from the relaxation time only by its size.
+        """
+        f = np.append(bands.frequencies[seen], [each.frequency for each in known])
+        response = np.append(bands.response[seen], [each.response for each in known])
+        error = np.append(bands.uncertainty[seen], [each.response_uncertainty for each in known])
+        weights = 1 / error**2
+
+        def nearest(logarithm: float, steps: float) -> _Nearest:
+            unit = cls(math.exp(logarithm), float(steps) * step, 1.0)
+            moved = unit.moved(f)
+            overlap = float(weights @ (moved.conj() * response).real)
+            return unit._replace(by_position=overlap / float(weights @ np.abs(moved) ** 2))
+
+        def misfit(coordinates: Array) -> float:
+            off = np.abs(response - nearest(*coordinates).moved(f))
+            return float(weights @ off**2 + coordinates[1] ** 2)
+
+        grid = np.linspace(math.log(f.min() / 30), math.log(f.max() * 30), _CORNERS)
+        start = min(grid, key=lambda each: misfit(np.array([each, 0.0])))
+        options = {"xatol": 1e-6, "fatol": 1e-6}
+        bounds = [(grid[0], grid[-1]), (-np.inf, np.inf)]
+        found = minimize(misfit, [start, 0.0], method="Nelder-Mead", bounds=bounds, options=options)
+        return nearest(*found.x)
+
+
+def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Array) -> Array:
+    """Return the motion (n,) of an overdamped bead on the stage, from the signal's first sample.
+
+    `noise` (bands, 2), Hz, contains the ends of the bands with noise of the stage sensor.
+    """
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    n, rate = len(stage), 2 * math.pi * bead.corner
+    before = min(max(math.ceil(_REMEMBERED / (rate * step)), _EXTENDED), n - 1)
+    # beyond its ends the motion goes on as it was, and fades
+    extended = np.pad(stage - stage.mean(), before, mode="reflect", reflect_type="odd")
+    fade = np.sin(np.pi / 2 * np.arange(before) / before) ** 2
+    extended[:before] *= fade
+    extended[-before:] *= fade[::-1]
+    length = next_fast_len(len(extended), real=True)
+    waves = rfft(extended, length)
+    power = np.abs(waves) ** 2
+    frequencies = np.arange(len(waves)) / (length * step)
+    of_sensor = _white(power)
+    moves = _stands_out(power, of_sensor)
+    for first, last in noise:
+        moves &= (frequencies < first) | (frequencies > last)
+    waves[~moves] = 0.0
+    waves[moves] *= 1 - of_sensor / power[moves]
+    waves *= bead.moved(frequencies)
+    moved = irfft(waves, length)[before : before + n]
+    # what the stage did before the record is left in it for a while
+    left = np.exp(-rate * step * np.arange(min(before, n)))
+    off = (signal - moved)[: left.size]
+    moved[: left.size] += float(left @ off) / float(left @ left) * left
+    return np.asarray(moved - moved.mean())

@@ -1,0 +1,147 @@
+"""Stiffness by averages over a record at several lags: displacements and autocorrelation."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import least_squares
+
+from tweezer.calibration.left_out import Missing
+from tweezer.calibration.spectra import TrappedBead, autocovariance, mean_squared_displacement
+from tweezer.calibration.whittle import inverse
+
+Array = NDArray[np.float64]
+
+#: Smallest and largest lag of the fits in time, in relaxation times.
+_LAGS = (0.1, 2.0)
+#: Number of these lags.
+_LAG_COUNT = 10
+#: Number of relaxation times after which correlations are negligible.
+_FORGOTTEN = 20.0
+
+
+def lags_of(samples: int, step: float, bead: TrappedBead) -> NDArray[np.int64]:
+    """Lags of a fit in time, in samples."""
+    shortest, longest = (lags * bead.relaxation_time / step for lags in _LAGS)
+    most = samples // 4
+    ends = min(max(shortest, 1), most - 3), min(max(longest, 3), most)
+    return np.unique(np.rint(np.geomspace(*ends, _LAG_COUNT)).astype(np.int64))
+
+
+def displacement(
+    positions: Array,
+    step: float,
+    bead: TrappedBead,
+    lags: NDArray[np.int64],
+    missing: Missing,
+    drag_known: bool,
+) -> tuple[float, float]:
+    """Stiffness by mean squared displacements, and its standard uncertainty, N/m.
+
+    missing: of the motion of that bead in the record.
+    """
+    lost = 2 * (missing.variances.sum() - missing.autocovariance(lags * step)) / bead.variance
+
+    def predicted(logarithms: Array) -> Array:
+        values = [*np.exp(logarithms), bead.drag]
+        other = dataclasses.replace(bead, stiffness=values[0], drag=values[1])
+        return other.mean_squared_displacement(lags * step) - lost * other.variance
+
+    covariance = covariance_of_averages(
+        bead, step, len(positions), lags, of_squared_displacements, missing
+    )
+    values = mean_squared_displacement(positions, lags)
+    start = np.log([bead.stiffness] if drag_known else [bead.stiffness, bead.drag])
+    found, errors = _least_squares(values, covariance, predicted, start)
+    k = math.exp(found[0])
+    return k, k * float(errors[0])
+
+
+def autocorrelation(
+    positions: Array, step: float, bead: TrappedBead, lags: NDArray[np.int64], missing: Missing
+) -> tuple[float, float]:
+    """Stiffness by the rate of decay; without lag 0, the only one with white noise.
+
+    missing: of the motion of that bead in the record.
+    """
+    lost = bead.variance_of_mean(step, len(positions)) + missing.autocovariance(lags * step)
+    lost = lost / bead.variance
+
+    def predicted(logarithms: Array) -> Array:
+        k, variance = np.exp(logarithms)
+        other = dataclasses.replace(bead, stiffness=k)
+        return variance * (other.autocovariance(lags * step) / other.variance - lost)
+
+    covariance = covariance_of_averages(bead, step, len(positions), lags, of_products, missing)
+    values = autocovariance(positions, lags)
+    start = np.log([bead.stiffness, bead.variance])
+    found, errors = _least_squares(values, covariance, predicted, start)
+    k = math.exp(found[0])
+    return k, k * float(errors[0])
+
+
+Covariance = Callable[[NDArray[np.int64]], Array]
+"""of two positions, by lag"""
+
+
+def of_squared_displacements(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
+    """Covariance of two squared displacements, of lags i and j, that start s samples apart."""
+    return 2 * (C(s + j - i) - C(s - i) - C(s + j) + C(s)) ** 2
+
+
+def of_products(C: Covariance, s: NDArray[np.int64], i: int, j: int) -> Array:
+    """Covariance of two products of positions, of lags i and j, that start s samples apart."""
+    return C(s) * C(s + j - i) + C(s + j) * C(s - i)
+
+
+def covariance_of_averages(
+    bead: TrappedBead,
+    step: float,
+    samples: int,
+    lags: NDArray[np.int64],
+    of_one: Callable[[Covariance, NDArray[np.int64], int, int], Array],
+    missing: Missing,
+) -> Array:
+    """Covariance (lags, lags) of averages over the record.
+
+    of_one: covariance of two averaged terms, of lags i and j, that start s samples apart
+    (Isserlis's theorem).
+    """
+    longest = int(lags[-1])
+    reach = min(samples, math.ceil(_FORGOTTEN * bead.relaxation_time / step)) + longest
+    times = step * np.arange(reach + 2 * longest + 1, dtype=np.float64)
+    table = bead.autocovariance(times) - missing.autocovariance(times)
+    apart = np.arange(-reach, reach + 1)
+    result = np.empty((lags.size, lags.size))
+    for a, i in enumerate(lags):
+        for b, j in enumerate(lags[: a + 1]):
+            pairs = np.clip(samples - max(i, j) - np.abs(apart), 0, None)
+            products = of_one(lambda lag: table[np.abs(lag)], apart, i, j)
+            result[a, b] = result[b, a] = pairs @ products / ((samples - i) * (samples - j))
+    return result
+
+
+def _least_squares(
+    values: Array, covariance: Array, predicted: Callable[[Array], Array], start: Array
+) -> tuple[Array, Array]:
+    """Best parameters for `values`, and their standard uncertainties.
+
+    The uncertainties use the slopes at the start of the fit, as the covariance does.
+    """
+    size = np.sqrt(np.diag(covariance))
+    correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
+    root = cholesky(correlation, lower=True)
+
+    def residuals(parameters: Array) -> Array:
+        return solve_triangular(root, (values - predicted(parameters)) / size, lower=True)
+
+    found = least_squares(residuals, start, x_scale=0.1).x
+    slopes = np.stack(
+        [(residuals(start + d) - residuals(start - d)) / 2e-4 for d in 1e-4 * np.eye(start.size)]
+    )
+    return found, np.sqrt(np.diag(inverse(slopes @ slopes.T)))

@@ -1,0 +1,58 @@
+"""Inertia of a bead and of the fluid about it, as an analysis assumes it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tweezer.scene import Scene
+from tweezer.scene.bead import bead_properties
+from tweezer.scene.choices import MODELS, POLES
+
+
+class Inertia(NamedTuple):
+    """Kind of inertia of a recorded bead, independent of its size."""
+
+    bead: bool
+    """whether the bead has mass"""
+    fluid: str
+    """"none", "added-mass" or "memory\""""
+    poles: int = POLES
+    """number of poles of the memory"""
+    scale: float = 1.0
+    """a2 of the scaled model, which divides the mass of the bead"""
+
+    @classmethod
+    def of(cls, scene: Scene) -> Inertia:
+        """Return the inertia in a scene, completed by the inertia of a measured bead.
+
+        The scene of a run is complete. A measured bead has mass and hydrodynamic memory.
+        """
+        simulation, medium = scene.simulation, scene.medium
+        model = simulation.model or "full"
+        if not MODELS[model].inertia:
+            return cls(bead=False, fluid="none")
+        fluid = medium.inertia or ("memory" if model == "full" else "none")
+        scale = (model == "scaled" and simulation.scaling_factor) or 1.0
+        return cls(True, fluid, medium.poles or POLES, scale)
+
+    def masses(self, scene: Scene) -> tuple[float | None, float | None]:
+        """Return the mass of the bead and of the fluid in its place, kg; None without them.
+
+        The mass of the bead has the added mass of a fluid without memory in it. The mass of the
+        fluid counts with memory alone.
+        """
+        if not self.bead:
+            return None, None
+        found = bead_properties(scene)
+        mass = found.mass / self.scale
+        if self.fluid == "memory":
+            return mass, found.displaced_mass
+        return mass + (found.displaced_mass / 2 if self.fluid == "added-mass" else 0.0), None
+
+    @property
+    def words(self) -> str:
+        """Description of the inertia in words."""
+        if not self.bead:
+            return "without inertia"
+        fluid = {"none": "", "added-mass": " and the added mass", "memory": " and of the fluid"}
+        return f"with the inertia of the bead{fluid[self.fluid]}"

@@ -1,0 +1,175 @@
+"""What is left out of a record: slow drift, bands of frequencies, and what a fit does not use."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tweezer.calibration.driving import motion, strongest_line
+from tweezer.calibration.spectra import TrappedBead
+from tweezer.values.errors import ResultError
+from tweezer.values.units import QuantityLike, bare, to_si
+
+Array = NDArray[np.float64]
+Band = tuple[float, float]
+
+#: Largest number of frequencies that stand for those that are left out.
+_MOST = 500
+#: Smallest number of ordinates that a spectrum keeps.
+LEAST_ORDINATES = 50
+
+
+class Missing(NamedTuple):
+    """The part of a bead's motion that was left out: a sum of cosines."""
+
+    frequencies: Array
+    """(n,) Hz"""
+    variances: Array
+    """(n,) m^2 or V^2, expected of that bead"""
+
+    def autocovariance(self, times: ArrayLike) -> Array:
+        """At `times` (s)."""
+        angles = 2 * np.pi * np.multiply.outer(times, self.frequencies)
+        return np.asarray(np.cos(angles) @ self.variances)
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """What is left out of a record.
+
+    Drift is taken off as whole cosines, those with half a period in the record and more up to its
+    frequency (DCT-II), and a band as its strongest line and the Fourier components in it. What
+    these hold of the bead's own motion is missing then, and known from the fit (`missing`).
+    """
+
+    bands: tuple[Band, ...] = ()
+    """frequencies from and to, Hz"""
+    drift: float = 0.0
+    """Hz: what is slower is taken off"""
+    fit_range: Band = (0.0, math.inf)
+    """frequencies from and to, Hz, that spectra are fitted over; the record keeps the others"""
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        leave_out: Sequence[str | Band] = (),
+        drift: QuantityLike | None = None,
+        fit_range: str | Band | None = None,
+    ) -> LeftOut:
+        """By numbers in Hz, or text with units: "49 Hz..51 Hz".
+
+        name: of the record, for `ResultError` of what is no such range.
+        """
+        bands = tuple(_band(name, "leave_out", each) for each in leave_out)
+        slowest = 0.0 if drift is None else _hertz(name, "drift", drift, drift)
+        within = (0.0, math.inf) if fit_range is None else _band(name, "fit_range", fit_range)
+        return cls(bands, slowest, within)
+
+    def cosines(self, samples: int, step: float) -> int:
+        """Number of cosines that are taken off."""
+        return math.floor(2 * self.drift * samples * step)
+
+    def refuse_too_much(self, name: str, samples: int, step: float) -> None:
+        """Raise `ResultError` if too few frequencies are left for a fit."""
+        frequencies = np.arange(1, (samples + 1) // 2) / (samples * step)
+        kept = np.ones(len(frequencies), bool)
+        for low, high in (*self.of_record(samples, step), *self.of_fit):
+            kept &= (frequencies < low) | (frequencies > high)
+        if kept.sum() < min(LEAST_ORDINATES, len(frequencies)):
+            raise ResultError(
+                f"{name}: leaves {kept.sum()} of {len(frequencies)} frequencies; must leave "
+                f"{LEAST_ORDINATES} or more of those from {frequencies[0]:.3g} to "
+                f"{frequencies[-1]:.3g} Hz"
+            )
+
+    def of_record(self, samples: int, step: float) -> tuple[Band, ...]:
+        """Bands (Hz) whose ordinates are left out of the record's spectrum."""
+        if not (taken := self.cosines(samples, step)):
+            return self.bands
+        return (*self.bands, (0.0, (taken + 1) / (2 * samples * step)))
+
+    @property
+    def of_fit(self) -> tuple[Band, ...]:
+        """Bands (Hz) that no spectrum is fitted over."""
+        low, high = self.fit_range
+        bands = [(0.0, low)] if low else []
+        return (*bands, (high, math.inf)) if math.isfinite(high) else tuple(bands)
+
+    def without(self, signal: Array, step: float) -> Array:
+        """A signal (n,) without drift and bands."""
+        from scipy.fft import dct, idct, irfft, rfft
+
+        if taken := self.cosines(len(signal), step):
+            parts = dct(signal, norm="ortho")
+            parts[1 : taken + 1] = 0.0
+            signal = idct(parts, norm="ortho")
+        if self.bands:
+            for band in self.bands:  # a line is not only in its band
+                line = strongest_line(signal - signal.mean(), step, band)
+                if line is not None:
+                    moving = motion(signal, [line], step)[1]
+                    signal = signal - (moving - moving.mean())
+            waves = rfft(signal)
+            frequencies = np.arange(len(waves)) / (len(signal) * step)
+            for low, high in self.bands:
+                waves[(frequencies >= low) & (frequencies <= high) & (frequencies > 0)] = 0.0
+            signal = irfft(waves, len(signal))
+        return signal
+
+    def missing(self, bead: TrappedBead, samples: int, step: float) -> Missing:
+        """What is missing of the motion of that bead."""
+        duration = samples * step
+        taken = self.cosines(samples, step)
+        every = [(np.arange(1, taken + 1) / (2 * duration), 1 / (2 * duration))]
+        fourier = np.arange(1, (samples + 1) // 2) / duration
+        for low, high in self.bands:
+            every.append((fourier[(fourier >= low) & (fourier <= high)], 1 / duration))
+        rows = [
+            (float(part.mean()), len(part) * width)
+            for frequencies, width in every
+            for part in np.array_split(frequencies, min(len(frequencies), _MOST) or 1)
+            if len(part)
+        ]
+        frequencies, widths = np.array(rows).reshape(-1, 2).T
+        return Missing(frequencies, widths * bead.sampled_spectrum(frequencies, step, samples))
+
+    def words(self, signal: Array, kept: Array, step: float, unit: str) -> str:
+        """What was left out of a signal (n,), in words; "" if nothing. kept: what remains of it."""
+        taken = self.cosines(len(signal), step)
+        parts = [f"the drift, {taken} cosines slower than {self.drift:.3g} Hz"] if taken else []
+        parts += [f"{low:.4g} to {high:.4g} Hz" for low, high in self.bands]
+        if not parts:
+            return ""
+        size = float(np.std(signal - kept))
+        factor, of = (1e3, "mV") if unit == "V" else (1e9, "nm")
+        return f"left out: {', '.join(parts)}; together {factor * size:.2g} {of} rms"
+
+
+def _band(name: str, key: str, value: str | Band) -> Band:
+    ends: Sequence[QuantityLike] = value.split("..") if isinstance(value, str) else value
+    if len(ends) != 2:
+        raise ResultError(f'{name}: {key} = {value!r}: must be such as "49 Hz..51 Hz"')
+    low, high = (_hertz(name, key, each, value) for each in ends)
+    if not low < high:
+        raise ResultError(f"{name}: {key} = {value!r}: must end above where it begins")
+    return low, high
+
+
+def _hertz(name: str, key: str, value: QuantityLike, given: object) -> float:
+    try:
+        number = to_si(bare(value), "1/s")
+    except ValueError as error:
+        raise ResultError(f"{name}: {key} = {given!r}: {error}") from None
+    if not 0 <= number < math.inf:
+        raise ResultError(f"{name}: {key} = {given!r}: must be a frequency, 0 Hz or more")
+    return number
+
+
+#: A record as it is.
+NOTHING = LeftOut()

@@ -1,0 +1,57 @@
+"""Whether a recording begins before the bead has settled in its trap."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.calibration.spectra import statistical_inefficiency
+
+Array = NDArray[np.float64]
+
+#: Standard deviation of a Gaussian over its median absolute deviation
+_DEVIATION_PER_MEDIAN = 1.4826
+#: Largest distance of a settled bead from the median, in standard deviations
+FAR = 6.0
+#: Distance from the median at which the bead has arrived, in standard deviations, and the number of
+#: independent samples after which its approach is no longer visible
+_NEAR, _AFTER = 3.0, 3.0
+
+
+class Unsettled(NamedTuple):
+    """Beginning of a recording in which the bead has not settled in its trap."""
+
+    off: float
+    """distance of the first sample from the median, in standard deviations"""
+    time: float
+    """s, from the first sample on, to leave out; rounded up to two digits"""
+
+
+def spread(positions: Array) -> tuple[Array, float]:
+    """Return distances (n,) from the median, m, and the standard deviation of positions (n,), m.
+
+    The deviation follows from the median distance, which outliers do not shift.
+    """
+    off = np.abs(positions - np.median(positions))
+    return off, _DEVIATION_PER_MEDIAN * float(np.median(off))
+
+
+def unsettled(positions: Array, step: float) -> Unsettled | None:
+    """Return the initial deviation of positions (n,), m, and its duration; `step` in s.
+
+    Returns None if the first position is within six standard deviations of the median.
+    """
+    off, deviation = spread(positions)
+    if not off[0] > FAR * deviation:
+        return None
+    arrived = int(np.argmax(off < _NEAR * deviation))
+    after = _AFTER * statistical_inefficiency(positions[arrived:])
+    return Unsettled(float(off[0] / deviation), _rounded_up((arrived + after) * step))
+
+
+def _rounded_up(time: float) -> float:
+    """Return the time rounded up to two digits."""
+    unit = 10.0 ** (np.floor(np.log10(time)) - 1)
+    return float(np.ceil(time / unit) * unit)

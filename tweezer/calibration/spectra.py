@@ -1,0 +1,471 @@
+"""Autocovariance, mean squared displacement and power spectrum, of a record and of a model."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tweezer.scene.choices import POLES
+from tweezer.values.constants import Boltzmann
+
+if TYPE_CHECKING:
+    from tweezer.fluid import Memory
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+#: Amplitudes (m^2) and rates (1/s); complex where a decay rings
+Decays = list[tuple[complex, complex]]
+
+#: Length of Sokal's window, in statistical inefficiencies
+_WINDOW = 3.0
+#: Largest number of blocks that a series is averaged over for the variance of its mean
+_BLOCKS = 2**15
+#: Distance from critical damping below which the two rates count as equal
+_CRITICAL = 1e-5
+#: Exposure, in decay times, below which h(v) of `_overlap` is a series, to avoid cancellation.
+_SHORT = 1e-2
+#: Part of a decay, after a step, that counts as none
+_NOTHING = 1e-18
+#: Number of steps of Newton's method for the rates of a bead with memory.
+_NEWTON = 3
+#: Relative change of a stiffness at which two rates of a bead with memory are equal, and the error
+#: of the sum of amplitudes that shows it.
+_DOUBLE = 1e-7
+#: Distance of a rate from that of the diode, of it, below which they count as equal.
+_EQUAL = 1e-6
+
+
+def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Array, Array]:
+    """One-sided power spectral density by Bartlett's method.
+
+    positions: (n,) m, one every `step` (s). Returns frequencies (Hz) and densities (m^2/Hz), for
+    the Fourier frequencies between 0 and Nyquist's, both excluded: the periodogram averaged over
+    `segments` equal parts without overlap, each minus its mean. For a series much longer than its
+    correlation time, the ratio of each value to its expectation is an independent
+    Gamma(segments)/segments.
+    """
+    from scipy.fft import rfft
+
+    length = len(positions) // segments
+    parts = positions[: segments * length].reshape(segments, length)
+    waves = rfft(parts - parts.mean(axis=1, keepdims=True), overwrite_x=True)
+    waves = waves[:, 1 : (length + 1) // 2]
+    density = waves.real**2
+    density += waves.imag**2
+    density *= 2 * step / length
+    mean = density[0] if segments == 1 else density.mean(axis=0)
+    return np.arange(1, mean.size + 1) / (length * step), mean
+
+
+def autocovariance(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Return the autocovariance of a record about its mean.
+
+    Each lag is an average over all its pairs. The mean is that of the record, which lowers every
+    value by the variance of the mean (`TrappedBead.variance_of_mean`).
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Record, m.
+    lags : ndarray of int, shape (m,), optional
+        Lags in samples, from 0 to n - 1. Default: all of them, by FFT. A few lags cost one pass
+        over the record each.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Autocovariance, m^2.
+    """
+    n = len(positions)
+    return _products(positions, lags) / (n - (np.arange(n) if lags is None else lags))
+
+
+def mean_squared_displacement(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Return the mean squared displacement of a record, averaged over all overlapping pairs.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n,)
+        Record, m.
+    lags : ndarray of int, shape (m,), optional
+        Lags in samples, from 0 to n - 1. Default: all of them, by FFT.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Mean squared displacement, m^2; unbiased.
+    """
+    n = len(positions)
+    deviations = positions - np.mean(positions)
+    squares, every = deviations**2, np.arange(n) if lags is None else lags
+    ends = np.concatenate([[0.0], np.cumsum(squares)])
+    both_ends = ends[n - every] + ends[n] - ends[every]
+    return np.maximum(both_ends - 2 * _products(positions, lags), 0.0) / (n - every)
+
+
+def _products(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
+    """Sums (lags,) of the products of two deviations from the mean, at all lags if None."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    n = len(positions)
+    deviations = positions - positions.mean()
+    if lags is not None:
+        pairs = ((deviations[: n - lag], deviations[lag:]) for lag in lags)
+        return np.array([np.einsum("i,i", *pair) for pair in pairs])  # on one core
+    length = next_fast_len(2 * n, real=True)
+    return np.asarray(irfft(np.abs(rfft(deviations, length)) ** 2, length)[:n])
+
+
+def statistical_inefficiency(series: Array) -> float:
+    """Number of samples of `series` (n,) per independent sample: 1 + 2 sum rho_j, at least 1.
+
+    The sum ends at a lag of three times its value (A. Sokal's window), and is corrected for the
+    mean of the record (U. Wolff, Comput. Phys. Commun. 156, 143 (2004)). A series that stays
+    correlated to its end has n. A long series is first averaged over short blocks, which leaves its
+    mean as it is.
+    """
+    of_one = float(np.var(series))
+    if of_one <= 0:
+        return 1.0
+    of_mean = variance_of_means(block_means(series))
+    return min(max(of_mean * len(series) / of_one, 1.0), float(len(series)))
+
+
+def standard_error(series: Array) -> float:
+    """Standard error of the mean of a correlated `series` (n,), by its statistical inefficiency."""
+    return math.sqrt(np.var(series) * statistical_inefficiency(series) / len(series))
+
+
+def block_means(series: Array) -> Array:
+    """Means (blocks,) of successive blocks of a long `series` (n,), without its last samples.
+
+    There are enough blocks to estimate a variance of the mean to 1 % where their length exceeds the
+    correlation time; where it does not, the blocks resolve the correlation.
+    """
+    length = -(-len(series) // _BLOCKS)
+    if length == 1:
+        return series
+    return np.asarray(series[: len(series) // length * length].reshape(-1, length).mean(axis=1))
+
+
+def variance_of_means(series: Array) -> float:
+    """Variance of the mean of a correlated `series` (n,), by Sokal's window.
+
+    If the series stays correlated to its end, this is the variance of one sample.
+    """
+    n = len(series)
+    covariance = autocovariance(series)
+    if covariance[0] <= 0:
+        return 0.0
+    sums = 2 * np.cumsum(covariance / covariance[0]) - 1
+    ends = np.flatnonzero(np.arange(n) >= _WINDOW * sums)
+    if not ends.size:
+        return float(covariance[0])
+    window = int(ends[0])
+    return float(covariance[0] * max(sums[window], 0.0) * (1 + (2 * window + 1) / n) / n)
+
+
+def _overlap(v: NDArray[Any]) -> NDArray[Any]:
+    """h(v) = e^-v - 1 + v: twice the integral of e^-r|s-t| over 0 < s, t < v/r is 2 h(v)/r^2."""
+    series = v**2 / 2 * (1 - v / 3 * (1 - v / 4 * (1 - v / 5 * (1 - v / 6))))
+    return np.where(np.abs(v) < _SHORT, series, np.expm1(-v) + v)
+
+
+@dataclass(frozen=True)
+class TrappedBead:
+    """A bead in a harmonic trap, m x'' + drag + k x = thermal noise, and its recording.
+
+    Without a mass it is overdamped: the Ornstein-Uhlenbeck process. Drag is beta x', or with the
+    mass of the displaced fluid that of Boussinesq and Basset, gamma(s) = beta (1 + sqrt(s tau_f) +
+    s tau_f/9) with tau_f = 9 m_f/(2 beta): it remembers, and adds m_f/2 to the mass. In time it is
+    a sum of exponentials (`tweezer.fluid.memory`). Beside a wall it is that of
+    `tweezer.fluid.reflection`.
+
+    A detector gives `response` volts a metre (1 for positions in metres), of which a diode lets a
+    part a of the light through at once and the rest late: its power is a^2 + (1 - a^2)/(1 +
+    (f/f_3)^2) (K. Berg-Sorensen et al., Rev. Sci. Instrum. 77, 063106 (2006)). By that a decay
+    e^-rt becomes a^2 e^-rt + (1 - a^2) (w^2 e^-rt - r w e^-wt)/(w^2 - r^2), w = 2 pi f_3. What is
+    recorded is the mean over the exposure (motion blur: W. P. Wong and K. Halvorsen, Opt. Express
+    14, 12517 (2006)): a decay e^-rt becomes (sinh(rW/2)/(rW/2))^2 e^-rt from t = W on, and
+    2 (rW - 1 + e^-rW)/(rW)^2 at t = 0; and white noise.
+    """
+
+    stiffness: float
+    """k, N/m"""
+    drag: float
+    """beta, kg/s"""
+    temperature: float
+    """T, K"""
+    mass: float | None = None
+    """m of the bead alone, kg"""
+    exposure: float = 0.0
+    """W, s: the time over which each recorded position is averaged"""
+    displaced_mass: float | None = None
+    """m_f, kg: the mass of the fluid in the bead's place; None: a fluid without inertia"""
+    poles: int = POLES
+    """number of poles of the fluid's memory; 24 are exact to 5e-5 in the spectrum below 1 MHz"""
+    diode_frequency: float | None = None
+    """f_3, Hz: where the power of the late part is halved; None: a detector that follows at once"""
+    diode_fraction: float = 0.0
+    """a, from 0 to 1: the part of the signal that a diode detects at once"""
+    noise: float = 0.0
+    """standard deviation of the white noise of a sample, m or V"""
+    response: float = 1.0
+    """signal by position: V/m, or 1 for positions in m"""
+    wall: float | None = None
+    """distance of the bead's centre from a wall, in radii, of which `drag` is the steady one; None:
+    far from everything. It counts with the mass of the displaced fluid"""
+    across: bool = False
+    """whether the bead moves across that wall, not along it"""
+
+    @property
+    def variance(self) -> float:
+        """Variance of recorded positions, m^2 or V^2: k_B T/k (equipartition), as detected."""
+        return float(self.autocovariance(0.0))
+
+    @property
+    def corner_frequency(self) -> float:
+        """k/(2 pi beta), Hz."""
+        return self.stiffness / (2 * math.pi * self.drag)
+
+    @property
+    def diffusion(self) -> float:
+        """k_B T/beta, m^2/s: Einstein."""
+        return Boltzmann * self.temperature / self.drag
+
+    @property
+    def relaxation_time(self) -> float:
+        """Time of the slowest decay, s: beta/k, or 2m/beta if the bead is underdamped.
+
+        The memory of the fluid, whose decay has no slowest time, is left out.
+        """
+        return 1 / min(rate.real for _, rate in self._forgetful)
+
+    @property
+    def seen_as_it_is(self) -> bool:
+        """Whether what is recorded is the position itself, apart from a factor."""
+        return not (self.exposure or self.diode_frequency or self.noise)
+
+    @property
+    def roll_off(self) -> float:
+        """Frequency above which the spectrum falls, Hz: the corner, or the resonance."""
+        mass = self._inertia
+        if not mass:
+            return self.corner_frequency
+        return min(self.corner_frequency, math.sqrt(self.stiffness / mass) / (2 * math.pi))
+
+    @property
+    def _inertia(self) -> float:
+        """Mass that moves at once: the bead's, and half that of the fluid in its place, kg."""
+        if not self.displaced_mass:
+            return self.mass or 0.0
+        return (self.mass or 0.0) + self._memory.added * self.displaced_mass
+
+    @property
+    def _memory(self) -> Memory:
+        """The fluid's, of that many poles."""
+        from tweezer.fluid import memory_beside, memory_far
+
+        if self.wall is None:
+            return memory_far(self.poles)
+        return memory_beside(self.wall, across=self.across, poles=self.poles)
+
+    def _drag_at(self, frequencies: Array) -> Complex:
+        """gamma(2 pi i f), kg/s, at `frequencies` (Hz), with the added mass."""
+        from tweezer.fluid import drag_at
+
+        fluid = self.displaced_mass or 0.0
+        if self.wall is None or not fluid:
+            return drag_at(frequencies, self.drag, fluid)
+        return self._memory.drag_at(frequencies, self.drag, fluid)
+
+    @cached_property
+    def _forgetful(self) -> Decays:
+        """Amplitudes (m^2) and rates (1/s) of the exponentials of a bead without memory."""
+        equipartition = Boltzmann * self.temperature / self.stiffness
+        mass = self._inertia
+        if not mass:
+            return [(equipartition, self.stiffness / self.drag)]
+        split = cmath.sqrt(1 - 4 * mass * self.stiffness / self.drag**2)
+        if abs(split) < _CRITICAL:
+            split = complex(_CRITICAL)  # the error is of second order
+        fast = self.drag / (2 * mass) * (1 + split)
+        slow = self.stiffness / mass / fast
+        ratios = (fast / (fast - slow), slow), (-slow / (fast - slow), fast)
+        return _plain((equipartition * part, rate) for part, rate in ratios)
+
+    @cached_property
+    def _decays(self) -> Decays:
+        """Amplitudes (m^2) and rates (1/s) of the exponentials in the autocovariance.
+
+        With memory C(s) = (k_B T/k) Z/(s Z + k), of which the rates are the poles.
+        """
+        if not self.displaced_mass:
+            return self._forgetful
+        memory = self._memory
+        time = 4.5 * self.displaced_mass / (self.drag * memory.mobility)
+        inertia = self._inertia / (self.drag * time)
+        parts, rates = _relaxation(inertia, self.stiffness * time / self.drag, memory)
+        equipartition = Boltzmann * self.temperature / self.stiffness
+        return _plain(zip(equipartition * parts, rates / time, strict=True))
+
+    @cached_property
+    def _detected(self) -> Decays:
+        """Amplitudes (m^2 or V^2) and rates (1/s) of the exponentials in that of the signal."""
+        square = self.response**2
+        decays = [(square * amplitude, rate) for amplitude, rate in self._decays]
+        if not self.diode_frequency:
+            return decays
+        w = 2 * math.pi * self.diode_frequency
+        while any(abs(rate / w - 1) < _EQUAL for _, rate in decays):
+            w *= 1 + 2 * _EQUAL
+        late = 1 - self.diode_fraction**2
+        seen, of_diode = [], 0.0j
+        for amplitude, rate in decays:
+            share = late * amplitude / (1 - (rate / w) ** 2)
+            seen.append((self.diode_fraction**2 * amplitude + share, rate))
+            of_diode -= share * rate / w
+        return _plain([*seen, (of_diode.real, w)])
+
+    def autocovariance(self, times: ArrayLike) -> Array:
+        """<x(0) x(t)>, m^2 or V^2, of recorded positions, at `times` (s)."""
+        past = np.abs(np.asarray(times, np.float64))
+        covariance = np.where(past == 0, self.noise**2, 0.0)
+        for amplitude, rate in self._detected:
+            decay = np.exp(-rate * past)
+            if self.exposure:
+                u, v = rate * self.exposure, rate * np.minimum(past, self.exposure)
+                apart = _overlap(v + u) - 2 * _overlap(v) + _overlap(u - v)
+                late = np.exp(-rate * np.maximum(past - self.exposure, 0)) * np.expm1(-u) ** 2
+                decay = np.where(past < self.exposure, apart, late) / u**2
+            covariance += np.real(amplitude * decay)
+        return covariance
+
+    def mean_squared_displacement(self, times: ArrayLike) -> Array:
+        """<(x(t) - x(0))^2>, m^2 or V^2, of recorded positions, at `times` (s)."""
+        return 2 * (self.variance - self.autocovariance(times))
+
+    def spectrum(self, frequencies: ArrayLike) -> Array:
+        """One-sided power spectral density, m^2/Hz or V^2/Hz, of the signal at `frequencies` (Hz).
+
+        Before it is sampled, and without noise. The Lorentzian, with a mass its inertial form, and
+        with the mass of the fluid its hydrodynamic form, without approximation (K. Berg-Sorensen
+        and H. Flyvbjerg, Rev. Sci. Instrum. 75, 594 (2004)); times what the diode lets through, and
+        sinc^2(f W) for the exposure.
+        """
+        f = np.asarray(frequencies, np.float64)
+        s = 2j * np.pi * f
+        gamma = self._drag_at(f)
+        resistance = self.stiffness + s * gamma + (self.mass or 0.0) * s**2
+        force = 4 * Boltzmann * self.temperature * gamma.real
+        return np.asarray(force / np.abs(resistance) ** 2 * self._passed(f))
+
+    def _passed(self, frequencies: Array) -> Array:
+        """Power of the signal over that of the motion, of which it is the mean over an exposure."""
+        passed = (self.response * np.sinc(frequencies * self.exposure)) ** 2
+        if self.diode_frequency:
+            square = self.diode_fraction**2
+            passed *= square + (1 - square) / (1 + (frequencies / self.diode_frequency) ** 2)
+        return np.asarray(passed)
+
+    def driven(self, frequencies: ArrayLike) -> Complex:
+        """Signal by motion of the stage, V/m or 1, at `frequencies` (Hz), without noise.
+
+        The fluid, and a wall, move with the stage: gamma (s x - s x_s) + k x + m s^2 x = m_f s^2
+        x_s, the last for the pressure that moves it (M. R. Maxey and J. J. Riley, Phys. Fluids 26,
+        883 (1983)). The phase is that of the motion.
+        """
+        f = np.asarray(frequencies, np.float64)
+        s = 2j * np.pi * f
+        fluid = self.displaced_mass or 0.0
+        gamma = self._drag_at(f)
+        moved = s * (gamma + s * fluid) / (s * gamma + self.stiffness + (self.mass or 0.0) * s**2)
+        return np.asarray(moved * np.sqrt(self._passed(f)))
+
+    def sampled_spectrum(
+        self, frequencies: ArrayLike, step: float, samples: float = math.inf
+    ) -> Array:
+        """One-sided power spectral density, m^2/Hz or V^2/Hz, of positions every `step` (s).
+
+        It includes all aliases: it is the Fourier sum over the autocovariance of the samples, which
+        from lag 1 on is a sum of geometric series (S. F. Norrelykke and H. Flyvbjerg, Phys. Rev.
+        E 83, 041103 (2011)). With `samples`, the expected periodogram at the Fourier frequencies of
+        a record of that length, which also includes leakage (A. M. Sykulski et al., Biometrika 106,
+        251 (2019)). The exposure must not exceed the step.
+        """
+        angle = 2 * np.pi * step * np.asarray(frequencies, np.float64)
+        away = 2 * np.sin(angle / 2) ** 2  # 1 - cos
+        turned = away - 1j * np.sin(angle) if any(map(_rings, self._detected)) else away  # 1 - e^ia
+        density = np.full(angle.shape, self.variance)
+        for amplitude, rate in self._detected:
+            # sum over lags j of first e^(-(j - 1) rate step + i j angle), less j/samples of each
+            first = amplitude * np.exp(-rate * (step - self.exposure))
+            if self.exposure:
+                first *= (np.expm1(-rate * self.exposure) / (rate * self.exposure)) ** 2
+            if abs(first) < _NOTHING * abs(amplitude):
+                continue
+            lost, kept = -np.expm1(-rate * step), np.exp(-rate * step)
+            ends = -np.expm1(-rate * step * samples) / samples if math.isfinite(samples) else 0.0
+            if _rings((amplitude, rate)):
+                rest = lost + kept * turned
+                density += 2 * np.real(first * (1 - turned) * (1 / rest - ends / rest**2))
+                continue
+            per_square = 1 / (lost**2 + 2 * kept * away)
+            density += 2 * first * (lost - away) * per_square
+            if ends:
+                twice = lost**2 - (1 + kept**2) * away
+                density -= 2 * first * ends * twice * per_square**2
+        return 2 * step * density
+
+    def variance_of_mean(self, step: float, samples: float) -> float:
+        """Variance of the mean of `samples` positions taken every `step` (s), m^2."""
+        return float(self.sampled_spectrum(0.0, step, samples)) / (2 * step * samples)
+
+
+def _plain(decays: Iterable[tuple[complex, complex]]) -> Decays:
+    """The same with real numbers where they are real."""
+    return [
+        (complex(a), complex(r)) if complex(r).imag else (complex(a).real, complex(r).real)
+        for a, r in decays
+    ]
+
+
+def _rings(decay: tuple[complex, complex]) -> bool:
+    return isinstance(decay[1], complex)
+
+
+def _relaxation(inertia: float, stiffness: float, memory: Memory) -> tuple[Complex, Complex]:
+    """Parts and rates (1/tau_f) of the exponentials in the autocovariance of a bead with memory.
+
+    inertia: with the added mass, in beta tau_f; stiffness: k, in beta/tau_f. The rates are the
+    zeros at -s of D(s) = s Z(s) + k with Z = inertia s + 1 + sum c s/(s + p): eigenvalues of the
+    equations of the bead and as many masses, which it drags by dashpots c, each variable in units
+    of its thermal size; and then by Newton's method. The parts are k/(r D'(-r)); they add up to 1.
+    """
+    p, c = memory.rates[::-1], memory.weights[::-1]
+    n = len(p)
+    each = np.arange(n)  # the fast ones first: small eigenvalues keep their digits
+    for k in stiffness * (1 + _DOUBLE * np.arange(3)):
+        matrix = np.zeros((n + 2, n + 2))
+        matrix[each, each] = -p
+        matrix[each, n] = matrix[n, each] = np.sqrt(c * p / inertia)
+        matrix[n, n] = -(1 + c.sum()) / inertia
+        matrix[n + 1, n] = math.sqrt(k / inertia)
+        matrix[n, n + 1] = -matrix[n + 1, n]
+        s = np.linalg.eigvals(matrix).astype(np.complex128)[:, None]
+        for _ in range(_NEWTON + 1):
+            per_pole = 1 / (s + p)
+            slope = 2 * inertia * s + 1 + (s * (1 + p * per_pole) * per_pole) @ c[:, None]
+            parts = -k / (s * slope)
+            rates = -s
+            s = s - (inertia * s**2 + s * (1 + (s * per_pole) @ c[:, None]) + k) / slope
+        if abs(parts.real.sum() - 1) < _DOUBLE:
+            return parts[:, 0], rates[:, 0]
+    raise ArithmeticError("the rates of a bead with memory are not found")

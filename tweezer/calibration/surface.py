@@ -1,0 +1,276 @@
+"""Where a wall is, by the drag of a bead at several positions of the focus."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.special import chdtrc
+
+from tweezer.calibration.calibration import Calibration
+from tweezer.calibration.findings import REFUTED, Finding
+from tweezer.calibration.wall import Height
+from tweezer.calibration.whittle import inverse
+from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.errors import ResultError
+from tweezer.values.rounding import with_uncertainty
+from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.units import QuantitiesLike, QuantityLike
+
+Array = NDArray[np.float64]
+
+#: Smallest gaps, in radii, and focal shifts that a fit is tried from
+_GAPS, _SHIFTS = np.geomspace(1e-2, 30.0, 15), (0.7, 0.85, 1.0)
+#: Smallest gap of a fit, and largest, in radii
+_GAP_ENDS = 1e-4, 1e3
+#: Largest uncertainty of the wall's place that counts as determined, in the smallest gap
+_UNCERTAIN = 1.0
+#: Largest relative uncertainty of a shift that is determined
+_UNSURE_SHIFT = 0.5
+#: Smallest and largest shift looked for
+_SHIFT_ENDS = 0.05, 20.0
+#: Half the difference of unknowns for a slope
+_DIFFERENCE = 1e-5
+
+
+@dataclass(frozen=True, repr=False)
+class Surface(Shown):
+    """A wall, found by the drag beside it."""
+
+    position: float
+    """that of the focus at which the bead's centre would be in the wall, m"""
+    uncertainty: float
+    """its standard uncertainty, m"""
+    shift: float
+    """how far the bead moves by a unit of the focus's position"""
+    shift_uncertainty: float | None
+    """its standard uncertainty; None if it is given"""
+    drag: float
+    """of the bead far from the wall, kg/s"""
+    drag_uncertainty: float | None
+    """its standard uncertainty, kg/s; None if it is given"""
+    heights: tuple[Height, ...]
+    """of the bead in each recording"""
+    recordings: tuple[str, ...]
+    """those whose drag was used: nothing speaks against them"""
+    p_value: float | None
+    """probability of drags further apart, by chi-square; None with as many parameters as drags"""
+    findings: tuple[Finding, ...]
+    """reasons not to trust it; empty if there are none"""
+
+    def card(self) -> Card:
+        """Place of the wall, shift, drag, heights."""
+        doubt = "; ".join(each.text for each in self.findings)
+        drag = _with_error(self.drag, self.drag_uncertainty, 1e9, "nN s/m")
+        rows = [
+            Row("focus, for the bead's centre in the wall",
+                _with_error(self.position, self.uncertainty, 1e6, "um"), doubt),
+            Row("the bead moves by", f"{_with_error(self.shift, self.shift_uncertainty)} of that"),
+            Row("drag far from the wall", drag),
+        ]  # fmt: skip
+        if self.p_value is not None:
+            rows.append(Row("p-value", f"{self.p_value:.2g}"))
+        heights = tuple(
+            (f"{i}", _with_error(each.distance, each.uncertainty, 1e6, "um"))
+            for i, each in enumerate(self.heights, start=1)
+        )
+        return Card("Surface", "", tuple(rows), (Table(("recording", "height"), heights),))
+
+
+def _with_error(value: float, error: float | None, factor: float = 1.0, unit: str = "") -> str:
+    told = with_uncertainty(factor * value, factor * error) if error else f"{factor * value:.4g}"
+    return f"{told} {unit}".rstrip()
+
+
+def find_wall(
+    calibrations: Sequence[Calibration],
+    positions: QuantitiesLike,
+    *,
+    radius: QuantityLike,
+    drag: QuantityLike | None = None,
+    shift: float | None = 1.0,
+) -> Surface:
+    """The place of a wall from the drag of a bead at several heights above it.
+
+    calibrations: of a recording at each height, without the inertia of the fluid, in metres or with
+    a drive, so that they measure the drag; positions: of the focus, or the stage, m, for each,
+    larger where the bead is farther from the wall; radius: of the bead, m; drag: that far from the
+    wall, kg/s, fitted if None; shift: by how much the bead moves when the position does, fitted if
+    None (behind a cover glass the focus moves less than the objective).
+
+    Heights are shift (position - position of the wall). These are fitted to the logarithms of the
+    drags along all axes (`Calibration`, with the drag fitted), by least squares with the weights of
+    their uncertainties; drags are those of the exact mobilities. Raises `ResultError` where numbers
+    are missing or wrong, and for fewer drags than unknowns.
+    """
+    places = numbers_in_si("positions", positions, "m")
+    radius = in_si("radius", radius, "m", error=ResultError)
+    drag = None if drag is None else in_si("drag", drag, "kg/s", error=ResultError)
+    if places.shape != (len(calibrations),) or not np.isfinite(places).all():
+        raise ResultError(
+            f"positions: must be {len(calibrations)} finite numbers, one for each recording"
+        )
+    for name, value in (("radius", radius), ("drag", drag), ("shift", shift)):
+        if value is not None and not 0 < value < math.inf:
+            raise ResultError(f"{name} = {value}: must be positive")
+    if any(each.displaced_mass is not None for each in calibrations):
+        raise ResultError(
+            "heights are found without the inertia of the fluid: leave out its density"
+        )
+    drags = _Drags.of(calibrations, places)
+    unknown = 1 + (drag is None) + (shift is None)
+    distinct = len(np.unique(drags.positions))
+    if distinct < unknown:
+        raise ResultError(
+            f"{distinct} positions with a drag that nothing speaks against: must be {unknown} or "
+            f"more to fit {unknown} unknowns"
+        )
+    fit = _Fit(drags, float(places.min()), radius, drag, shift)
+    found = fit.best()
+    covariance = inverse(fit.information(found))
+
+    def with_error(of: Callable[[Array], Array]) -> tuple[Array, Array]:
+        slopes = fit.differences(of, found)
+        return of(found), np.sqrt(np.einsum("i...,ij,j...->...", slopes, covariance, slopes))
+
+    wall, uncertainty = with_error(fit.wall)
+    distances, errors = with_error(lambda unknowns: fit.heights(unknowns, places))
+    of_drag, drag_error = with_error(lambda unknowns: np.exp(fit.parts(unknowns)[2]))
+    of_shift, shift_error = with_error(lambda unknowns: np.exp(fit.parts(unknowns)[1]))
+    residuals = fit.residuals(found)
+    freedom = len(residuals) - unknown
+    p_value = float(chdtrc(freedom, residuals @ residuals)) if freedom else None
+    findings = []
+    free = shift is None and not shift_error < _UNSURE_SHIFT * of_shift
+    if free or not errors.min() < _UNCERTAIN * (distances.min() - radius):
+        findings.append(Finding("undetermined", "the drags do not determine the wall's place"))
+    if p_value is not None and p_value < REFUTED:
+        findings.append(Finding("apart", "the drags are not those of one bead above one wall"))
+    return Surface(
+        float(wall), float(uncertainty),
+        float(of_shift), float(shift_error) if shift is None else None,
+        float(of_drag), float(drag_error) if drag is None else None,
+        tuple(Height(float(h), float(e), radius) for h, e in zip(distances, errors, strict=True)),
+        drags.recordings, p_value, tuple(findings),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Drags:
+    """Measured drags."""
+
+    positions: Array
+    """(drags,) of the focus, m"""
+    axes: tuple[str, ...]
+    logarithms: Array
+    """(drags,) of kg/s"""
+    errors: Array
+    """(drags,) standard uncertainties of these"""
+    recordings: tuple[str, ...]
+
+    @classmethod
+    def of(cls, calibrations: Sequence[Calibration], positions: Array) -> _Drags:
+        """Those that nothing speaks against, but that they are not those far from a wall."""
+        rows = [
+            (
+                position,
+                axis.axis,
+                axis.free_fit.bead.drag,
+                axis.free_fit.drag_uncertainty,
+                each.name,
+            )
+            for each, position in zip(calibrations, positions, strict=True)
+            for axis in each.axes
+            if axis.free_fit.drag_uncertainty is not None
+            and 0 < axis.free_fit.drag_uncertainty < axis.free_fit.bead.drag
+            and not {finding.name for finding in axis.findings} - {"drag"}
+        ]
+        if not rows:
+            raise ResultError("no recording measures the drag: it is in volts, or not trusted")
+        at, axes, drags, errors, names = zip(*rows, strict=True)
+        return cls(
+            np.array(at), axes, np.log(drags), np.array(errors) / np.array(drags),
+            tuple(dict.fromkeys(names)),
+        )  # fmt: skip
+
+
+class _Parts(NamedTuple):
+    """Unknowns and given numbers of a fit, as logarithms."""
+
+    gap: float
+    """the smallest, in radii"""
+    shift: float
+    drag: float
+    """far from the wall, kg/s"""
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Least squares of the logarithms of drags."""
+
+    drags: _Drags
+    nearest: float
+    """smallest position, m"""
+    radius: float
+    drag: float | None
+    shift: float | None
+
+    def parts(self, unknowns: Array) -> _Parts:
+        """All numbers, of which some are unknown."""
+        gap, *rest = unknowns
+        shift = rest.pop(0) if self.shift is None else math.log(self.shift)
+        return _Parts(gap, shift, rest.pop(0) if self.drag is None else math.log(self.drag))
+
+    def heights(self, unknowns: Array, positions: Array) -> Array:
+        """Heights of the bead, m."""
+        gap, shift, _ = self.parts(unknowns)
+        return self.radius * (1 + np.exp(gap)) + np.exp(shift) * (positions - self.nearest)
+
+    def wall(self, unknowns: Array) -> Array:
+        """The position at which the height is 0, m."""
+        gap, shift, _ = self.parts(unknowns)
+        return np.asarray(self.nearest - self.radius * (1 + np.exp(gap)) / np.exp(shift))
+
+    def residuals(self, unknowns: Array) -> Array:
+        """Deviations of the drags, in their uncertainties."""
+        drags = self.drags
+        heights = self.heights(unknowns, drags.positions)
+        mobilities = [
+            Height(h, 0.0, self.radius).mobility(axis)
+            for h, axis in zip(heights, drags.axes, strict=True)
+        ]
+        expected = self.parts(unknowns).drag - np.log(mobilities)
+        return np.asarray((drags.logarithms - expected) / drags.errors)
+
+    def differences(self, of: Callable[[Array], Array], unknowns: Array) -> Array:
+        """(unknowns, ...): slopes."""
+        steps = _DIFFERENCE * np.eye(len(unknowns))
+        return np.array([of(unknowns + d) - of(unknowns - d) for d in steps]) / (2 * _DIFFERENCE)
+
+    def information(self, unknowns: Array) -> Array:
+        """Of the unknowns, (unknowns, unknowns)."""
+        slopes = self.differences(self.residuals, unknowns)
+        return np.asarray(slopes @ slopes.T)
+
+    def best(self) -> Array:
+        """The unknowns that fit best, of those found from several starts."""
+        shifts = _SHIFTS if self.shift is None else (None,)
+        drags = (float(self.drags.logarithms.min()),) if self.drag is None else (None,)
+        starts = [
+            np.array([math.log(gap), *(math.log(s) for s in (shift,) if s), *filter(None, (drag,))])
+            for gap in _GAPS
+            for shift in shifts
+            for drag in drags
+        ]
+        start = min(starts, key=lambda each: float((self.residuals(each) ** 2).sum()))
+        ends = np.full(len(start), math.inf)
+        low, high = -ends, ends.copy()
+        low[0], high[0] = np.log(_GAP_ENDS)
+        if self.shift is None:
+            low[1], high[1] = np.log(_SHIFT_ENDS)
+        return np.asarray(least_squares(self.residuals, start, bounds=(low, high)).x)

@@ -1,0 +1,79 @@
+"""The height of a bead above a wall, and what it makes of the drag along each axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tweezer.values.errors import ResultError
+from tweezer.values.units import QuantityLike, to_si
+
+#: Largest standard uncertainty of a height, in gaps
+_UNSURE = 0.3
+#: The axis along the light, across the wall
+ACROSS = "z"
+
+
+@dataclass(frozen=True)
+class Height:
+    """Where the centre of a bead is, from a wall across the light."""
+
+    distance: float
+    """m, of the bead's centre from the wall"""
+    uncertainty: float
+    """its standard uncertainty, m"""
+    radius: float
+    """of the bead, m"""
+
+    @classmethod
+    def of(
+        cls, name: str, wall: QuantityLike | tuple[QuantityLike, QuantityLike], radius: float | None
+    ) -> Height:
+        """The height that is said: a number in m, or text; perhaps with its uncertainty.
+
+        name: of the recording. Raises `ResultError`, naming it, for a bead that would be in the
+        wall, without a radius, and for an uncertainty that leaves no gap.
+        """
+        from tweezer.forces.wall import CLOSEST
+
+        if radius is None:
+            raise ResultError(f"{name}: wall: needs the bead's radius too")
+        told = wall.replace("±", "+-").split("+-") if isinstance(wall, str) else wall
+        parts = told if isinstance(told, list | tuple) else (told,)
+        try:
+            if not 1 <= len(parts) <= 2:
+                raise ValueError(
+                    'must be a height, perhaps with its uncertainty: "1.2 um +- 50 nm"'
+                )
+            distance, uncertainty = (to_si(each, "m") for each in (*parts, 0.0)[:2])
+        except ValueError as error:
+            raise ResultError(f"{name}: wall = {wall!r}: {error}") from None
+        if distance < radius + CLOSEST:
+            raise ResultError(
+                f"{name}: wall = {distance:g}: must be more than the bead's radius, {radius:g} m, "
+                "by the size of an atom: it is the distance of its centre"
+            )
+        if not 0 <= uncertainty <= _UNSURE * (distance - radius):
+            raise ResultError(
+                f"{name}: wall = {wall!r}: its uncertainty must be from 0 to {_UNSURE:g} of the "
+                "gap; leave the wall out, and the drag is fitted"
+            )
+        return cls(distance, uncertainty, radius)
+
+    @property
+    def radii(self) -> float:
+        """The distance in radii."""
+        return self.distance / self.radius
+
+    def mobility(self, axis: str) -> float:
+        """Along an axis, over that far from the wall."""
+        from tweezer.fluid import steady
+
+        return steady(self.radii - 1)[int(axis == ACROSS)]
+
+    def relative_uncertainty(self, axis: str) -> float:
+        """Standard uncertainty of the drag along an axis, of it, by that of the height."""
+        from tweezer.fluid import steady
+
+        *mobility, along, across = steady(self.radii - 1)
+        slope = (along, across)[int(axis == ACROSS)] / self.radius
+        return abs(slope) / mobility[int(axis == ACROSS)] * self.uncertainty

@@ -1,0 +1,449 @@
+"""Maximum-likelihood fits of the spectrum of a trapped bead."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.optimize import minimize
+
+from tweezer.calibration.spectra import TrappedBead, power_spectrum, statistical_inefficiency
+from tweezer.values.constants import Boltzmann
+
+Array = NDArray[np.float64]
+
+#: Highest frequency of a fit, in units of the roll-off of the spectrum.
+_RANGE = 20.0
+#: Largest product of the number of ordinates and the square of the leaked fraction.
+_LEAKAGE = 0.1
+#: Smallest number of ordinates of a fit.
+_LEAST_ORDINATES = 50
+#: Number of blocks of a periodogram, evenly spaced in the logarithm of the frequency.
+_BLOCKS = 1000
+
+#: First step of a fit, in the logarithm of each parameter.
+_FIRST_STEP = 0.2
+#: Half the difference of coordinates for a slope.
+_DIFFERENCE = 1e-4
+#: Largest step of Fisher's scoring, in each coordinate.
+_LONGEST = 1.0
+#: Largest number of steps of Fisher's scoring.
+_MOST_STEPS = 60
+#: First damping of its steps, and the one at which it ends.
+_DAMPING = (1e-3, 1e9)
+#: Standard uncertainties by which a part of the detector is seen, and that bound one that is not.
+_SEEN, _BOUND = 4.0, 2.0
+
+#: Parameters of a fit of the motion alone.
+STIFFNESS = ("stiffness",)
+MOTION = ("stiffness", "drag")
+
+
+class Coordinate(NamedTuple):
+    """A parameter of a bead as a fit has it: what is smooth where the parameter ends."""
+
+    of: Callable[[TrappedBead, Periodogram], float]
+    to: Callable[[float, Periodogram], float | None]
+    ends: tuple[float, float]
+
+
+def _logarithm(name: str) -> Coordinate:
+    return Coordinate(
+        lambda bead, _: math.log(getattr(bead, name)), lambda x, _: math.exp(x), (-600.0, 600.0)
+    )
+
+
+COORDINATES = {
+    "stiffness": _logarithm("stiffness"),
+    "drag": _logarithm("drag"),
+    "response": _logarithm("response"),
+    # (W/step)^2, as what a short exposure takes from the spectrum
+    "exposure": Coordinate(
+        lambda bead, by: (bead.exposure / by.step) ** 2,
+        lambda x, by: math.sqrt(x) * by.step,
+        (0.0, 1.0),
+    ),
+    # (f_Nyquist/f_3)^2, as what a fast diode takes
+    "diode_frequency": Coordinate(
+        lambda bead, by: (0.5 / by.step / (bead.diode_frequency or math.inf)) ** 2,
+        lambda x, by: 0.5 / by.step / math.sqrt(x) if x else None,
+        (0.0, 1e8),
+    ),
+    "diode_fraction": Coordinate(
+        lambda bead, _: bead.diode_fraction**2, lambda x, _: math.sqrt(x), (0.0, 1.0)
+    ),
+    # of the density at the highest frequencies
+    "noise": Coordinate(
+        lambda bead, by: 2 * by.step * bead.noise**2 / by.floor,
+        lambda x, by: math.sqrt(x * by.floor / (2 * by.step)),
+        (0.0, 1e8),
+    ),
+}
+
+
+#: Coordinates from which on a limit says nothing.
+_TRIVIAL = {"exposure": 1.0, "diode_fraction": 1.0}
+
+
+class Evidence(Protocol):
+    """What else is known of a bead, beside its spectrum: Gaussian numbers."""
+
+    def misfit(self, bead: TrappedBead) -> float:
+        """Deviation from what is expected of that bead, in standard uncertainties."""
+        ...
+
+    def per(self, response: float) -> Evidence:
+        """The same for a signal over a response."""
+        ...
+
+
+@dataclass(frozen=True)
+class Periodogram:
+    """A periodogram averaged over blocks in which the spectrum is nearly constant."""
+
+    frequencies: Array
+    """(blocks,) Hz, the mean of each block"""
+    density: Array
+    """(blocks,) m^2/Hz"""
+    counts: Array
+    """(blocks,) number of ordinates"""
+    step: float
+    """s"""
+    samples: float
+    """length of the record; infinite if leakage is left out"""
+    floor: float
+    """density at the highest frequencies of the record: the unit of that of white noise"""
+    ends: Array
+    """(blocks, 2) Hz, the lowest and the highest ordinate of each block"""
+    ordinates: Array
+    """(ordinates,) m^2/Hz, density at every Fourier frequency of the record"""
+    without: tuple[tuple[float, float], ...] = ()
+    """bands (Hz) whose ordinates are left out"""
+    beside: tuple[Evidence, ...] = ()
+    """what else is known"""
+
+    @classmethod
+    def of(
+        cls, positions: Array, step: float, without: Sequence[tuple[float, float]] = ()
+    ) -> Periodogram:
+        """The periodogram of `positions` (n,), m, one every `step` (s).
+
+        without: bands (Hz) whose ordinates are left out.
+        """
+        frequencies, density = power_spectrum(positions, step)
+        n = frequencies.size
+        edges = np.unique(np.geomspace(1, n + 1, min(_BLOCKS, n)).astype(int)) - 1
+        starts = np.arange(n) if n <= _BLOCKS else edges[:-1]
+        used = (~_within(frequencies, without)).astype(np.float64)
+        counts = np.add.reduceat(used, starts)
+        kept = counts > 0
+        f, mean = (
+            np.add.reduceat(values * used, starts)[kept] / counts[kept]
+            for values in (frequencies, density)
+        )
+        ends = frequencies[np.stack([starts, [*(starts[1:] - 1), n - 1]], axis=1)][kept]
+        return cls(
+            f, mean, counts[kept], step, len(positions), float(mean[-1]), ends, density,
+            tuple(without),
+        )  # fmt: skip
+
+    def __getitem__(self, part: slice | NDArray[np.bool_]) -> Periodogram:
+        return dataclasses.replace(
+            self,
+            frequencies=self.frequencies[part],
+            density=self.density[part],
+            counts=self.counts[part],
+            ends=self.ends[part],
+        )
+
+    @cached_property
+    def covered(self) -> tuple[Array, Array]:
+        """Frequencies (Hz) of the ordinates in its blocks, and their densities (m^2/Hz)."""
+        duration = self.samples * self.step
+        index = np.rint(self.ends * duration).astype(np.int64)
+        gaps = np.flatnonzero(index[1:, 0] > index[:-1, 1] + 1)
+        runs = zip(index[[0, *(gaps + 1)], 0], index[[*gaps, -1], 1], strict=True)
+        inside = np.concatenate([np.arange(first, last + 1) for first, last in runs])
+        frequencies = inside / duration
+        if self.without:
+            kept = ~_within(frequencies, self.without)
+            inside, frequencies = inside[kept], frequencies[kept]
+        return frequencies, self.ordinates[inside - 1]
+
+    def per(self, response: float) -> Periodogram:
+        """That of a signal over a response."""
+        return dataclasses.replace(
+            self,
+            density=self.density / response**2,
+            floor=self.floor / response**2,
+            ordinates=self.ordinates / response**2,
+            beside=tuple(each.per(response) for each in self.beside),
+        )
+
+    def expected(self, bead: TrappedBead) -> Array:
+        """Expected density for a record of that bead, (blocks,) m^2/Hz."""
+        return bead.sampled_spectrum(self.frequencies, self.step, self.samples)
+
+    def log_likelihood(self, bead: TrappedBead) -> float:
+        """Log-likelihood of exponential ordinates (P. Whittle, Ark. Mat. 2, 423 (1953))."""
+        try:
+            with np.errstate(all="raise", under="ignore"):
+                expected = self.expected(bead)
+                squares = sum(each.misfit(bead) ** 2 for each in self.beside)
+        except ArithmeticError:
+            return -math.inf
+        if not (expected > 0).all():  # rounding, far from any real bead
+            return -math.inf
+        return -float(self.counts @ (np.log(expected) + self.density / expected)) - squares / 2
+
+    def at(
+        self, bead: TrappedBead, free: Sequence[str], coordinates: Sequence[float] | Array
+    ) -> TrappedBead:
+        """`bead` with other values of its free parameters."""
+        changed = {
+            name: COORDINATES[name].to(float(x), self)
+            for name, x in zip(free, coordinates, strict=True)
+        }
+        return dataclasses.replace(bead, **changed)  # type: ignore[arg-type]
+
+    def coordinates(self, bead: TrappedBead, free: Sequence[str]) -> Array:
+        """Of its free parameters, (free,)."""
+        return np.array([COORDINATES[name].of(bead, self) for name in free])
+
+    def differences(
+        self, of: Callable[[TrappedBead], Array], bead: TrappedBead, free: Sequence[str]
+    ) -> Array:
+        """(free, ...): slopes of `of` by the coordinates, from inside where those end."""
+        here, slopes = self.coordinates(bead, free), []
+        with np.errstate(all="raise", under="ignore"):
+            for i, name in enumerate(free):
+                ends = np.clip(here[i] + _DIFFERENCE * np.array([-1, 1]), *COORDINATES[name].ends)
+                below, above = (
+                    of(self.at(bead, free, [*here[:i], end, *here[i + 1 :]])) for end in ends
+                )
+                slopes.append((above - below) / (ends[1] - ends[0]))
+        return np.array(slopes)
+
+    def slopes(self, bead: TrappedBead, free: Sequence[str]) -> Array:
+        """(free, blocks): d ln S by the coordinates."""
+        return self.differences(lambda each: np.log(self.expected(each)), bead, free)
+
+    def slopes_beside(self, bead: TrappedBead, free: Sequence[str]) -> Array:
+        """(free, evidence): of the misfits."""
+
+        def misfits(each: TrappedBead) -> Array:
+            return np.array([one.misfit(each) for one in self.beside])
+
+        return self.differences(misfits, bead, free)
+
+
+def _within(frequencies: Array, bands: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
+    found = np.zeros(frequencies.shape, bool)
+    for low, high in bands:
+        found |= (frequencies >= low) & (frequencies <= high)
+    return found
+
+
+@dataclass(frozen=True)
+class WhittleFit:
+    """The bead whose spectrum fits a periodogram best."""
+
+    bead: TrappedBead
+    periodogram: Periodogram
+    """the fitted periodogram"""
+    free: tuple[str, ...]
+    """names of the fitted parameters"""
+
+    @cached_property
+    def log_likelihood(self) -> float:
+        """Log-likelihood, to compare with other fits of the same ordinates."""
+        return self.periodogram.log_likelihood(self.bead)
+
+    @cached_property
+    def ratios(self) -> Array:
+        """(ordinates,) density over its expectation at the frequencies that are covered."""
+        part = self.periodogram
+        frequencies, density = part.covered
+        return density / self.bead.sampled_spectrum(frequencies, part.step, part.samples)
+
+    @cached_property
+    def slopes(self) -> Array:
+        """(free, blocks): d ln S by the coordinates."""
+        return self.periodogram.slopes(self.bead, self.free)
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the coordinates, (free, free), by Fisher's information."""
+        information = (self.slopes * self.periodogram.counts) @ self.slopes.T
+        if self.periodogram.beside:
+            beside = self.periodogram.slopes_beside(self.bead, self.free)
+            information = information + beside @ beside.T
+        return inverse(information)
+
+    def per(self, response: float) -> WhittleFit:
+        """The same fit of a signal over a response."""
+        part = self.periodogram
+        return WhittleFit(
+            dataclasses.replace(
+                self.bead, response=self.bead.response / response, noise=self.bead.noise / response
+            ),
+            part.per(response),
+            self.free,
+        )
+
+    def uncertainty(self, k: float, drag: float, response: float = 0.0) -> float:
+        """Standard uncertainty of k ln k + drag ln beta + response ln response."""
+        weights = {"stiffness": k, "drag": drag, "response": response}
+        of_free = np.array([weights.get(name, 0.0) for name in self.free])
+        return math.sqrt(of_free @ self.covariance @ of_free)
+
+    def _gain(self, name: str) -> float:
+        """Log-likelihood over that of a fit without a part of the detector."""
+        without: dict[str, float | None] = {name: 0.0}
+        if name == "diode_frequency":
+            without = {name: None, "diode_fraction": 0.0}
+        bead = dataclasses.replace(self.bead, **without)  # type: ignore[arg-type]
+        free = tuple(each for each in self.free if each not in without)
+        return self.log_likelihood - fitted(self.periodogram, bead, free).log_likelihood
+
+    def detected(self, name: str) -> Detected:
+        """A fitted parameter of the detector."""
+        coordinate, i = COORDINATES[name], self.free.index(name)
+        x, error = coordinate.of(self.bead, self.periodogram), math.sqrt(self.covariance[i, i])
+        value = coordinate.to(x, self.periodogram)
+        seen = x > _SEEN * error and self._gain(name) > _SEEN**2 / 2
+        uncertainty = value * error / (2 * x) if seen and value else None
+        highest, end = x + _BOUND * error, _TRIVIAL.get(name, math.inf)
+        if name == "noise":  # there is no more than all there is
+            highest = min(highest, 1.0)
+        limit = coordinate.to(highest, self.periodogram) if highest < end else None
+        if name == "diode_frequency" and limit is not None and limit < self.bead.corner_frequency:
+            limit = None
+        return Detected(name, value if seen else None, uncertainty, limit)
+
+
+@dataclass(frozen=True)
+class Detected:
+    """A parameter of the detector, fitted."""
+
+    name: str
+    """"exposure" (s), "diode_frequency" (Hz), "diode_fraction" or "noise" (m)"""
+    value: float | None
+    """None if the record does not determine it"""
+    uncertainty: float | None
+    """standard uncertainty; None if not determined"""
+    limit: float | None
+    """where its effect would be seen with 95 % confidence: the highest, for a frequency the
+    lowest; None without one"""
+
+
+def inverse(information: Array) -> Array:
+    """Covariance of parameters; one without any information has an uncertainty of 10^6."""
+    values, vectors = eigh(information)
+    return np.asarray((vectors / np.maximum(values, 1e-12)) @ vectors.T)
+
+
+def fitted(
+    periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float = 1e-4
+) -> WhittleFit:
+    """The fit of the free parameters, starting at `start`.
+
+    tolerance: of the coordinates; a tenth of it for the log-likelihood.
+    """
+    if not set(free) <= set(MOTION) or periodogram.beside:
+        return _scored(periodogram, start, free, tolerance)
+    first = periodogram.coordinates(start, free)
+    found = minimize(
+        lambda coordinates: -periodogram.log_likelihood(periodogram.at(start, free, coordinates)),
+        first,
+        method="Nelder-Mead",
+        options={
+            "xatol": tolerance, "fatol": tolerance / 10,
+            "initial_simplex": first + _FIRST_STEP * np.eye(len(free) + 1, len(free), -1),
+        },
+    ).x  # fmt: skip
+    return WhittleFit(periodogram.at(start, free, found), periodogram, free)
+
+
+def _scored(
+    periodogram: Periodogram, start: TrappedBead, free: tuple[str, ...], tolerance: float
+) -> WhittleFit:
+    """By Fisher's scoring, damped as by Levenberg and Marquardt, between the coordinates' ends."""
+    low, high = np.array([COORDINATES[name].ends for name in free]).T
+    bead, damping = start, _DAMPING[0]
+    here, best = periodogram.coordinates(bead, free), periodogram.log_likelihood(bead)
+    for _ in range(_MOST_STEPS):
+        ratio = periodogram.density / periodogram.expected(bead) - 1
+        slopes = periodogram.slopes(bead, free)
+        weighted = slopes * periodogram.counts
+        upward, information = weighted @ ratio, weighted @ slopes.T
+        if periodogram.beside:
+            beside = periodogram.slopes_beside(bead, free)
+            upward -= beside @ np.array([each.misfit(bead) for each in periodogram.beside])
+            information += beside @ beside.T
+        inside = ~(((here <= low) & (upward < 0)) | ((here >= high) & (upward > 0)))
+        if not inside.any():
+            break
+        scale = np.diag(np.diag(information) + 1e-12)[np.ix_(inside, inside)]
+        while damping < _DAMPING[1]:
+            matrix = information[np.ix_(inside, inside)] + damping * scale
+            step = np.zeros(len(free))
+            step[inside] = np.clip(np.linalg.solve(matrix, upward[inside]), -_LONGEST, _LONGEST)
+            there = np.clip(here + step, low, high)
+            other = periodogram.at(bead, free, there)
+            gain = periodogram.log_likelihood(other) - best
+            if gain >= 0:
+                break
+            damping *= 10
+        else:
+            break
+        small = gain < tolerance / 10 and bool(np.abs(there - here).max() < 100 * tolerance)
+        bead, here, best, damping = other, there, best + gain, max(damping / 10, 1e-12)
+        if small:
+            break
+    return WhittleFit(bead, periodogram, free)
+
+
+def usable(
+    periodogram: Periodogram, start: TrappedBead, *, to_the_end: bool = False
+) -> Periodogram:
+    """The frequencies to fit: where the bead still moves, and leakage, which correlates the
+    ordinates, stays below the noise of their sum.
+
+    to_the_end: up to Nyquist's frequency, as far as it is for the motion.
+    """
+    sampled = start.sampled_spectrum(periodogram.frequencies, periodogram.step)
+    leakage = periodogram.expected(start) / sampled - 1
+    before = np.cumsum(periodogram.counts) - 1
+    leaking = np.flatnonzero(before * leakage**2 > _LEAKAGE)
+    highest = math.inf if to_the_end else _RANGE * start.roll_off
+    within = int((periodogram.frequencies <= highest).sum())
+    least = int(np.searchsorted(before, _LEAST_ORDINATES - 1)) + 1
+    return periodogram[: max(min(within, *leaking[:1], before.size), least)]
+
+
+def best_start(periodogram: Periodogram, positions: Array, given: TrappedBead) -> TrappedBead:
+    """The most probable of some beads, as the start of a fit: overdamped, and with a mass
+    underdamped.
+
+    given: the temperature, mass and exposure, and the drag or NaN.
+    """
+    kT = Boltzmann * given.temperature
+    k = float(kT / np.var(positions))
+    # squares decay twice as fast; for an underdamped bead in m/beta
+    memory = periodogram.step * statistical_inefficiency((positions - positions.mean()) ** 2)
+    starts = [dataclasses.replace(given, stiffness=k, drag=k * memory)]
+    if given.mass is not None:
+        peak = periodogram.frequencies[periodogram.density.argmax()]
+        ringing = given.mass * (2 * math.pi * peak) ** 2
+        starts.append(dataclasses.replace(given, stiffness=ringing, drag=given.mass / memory))
+    if not math.isnan(given.drag):
+        starts += [dataclasses.replace(start, drag=given.drag) for start in starts]
+    return max(starts, key=periodogram.log_likelihood)

@@ -1,0 +1,58 @@
+"""Compiling ahead what scenes need, by doing for a moment what their users will do."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from tweezer.dynamics import bound_once, chosen
+from tweezer.dynamics.models import bind_translation
+from tweezer.dynamics.walk import walk
+from tweezer.optics import light_of_one_beam
+from tweezer.runs.simulation import simulate
+from tweezer.scene import Scene
+from tweezer.tracking.filter import kalman_filter
+from tweezer.trap.elimination import mean_times
+from tweezer.values.errors import PhysicsWarning
+
+#: s, simulated
+_MOMENT = 1e-8
+
+
+def usual_scenes(scene: Scene) -> list[Scene]:
+    """A shipped scene, and what users change in it: thermal motion by the map.
+
+    A scene with the thesis's grid is the thesis's own: beside it is also what `tweezer reproduce`
+    runs, with the moment (3.25), which turns the bead. Its motion by the map is not scaled.
+    """
+    thermal = {"forces": {"brownian": True}, "optics": {"evaluator": "map"}}
+    if scene.optics.evaluator != "grid":
+        return [scene, scene.replace(**thermal)]
+    unscaled = {"simulation": {"model": "full", "method": "auto"}}
+    return [
+        scene,
+        scene.replace(**thermal, **unscaled),
+        scene.replace(beam={"torque": "thesis"}),
+    ]
+
+
+def warm_up(scene: Scene) -> None:
+    """Compile what runs, ensembles, traps and fits of the depth of `scene` need, unless it is.
+
+    Of a scene that reads its force from a map, also make that, unless it is made.
+    """
+    with warnings.catch_warnings(action="ignore", category=PhysicsWarning):
+        one_beam = scene.with_one_beam(scene.beam)
+        lights = [light_of_one_beam(one_beam)]
+        if scene.lit:
+            lights.append(light_of_one_beam(one_beam.replace(optics={"evaluator": "quadrature"})))
+        for bound in lights:
+            for gradient in (False, True):
+                bound.field(np.zeros((1, 3)), gradient=gradient)
+        if scene.lit:
+            kalman_filter(bind_translation(bound_once(scene), "overdamped"))
+            mean_times(np.zeros((1, 1)), np.ones(1), np.ones(1), np.zeros(1))
+        scene = walk(scene).scene if scene.forces.brownian else chosen(scene)[0]
+        seen = {"camera": {"rate": 1 / _MOMENT}} if scene.forces.brownian else {}
+        simulate(scene.replace(simulation={"duration": _MOMENT, "samples": 2}, **seen))

@@ -1,0 +1,119 @@
+"""First times at which beads leave a sphere, with those that never do."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri, ndtr
+
+from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.errors import ResultError
+from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.units import QuantitiesLike, QuantityLike
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False)
+class EscapeTimes(Shown):
+    """First times at which beads are outside a radius."""
+
+    times: Array
+    """(trajectories,) s, from the first sample to the escape, or else to the end of the record"""
+    escaped: NDArray[np.bool_]
+    """(trajectories,)"""
+    mean: float | None
+    """mean escape time for a constant rate of escape, s; None without an escape"""
+    interval: tuple[float, float | None]
+    """95 % confidence interval of that mean, s; no upper end without an escape"""
+    p_value: float | None
+    """p-value of a constant rate; None below 5 escapes"""
+    survival: tuple[Array, Array, Array, Array]
+    """times (s), the fraction still inside after each, and its 95 % confidence limits; NaN where
+    they do not exist"""
+
+    def card(self) -> Card:
+        """How many escaped, and how soon."""
+        low, high = self.interval
+        mean = "not known" if self.mean is None else f"{self.mean:.4g} s"
+        told = f"above {low:.3g} s" if high is None else f"{low:.3g} to {high:.3g} s"
+        rate = "not known" if self.p_value is None else f"p = {self.p_value:.2g}"
+        rows = (
+            Row("escaped", f"{int(self.escaped.sum())} of {len(self.times)}"),
+            Row("mean time", f"{mean} (95 %: {told})"),
+            Row("constant rate", rate),
+        )
+        return Card("EscapeTimes", "", rows)
+
+
+def escape_times(
+    times: QuantitiesLike,
+    positions: QuantitiesLike,
+    radius: QuantityLike,
+    centre: QuantitiesLike = 0.0,
+) -> EscapeTimes:
+    """First times at which trajectories are further than `radius` (m) from `centre`.
+
+    times: (n,) s; positions: (trajectories, n, axes) m, NaN from where a bead was lost; centre:
+    (axes,) m. A trajectory that stays inside is censored at its end. An escape is seen at the first
+    sample outside: an excursion between two samples is missed.
+
+    The mean is that of maximum likelihood for a constant rate, sum of times over escapes; its
+    interval is by chi-square, not below 95 % for records of a fixed length (J. F. Lawless,
+    Statistical Models and Methods for Lifetime Data, 4.1). A score test against Weibull's
+    distribution tests whether the rate is constant. Survival: E. L. Kaplan and P. Meier,
+    J. Am. Stat. Assoc. 53, 457 (1958), with log-log limits (`scipy.stats.ecdf`).
+
+    Raises `ResultError` if a bead starts outside, or for arrays of other shapes.
+    """
+    from scipy.stats import CensoredData, ecdf
+
+    t = numbers_in_si("times", times, "s")
+    places = numbers_in_si("positions", positions, "m")
+    radius = in_si("radius", radius, "m", error=ResultError)
+    if places.ndim != 3 or 0 in places.shape or t.shape != places.shape[1:2]:
+        raise ResultError(
+            f"positions {places.shape}: must be (trajectories, n, axes), with times {t.shape} (n,)"
+        )
+    if np.isnan(places[:, 0]).any() or not radius > 0:
+        raise ResultError("every trajectory needs a place at the first time, and the radius a size")
+    away = np.linalg.norm(places - numbers_in_si("centre", centre, "m"), axis=-1)
+    outside = ~(away <= radius)
+    if outside[:, 0].any():
+        start = int(np.argmax(outside[:, 0]))
+        raise ResultError(f"trajectory {start} starts outside {radius:g} m: no escape to time")
+    escaped = outside.any(axis=1)
+    last = np.where(escaped, outside.argmax(axis=1), t.size - 1)
+    durations = t[last] - t[0]
+    escapes, total = int(escaped.sum()), float(durations.sum())
+    upper = 2 * total / chdtri(2 * escapes, 0.975) if escapes else None
+    lower = 2 * total / chdtri(2 * escapes + 2, 0.025)
+    data = CensoredData(uncensored=durations[escaped], right=durations[~escaped])
+    survival = ecdf(data).sf
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of NaN
+        limits = survival.confidence_interval(0.95, method="log-log")
+    return EscapeTimes(
+        durations,
+        escaped,
+        total / escapes if escapes else None,
+        (lower, upper),
+        _constant_rate(durations, escaped) if escapes >= 5 else None,
+        (
+            survival.quantiles, survival.probabilities,
+            limits.low.probabilities, limits.high.probabilities,
+        ),
+    )  # fmt: skip
+
+
+def _constant_rate(durations: Array, escaped: NDArray[np.bool_]) -> float:
+    """P-value of the score test of an exponential against a Weibull distribution."""
+    u = durations * escaped.sum() / durations.sum()
+    weighted = u * np.log(u)
+    score = escaped.sum() + np.log(u[escaped]).sum() - weighted.sum()
+    information = escaped.sum() + (weighted * np.log(u)).sum()
+    information -= weighted.sum() ** 2 / escaped.sum()
+    return 2 * float(ndtr(-abs(score) / math.sqrt(information)))

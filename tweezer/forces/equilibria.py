@@ -1,0 +1,305 @@
+"""Where the forces on a bead cancel, and whether they hold the bead there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.forces.force import Force
+from tweezer.values.bracketing import zero
+from tweezer.values.vectors import Comparable, Vector, fixed
+
+Array = NDArray[np.float64]
+#: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
+NetForce = Callable[[Array], Array]
+#: function of a position (3,), m, and the stiffness there (3, 3), N/m: the rate at which a bead
+#: spirals out of an equilibrium, 1/s; 0 if it comes to rest
+SpiralRate = Callable[[Array, Array], float]
+Component = Callable[[Array], Array]
+
+#: to how much a zero is located, in radii
+_ZERO = 1e-14
+#: Pull where there is one by definition, N
+_PULLING = 1e-300
+#: growth of the distance of samples with the distance, where they are not even
+_GROWTH = 0.02
+#: distances of samples from where it is sought that an equilibrium off the axis may be
+_NEAR = 150.0
+#: distances of samples between two places that are two equilibria
+_SAME = 0.05
+#: part of the force beside it that may be left at an equilibrium off the axis
+_VANISHED = 1e-7
+
+FOCUS = fixed((0.0, 0.0, 0.0))
+
+DIRECTIONS: dict[str, tuple[float, float, float]] = {
+    "+x": (1.0, 0.0, 0.0), "-x": (-1.0, 0.0, 0.0),
+    "+y": (0.0, 1.0, 0.0), "-y": (0.0, -1.0, 0.0),
+    "+z": (0.0, 0.0, 1.0), "-z": (0.0, 0.0, -1.0),
+}  # fmt: skip
+
+
+class Search(NamedTuple):
+    """Lengths by which a force is searched for its zeros and its largest values, m."""
+
+    near: float
+    """how far lines are sampled evenly"""
+    spacing: float
+    """distance of samples there"""
+    beside: float
+    """distance from an equilibrium at which the force must pull back"""
+    reach: float
+    """how far lines are searched: beyond `near` the distance of samples grows with the distance"""
+    coarsest: float = math.inf
+    """largest distance of samples"""
+    besides: tuple[float, ...] = ()
+    """z, m from the origin, of more samples on lines along z: next to walls, say"""
+    farthest: float = 0.0
+    """largest distance on the axis at which the light may carry the weight of the bead, m"""
+    known: float = math.inf
+    """distance from the origin up to which the force is known, m"""
+
+    def edges(self, end: float, samples: float = 1.0) -> Array:
+        """Return positions from 0 to `end`, m, at intervals of `samples` samples."""
+        evenly = min(end, self.near)
+        count = math.ceil(evenly / (samples * self.spacing) * (1 - 1e-9))
+        near = np.linspace(0.0, evenly, count + 1)
+        if end <= self.near * (1 + 1e-9):
+            return near
+        widest, last, far = samples * self.coarsest, self.near, []
+        while last < end:
+            last += min(samples * _GROWTH * last, widest)
+            far.append(last)
+        return np.append(near, np.array(far) * (end / last))
+
+    def to_the_end(self, origin: Array, direction: str) -> float:
+        """Return the distance from `origin` to the end of the reach or of the known force, m."""
+        if math.isinf(self.known):
+            return self.reach
+        ahead = float(origin @ np.array(DIRECTIONS[direction]))
+        left = self.known**2 - float(origin @ origin)
+        return min(self.reach, math.sqrt(max(left + ahead**2, 0.0)) - ahead)
+
+    def line(self) -> Array:
+        """Samples from 0 to the reach, m."""
+        return self.edges(self.reach)
+
+    def whole_line(self) -> Array:
+        """Samples on both sides of 0, m."""
+        ahead = self.line()
+        return np.concatenate([-ahead[:0:-1], ahead])
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium(Comparable):
+    """A place where all forces but drag cancel."""
+
+    position: Vector
+    """(3,) m from the focus"""
+    stable: bool
+    """whether a bead beside it comes to rest there: every eigenvalue of `stiffness` has a positive
+    real part, `Search.beside` off it along every axis the force pulls back, and the linear motion
+    with the inertia of the scene's model has no growing root (`spiral_rate`)"""
+    stiffness: Vector
+    """the matrix k_ij = -dF_i/dx_j, (3, 3) N/m, the light's own derivative; not symmetric in
+    general"""
+    eigenvalues: Vector
+    """real parts of the eigenvalues of k, rising, (3,) N/m; over beta_v the rates of return
+    (5.2)"""
+    residual: float
+    """size of the force left there, N"""
+    spiral_rate: float = 0.0
+    """rate at which a bead that is pulled back leaves the place on a growing spiral, 1/s, where
+    inertia and the push of the light round the axis are stronger than the drag; 0 elsewhere"""
+
+    @property
+    def stiffness_xyz(self) -> Array:
+        """The trap stiffness along x, y and z: k_xx, k_yy, k_zz, (3,) N/m."""
+        return fixed(np.diag(self.stiffness))
+
+    @property
+    def turn(self) -> float:
+        """(dF_y/dx - dF_x/dy)/2, N/m: how stiffly the light pushes a bead off the axis round it.
+
+        It is half the circulation of the force about the axis, per area, and zero where the force
+        has a potential.
+        """
+        return float(self.stiffness[0, 1] - self.stiffness[1, 0]) / 2
+
+
+def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
+    """The stable one nearest the focus."""
+    stable = (place for place in every if place.stable)
+    return min(stable, key=lambda place: math.hypot(*place.position), default=None)
+
+
+def equilibria(
+    radius: float, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
+) -> Iterator[Equilibrium]:
+    """Every change of sign of the net force along the axis, within the reach of the search.
+
+    radius: of the bead, m. force: whose gradient is the stiffness.
+    """
+    for z in _zeros_on_axis(FOCUS, radius, search, net_force):
+        yield equilibrium_at(np.array([0.0, 0.0, z]), search, force, net_force, spiral_rate)
+
+
+def equilibria_about(
+    foci: Array,
+    radius: float,
+    search: Search,
+    force: Force,
+    net_force: NetForce,
+    spiral_rate: SpiralRate,
+) -> Iterator[Equilibrium]:
+    """Places near the axis of each focus, (n, 3) m, where the net force vanishes.
+
+    They are sought by Newton's method (`scipy.optimize.root`) from the focus and from every change
+    of sign of the axial force on its axis, which is searched up to the other foci at least.
+    """
+    apart = np.linalg.norm(foci[:, None] - foci, axis=2).max()
+    search = search._replace(reach=min(max(search.reach, float(apart)), search.known / 2))
+    found: list[Array] = []
+    for focus in foci:
+        zeros = [0.0, *_zeros_on_axis(focus, radius, search, net_force)]
+        for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
+            place = _vanishing(start, radius, search, force, net_force)
+            if place is not None and all(
+                np.linalg.norm(place - other) > _SAME * search.spacing for other in found
+            ):
+                found.append(place)
+                yield equilibrium_at(place, search, force, net_force, spiral_rate)
+
+
+def _zeros_on_axis(
+    focus: Array, radius: float, search: Search, net_force: NetForce
+) -> Iterator[float]:
+    """Changes of sign of the axial force along the axis through a focus, m from there."""
+    axial = along(net_force, focus, "+z")
+    z = np.union1d(search.whole_line(), np.array(search.besides) - focus[2])
+    sign = np.sign(axial(z))
+    z, sign = z[sign != 0], sign[sign != 0]
+    opposed = np.flatnonzero(sign[:-1] * sign[1:] < 0)  # not where a force is undefined
+    changes = [(z[i], z[i + 1], sign[i]) for i in opposed]
+    for below, above, before in changes + list(_far_changes(axial, search)):
+        pull = axial if before > 0 else opposite(axial)
+        yield end_of_pull(pull, below, above, _ZERO * radius)
+
+
+def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, float, float]]:
+    """Where the light ceases to carry the weight, beyond the reach: ends of an interval, m, and the
+    sign of the axial force at the lower one.
+
+    Far from the focus light fades and weight is left. So the force on an axis that light still
+    decides at the reach changes its sign beyond, up to where a bead is lost at most.
+    """
+    if search.farthest <= search.reach:
+        return
+    ends = search.reach * np.append(
+        2.0 ** np.arange(math.ceil(math.log2(search.farthest / search.reach))),
+        search.farthest / search.reach,
+    )
+    for side in (-1.0, 1.0):
+        signs = np.sign(axial(side * ends))
+        for i in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+            low, high = sorted((side * ends[i], side * ends[i + 1]))
+            yield low, high, float(signs[i] if side > 0 else signs[i + 1])
+
+
+def _vanishing(
+    start: Array, radius: float, search: Search, force: Force, net_force: NetForce
+) -> Array | None:
+    """The place near `start` where the net force vanishes; None if there is none."""
+    from scipy.optimize import root
+
+    size = float(np.linalg.norm(net_force(start + radius * np.eye(3)), axis=1).max())
+    if size == 0.0:
+        return None
+
+    def scaled(place: Array) -> Array:
+        if np.linalg.norm(radius * place) > search.known:
+            raise AstrayError
+        return net_force(radius * place[None])[0] / size
+
+    def gradient(place: Array) -> Array:
+        return force.field(radius * place[None], gradient=True).force_gradient[0] * radius / size
+
+    try:
+        found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
+    except AstrayError:
+        return None
+    place: Array = found.x * radius
+    near = np.linalg.norm(place - start) < _NEAR * search.spacing
+    return place if near and np.abs(scaled(found.x)).max() < _VANISHED else None
+
+
+class AstrayError(Exception):
+    """Newton's method has left the places among which it seeks."""
+
+
+def equilibrium_at(
+    place: Array, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
+) -> Equilibrium:
+    """Return the equilibrium at a position where the net force vanishes.
+
+    Parameters
+    ----------
+    place : ndarray, shape (3,)
+        Position, m.
+    search : Search
+        Lengths of the search for equilibria.
+    force : Force
+        Force with a gradient.
+    net_force : NetForce
+        Sum of all forces but drag.
+    spiral_rate : SpiralRate
+        Growth rate of the linear motion about a position with a stiffness.
+
+    Returns
+    -------
+    Equilibrium
+        Position, stiffness and stability.
+    """
+    stiffness = -force.field(place[None], gradient=True).force_gradient[0]
+    eigenvalues = np.sort(np.linalg.eigvals(stiffness).real)
+    steps = search.beside * np.array(list(DIRECTIONS.values()))
+    pulled_back = eigenvalues[0] > 0 and ((net_force(place + steps) * steps).sum(axis=1) < 0).all()
+    spiral = spiral_rate(place, stiffness) if pulled_back else 0.0
+    return Equilibrium(
+        position=fixed(place),
+        stable=bool(pulled_back and spiral == 0),
+        stiffness=fixed(stiffness),
+        eigenvalues=fixed(eigenvalues),
+        residual=float(np.linalg.norm(net_force(place[None]))),
+        spiral_rate=spiral,
+    )
+
+
+def along(force: NetForce, origin: Array, direction: str) -> Component:
+    """Component along `direction` of the force, at distances (m) from `origin` along it."""
+    start, unit = origin, np.array(DIRECTIONS[direction])
+
+    def component(distances: Array) -> Array:
+        return force(start + np.multiply.outer(distances, unit)) @ unit
+
+    return component
+
+
+def opposite(component: Component) -> Component:
+    """Of the other sign."""
+    return lambda distances: -component(distances)
+
+
+def end_of_pull(pull: Component, start: float, stop: float, tolerance: float) -> float:
+    """Where `pull` ceases to be positive, between `start`, from which on it is, and `stop`."""
+
+    def pulls(distance: float) -> float:
+        value = float(pull(np.array([distance]))[0])
+        return max(value, _PULLING) if distance == start else value
+
+    return zero(pulls, start, stop, tolerance)

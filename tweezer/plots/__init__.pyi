@@ -1,0 +1,18 @@
+from .calibration import calibration_figure, draw_calibration
+from .depth import depth_figure
+from .fit import fit_figure
+from .heights import heights_figure
+from .run import run_figure
+from .trap import trap_figure
+from .tuning import tuning_figure
+
+__all__ = [
+    "calibration_figure",
+    "depth_figure",
+    "draw_calibration",
+    "fit_figure",
+    "heights_figure",
+    "run_figure",
+    "trap_figure",
+    "tuning_figure",
+]

@@ -1,0 +1,305 @@
+"""A calibration on one page, HTML or PDF: figures, numbers, and what is not to be trusted."""
+
+from __future__ import annotations
+
+import base64
+import math
+import re
+import textwrap
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from tweezer.values.errors import ResultError
+from tweezer.values.files import replacing
+from tweezer.values.rounding import with_uncertainty
+from tweezer.values.version import __version__
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from tweezer.calibration import AxisCalibration, Calibration
+    from tweezer.reading import Recording
+
+FORMATS = ("html", "pdf")
+_TEMPLATE = Path(__file__).with_name("report.html")
+
+#: Width of a PDF and height of its drawings, inches
+_WIDTH, _HEIGHT = 11.0, 7.6
+#: Height of a line of a PDF, inches
+_LINE = 0.18
+#: Length of a line over the whole width of a PDF
+_CHARACTERS = 150
+#: Left margin of a PDF, as a part of the width
+_MARGIN = 0.03
+#: Columns of a table in a PDF, as parts of its width
+_COLUMNS = (0.0, 0.5, 0.73)
+
+#: What the figure shows.
+_DRAWN = "Trajectory, density of positions, power spectrum, mean squared displacement, potential"
+#: How the numbers are to be read.
+_READING = (
+    "Uncertainties are standard ones (68 %), of statistics alone: temperature, drag and scale "
+    "count as exact unless they were fitted. p is the probability that the spectrum of a trapped "
+    "bead fits the model as badly, or worse."
+)
+
+
+class Verdict(NamedTuple):
+    """What the calibration says of an axis, in one line."""
+
+    text: str
+    trusted: bool
+
+
+class AxisTable(NamedTuple):
+    """The numbers of an axis."""
+
+    axis: str
+    rows: list[tuple[str, str, str]]
+    """method, stiffness, judgement"""
+    lines: list[str]
+    """what else is told"""
+
+
+@dataclass(frozen=True)
+class Page:
+    """A report in words."""
+
+    title: str
+    verdicts: list[Verdict]
+    notes: list[str]
+    """what speaks against numbers; tables refer to them by number, from 1"""
+    tables: list[AxisTable]
+    facts: list[tuple[str, str]]
+
+
+def page_of(recording: Recording, calibration: Calibration) -> Page:
+    """The words of a report on the calibration of a recording."""
+    free = calibration.free
+    alone = [] if free is None else [each.axis for each in free.axes]
+    trapped = [axis for axis in calibration.axes if axis.axis not in alone]
+    verdicts = [_verdict(axis) for axis in trapped]
+    against: dict[str, list[str]] = {}
+    for axis in trapped:
+        for finding in (*axis.findings, *(f for e in axis.estimates for f in e.findings)):
+            if finding.name != "undetermined":
+                axes = against.setdefault(finding.text, [])
+                axes += [axis.axis] if axis.axis not in axes else []
+    if free is not None:
+        from tweezer.calibration.wording import diffusion_in_words
+
+        said = _typeset(diffusion_in_words(free, calibration.unit))
+        verdicts.insert(0, Verdict(said, trusted=not free.findings))
+        for text in (*(each.text for each in free.findings), *free.remarks):
+            against.setdefault(text, alone)
+    numbers = {text: i for i, text in enumerate(against, start=1)}
+    every = len(calibration.axes)
+    return Page(
+        f"Calibration of {calibration.name}",
+        verdicts,
+        [
+            text if len(axes) == every else f"{', '.join(axes)}: {text}"
+            for text, axes in against.items()
+        ],
+        [_table(axis, calibration.unit, numbers) for axis in trapped],
+        _facts(recording, calibration),
+    )
+
+
+def _verdict(axis: AxisCalibration) -> Verdict:
+    for each in axis.estimates:
+        if not each.findings:
+            k = with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty, "±")
+            return Verdict(f"{axis.axis}: k = {k} pN/µm, by {each.method}", trusted=True)
+    reasons = "; ".join(finding.text for finding in axis.findings)
+    text = f"{axis.axis}: no stiffness is to be trusted"
+    return Verdict(f"{text}: {reasons}" if reasons else text, trusted=False)
+
+
+def _table(axis: AxisCalibration, unit: str, numbers: dict[str, int]) -> AxisTable:
+    from tweezer.calibration.wording import axis_in_words
+
+    rows = []
+    for each in axis.estimates:
+        names = {finding.name for finding in each.findings}
+        against = sorted({numbers[f.text] for f in each.findings if f.text in numbers})
+        k = with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty, "±")
+        judgement = f"not trusted: {', '.join(map(str, against))}" if against else ""
+        if "undetermined" in names:
+            k, judgement = "-", "not determined"
+        rows.append((each.method, k, judgement))
+    lines = [_typeset(line) for line in axis_in_words(axis, unit, list(numbers))]
+    return AxisTable(axis.axis, rows, lines)
+
+
+def _typeset(line: str) -> str:
+    """A line of a terminal with the signs of print."""
+    return re.sub(r"\bu(?=[ms]\b)", "µ", line.replace("+-", "±").replace("^2", "²"))
+
+
+def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, str]]:
+    """What was read and given, by name."""
+    samples, step = calibration.samples, calibration.step
+    facts = [
+        ("record", f"{samples:,} samples, one every {1e3 * step:.4g} ms: {samples * step:.4g} s"),
+        ("temperature", f"{calibration.temperature:.5g} K"),
+    ]
+    if recording.scene is not None:
+        facts.insert(0, ("run of", recording.scene.title))
+    if calibration.radius is not None:
+        facts.append(("radius of the bead", f"{1e6 * calibration.radius:.4g} µm"))
+    if calibration.viscosity is not None:
+        facts.append(("viscosity", f"{1e3 * calibration.viscosity:.4g} mPa s"))
+    drag = calibration.drag
+    facts.append(("drag", "fitted" if drag is None else f"{1e9 * drag:.4g} nN s/m"))
+    if calibration.mass is not None:
+        facts.append(("mass of the bead", f"{1e15 * calibration.mass:.4g} pg"))
+    if calibration.displaced_mass is not None:
+        facts.append(
+            ("mass of the fluid in its place", f"{1e15 * calibration.displaced_mass:.4g} pg")
+        )
+    exposure = calibration.exposure
+    told = "not known" if exposure is None else f"{1e3 * exposure:.4g} ms"
+    if exposure is None and calibration.free is None:
+        told += ", taken as none"
+    fitted = {each.name for axis in calibration.axes for each in axis.detector}
+    facts.append(("exposure of each sample", "fitted" if "exposure" in fitted else told))
+    if "diode_frequency" in fitted:
+        facts.append(("diode", "fitted"))
+    elif calibration.diode is not None:
+        frequency, part = calibration.diode
+        told = f"{1e-3 * frequency:.4g} kHz"
+        facts.append(("diode", f"{told}, {part:.3g} detected at once" if part else told))
+    if "noise" in fitted:
+        facts.append(("noise of the detector", "fitted"))
+    elif calibration.noise is not None:
+        factor, unit = (1e3, "mV") if calibration.unit == "V" else (1e9, "nm")
+        noises = recording.noise or (calibration.noise,)
+        each = ", ".join(dict.fromkeys(f"{factor * noise:.3g}" for noise in noises))
+        facts.append(("noise of the detector", f"{each} {unit}"))
+    if calibration.wall is not None:
+        facts.append(("distance from a wall", f"{1e6 * calibration.wall.distance:.4g} µm"))
+    left_out = calibration.left_out
+    facts += [("frequencies left out", _band(*band)) for band in left_out.bands]
+    if left_out.drift:
+        facts.append(("drift taken off", f"slower than {left_out.drift:.4g} Hz"))
+    if left_out.of_fit:
+        facts.append(("frequencies of the fit", _band(*left_out.fit_range)))
+    if calibration.note:
+        facts.append(("omitted", calibration.note))
+    return [*facts, ("made by", f"tweezer {__version__}")]
+
+
+def _band(low: float, high: float) -> str:
+    return f"{low:.4g} to {high:.4g} Hz" if math.isfinite(high) else f"from {low:.4g} Hz on"
+
+
+def write_report(recording: Recording, calibration: Calibration, path: str | Path) -> Path:
+    """Write what `calibrate` found of a recording on one page: .html or .pdf.
+
+    The page says what is to be trusted, and what not and why; it has the numbers of every method
+    with their uncertainties, figures, and what was given. An HTML page is one file, without
+    anything from elsewhere. Raises `ResultError` for another ending, and if it cannot be written.
+    """
+    path = Path(path)
+    kind = path.suffix.lstrip(".").lower()
+    if kind not in FORMATS:
+        raise ResultError(f"{path}: must end in .{', .'.join(FORMATS)}")
+    page = page_of(recording, calibration)
+    if kind == "pdf":
+        from tweezer.plots import style
+
+        with replacing(path) as whole:
+            drawn = style.styled(_as_pdf)(page, recording, calibration)
+            style.save(drawn, whole, "pdf", page.title)
+        return path
+    text = _as_html(page, recording, calibration)
+    with replacing(path) as whole:
+        whole.write(text.encode())
+    return path
+
+
+def _as_html(page: Page, recording: Recording, calibration: Calibration) -> str:
+    from jinja2 import Environment, StrictUndefined
+
+    from tweezer.plots import calibration_figure, style
+
+    drawn = BytesIO()
+    style.save(calibration_figure(recording, calibration), drawn, "png")
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    template = environment.from_string(_TEMPLATE.read_text(encoding="utf-8"))
+    figure = base64.b64encode(drawn.getvalue()).decode()
+    return template.render(page=page, figure=figure, drawn=_DRAWN, reading=_READING)
+
+
+def _as_pdf(page: Page, recording: Recording, calibration: Calibration) -> Figure:
+    """The page as a figure: words above, drawings below."""
+    from tweezer.plots import draw_calibration, style
+
+    notes = [
+        line
+        for number, note in enumerate(page.notes, start=1)
+        for line in textwrap.wrap(f"{number}  {note}", _CHARACTERS, subsequent_indent="    ")
+    ]
+    verdicts = [
+        (line, verdict.trusted)
+        for verdict in page.verdicts
+        for line in textwrap.wrap(verdict.text, _CHARACTERS - 25)
+    ]
+    narrow = _CHARACTERS // max(len(page.tables), 1) - 8
+    lines = [
+        [line for each in table.lines for line in textwrap.wrap(each, narrow)]
+        for table in page.tables
+    ]
+    lengths = (len(table.rows) + len(told) for table, told in zip(page.tables, lines, strict=True))
+    rows = max(lengths, default=0)
+    facts = textwrap.wrap("; ".join(f"{name}: {value}" for name, value in page.facts), _CHARACTERS)
+    facts += textwrap.wrap(_READING, _CHARACTERS)
+    count = 8 + len(verdicts) + len(notes) + rows + len(facts)
+    figure = style.new(_WIDTH, _HEIGHT + count * _LINE)
+    parts = figure.subfigures(2, 1, squeeze=False, height_ratios=[count * _LINE, _HEIGHT])
+    words, drawings = parts[:, 0]
+    at = 1.0
+
+    def write(text: str, x: float = _MARGIN, **look: object) -> None:
+        words.text(x, at, text, va="top", parse_math=False, **{"fontsize": style.TEXT, **look})
+
+    def down(lines: float) -> None:
+        nonlocal at
+        at -= lines / count
+
+    down(1)
+    write(page.title, fontsize=12, weight="bold")
+    down(2)
+    for text, trusted in verdicts:
+        write(text, fontsize=9.5, color="#222222" if trusted else "#aa3333")
+        down(1.2)
+    down(0.4)
+    if notes:
+        write("What is not to be trusted, and why", weight="bold")
+        down(1)
+    for line in notes:
+        write(line)
+        down(1)
+    down(0.5)
+    top, width = at, (1 - 2 * _MARGIN) / max(len(page.tables), 1)
+    for i, (table, told) in enumerate(zip(page.tables, lines, strict=True)):
+        at, left = top, _MARGIN + i * width
+        headings = f"{table.axis}: stiffness by", "pN/µm", ""
+        for row in (headings, *table.rows):
+            weight = "bold" if row is headings else "normal"
+            for part, cell in zip(_COLUMNS, row, strict=True):
+                write(cell, left + part * width, weight=weight, fontsize=style.SMALL)
+            down(1)
+        for line in told:
+            write(line, left, color=style.NOTE)
+            down(1)
+    at = top
+    down(rows + 1.5)
+    for line in facts:
+        write(line, color=style.NOTE, fontsize=style.SMALL)
+        down(0.95)
+    draw_calibration(drawings, recording, calibration)
+    return figure

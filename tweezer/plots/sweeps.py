@@ -1,0 +1,333 @@
+"""Figures of sweeps: maps over two keys, curves over one, families of curves."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import textwrap
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, NullFormatter
+from numpy.typing import NDArray
+
+from tweezer.plots import style
+from tweezer.results.io import scene_of
+from tweezer.sweeps.quantities import FAILED, MISSING, SHOWN, STABLE
+from tweezer.values.errors import ResultError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+
+Array = NDArray[np.float64]
+
+#: A lifetime of an hour, and the longest that is told apart, s
+_HOUR, _LONGEST = 3600.0, 1e10
+#: Largest number of curves in a family
+_FAMILY = 8
+#: Ratio of the ends of a range from which on its axis is logarithmic, if its values are even so
+_WIDE = 3.0
+#: Colour of what is not trapped, of a case that failed, and of one that is not computed
+_LOST, _BROKEN, _EMPTY = "#d9d9d9", style.LIGHT, "#ffffff"
+#: Length of a line of a panel's title
+_TITLE = 46
+
+
+class _Panel(NamedTuple):
+    """A quantity of the result as it is drawn."""
+
+    values: xr.DataArray
+    """over the swept dimensions"""
+    error: xr.DataArray
+    label: str
+    log: bool = False
+    """whether its sizes differ by orders of magnitude"""
+    line: float | None = None
+    """a value that is shown by a line"""
+    top: float | None = None
+    """a value to which larger ones are cut"""
+
+
+@style.styled
+def sweep_figure(result: xr.Dataset) -> Figure:
+    """The main quantities of a sweep over one or two of its keys.
+
+    Two ranges of numbers give maps: of a trap its depth, where it holds the bead, with the line of
+    10 k_B T, and its stiffness. One gives curves with their errors; beside a few values of a second
+    key, or a few cases, each has its own curve. Cases that failed, and those in which nothing holds
+    the bead, are marked. Raises `ResultError` for sweeps over more: select first, with `.sel`.
+    """
+    over = [str(dim) for dim in result["outcome"].dims]
+    swept = drawn_over({dim: result.sizes[dim] for dim in over})
+    result = result.squeeze([dim for dim in over if dim not in swept])
+    result = result.sortby([dim for dim in swept if dim in result.coords and _numeric(result[dim])])
+    panels = _panels(result)
+    columns = min(2, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    figure = style.new(style.COLUMN if columns == 1 else style.PAGE, 0.5 + 2.35 * rows)
+    every = list(figure.subplots(rows, columns, squeeze=False).flat)
+    few = [dim for dim in swept if not _numeric(result[dim]) or result.sizes[dim] <= _FAMILY]
+    family = sorted(few, key=lambda dim: (_numeric(result[dim]), result.sizes[dim]))
+    drawn_as_map = len(swept) == 2 and not family
+    for axes, panel in itertools.zip_longest(every, panels):
+        if panel is None:
+            axes.set_axis_off()
+        elif drawn_as_map:
+            _draw_map(axes, panel, result, *swept)
+        else:
+            _draw_curves(axes, panel, result, swept, family)
+    without = any(np.isnan(panel.values.values).any() for panel in panels)
+    cut = any(panel.top and (panel.values == panel.top).any() for panel in panels)
+    if not drawn_as_map and (without or cut or (result["caveat"].values != "").any()):
+        told = (
+            "cross: no number, where nothing holds the bead; triangle down: failed; "
+            "triangle up: larger than is drawn; hollow: a caveat"
+        )
+        style.add_note(figure, told)
+    told = f"{result.attrs['of']} over {' and '.join(swept)}"
+    style.add_title(figure, f"{scene_of(result).name}: {told}")
+    return figure
+
+
+def drawn_over(sizes: Mapping[str, int]) -> list[str]:
+    """The dimensions over which a sweep of these sizes is drawn. Raises `ResultError` if none."""
+    swept = [dim for dim, size in sizes.items() if size > 1]
+    if not 1 <= len(swept) <= 2:
+        way_out = f"; select among {', '.join(swept)} with .sel first" if swept else ""
+        raise ResultError(
+            f"a figure is of one or two keys with several values, not {len(swept)}{way_out}"
+        )
+    return swept
+
+
+def _numeric(values: xr.DataArray) -> bool:
+    return values.dtype.kind in "if"
+
+
+def _panels(result: xr.Dataset) -> list[_Panel]:
+    """What is drawn, by what the sweep is of."""
+    match result.attrs["of"]:
+        case "trap":
+            panels = [
+                _easiest(
+                    result, "escape_energy", 1.0,
+                    f"depth: work of the easiest way out (k_B T); line: {STABLE:g}", STABLE,
+                ),
+                _panel(result, "equilibrium", "z"),
+                _easiest(result, "escape_force", 1e12, "smallest force that takes it out (pN)"),
+                *(_panel(result, "stiffness", axis, log=True) for axis in "xz"),
+            ]  # fmt: skip
+            if result["lifetime"].notnull().any():
+                times = result["lifetime"].clip(max=_LONGEST)
+                errors = result["lifetime_error"].where(times < _LONGEST)
+                label = f"lifetime (s), up to {_LONGEST:.0e}; line: an hour"
+                panels.insert(1, _Panel(times, errors, label, True, _HOUR, _LONGEST))
+            return panels
+        case "run":
+            names = ("outcome_time", "closest_approach", "overshoot", "largest_force")
+            return [_panel(result, name) for name in names]
+        case "ensemble":
+            return [_panel(result, "lost"), *(_panel(result, "variance", axis) for axis in "xyz")]
+        case _:
+            return [
+                *(_panel(result, "stiffness", axis, log=True) for axis in "xyz"),
+                _panel(result, "diffusion", "x"),
+            ]
+
+
+def _easiest(
+    result: xr.Dataset, name: str, scale: float, label: str, line: float | None = None
+) -> _Panel:
+    """The smallest value over the directions."""
+    at = result[name].fillna(math.inf).argmin("direction")
+    values, errors = (result[each].isel(direction=at) for each in (name, f"{name}_error"))
+    return _Panel(scale * values, scale * errors, label, True, line)
+
+
+def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) -> _Panel:
+    values, error = result[name], result[f"{name}_error"]
+    label = values.attrs["long_name"]
+    if axis:
+        values, error = values.sel(axis=axis), error.sel(axis=axis)
+        label = f"{label}, {axis}"
+    scale, unit = _shown(result[name].attrs["units"])
+    return _Panel(values * scale, error * scale, f"{label}{unit}", log)
+
+
+def _shown(unit: str) -> tuple[float, str]:
+    """Factor to the unit of the figure, and that unit in brackets."""
+    scale, name = SHOWN.get(unit, (1.0, unit))
+    return scale, f" ({name})" if name not in ("", "1") else ""
+
+
+def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:
+    """The values of a key in the figure's unit, their label, and whether their ratios are even."""
+    if not _numeric(values):
+        return np.arange(values.size, dtype=float), str(values.name), False
+    scale, unit = _shown(values.attrs.get("units", ""))
+    at = values.values * scale
+    wide = bool(at.min() > 0 and at.max() / at.min() > _WIDE)
+    if wide and at.size > 2:
+        ratios = np.diff(np.log(np.sort(at)))
+        wide = bool(np.ptp(ratios) < np.ptp(np.diff(np.sort(at))) / np.abs(at).max())
+    return at, f"{values.name}{unit}", wide
+
+
+def _draw_map(axes: Axes, panel: _Panel, result: xr.Dataset, down: str, along: str) -> None:
+    """Colours over two keys; what has no number is marked by its outcome."""
+    x, x_label, x_wide = _axis_of(result[along])
+    y, y_label, y_wide = _axis_of(result[down])
+    values = panel.values.transpose(down, along).values
+    positive = values[np.isfinite(values) & (values > 0)]
+    norm = None
+    if panel.log and positive.size and positive.max() / positive.min() > _WIDE:
+        norm = LogNorm(positive.min(), positive.max())
+    axes.set(xscale="log" if x_wide else "linear", yscale="log" if y_wide else "linear")
+    for axis, at, wide in ((axes.xaxis, x, x_wide), (axes.yaxis, y, y_wide)):
+        if wide:
+            _number(axis, at)
+    shown = axes.pcolormesh(
+        _edges(x, wide=x_wide), _edges(y, wide=y_wide), np.ma.masked_invalid(values), norm=norm,
+        cmap=style.VALUES, rasterized=True,
+    )  # fmt: skip
+    colorbar = axes.figure.colorbar(shown, ax=axes)
+    outcome = result["outcome"].transpose(down, along).values
+    _mark(axes, x, y, x_wide, y_wide, np.isnan(values), outcome)
+    line = panel.line
+    if line is not None and positive.size and positive.min() < line < positive.max():
+        heights = np.log(np.ma.masked_less_equal(np.ma.masked_invalid(values), 0.0))
+        axes.contour(x, y, heights, [math.log(line)], colors="white", linewidths=1.4)
+        colorbar.ax.axhline(line, color="white", lw=1.4)
+    axes.set(xlabel=x_label, ylabel=y_label)
+    axes.set_title(textwrap.fill(panel.label, _TITLE), parse_math=False)
+
+
+def _mark(
+    axes: Axes, x: Array, y: Array, x_wide: bool, y_wide: bool, without: Any, outcome: Any
+) -> None:
+    """Cells without a number, by their outcome, with a legend of these."""
+    styles = {FAILED: _BROKEN, MISSING: _EMPTY}
+    legend = []
+    for word in np.unique(outcome[without]):
+        colour = styles.get(str(word), _LOST)
+        cells = np.ma.masked_where(~(without & (outcome == word)), np.zeros(outcome.shape))
+        axes.pcolormesh(
+            _edges(x, wide=x_wide), _edges(y, wide=y_wide), cells, vmin=0, vmax=1, alpha=1.0,
+            cmap=_one_colour(colour), rasterized=True,
+        )  # fmt: skip
+        legend.append(Patch(facecolor=colour, edgecolor="#999999", label=str(word)))
+    if legend:
+        axes.legend(handles=legend, loc="upper left")
+
+
+def _one_colour(colour: str) -> Any:
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap([colour])
+
+
+def _number(axis: Axis, at: Array) -> None:
+    """Plain numbers on a logarithmic axis, and more of them where it is short."""
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if at.max() < 100 * at.min() else (1,)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _edges(at: Array, *, wide: bool) -> Array:
+    """Edges of cells about values that need not be even, in their order."""
+    values = np.log(at) if wide else at
+    middle = (values[1:] + values[:-1]) / 2
+    edges = np.concatenate([[2 * values[0] - middle[0]], middle, [2 * values[-1] - middle[-1]]])
+    return np.exp(edges) if wide else edges
+
+
+def _draw_curves(
+    axes: Axes, panel: _Panel, result: xr.Dataset, swept: list[str], family: list[str]
+) -> None:
+    """A curve with its errors for each member of the family; or one."""
+    names = family[:1] if len(swept) == 2 else []
+    (along,) = [dim for dim in swept if dim not in names]
+    x, label, wide = _axis_of(result[along])
+    values = panel.values.transpose(*names, along).values.reshape(-1, x.size)
+    errors = panel.error.transpose(*names, along).values.reshape(values.shape)
+    outcome = result["outcome"].transpose(*names, along).values.reshape(values.shape)
+    told = _told(result, names[0]) if names else [""]
+    doubted = result["caveat"].transpose(*names, along).values.reshape(values.shape) != ""
+    marks = _marks(len(values))
+    for row, mark, name in zip(range(len(values)), marks, told, strict=True):
+        order = np.argsort(x)
+        bars = np.nan_to_num(errors[row][order])
+        cut = values[row] == panel.top
+        shown = np.where(cut, np.nan, values[row])
+        axes.errorbar(
+            x[order], shown[order], bars, elinewidth=0.8, label=name, **mark.both,
+        )  # fmt: skip
+        axes.plot(
+            x[doubted[row]], values[row][doubted[row]], mfc="white", zorder=4, **mark.points,
+        )  # fmt: skip
+        axes.plot(x[cut], values[row][cut], "^", ms=6, color=mark.colour)
+        for word, marker in (("", "x"), (FAILED, "v")):
+            without = np.isnan(values[row]) & ((outcome[row] == FAILED) == (word == FAILED))
+            (crosses,) = axes.plot(
+                x[without], np.zeros(without.sum()), marker, color=mark.colour, ms=5, clip_on=False,
+                transform=axes.get_xaxis_transform(),
+            )  # fmt: skip
+            crosses.set_in_layout(False)
+    positive = values[np.isfinite(values)]
+    log = panel.log and positive.size and positive.min() > 0
+    log = bool(log and (panel.top is not None or positive.max() / positive.min() > _WIDE))
+    axes.set(yscale="log" if log else "linear", xlabel=label)
+    if wide:
+        axes.set(xscale="log")
+        _number(axes.xaxis, x)
+    if not _numeric(result[along]):
+        axes.set_xticks(x, [str(value) for value in result[along].values])
+    if panel.line is not None:
+        axes.axhline(panel.line, color=style.MUTED, lw=0.8, ls="--")
+    axes.set_title(textwrap.fill(panel.label, _TITLE), parse_math=False)
+    if names and axes is axes.figure.axes[0]:
+        title = ", ".join(map(str, _keys_of(result, names[0])))
+        axes.legend(title=title)
+
+
+def _keys_of(result: xr.Dataset, dimension: str) -> list[str]:
+    """The keys that vary along a dimension: several along that of a table of cases."""
+    if dimension in result.coords:
+        return [dimension]
+    return [str(name) for name, of in result.coords.items() if of.dims == (dimension,)]
+
+
+def _told(result: xr.Dataset, dimension: str) -> list[str]:
+    """A name for each entry of a dimension, by the values of its keys."""
+    columns = []
+    for key in _keys_of(result, dimension):
+        values = result[key]
+        scale, unit = _shown(values.attrs.get("units", ""))
+        unit = unit.strip(" ()")
+        columns.append(
+            [f"{scale * value:.4g} {unit}".strip() for value in values.values]
+            if _numeric(values)
+            else [str(value) for value in values.values]
+        )
+    return [", ".join(row) for row in zip(*columns, strict=True)]
+
+
+def _marks(count: int) -> list[style.Mark]:
+    """Looks of the curves of a family; more than are told apart by colour alone go from dark to
+    light.
+    """
+    if count <= len(style.SERIES):
+        return list(style.SERIES[:count])
+    from matplotlib import colormaps
+    from matplotlib.colors import to_hex
+
+    shades = [to_hex(colormaps[style.VALUES](0.9 * i / (count - 1))) for i in range(count)]
+    again = itertools.cycle(style.SERIES)
+    return [style.Mark(shade, *next(again)[1:]) for shade in shades]

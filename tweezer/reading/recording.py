@@ -1,0 +1,463 @@
+"""Recordings and tracks of a bead's position, from runs of tweezer and from files of tables."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.reading import (
+    HDF5,
+    Columns,
+    Reading,
+    Wanted,
+    damaged,
+    datasets,
+    measured,
+    only,
+    read_table,
+    refuse_too_long,
+    without_gaps,
+)
+from tweezer.results.io import check_seal, scene_of
+from tweezer.scene import Scene
+from tweezer.scene.arguments import in_si, name_last, numbers_in_si
+from tweezer.values.errors import ResultError, TooFewError, warn
+from tweezer.values.hdf5 import check_result
+from tweezer.values.saved import kind_of_file
+from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.units import QuantityLike
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+#: Smallest number of samples in a recording
+LEAST_SAMPLES = 100
+#: Smallest number of frames in a track
+LEAST_FRAMES = 10
+#: Largest deviation of a time from an even grid, in steps, as tables round their times
+_UNEVEN = 0.1
+#: Extent that a recording may have, m
+_EXTENTS = (1e-15, 1e-3)
+#: Extent that a recording in volts may have
+_VOLTS = (1e-12, 1e4)
+
+_AXES = ("x", "y", "z")
+
+
+@name_last
+@dataclass(frozen=True, repr=False)
+class Recording(Shown):
+    """Positions of a bead at even times, or the voltages of a detector of them.
+
+    Raises `ResultError`, naming the sample, unless there are at least 100 samples of those shapes,
+    all finite, at ascending times within 0.1 steps of an even grid, and each coordinate changes.
+    """
+
+    times: Array
+    """(n,) s"""
+    positions: Array
+    """(n, axes) m, or V; of a single axis also (n,)"""
+    axes: tuple[str, ...]
+    """"x", "y" and "z", as many as there are"""
+    name: str = field(default="recording", kw_only=True)
+    """the file, or the title of the run"""
+    scene: Scene | None = None
+    """scene of a run of tweezer"""
+    note: str = ""
+    """what was omitted"""
+    unit: str = "m"
+    """of the positions: "m" or "V\""""
+    drive: Array | None = None
+    """(n,) m: the motion of the stage, and with it of the fluid"""
+    exposure: float | None = None
+    """s, over which each position is averaged; None if not known"""
+    noise: tuple[float, ...] | None = None
+    """standard deviation of the white noise along each axis, m or V; None if not known"""
+    dated: bool = False
+    """whether times or frames were read with the positions, so that their order is known"""
+
+    def __post_init__(self) -> None:
+        _of_shapes(self, len(self.axes))
+        if len(self.times) < LEAST_SAMPLES:
+            why = f"; {self.note}" if self.note else ""
+            raise TooFewError(
+                f"{self.name}: has {len(self.times)} samples; for a trap it must have "
+                f"{LEAST_SAMPLES} or more{why}"
+            )
+        finite = np.isfinite(self.times) & np.isfinite(self.positions).all(axis=1)
+        if self.drive is not None:
+            drive = numbers_in_si(f"{self.name}: drive", self.drive, "m")
+            object.__setattr__(self, "drive", drive)
+            if drive.shape != self.times.shape:
+                self._refuse(f"drive of shape {drive.shape}; must be {self.times.shape}")
+            finite &= np.isfinite(drive)
+            if np.ptp(drive) > _EXTENTS[1]:
+                extent = f"{np.ptp(drive):.3g} m; must be at most {_EXTENTS[1]:g} m"
+                self._refuse(f"its drive extends over {extent}. Is its unit missing?")
+        if not finite.all():
+            at = int(np.argmin(finite))
+            self._refuse("not finite; calibrate the samples before and after it apart", at)
+        steps = np.diff(self.times)
+        if (steps <= 0).any():
+            self._refuse(
+                "its time is not later than the previous time",
+                1 + int(np.argmax(steps <= 0)),
+            )
+        even = np.linspace(self.times[0], self.times[-1], len(self.times))
+        if np.abs(self.times - even).max() > _UNEVEN * self.step:
+            usual = float(np.median(steps))
+            off = np.abs(steps - usual)
+            self._refuse(
+                f"its time breaks the even step of {usual:.4g} s, which samples must have; if only "
+                f'the stamps of time are uneven, give the rate: --rate "{1 / self.step:.4g} Hz"',
+                1 + int(np.argmax(off > 0.99 * off.max())),
+            )
+        low, high = _VOLTS if self.unit == "V" else _EXTENTS
+        for axis, extent in zip(self.axes, np.ptp(self.positions, axis=0), strict=True):
+            if extent <= 0:
+                self._refuse(f"{axis} does not change: nothing to calibrate")
+            if not low <= extent <= high:
+                self._refuse(
+                    f"{axis} extends over {extent:.3g} {self.unit}; must be from {low:g} to "
+                    f"{high:g} {self.unit}. Is its unit missing? Of pixels --scale has it"
+                )
+
+    def _refuse(self, why: str, sample: int | None = None) -> NoReturn:
+        place = "" if sample is None else f"sample {sample + 1}: "
+        raise ResultError(f"{self.name}: {place}{why}")
+
+    def card(self) -> Card:
+        """Samples, spread along each axis, exposure, noise."""
+        factor, unit = (1e3, "mV") if self.unit == "V" else (1e9, "nm")
+        spread = self.positions.std(axis=0)
+        rate = 1 / self.step
+        rows = [
+            Row(
+                "samples", f"{len(self.times)}, {rate:.5g} Hz, {self.step * len(self.times):.4g} s"
+            ),
+            *(
+                Row(f"{axis}, standard deviation", f"{factor * each:.4g} {unit}")
+                for axis, each in zip(self.axes, spread, strict=True)
+            ),
+            Row("exposure", _known(self.exposure, 1e3, "ms")),
+        ]
+        if self.noise is not None:
+            told = ", ".join(f"{factor * each:.3g}" for each in self.noise)
+            rows.append(Row("noise of the detector", f"{told} {unit}"))
+        if self.drive is not None:
+            rows.append(Row("stage, standard deviation", f"{1e9 * self.drive.std():.4g} nm"))
+        return Card("Recording", self.name, tuple(rows), notes=(self.note,) if self.note else ())
+
+    @property
+    def step(self) -> float:
+        """Time between samples, s."""
+        return float(self.times[-1] - self.times[0]) / (len(self.times) - 1)
+
+    def since(self, time: QuantityLike) -> Recording:
+        """The recording from `time` (s) after the first sample on.
+
+        Raises `ResultError` if it has fewer than 100 samples.
+        """
+        time = in_si(f"{self.name}: since", time, "s", error=ResultError)
+        kept = self.times >= self.times[0] + time
+        drive = None if self.drive is None else self.drive[kept]
+        return replace(self, times=self.times[kept], positions=self.positions[kept], drive=drive)
+
+
+@name_last
+@dataclass(frozen=True, repr=False)
+class Track(Shown):
+    """A bead seen by a camera: two coordinates, at times that need not be even.
+
+    Raises `ResultError`, naming the frame, unless the shapes are these, times are finite and
+    ascending, no coordinate is infinite, at least ten frames have both coordinates, the first frame
+    among them, and the extent is one of a microscope's image.
+    """
+
+    times: Array
+    """(n,) s"""
+    positions: Array
+    """(n, 2) m, x and y from the axis of the light; NaN where a coordinate is missing"""
+    name: str = field(default="track", kw_only=True)
+    """the file, or the title of the run"""
+    scene: Scene | None = None
+    """scene of a run of tweezer"""
+    exposure: float | None = None
+    """s, over which each frame averages; None if not known"""
+    unit: ClassVar[str] = "m"
+
+    def __post_init__(self) -> None:
+        _of_shapes(self, 2)
+        steps = np.diff(self.times)
+        for wrong, why, first in (
+            (~np.isfinite(self.times), "its time is not finite", 1),
+            (np.isinf(self.positions).any(axis=1), "not finite", 1),
+            (~(steps > 0), "its time is not later than the previous time", 2),
+        ):
+            if wrong.any():
+                raise ResultError(f"{self.name}: frame {first + int(np.argmax(wrong))}: {why}")
+        seen = np.isfinite(self.positions)
+        frames = int(seen.all(axis=1).sum())
+        if frames < LEAST_FRAMES:
+            raise ResultError(
+                f"{self.name}: has {frames} frames with x and y; must have {LEAST_FRAMES} or more"
+            )
+        if not seen[0].all():
+            raise ResultError(f"{self.name}: frame 1: must have x and y")
+        extent = float(np.nanmax(np.abs(self.positions)))
+        if not _EXTENTS[0] <= extent <= _EXTENTS[1]:
+            raise ResultError(
+                f"{self.name}: extends to {extent:.3g} m from the axis; must be from "
+                f"{_EXTENTS[0]:g} to {_EXTENTS[1]:g} m. Is its unit missing? Of pixels --scale has "
+                "it"
+            )
+
+    def card(self) -> Card:
+        """Frames, and what is missing of them."""
+        both = int(np.isfinite(self.positions).all(axis=1).sum())
+        extent = 1e6 * np.nanmax(np.abs(self.positions), axis=0)
+        rows = (
+            Row("frames", f"{len(self.times)}, {both} of them with x and y"),
+            Row("times", f"{1e3 * self.times[0]:.4g} to {1e3 * self.times[-1]:.4g} ms"),
+            Row("farthest from the axis", f"x {extent[0]:.4g} um, y {extent[1]:.4g} um"),
+            Row("exposure", _known(self.exposure, 1e3, "ms")),
+        )
+        return Card("Track", self.name, rows)
+
+
+def _known(value: float | None, factor: float, unit: str) -> str:
+    return "not known" if value is None else f"{factor * value:.4g} {unit}"
+
+
+def _of_shapes(record: Recording | Track, axes: int) -> None:
+    """Convert times and positions to arrays; refuse other shapes than (n,) and (n, axes).
+
+    The positions along a single axis may be of the shape (n,).
+    """
+    for name, unit in (("times", "s"), ("positions", record.unit)):
+        array = numbers_in_si(f"{record.name}: {name}", getattr(record, name), unit)
+        if name == "positions" and axes == array.ndim == 1:
+            array = array[:, None]
+        object.__setattr__(record, name, array)
+    if record.exposure is not None:
+        exposure = in_si(f"{record.name}: exposure", record.exposure, "s", error=ResultError)
+        object.__setattr__(record, "exposure", exposure)
+    shapes = record.times.shape, record.positions.shape
+    if record.times.ndim != 1 or record.positions.shape != (len(record.times), axes):
+        raise ResultError(
+            f"{record.name}: times of shape {shapes[0]}, positions of shape {shapes[1]}; must be "
+            f"(n,) and (n, {axes})"
+        )
+
+
+def load_recording(
+    source: str | Path | xr.Dataset,
+    drive: str | None = None,
+    *,
+    columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
+    rate: QuantityLike | None = None,
+    scale: QuantityLike | None = None,
+    bead: str | int | None = None,
+) -> Recording:
+    """Return the recording in a run of tweezer or in a table.
+
+    A run contributes its positions until the bead was lost. If its scene has a camera, the frames
+    are used, with exposure and noise, up to the last whole step before the bead was lost.
+
+    A table has the columns t, x, y and z, of which t and x are required. Its file is text (.csv,
+    .tsv, .txt, .dat, .asc, .lvm, .prn), HDF5 or NetCDF 4 (.h5, .hdf5, .nc, also of Lumicks), NumPy
+    (.npy, .npz), MATLAB (.mat) or TDMS (.tdms). A heading is t, time, x, y or z, or words with one
+    of them, and the unit, such as "X position (nm)". Numbers without a unit are SI. Positions may
+    be in volts. Other columns are ignored. The page "Recordings" of the documentation has the
+    details.
+
+    Rows are sorted by their times if the sorted times are even. Gaps of up to 10 samples, and of
+    5 % of the samples in total, are filled in from the samples around them. Otherwise the longest
+    stretch without a gap is used. `Recording.note` reports this.
+
+    Parameters
+    ----------
+    source : str, Path or xarray.Dataset
+        File, or run of tweezer.
+    drive : str, optional
+        Heading, without its unit, of the column with the motion of the stage.
+    columns : str, sequence of str or mapping, optional
+        Columns to read, either in file order ("t [s],-,x [um]") or by heading or number from 1
+        ("t=Zeit,x=4").
+    rate : float or str, optional
+        Sampling rate, Hz, e.g. "15 Hz". It applies to rows without times, to frame numbers, and to
+        even samples with uneven time stamps.
+    scale : float or str, optional
+        Size of a pixel or a volt, m, e.g. "85.8 nm", "11.66 px/um" or "0.5 um/V". It applies to
+        positions without a unit or in this unit.
+    bead : str or int, optional
+        Bead to read from a table of several, as its column names it.
+
+    Returns
+    -------
+    Recording
+        Positions at even times.
+
+    Raises
+    ------
+    ResultError
+        For a file of another kind, and for samples that `Recording` refuses. The message names the
+        file and the sample.
+    """
+    reading = Reading.of(columns, rate, scale, drive, bead)
+    read = read_source(source, reading, Wanted(() if reading.columns else ("x",), volts=True))
+    if isinstance(read, Run):
+        if drive is not None:
+            raise ResultError(f"{read.name}: a run of tweezer has no column {drive!r}")
+        return Recording(**read._asdict())
+    found = only(str(source), read)
+    there = [axis for axis in _AXES if axis in found.columns]
+    still = [axis for axis in there if axis != "x" and _is_still(found.columns[axis])]
+    if reading.columns:
+        still = []
+    axes = tuple(axis for axis in there if axis not in still)
+    notes = [found.note, *(f"{axis} does not change, and is left out" for axis in still)]
+    names = [*axes, *(["drive"] if drive is not None else [])]
+    table = np.stack([found.columns[name] for name in names], axis=1)
+    kept, times, positions, of_digits = measured(found.times, table[:, : len(axes)])
+    table = np.hstack([positions, table[kept, len(axes) :]])
+    times, table, note = without_gaps(
+        str(source), times, table, LEAST_SAMPLES, len(names) - len(axes)
+    )
+    return Recording(
+        times, table[:, : len(axes)], axes, name=str(source), unit=found.unit,
+        drive=table[:, -1] if drive is not None else None,
+        note="; ".join(filter(None, [*notes, of_digits, note])), dated=found.dated,
+    )  # fmt: skip
+
+
+def _is_still(positions: Array) -> bool:
+    seen = positions[np.isfinite(positions)]
+    return len(seen) > 0 and np.ptp(seen) == 0
+
+
+def load_track(
+    source: str | Path | xr.Dataset,
+    *,
+    columns: str | Sequence[str] | Mapping[str, str | int] | None = None,
+    rate: QuantityLike | None = None,
+    scale: QuantityLike | None = None,
+    bead: str | int | None = None,
+) -> Track:
+    """A run of tweezer, or the table of a file as in `load_recording`: columns t, x and y.
+
+    An empty cell, or NaN, is a missing coordinate; frames without a time, and those before the
+    first with both coordinates, are omitted.
+
+    Raises `ResultError`, naming the file and the frame, as `load_recording`, and for what `Track`
+    refuses.
+    """
+    read = read_source(source, Reading.of(columns, rate, scale, bead=bead), Wanted(("x", "y")))
+    if isinstance(read, Run):
+        return Track(read.times, read.positions[:, :2], read.scene, read.exposure, name=read.name)
+    found = only(str(source), read)
+    if found.note:
+        warn(f"{source}: {found.note}", UserWarning)
+    positions = np.stack([found.columns["x"], found.columns["y"]], axis=1)
+    there = ~np.isnan(found.times)
+    both = np.isfinite(positions).all(axis=1) & there
+    if not both.any():
+        raise ResultError(f"{source}: has no frame with x and y")
+    there[: int(np.argmax(both))] = False
+    return Track(found.times[there], positions[there], name=str(source))
+
+
+class Run(NamedTuple):
+    """Arguments of a `Recording`."""
+
+    name: str
+    times: Array
+    positions: Array
+    axes: tuple[str, ...]
+    scene: Scene
+    note: str
+    exposure: float | None = None
+    noise: tuple[float, ...] | None = None
+
+
+def read_source(
+    source: str | Path | xr.Dataset, reading: Reading, wanted: Wanted
+) -> Run | dict[str, Columns]:
+    """Return a run of tweezer, or the columns of a table by the bead."""
+    if not isinstance(source, str | os.PathLike):
+        return _of_run(source, source.attrs.get("title", "run"), reading)
+    path = Path(source)
+    kind = kind_of_file(path)
+    if kind is not None and kind.name not in ("recording", "run"):
+        raise ResultError(f"{path}: is {kind.told}, not a recording{kind.way(path.name)}")
+    if not path.is_file():
+        raise ResultError(f"{path}: {'is a folder' if path.is_dir() else 'no such file'}")
+    if path.suffix.lower() in HDF5:
+        try:
+            check_seal(path)
+            if _is_run(path):
+                import xarray as xr
+
+                check_result(path)
+                with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset:
+                    return _of_run(dataset, str(path), reading)
+        except ResultError:
+            raise
+        except Exception as error:  # h5py and h5netcdf raise errors of any kind for a damaged file
+            raise damaged(path, error) from None
+    return read_table(path, reading, wanted)
+
+
+def _is_run(path: Path) -> bool:
+    """Whether an HDF5 file is of a run; it is refused if its data lie in other files."""
+    import h5py
+
+    with h5py.File(path) as file:
+        if "scene" not in file.attrs or "position" not in file:
+            return False
+        for name, dataset in datasets(path, file):
+            refuse_too_long(str(path), name, max(dataset.shape or (), default=0))
+        return True
+
+
+def _of_run(run: xr.Dataset, name: str, reading: Reading) -> Run:
+    if reading.given:
+        raise ResultError(f"{name}: is a run of tweezer; --{reading.given[0]} is for other files")
+    if "scene" not in run.attrs or "position" not in run:
+        raise ResultError(f"{name}: not a run: it has no scene or no position over time")
+    if run["position"].dims != ("time", "axis") or not {"time", "axis"} <= set(run.coords):
+        raise ResultError(f"{name}: not a run: its position is not over time and axis")
+    units = {"position": "m", "time": "s"}
+    if "seen" in run:
+        if run["seen"].dims != ("frame", "seen_axis") or not {"frame_time", "seen_axis"} <= set(
+            run.coords
+        ):
+            raise ResultError(f"{name}: not a run: what its camera saw is not over time and axis")
+        units |= {"seen": "m", "frame_time": "s"}
+    for quantity, unit in units.items():
+        if run[quantity].attrs.get("units", unit) != unit:
+            raise ResultError(f"{name}: not a run: its {quantity} is not in {unit}")
+    try:
+        scene = scene_of(run)
+    except ResultError as error:
+        raise ResultError(f"{name}: {error}") from None
+    positions = run["position"].values
+    there = int(np.isfinite(positions).all(axis=1).cumprod().sum())
+    note = ""
+    if there < len(positions) or run.attrs.get("status", "complete") != "complete":
+        status = run.attrs.get("status", "lost")
+        note = f"the run is {status}: up to {run['time'].values[max(there - 1, 0)]:.4g} s only"
+    if scene.camera is not None and "seen" in run:
+        axes, camera = tuple(map(str, run["seen_axis"].values)), scene.camera
+        times, places = run["frame_time"].values, run["seen"].values
+        return Run(name, times, places, axes, scene, note, camera.exposure, camera.noises)
+    axes = tuple(map(str, run["axis"].values))
+    return Run(name, run["time"].values[:there], positions[:there], axes, scene, note)

@@ -1,0 +1,80 @@
+"""A run as arrays, with what `xarray.Dataset` and a NetCDF file say of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.values.errors import ResultError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+#: Dimensions, values and attributes
+Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Run:
+    """A run before it is an `xarray.Dataset`: importing xarray takes longer than a run."""
+
+    coordinates: dict[str, Variable]
+    variables: dict[str, Variable]
+    attributes: dict[str, Any]
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Run:
+        """The run of a dataset. Raises `ResultError` if it is none, or a part without a sample."""
+        for name in ("position", "time"):
+            if name not in dataset.variables:
+                raise ResultError(f"not a run: it has no {name}")
+            if dataset[name].dims[:1] != ("time",):
+                raise ResultError(f"not a run: no {name} over time; a slice takes a part of a run")
+        if not dataset.sizes["time"]:
+            raise ResultError("a run without a sample")
+        parts: dict[Any, Any] = {
+            name: (each.dims, each.values, each.attrs) for name, each in dataset.variables.items()
+        }
+        coordinates: dict[Any, Any] = {name: parts.pop(name) for name in dataset.coords}
+        return cls(coordinates, parts, dataset.attrs)
+
+    def dataset(self) -> xr.Dataset:
+        """The same as a dataset."""
+        import xarray as xr
+
+        return xr.Dataset(self.variables, self.coordinates, self.attributes)
+
+    def beside(self, name: str) -> list[str]:
+        """Coordinates of a variable that are not those of a dimension."""
+        if name not in self.variables:
+            return []
+        dimensions = self.variables[name][0]
+        return [
+            each for each, (own, *_) in self.coordinates.items()
+            if (each,) != own and set(own) <= set(dimensions)
+        ]  # fmt: skip
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.variables or name in self.coordinates
+
+    def __getitem__(self, name: str) -> Array:
+        """Values of a variable or a coordinate. Raises `ResultError` if it has none."""
+        if name not in self:
+            raise ResultError(f"a part of a run: it has no {name}, which this needs")
+        _, values, _ = self.variables.get(name) or self.coordinates[name]
+        return values
+
+
+def variable(dimensions: tuple[str, ...], values: Array, units: str, long_name: str) -> Variable:
+    """A variable with its unit and name."""
+    return dimensions, values, {"units": units, "long_name": long_name}
+
+
+def with_error(described: Variable, error: str) -> Variable:
+    """A variable whose error is the variable of that name (CF Conventions, 3.4)."""
+    dimensions, values, attributes = described
+    return dimensions, values, {**attributes, "ancillary_variables": error}

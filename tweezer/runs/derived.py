@@ -1,0 +1,133 @@
+"""Quantities that follow from a trajectory: forces, speeds, Reynolds number, energies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics import Motion, Problem
+from tweezer.forces.acting import name_of
+from tweezer.forces.force import Wrench
+from tweezer.forces.own import fault_of
+from tweezer.results.run import Variable, variable, with_error
+
+Array = NDArray[np.float64]
+
+
+def derived_quantities(
+    problem: Problem, times: Array, motion: Motion, light: Wrench
+) -> dict[str, Variable]:
+    """Return the variables that follow from a motion at `times` (n,) s, with its optical force.
+
+    * optical_force: force of the light (3.26), N
+    * force_error: error of the optical force, N. It is NaN until `force_errors` sets it.
+    * net_force: all forces but drag, the thesis's net motion force Gamma_others (4.2), N
+    * net_force_error: error of the net force, N, with the user's own forces. `force_errors`
+      sets it too.
+    * speed: speed of the bead, m/s
+    * terminal_speed: |net_force|/beta_v (5.2), with the drag at the position, m/s
+    * reynolds_number: 2 rho_m v r/mu_m (5.1)
+    * distance: distance from the focus, m
+    * kinetic_energy: energy of translation and, if the bead rotates, of rotation, J
+    * potential_energy: energy of gravity and buoyancy, zero at the focus, J
+    * total_energy: sum of both, J. The force of the light has no potential.
+    * gap: distance of the bead's surface from the nearer wall, m, if there is a wall
+
+    Without a velocity there is no speed, Reynolds number, kinetic or total energy.
+    """
+    scene, bead, places = problem.scene, problem.bead, motion.position
+    weight = np.array(bead.weight)
+    net_force = light.force + weight
+    for each in problem.beside_the_light:
+        pushed = each.field(places, time=times, orientations=motion.orientation)
+        net_force += pushed.force
+    terminal = net_force * problem.mobilities(places, times)[:, :3]
+    potential = -places @ weight
+    unknown = np.full(len(times), np.nan)
+    variables = {
+        "optical_force": with_error(_vector(light.force, "N", "force of the light"), "force_error"),
+        "force_error": _of_force(unknown),
+        "net_force": _vector(net_force, "N", "net motion force, all forces but drag"),
+        "terminal_speed": _number(_length(terminal), "m/s", "terminal speed"),
+        "distance": _number(_length(places), "m", "distance to the focus"),
+        "potential_energy": _number(
+            potential, "J", "energy of gravity and buoyancy, zero at the focus"
+        ),
+    }
+    if problem.others:
+        variables["net_force_error"] = _of_net_force(unknown)
+        variables["net_force"] = with_error(variables["net_force"], "net_force_error")
+    if scene.wall is not None:
+        gap = scene.room(places[:, 2])
+        variables["gap"] = _number(gap, "m", "distance of the bead's surface from the wall")
+    if motion.velocity is not None:
+        speed = _length(motion.velocity)
+        kinetic = 0.5 * bead.mass * speed**2
+        if motion.angular_velocity is not None:
+            kinetic += 0.5 * motion.angular_velocity**2 @ np.array(bead.moments_of_inertia)
+        medium = scene.medium
+        number = 2 * medium.density * scene.bead.radius / medium.viscosity * speed
+        variables |= {
+            "speed": _number(speed, "m/s", "speed"),
+            "reynolds_number": _number(number, "1", "Reynolds number"),
+            "kinetic_energy": _number(kinetic, "J", "kinetic energy"),
+            "total_energy": _number(
+                kinetic + potential, "J", "energy of motion and weight, without the light"
+            ),
+        }
+    return variables
+
+
+def fault_at(problem: Problem, times: Array, motion: Motion) -> str:
+    """Return what is wrong with forces beside those of a scene at the samples of a motion.
+
+    "" if nothing is.
+    """
+    for each in problem.others:
+        pushed = each.field(motion.position, time=times, orientations=motion.orientation)
+        failed = np.flatnonzero(~np.isfinite(pushed.force).all(axis=1))
+        if len(failed):
+            said = fault_of(each) or f"{name_of(each)}: the force is not finite"
+            return f"failed at the sample of {times[failed[0]]:.6g} s: {said}"
+    return ""
+
+
+def force_errors(
+    problem: Problem, times: Array, motion: Motion, light: Wrench
+) -> dict[str, Variable]:
+    """Return the errors of the forces in a motion at `times` (n,) s, with its optical force.
+
+    * force_error: error of the optical force, N. It is estimated, or certified by the map. For the
+      thesis's grid it is the distance to the quadrature.
+    * net_force_error: error of all forces, N, with the user's own forces
+    """
+    places = motion.position
+    of_light = problem.light.error_of(places, light, times)
+    errors = {"force_error": _of_force(of_light)}
+    if problem.others:
+        of_all = of_light.copy()
+        for each in problem.beside_the_light:
+            pushed = each.field(places, time=times, orientations=motion.orientation)
+            of_all += each.error_of(places, pushed, times)
+        errors["net_force_error"] = _of_net_force(of_all)
+    return errors
+
+
+def _of_force(errors: Array) -> Variable:
+    return _number(errors, "N", "error of the force of the light")
+
+
+def _of_net_force(errors: Array) -> Variable:
+    return _number(errors, "N", "error of the net motion force")
+
+
+def _vector(values: Array, units: str, long_name: str) -> Variable:
+    return variable(("time", "axis"), values, units, long_name)
+
+
+def _number(values: Array, units: str, long_name: str) -> Variable:
+    return variable(("time",), values, units, long_name)
+
+
+def _length(vectors: Array) -> Array:
+    return np.sqrt((vectors**2).sum(axis=1))

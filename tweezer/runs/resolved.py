@@ -1,0 +1,24 @@
+"""Whether the samples of a run show its motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tweezer.fluid import drag
+from tweezer.optics import light
+from tweezer.results.io import scene_in
+from tweezer.results.run import Run
+
+
+def resolved(run: Run) -> bool:
+    """Whether samples are closer than the relaxation time of the trap, at both ends."""
+    scene, time, position = scene_in(run.attributes), run["time"], run["position"]
+    if len(time) < 2:
+        return False
+    ends = position[[0, -1]]
+    gradient = light(scene).field(ends, gradient=True, time=time[[0, -1]]).force_gradient
+    mobility = drag(scene).mobilities(ends).value[:, :2].max(axis=1)
+    if not (np.isfinite(gradient).all() and np.isfinite(mobility).all()):
+        return False  # as far from the light as no bead is
+    rates = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
+    return bool((time[1] - time[0]) * rates.max() < 1)

@@ -1,0 +1,538 @@
+"""Simulate a scene: from its description to an `xarray.Dataset` with units and provenance."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics import (
+    Event,
+    Motion,
+    Problem,
+    bind,
+    bound_once,
+    closest_approach,
+    decided,
+    error_budget,
+    integrate,
+    lens_touched,
+    loss,
+    model_error,
+)
+from tweezer.dynamics.brownian.stepwise import Line, Watch
+from tweezer.dynamics.budget import ErrorBudget
+from tweezer.dynamics.camera import Frames
+from tweezer.dynamics.continuing import Continued, End, as_attribute, continued, finer_state
+from tweezer.dynamics.events import Occurrence
+from tweezer.dynamics.integrate import Integration
+from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.dynamics.timing import timed
+from tweezer.forces.force import Force, Wrench
+from tweezer.forces.named import origins_of
+from tweezer.optics import evaluators_of, worth_attributes
+from tweezer.results.io import load_run
+from tweezer.results.run import Run, Variable, variable
+from tweezer.runs.derived import derived_quantities, fault_at, force_errors
+from tweezer.runs.summary import force_error_along, stored, summary_of_path
+from tweezer.scene import Scene, SceneLike, checked_scene
+from tweezer.scene.arguments import check_run, in_si
+from tweezer.scene.choices import METHODS, methods
+from tweezer.values.errors import IntegrationError, ResultError, SceneError, warn
+from tweezer.values.units import QuantityLike
+from tweezer.values.version import made_by, versions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+#: Gap below which a bead is taken to have touched a wall between two samples, m
+_TOUCHING = 5e-9
+#: steps of thermal motion between two looks at the clock and the keyboard
+_STEPS_AT_ONCE = 100_000
+
+
+def simulate(
+    scene: SceneLike,
+    duration: QuantityLike | None = None,
+    *,
+    model: str | None = None,
+    method: str | None = None,
+    tolerance: float | None = None,
+    seed: int | None = None,
+    forces: Sequence[Force | str] = (),
+    events: Sequence[Event] = (),
+    progress: Callable[[float], None] | None = None,
+    continue_from: xr.Dataset | str | Path | None = None,
+) -> xr.Dataset:
+    """Release the bead of `scene` and return its motion.
+
+    With thermal motion the run is trajectory 0 of the ensemble with the same seed. Its steps are
+    fixed, so it has no tolerances, and the integration error is NaN. Models without inertia have no
+    velocity. Events are searched at the ends of steps and located on a straight line between them,
+    within a step (`event_resolution`, s). An event that begins and ends within one step is missed
+    (`tweezer.dynamics.brownian.stepwise`). Events depend on the position and, in models with
+    inertia, on the velocity. The first closest approach is not searched.
+
+    A continued run begins at the last time of the earlier run. Position, orientation, velocities
+    and the memory of the fluid carry over, as do the model, the method and the time between
+    samples. With thermal motion the random numbers follow those of the earlier run. Light, other
+    forces and tolerances may differ. `integration_error` includes the error of the earlier run; it
+    is NaN if that error is unknown, as after an interrupt. An event that lasts begins again.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene, the name of a shipped one, a TOML file or a mapping.
+    duration : float or str, optional
+        Duration, s, e.g. "20 ms". Default: the scene's.
+    model, method : str, optional
+        Model and method, in place of the scene's.
+    tolerance : float, optional
+        Relative tolerance. The scene's absolute tolerances change in the same ratio.
+    seed : int, optional
+        Seed of the thermal motion and of the camera noise. Default: 0.
+    forces : sequence of Force or str, optional
+        Your own forces, in addition to the scene's (`tweezer.forces`), or the name of a force in a
+        Python file, "handles.py:spring".
+    events : sequence of Event, optional
+        Events to locate (`tweezer.capture`, `tweezer.Event`), in addition to the first closest
+        approach, the loss of the bead and its contact with the lens.
+    progress : callable, optional
+        Called with the time reached, s.
+    continue_from : xarray.Dataset, str or Path, optional
+        Earlier run, or its file, to continue for `duration` (`tweezer.dynamics.continuing`).
+
+    Returns
+    -------
+    xarray.Dataset
+        Run over `time`. Every variable has units and a long name.
+
+        * position: position relative to the focus, m
+        * velocity, m/s
+        * orientation (Euler parameters) and angular_velocity (body frame): if the scene has a
+          rotation
+        * seen (frame, seen_axis): positions in the frames of a camera, m, with frame_time, s
+        * the quantities of `tweezer.runs.derived`
+
+        The attributes include:
+
+        * the scene, also as given, the versions, the model, the method, the inertia of the fluid,
+          the evaluator of the force, steps and force calls
+        * integration_error, model_error: largest errors at any time, m (`tweezer.dynamics.budget`)
+        * step_time: time of the steps alone, s
+        * wall_time: time with binding, events and output, without compiling (compile_time) and
+          without the errors, s
+        * status: "complete", "lost", "ended" (by one of your events), "interrupted" or "failed". A
+          run that ended early contains the motion up to its end. A failed run gives a
+          `PhysicsWarning`.
+        * the events, and the input of `tweezer.summarise`
+
+    Raises
+    ------
+    SceneError
+        For arguments that do not make a valid scene, invalid events, a tolerance with thermal
+        motion, a seed without thermal motion, and a run that cannot be continued.
+    ResultError
+        For a run that cannot be continued.
+    """
+    scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
+    if scene.forces.brownian and tolerance:
+        raise SceneError("tolerance: not with forces.brownian = true")
+    if continue_from is None:
+        return followed(scene, seed, forces, events, progress).dataset()
+    going_on = going_on_from(scene, continue_from)
+    run, find_errors = motion_of(scene, seed, forces, events, progress, going_on)
+    find_errors()
+    return run.dataset()
+
+
+def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene, Continued]:
+    """Return the scene of a run that goes on, and from what: see `tweezer.dynamics.continuing`."""
+    if isinstance(earlier, str | Path):
+        earlier = load_run(earlier)
+    attributes: dict[str, Any] = {str(key): value for key, value in earlier.attrs.items()}
+    if "time" not in earlier.variables:
+        raise ResultError("continue_from: not a run: it has no time")
+    return continued(scene, attributes, earlier["time"].values)
+
+
+def followed(
+    scene: Scene,
+    seed: int | None = None,
+    forces: Sequence[Force | str] = (),
+    events: Sequence[Event] = (),
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """The run of `scene`, see `simulate`, before it is a dataset."""
+    run, find_errors = motion_of(scene, seed, forces, events, progress)
+    find_errors()
+    return run
+
+
+def motion_of(
+    scene: Scene,
+    seed: int | None = None,
+    forces: Sequence[Force | str] = (),
+    events: Sequence[Event] = (),
+    progress: Callable[[float], None] | None = None,
+    going_on: tuple[Scene, Continued] | None = None,
+) -> tuple[Run, Callable[[], None]]:
+    """Return the run of `scene` without some of its errors, and the function that computes them.
+
+    The errors of the force and of the model are NaN until this function is called. It adds them to
+    the run. They may take longer than the motion itself, because most of the code compiled for a
+    first run belongs to them. An interrupt leaves them NaN.
+
+    Parameters
+    ----------
+    scene, seed, forces, events, progress
+        As in `simulate`.
+    going_on : tuple of Scene and Continued, optional
+        Scene of a continued run, and the run that it continues.
+    """
+    check_run(scene, seed)
+    if not all(isinstance(event, Event) for event in events):
+        raise SceneError("events: must be a list of `tweezer.Event`")
+    as_given: dict[str, Any] = {"scene_as_given": scene.model_dump_json(exclude_none=True)}
+    begun: Continued | None = None
+    if going_on is not None:
+        scene, begun = going_on
+        seed = begun.seed if seed is None else seed
+        as_given |= {"continued_from": begun.mark, "begin_time": begun.end.time}
+    if scene.forces.brownian:
+        return _thermal_run(bound_once(scene, forces), seed or 0, progress, as_given, begun, events)
+    problem, why = decided(bound_once(scene, forces))
+    frames = Frames.of(problem.scene)
+    scene, simulation = problem.scene, problem.scene.simulation
+    first, begin = (begun.sample, begun.begin) if begun else (0, None)
+    started = begin.time if begin else 0.0
+    times = np.linspace(started, simulation.duration, simulation.samples - first)
+    approach = closest_approach(simulation.position_tolerance)
+    looked_for = [*events, loss(simulation.loss_distance)]
+    if begun is None or not begun.approached:
+        looked_for.append(approach)
+    if (lens := lens_touched(scene)) is not None:
+        looked_for.append(lens)
+    with timed() as seconds:
+        equations = bind(problem, begin)
+        if begun:
+            begun.check_module(equations.name)
+        result = integrate(equations, times, looked_for, progress)
+    motion = equations.motion(result.times, result.states)
+    if result.status != "failed" and (fault := fault_at(problem, result.times, motion)):
+        result = dataclasses.replace(result, status="failed", message=fault, path=None)
+    budget = error_budget(equations, result, motion.position, [approach])
+    attributes = {
+        **_about_the_run(problem, why),
+        **as_given,
+        "emitted_module": equations.name,
+        "method": result.method,
+        **({"seed": seed or 0} if scene.draws else {}),
+        "status": result.status,
+        "message": result.message,
+        "events": _as_text(result.events),
+        "steps": result.steps,
+        "rejected_steps": result.rejected,
+        "force_calls": result.force_calls,
+        **seconds,
+        "step_time": result.step_time,
+        "integration_error": budget.integration_error,
+        "model_error": math.nan,
+        **_end(equations, result, budget),
+        **({"approached": 1} if begun and begun.approached else {}),
+    }
+    light = problem.light.field(motion.position, time=result.times)
+    run = _run(problem, result.times, motion, light, attributes)
+    if frames is not None and result.path is not None:
+        run = _filmed(run, frames, *frames.seen(result.path, seed or 0))
+    elif frames is not None and result.status != "failed":
+        warn(f"{scene.name}: no frames of the camera: its steps are more than are held in memory")
+    summary = None
+    with contextlib.suppress(KeyboardInterrupt):  # the run itself is whole
+        if result.path is not None:
+            summary = summary_of_path(run, result, budget)
+            attributes["summary"] = stored(summary)
+    if result.status == "failed":
+        warn(f"{scene.name}: {result.message}")
+
+    def find_errors() -> None:
+        with contextlib.suppress(KeyboardInterrupt):
+            run.variables.update(force_errors(problem, result.times, motion, light))
+            if result.path is not None and summary is not None:
+                error = force_error_along(result.path)
+                attributes["summary"] = stored(dataclasses.replace(summary, force_error=error))
+            attributes["model_error"] = model_error(equations, result, motion.position)
+
+    return run, find_errors
+
+
+def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
+    """Return the attribute that says where a run goes on: `tweezer.dynamics.continuing`."""
+    if result.end is None:
+        return {}
+    finer = budget.finer.run.end if budget.finer else None
+    time = float(result.times[-1])
+    end = End.of(time, equations.name, result.end, finer=finer_state(finer))
+    return as_attribute(end)
+
+
+def _as_text(events: Sequence[Occurrence]) -> str:
+    """Return events as the attribute of a run has them."""
+    return json.dumps(
+        [
+            {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
+            for event in events
+        ]
+    )
+
+
+def _check_watched(scene: Scene) -> None:
+    """Raise `SceneError` unless events can be looked for in the thermal motion of a scene."""
+    if scene.camera is not None:
+        raise SceneError(
+            "events: cannot be combined with a camera in thermal motion; omit one of them"
+        )
+    if not METHODS[scene.simulation.method].displacements:
+        able = [each.name for each in methods(thermal=True) if each.displacements]
+        raise SceneError(
+            f"simulation.method = {scene.simulation.method!r}: does not reproduce displacements, "
+            f"so that events would be wrong; with events allowed: {', '.join(able)}"
+        )
+
+
+def _thermal_run(
+    problem: Problem,
+    seed: int,
+    progress: Callable[[float], None] | None,
+    as_given: dict[str, Any],
+    begun: Continued | None,
+    events: Sequence[Event],
+) -> tuple[Run, Callable[[], None]]:
+    """Trajectory 0 of the ensemble of that seed."""
+    from tweezer.dynamics.beside_wall import rate_of_sticking
+    from tweezer.dynamics.walk import walk
+
+    with timed() as seconds:
+        bound = walk(problem, seed, begun.end.steps if begun else 1)
+        bound.warn_of_bias()
+        if events:
+            _check_watched(bound.scene)
+        first = begun.sample if begun else 0
+        scene, samples = bound.scene, len(bound.times) - first
+        trajectory = np.zeros(1, np.int64)
+        state = bound.start(trajectory)
+        columns = np.empty((1, samples, len(bound.columns)))
+        columns[:, 0] = bound.seen(state)
+        if begun:
+            bound.go_on(begun, state[0])
+            columns[:, 0] = begun.begin.state
+        seen: list[NDArray[np.float64]] = []
+        reached, status, message, step_time = 1, "complete", "", 0.0
+        end = state.copy()
+        times = bound.times[first:]
+        watch = Watch(events, columns[0, 0])
+        at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
+        calls = bound.per_sample * bound.force_calls
+        affordable = scene.simulation.most_force_calls // max(calls, 1)
+        try:
+            while reached < samples and np.isinf(state[0, -1]) and not watch.status:
+                if reached > affordable:
+                    raise IntegrationError("simulation.most_force_calls is spent")
+                last = min(reached + at_once, samples, affordable + 1)
+                piece = columns[:, reached:last]
+                at = first + reached - 1
+                with timed() as stepping:
+                    if events:
+                        ends, steps = bound.advance_by_steps(state, trajectory, at, piece)
+                        held = int(np.isfinite(steps[0, :, 0]).sum())  # up to where it was lost
+                        watch.look(Line(ends[:held], steps[0, :held]))
+                    else:
+                        seen.append(bound.filmed(state, trajectory, at, piece)[0])
+                step_time += stepping["wall_time"]
+                reached, end = last, state.copy()
+                if progress:
+                    progress(float(times[reached - 1]))
+        except KeyboardInterrupt:
+            if reached == 1:  # as while it is compiled
+                raise
+            status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
+        except IntegrationError as error:
+            status, message = "failed", f"failed after {times[reached - 1]:.6g} s: {error}"
+        if np.isfinite(lost := state[0, -1]):
+            status, message = "lost", f"the bead left the trap at {lost:.6g} s"
+            if bound.loss_caveat:
+                message += f"; {bound.loss_caveat}"
+            reached = int(np.isfinite(columns[0, :reached, 0]).sum())
+    samples_seen = columns[0, :reached]
+    if watch.last is not None:
+        status, message = watch.status, watch.message
+        ended, there = watch.last
+        reached = int(np.searchsorted(times[:reached], ended, side="right"))
+        samples_seen = columns[0, :reached]
+        times = times[:reached]
+        if times[-1] < ended:
+            times = np.append(times, ended)
+            samples_seen = np.vstack([samples_seen, there])
+    times, motion = times[: len(samples_seen)], bound.motion(samples_seen)
+    if status != "failed" and (fault := fault_at(bound.problem, times, motion)):
+        status, message = "failed", fault
+    attributes = {
+        **_about_the_run(bound.problem, bound.why),
+        **as_given,
+        "emitted_module": "langevin",
+        "method": scene.simulation.method,
+        "seed": seed,
+        "step": bound.step,
+        **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
+        **({"loss_caveat": bound.loss_caveat} if bound.loss_caveat else {}),
+        "status": status,
+        "message": message,
+        "events": _as_text(watch.happened),
+        **({"event_resolution": bound.step} if events else {}),
+        "steps": (reached - 1) * bound.per_sample,
+        "rejected_steps": 0,
+        "force_calls": (reached - 1) * calls,
+        **seconds,
+        "step_time": step_time,
+        "integration_error": math.nan,
+        "model_error": 0.0 if _has_all_inertia(scene) else math.nan,
+        **as_attribute(
+            bound.end(float(times[-1]), samples_seen[-1], end[0]) if watch.last is None else None
+        ),
+    }
+    if status == "failed":
+        warn(f"{scene.name}: {message}")
+    rate = rate_of_sticking(bound.problem)
+    if rate * bound.step > 1 and scene.room(motion.position[:, 2]).min() < _TOUCHING:
+        warn(
+            f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
+            f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
+        )
+    light = bound.problem.light.field(motion.position, time=times)
+    run = _run(bound.problem, times, motion, light, attributes)
+    run.variables.update(force_errors(bound.problem, times, motion, light))
+    if bound.exposure is None:
+        return run, lambda: None
+    frames = bound.exposure.frames
+    places = np.concatenate([np.empty((0, len(frames.camera.axes))), *seen])
+    held = int(np.isfinite(places).all(axis=1).sum())  # up to where the bead was lost
+    return _filmed(run, frames, frames.times[:held], places[:held]), lambda: None
+
+
+def _run(
+    problem: Problem,
+    times: NDArray[np.float64],
+    motion: Motion,
+    light: Wrench,
+    attributes: dict[str, Any],
+) -> Run:
+    """Motion and derived quantities at `times`, in which `light` acts on the bead."""
+    coordinates: dict[str, Variable] = {
+        "time": variable(("time",), times, "s", "time since release"),
+        "axis": (("axis",), np.array(["x", "y", "z"]), {"long_name": "axis, z along the light"}),
+    }
+    variables = {
+        "position": variable(
+            ("time", "axis"), motion.position, "m", "position of the bead's centre from the focus"
+        )
+    }
+    if motion.velocity is not None:
+        variables["velocity"] = variable(("time", "axis"), motion.velocity, "m/s", "velocity")
+    if motion.orientation is not None:
+        coordinates["euler_parameter"] = (
+            ("euler_parameter",),
+            np.array(["e0", "e1", "e2", "e3"]),
+            {"long_name": "Euler parameter"},
+        )
+        variables["orientation"] = variable(
+            ("time", "euler_parameter"), motion.orientation, "1", "Euler parameters"
+        )
+    if motion.angular_velocity is not None:
+        about = {"long_name": "axis of the body"}
+        coordinates["body_axis"] = ("body_axis",), np.array(["P1", "P2", "P3"]), about
+        variables["angular_velocity"] = variable(
+            ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
+        )
+    variables |= derived_quantities(problem, times, motion, light)
+    return Run(coordinates, variables, attributes)
+
+
+def _filmed(
+    run: Run, frames: Frames, times: NDArray[np.float64], places: NDArray[np.float64]
+) -> Run:
+    """A run with what its camera saw: places (frames, axes) m, in the middle of exposures."""
+    coordinates: dict[str, Variable] = {
+        "frame_time": variable(
+            ("frame",), times, "s", "time since release, middle of the exposure"
+        ),
+        "seen_axis": (
+            ("seen_axis",),
+            np.array(frames.camera.axes),
+            {"long_name": "axis of a frame"},
+        ),
+    }
+    seen = variable(("frame", "seen_axis"), places, "m", "position that the camera saw")
+    return Run(run.coordinates | coordinates, run.variables | {"seen": seen}, run.attributes)
+
+
+def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
+    """The attributes that every run has alike."""
+    scene = problem.scene
+    others: dict[str, Any] = {}
+    if problem.others:
+        others = {"other_forces": len(problem.others), "forces_from": origins_of(problem.others)}
+    return {
+        "title": scene.title,
+        "scene": scene.model_dump_json(exclude_none=True),
+        "model": scene.simulation.model,
+        "fluid_inertia": _inertia_of_the_fluid(scene),
+        "force_evaluator": evaluators_of(scene),
+        **others,
+        **worth_attributes(scene),
+        "chosen": why,
+        **versions(),
+        **made_by("simulate", dated=True),
+    }
+
+
+def _has_all_inertia(scene: Scene) -> bool:
+    remembers = scene.simulation.model == "full" and scene.medium.inertia == "memory"
+    return remembers and scene.wall is None
+
+
+def _inertia_of_the_fluid(scene: Scene) -> str:
+    """What of it a run had, of a scene with everything decided."""
+    medium = scene.medium
+    return (
+        f"memory, {medium.poles} poles" if medium.inertia == "memory" else medium.inertia or "none"
+    )
+
+
+def _adjusted(
+    scene: Scene,
+    duration: QuantityLike | None,
+    model: str | None,
+    method: str | None,
+    tolerance: float | None,
+) -> Scene:
+    changes: dict[str, object] = {
+        key: value
+        for key, value in (("duration", duration), ("model", model), ("method", method))
+        if value is not None
+    }
+    if tolerance is not None:
+        simulation = scene.simulation
+        ratio = in_si("tolerance", tolerance, "", 1e-13, 0.1) / simulation.relative_tolerance
+        changes |= {
+            "relative_tolerance": tolerance,
+            "position_tolerance": simulation.position_tolerance * ratio,
+            "orientation_tolerance": simulation.orientation_tolerance * ratio,
+        }
+    return scene.replace(simulation=changes) if changes else scene

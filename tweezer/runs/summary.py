@@ -1,0 +1,411 @@
+"""Outcome of a run: captured or lost, when, and the extremes on the way."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter, ValidationError
+
+from tweezer.dynamics.budget import ErrorBudget
+from tweezer.dynamics.escape import escapes, escapes_from_ring, too_shallow
+from tweezer.dynamics.integrate import Integration
+from tweezer.dynamics.path import Passage, Path, across_axis, distances_from, passage
+from tweezer.dynamics.problem import Problem, bound_once
+from tweezer.forces.rings import held_on, ring_near
+from tweezer.results.io import scene_in
+from tweezer.results.run import Run
+from tweezer.results.schema import events_in, of_validation
+from tweezer.values.errors import ResultError
+from tweezer.values.rounding import located
+from tweezer.values.shown import Card, Row, Shown
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from tweezer.scene import Scene
+
+Array = NDArray[np.float64]
+
+#: Largest distance of a captured bead from the equilibrium, in radii
+CAPTURE_RADII = 0.1
+#: Outcomes of a bead that an equilibrium holds, or a ring
+CAPTURED, ON_RING = "captured", "captured on a ring"
+
+#: Newton's method ends after so many steps, or after one shorter than this part of the distance
+#: from its start that is allowed
+_STEPS, _CLOSE = 30, 1e-10
+
+#: Largest number of positions on a path at which the force and its error are computed
+_PLACES = 1000
+
+
+@dataclass(frozen=True, repr=False)
+class Summary(Shown):
+    """Outcome of a run.
+
+    Without thermal motion the numbers include the motion between the samples, so they do not depend
+    on the number of samples. Their errors are those of integration and of locating an event; errors
+    of the model and of the force are not included.
+    """
+
+    outcome: str
+    """"captured", "captured on a ring", "lost", "not captured"; or the status of a run that ended
+    early, or in which no equilibrium is looked for: its light changed until the end, or it had
+    forces of your own"""
+    outcome_time: float
+    """time of capture, of loss, or of the end of the run, s"""
+    overshoot: float
+    """largest excursion beyond the beam's axis, on the side away from the start, m; NaN if the axis
+    moves"""
+    closest_approach: float | None
+    """distance to the focus at the first closest approach (FCA), m; None if there is none"""
+    closest_approach_time: float | None
+    """s"""
+    largest_reynolds_number: float | None
+    """None for thermal motion without inertia"""
+    largest_force: float
+    """largest force of the light at positions along the path, N"""
+    force_error: float
+    """largest error of the light's force at these positions, N"""
+    end: tuple[float, float, float]
+    """last position, m from the focus"""
+    by_samples: bool
+    """whether all numbers are from the samples alone, without the motion between them: for thermal
+    motion, a run that failed or had too many steps to store, a part of a run, a file of an older
+    version"""
+    outcome_time_error: float | None = None
+    """s; None if not known, as for the other errors"""
+    overshoot_error: float | None = None
+    """m"""
+    closest_approach_error: float | None = None
+    """m"""
+    closest_approach_time_error: float | None = None
+    """s"""
+    largest_reynolds_number_error: float | None = None
+    smallest_gap: float | None = None
+    """between the bead and the wall, or the nearer of two, m; None without a wall"""
+    smallest_gap_error: float | None = None
+    """m"""
+    sought_within: float | None = None
+    """distance from the end within which an equilibrium was sought, m"""
+
+    @property
+    def untold(self) -> str:
+        """Where no equilibrium was found, or why none was sought; empty if the bead is captured."""
+        if self.outcome == "not captured" and self.sought_within is not None:
+            within = f"{1e6 * self.sought_within:.3g} um"
+            return f"; no stable equilibrium within {within} of its end"
+        if self.outcome != "complete":
+            return ""
+        return "; capture is not told: the light changes until the end, or forces are your own"
+
+    def card(self) -> Card:
+        """Outcome, end, approach, force."""
+        doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
+        force = located(self.largest_force, self.force_error, 1e12, "pN")
+        largest = "not known" if math.isnan(self.largest_force) else force
+        rows = (*self.outcome_rows(doubt), *self.approach_rows(), Row("largest force", largest))
+        return Card("Summary", "", rows)
+
+    def outcome_rows(self, doubt: str = "") -> Iterator[Row]:
+        """What became of the bead, and where it was; `doubt` speaks against it."""
+        when = located(self.outcome_time, self.outcome_time_error, 1e3, "ms")
+        yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
+        x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in self.end)  # no -0.0
+        yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
+        if self.smallest_gap is not None:
+            gap = located(self.smallest_gap, self.smallest_gap_error, 1e6, "um")
+            yield Row("smallest gap to the wall", gap)
+
+    def approach_rows(self) -> Iterator[Row]:
+        """How the bead came to the focus."""
+        if not math.isnan(self.overshoot):
+            overshoot = located(self.overshoot, self.overshoot_error, 1e6, "um")
+            yield Row("overshoot past the axis", overshoot)
+        approach = "none"
+        if self.closest_approach is not None and self.closest_approach_time is not None:
+            distance = located(self.closest_approach, self.closest_approach_error, 1e6, "um")
+            at = located(self.closest_approach_time, self.closest_approach_time_error, 1e3, "ms")
+            approach = f"{distance} at {at}"
+        yield Row("first closest approach", approach)
+        if self.largest_reynolds_number is not None:
+            number = self.largest_reynolds_number, self.largest_reynolds_number_error
+            yield Row("largest Reynolds number", located(*number, 1.0, ""))
+
+
+def summarise(run: xr.Dataset) -> Summary:
+    """Return the summary of a run of `tweezer.simulate`.
+
+    The outcomes are:
+
+    * captured: the bead ends within a tenth of its radius of a stable equilibrium of all forces but
+      drag, which is located by Newton's method. The capture time is the time after which the bead
+      stays there. The scene's inertia decides whether an equilibrium is stable.
+    * captured on a ring: the bead ends as close to a ring around the beam axis. The light keeps it
+      there, at rest or driven round.
+    * complete: the light moves or changes until the end, so that no equilibrium is at rest.
+
+    With thermal motion, a bead leaves this neighbourhood many times. It is captured if its mean
+    position over the last tenth of the run is within its radius of the equilibrium. The capture
+    time is then the time of the first approach to a tenth of its radius. A bead that rests on a
+    wall without another equilibrium is not captured. The first closest approach is the first local
+    minimum of the distance to the focus.
+
+    A run stores the summary of its motion between the samples. For a run without it, or a part of a
+    run, the summary uses the samples alone, and its card reports this.
+    """
+    return summary_of(Run.of(run))
+
+
+def summary_of(run: Run) -> Summary:
+    """Summary of a run: see `summarise`."""
+    times, position = run["time"], run["position"]
+    if "summary" in run.attributes:
+        summary = _read(run.attributes["summary"])
+        begin = run.attributes.get("begin_time", 0.0)
+        if times[0] == begin and summary.end == _point(position[-1]):  # the whole run, not a part
+            return summary
+    scene = scene_in(run.attributes)
+    outcome, outcome_time, _, _ = _outcome(run, times, position, scene)
+    sought = _sought(scene) if outcome == "not captured" else None
+    approach, approach_time = _closest_approach(run)
+    return Summary(
+        outcome=outcome,
+        outcome_time=outcome_time,
+        overshoot=math.nan if scene.light_moves else _overshoot(position),
+        closest_approach=approach,
+        closest_approach_time=approach_time,
+        largest_reynolds_number=(
+            float(run["reynolds_number"].max()) if "reynolds_number" in run else None
+        ),
+        largest_force=_largest(run["optical_force"]) if "optical_force" in run else math.nan,
+        force_error=float(run["force_error"].max()) if "force_error" in run else math.nan,
+        end=_point(position[-1]),
+        by_samples=True,
+        smallest_gap=float(run["gap"].min()) if "gap" in run else None,
+        sought_within=sought,
+    )
+
+
+def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> Summary:
+    """Summary of a run by its path; the error of the force is not known yet.
+
+    run: the run without it. integrated: the run, with its path.
+    """
+    path = integrated.path
+    assert path is not None
+    scene = path.equations.scene
+    times, position = run["time"], run["position"]
+    nearby = CAPTURE_RADII * scene.bead.radius
+    outcome, outcome_time, rest, off = _outcome(run, times, position, scene, path.equations.problem)
+    here, located = passage(path, integrated.events, rest, nearby)
+    errors = _errors(here, located, budget, rest, nearby)
+    outcome_time_error = 0.0
+    if outcome in (CAPTURED, ON_RING):
+        outcome_time, outcome_time_error = here.settled, errors.settled
+        if here.settled > 0:
+            outcome_time_error += off / float(path.speeds(np.array([here.settled]))[0])
+    elif outcome == "lost":
+        away = position[-1] / np.linalg.norm(position[-1])
+        outcome_time_error = budget.integration_error / abs(float(run["velocity"][-1] @ away))
+    elif outcome == "ended":
+        outcome_time_error = math.nan
+    number = float(2 * scene.medium.density * scene.bead.radius / scene.medium.viscosity)  # (5.1)
+    places, at = _places(path)
+    overshoot = 0.0 if here.overshoot <= errors.overshoot else here.overshoot
+    return Summary(
+        outcome=outcome,
+        outcome_time=outcome_time,
+        overshoot=math.nan if scene.light_moves else overshoot,
+        closest_approach=_known(here.closest_approach),
+        closest_approach_time=_known(here.closest_approach_time),
+        largest_reynolds_number=number * here.largest_speed,
+        largest_force=_largest(path.equations.problem.light.field(places, time=at).force),
+        force_error=math.nan,
+        end=_point(position[-1]),
+        by_samples=False,
+        outcome_time_error=_known(outcome_time_error),
+        overshoot_error=None if scene.light_moves else _known(errors.overshoot),
+        closest_approach_error=_known(errors.closest_approach),
+        closest_approach_time_error=_known(errors.closest_approach_time),
+        largest_reynolds_number_error=_known(number * errors.largest_speed),
+        smallest_gap=_known(here.smallest_gap),
+        smallest_gap_error=_known(errors.smallest_gap),
+        sought_within=_sought(scene) if outcome == "not captured" else None,
+    )
+
+
+def stored(summary: Summary) -> str:
+    """Return the attribute `summary` of a run, which `summarise` reads."""
+    return json.dumps(dataclasses.asdict(summary))
+
+
+def _read(text: str) -> Summary:
+    """Return the summary that a run contains. Raises `ResultError` if the text is not a summary."""
+    try:
+        return TypeAdapter(Summary).validate_json(text)
+    except ValidationError as error:
+        raise ResultError(f"not a run: its summary: {of_validation(error)}") from None
+
+
+def _errors(
+    here: Passage, located: Passage, budget: ErrorBudget, rest: Array, nearby: float
+) -> Passage:
+    """Errors from the differences to the finer run; NaN if there is none."""
+    finer = budget.finer
+    if finer is None or finer.run.path is None:
+        return Passage(*[math.nan] * len(here))
+    there, also = passage(finer.run.path, finer.run.events, rest, nearby)
+    ratio = finer.error_per_difference
+    return Passage(*(
+        ratio * abs(a - b) + by + by_too
+        for a, b, by, by_too in zip(here, there, located, also, strict=True)
+    ))  # fmt: skip
+
+
+def force_error_along(path: Path) -> float:
+    """Return the largest error of the force of the light along the path, N."""
+    light = path.equations.problem.light
+    places, times = _places(path)
+    return float(light.error_of(places, light.field(places, time=times), times).max())
+
+
+def _places(path: Path) -> tuple[Array, Array]:
+    """Some positions on the path, (n, 3) m, and their times, (n,) s."""
+    times = path.checkpoints
+    times = times[:: -(-len(times) // _PLACES)]
+    return path.positions(times), times
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
+
+
+def _point(position: Array) -> tuple[float, float, float]:
+    x, y, z = position.tolist()
+    return x, y, z
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _outcome(
+    run: Run, times: Array, position: Array, scene: Scene, bound: Problem | None = None
+) -> tuple[str, float, Array, float]:
+    """Outcome, its time by the samples, s, and where the bead settled, (3,) m, with its error, m.
+
+    bound: the scene, if it is bound already.
+    """
+    status, end = run.attributes["status"], float(times[-1])
+    changing = scene.last_change >= end > 0
+    if status != "complete" or run.attributes.get("other_forces") or changing:
+        return status, end, position[-1], 0.0
+    problem = bound or bound_once(scene)
+    nearby = CAPTURE_RADII * scene.bead.radius
+    settled = position[-max(1, len(position) // 10) :] if scene.forces.brownian else position[-1:]
+    outcome, found = CAPTURED, _stable_equilibrium(problem, settled, end, _sought(scene))
+    if found is None:
+        outcome, found = ON_RING, _ring(problem, settled, _sought(scene))
+    if found is None:
+        return "not captured", end, settled.mean(axis=0), 0.0
+    away = distances_from(found[0], position) > nearby
+    if scene.forces.brownian:
+        if away.all() or _too_shallow(problem, outcome, found[0]):
+            return "not captured", end, settled.mean(axis=0), 0.0
+        return outcome, float(times[away.argmin()]), *found
+    last_away = int(np.flatnonzero(away)[-1]) if away.any() else -1
+    return outcome, float(times[last_away + 1]), *found
+
+
+def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
+    """Whether an equilibrium, or a ring, is too shallow to hold a bead in thermal motion.
+
+    rest: (3,) m, or the radius and height of the ring.
+    """
+    about = problem.scene, problem.search, problem.net_force
+    if outcome == CAPTURED:
+        on_axis = problem.symmetric and not rest[:2].any()
+        return bool(too_shallow(escapes(*about, rest, symmetric=on_axis)))
+    return bool(too_shallow(escapes_from_ring(*about, np.array([rest[0], 0.0, rest[1]]))))
+
+
+def _sought(scene: Scene) -> float:
+    """Distance from the end of a run within which an equilibrium captures the bead, m."""
+    return (1.0 if scene.forces.brownian else CAPTURE_RADII) * scene.bead.radius
+
+
+def _stable_equilibrium(
+    problem: Problem, settled: Array, time: float, reach: float
+) -> tuple[Array, float] | None:
+    """The stable equilibrium less than `reach`, m, from the mean of places, and its error, m.
+
+    By Newton's method, of all forces but drag at a time, s; the error is the last step. None if
+    there is none, or if a bead beside it would not return.
+    """
+    place = settled.mean(axis=0)
+    rest, step = place, np.full(3, math.inf)
+    for _ in range(_STEPS):
+        field = problem.force.field(rest[None], gradient=True, time=time)
+        gradient, force = field.force_gradient[0], field.force[0] + problem.bead.weight
+        if np.linalg.eigvals(gradient).real.max() >= 0:
+            return None
+        step = np.linalg.solve(gradient, -force)
+        rest = rest + step
+        if not np.linalg.norm(rest - place) < reach:
+            return None
+        if np.linalg.norm(step) < _CLOSE * reach:
+            break
+    if problem.spiral_rate(rest, -gradient) > 0:
+        return None
+    return rest, float(np.linalg.norm(step))
+
+
+def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float] | None:
+    """Return radius and height of the ring within `reach`, m, of the mean position, and its error.
+
+    Returns None without such a ring, or if a bead does not stay on it.
+    """
+    if not problem.round_axis:
+        return None
+    start = across_axis(settled).mean(axis=0)
+    if start[0] == 0.0:
+        return None
+    forces = problem.force, problem.net_force, problem.ring_motion
+    place = ring_near(start, problem.scene.bead.radius, *forces, problem.light.search.known)
+    if place is None or not np.linalg.norm(place - start) < reach:
+        return None
+    ring = held_on(place, *forces)
+    if ring is None:
+        return None
+    return place, ring.residual / float(np.linalg.eigvals(ring.stiffness).real.min())
+
+
+def _overshoot(position: Array) -> float:
+    """Largest lateral excursion against the direction of the start; 0 for a start on the axis."""
+    lateral = position[:, :2]
+    distance = np.linalg.norm(lateral[0])
+    if distance == 0.0:
+        return 0.0
+    return max(0.0, -float((lateral @ lateral[0]).min() / distance))
+
+
+def _closest_approach(run: Run) -> tuple[float, float] | tuple[None, None]:
+    """Distance, m, and time, s, of the first closest approach; None where there is none."""
+    for event in events_in(run.attributes):
+        within = run["time"][0] <= event.time <= run["time"][-1]  # of a part of a run too
+        if event.name == "closest approach" and within:
+            return float(np.linalg.norm(event.position)), event.time
+    distance = run["distance"]
+    change = np.diff(distance)
+    minima = np.flatnonzero((change[:-1] < 0) & (change[1:] >= 0)) + 1
+    if not minima.size:
+        return None, None
+    return float(distance[minima[0]]), float(run["time"][minima[0]])

@@ -1,0 +1,210 @@
+"""The thesis's search for its scaling factor a2 (4.12): cost and error of each a2."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tweezer.dynamics import Integration, bind, bound_once, integrate
+from tweezer.dynamics.budget import TIGHTER, same_steps
+from tweezer.dynamics.models import RATE_TIME
+from tweezer.dynamics.path import largest_distance
+from tweezer.scene import Scene, checked_scene
+from tweezer.values.errors import TweezerError
+from tweezer.values.rounding import located, time_taken
+from tweezer.values.shown import Card, Row, Shown, Table
+
+#: Number of a2 per decade, from epsilon to 1, if none are given
+_PER_DECADE = 3
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """One scaling factor."""
+
+    scaling_factor: float
+    """a2"""
+    deviation: float | None
+    """largest distance to the unscaled response at any time, m, from the dense output of both; None
+    if the run failed"""
+    deviation_error: float | None
+    """its error, m, by integrating both responses to tighter tolerances; None if one of these runs
+    failed, or if tighter tolerances do not change the steps"""
+    steps: int
+    force_calls: int
+    seconds: float
+    """run time, s, compiled"""
+
+    @property
+    def off(self) -> str:
+        """The deviation in words."""
+        if self.deviation is None:
+            return "failed"
+        return located(self.deviation, self.deviation_error, 1e6, "um")
+
+
+@dataclass(frozen=True, repr=False)
+class Tuning(Shown):
+    """Deviation of the scaled from the unscaled response, by scaling factor."""
+
+    entries: list[Tuned]
+    """by descending scaling factor"""
+    duration: float
+    """time of the comparison, s"""
+    method: str
+    epsilon: float
+    """m/beta_v (4.6) in the thesis's unit of time, 1 ms: its first guess of a2"""
+    unscaled: Tuned
+    """the unscaled equations by the exponential method"""
+
+    def card(self) -> Card:
+        """The first guess, the range of the factors, and a table of all."""
+        last, *_, first = sorted(self.entries, key=lambda each: each.scaling_factor)
+        failed = sum(each.deviation is None for each in self.entries)
+        return Card(
+            "Tuning", "",
+            (
+                Row("compared over", f"{1e3 * self.duration:.4g} ms, by {self.method}"),
+                Row("epsilon", f"{self.epsilon:.3g}"),
+                Row(
+                    "scaling factors a2",
+                    f"{len(self.entries)}, {first.scaling_factor:.3g} to {last.scaling_factor:.3g}",
+                    f"{failed} failed" if failed else "",
+                ),
+                *(
+                    Row(f"off the unscaled bead, a2 = {each.scaling_factor:.3g}", each.off)
+                    for each in (first, last)
+                ),
+            ),
+            (self.table(),),
+        )  # fmt: skip
+
+    def table(self) -> Table:
+        """A row for each scaling factor, and one of the unscaled equations."""
+        headings = ("a2", "off the unscaled bead", "steps", "force calls", "time")
+        rows = tuple(
+            (
+                "unscaled" if each is self.unscaled else f"{each.scaling_factor:.3g}", each.off,
+                f"{each.steps}", f"{each.force_calls}", time_taken(each.seconds),
+            )
+            for each in [*self.entries, self.unscaled]
+        )  # fmt: skip
+        return Table(headings, rows)
+
+    def most_scaling_within(self, deviation: float) -> Tuned | None:
+        """The entry of smallest a2, that is most scaling, that deviates by no more than this, m."""
+        within = [
+            entry
+            for entry in self.entries
+            if entry.deviation is not None and entry.deviation <= deviation
+        ]
+        return min(within, key=lambda entry: entry.scaling_factor, default=None)
+
+
+def tune(
+    scene: Scene,
+    factors: Sequence[float] | None = None,
+    *,
+    duration: float | None = None,
+    method: str = "dormand-prince",
+    progress: Callable[[float], None] | None = None,
+) -> Tuning:
+    """Compare the scaled model (4.17) with the unscaled equations for a list of a2.
+
+    factors: from epsilon to 1 if not given. duration: s, the scene's if not given; the thesis
+    compares over a short time. method: of the scaled runs; the thesis's Dormand-Prince if not
+    given. The unscaled response is integrated by the exponential method. Both are in a fluid
+    without inertia, as in the thesis, whatever the scene says. Each response is
+    integrated a second time, to a sixteenth of the tolerances; the distance between the two is its
+    error. progress: called with the finished part.
+
+    Steps follow the tolerances, whatever the scene says. Raises `SceneError` for a factor outside
+    1e-12 to 1, or a scene with unequal moments of inertia, which the exponential method does not
+    take.
+    """
+    scene = checked_scene(scene).replace(medium={"inertia": "none", "poles": None})
+    if duration is not None:
+        scene = scene.replace(simulation={"duration": duration})
+    scenes = scaled_scenes(scene, factors, method)
+    same = {"scaling_factor": None, "step": None, "rotation_state": "angular-velocity"}
+    exact = _response(scene.replace(simulation={"model": "full", "method": "exponential", **same}))
+    if exact.run.path is None:
+        raise TweezerError(f"{scene.name}: the unscaled response could not be integrated")
+    entries = []
+    for changed in scenes:
+        entries.append(_tuned(changed.simulation.scaling_factor or 1.0, _response(changed), exact))
+        if progress:
+            progress(len(entries) / len(scenes))
+    unscaled = Tuned(1.0, 0.0, exact.error, exact.run.steps, exact.run.force_calls, exact.seconds)
+    return Tuning(entries, scene.simulation.duration, method, _epsilon(scene), unscaled)
+
+
+def scaled_scenes(scene: Scene, factors: Sequence[float] | None, method: str) -> list[Scene]:
+    """The scenes that `tune` compares with the unscaled one, by descending factor.
+
+    Raises `SceneError` if one of them is not valid.
+    """
+    if factors is None:
+        first = min(max(_epsilon(scene), 1e-12), 0.1)
+        factors = np.geomspace(1.0, first, math.ceil(-math.log10(first) * _PER_DECADE) + 1).tolist()
+    scaled = {"model": "scaled", "method": method, "step": None}
+    return [
+        scene.replace(
+            simulation={"scaling_factor": factor, "rotation_state": "angular-velocity", **scaled}
+        )
+        for factor in sorted(factors, reverse=True)
+    ]
+
+
+def _epsilon(scene: Scene) -> float:
+    """m/beta_v (4.6) in the thesis's unit of time."""
+    return bound_once(scene).relaxation_time / RATE_TIME
+
+
+@dataclass(frozen=True)
+class _Response:
+    """A motion and its cost."""
+
+    run: Integration
+    error: float | None
+    """m"""
+    seconds: float
+
+
+def _response(scene: Scene) -> _Response:
+    equations = bind(scene)
+    times = np.array([0.0, scene.simulation.duration])
+    _uninterrupted(integrate(equations, times * 1e-3))  # compiles, untimed
+    began = time.perf_counter()
+    run = _uninterrupted(integrate(equations, times, most_held=sys.maxsize))
+    seconds = time.perf_counter() - began
+    if run.path is None:
+        return _Response(run, None, seconds)
+    tighter = integrate(equations, times, tightened=TIGHTER, most_held=sys.maxsize)
+    path, error = _uninterrupted(tighter).path, None
+    if path is not None and not same_steps(run, tighter):
+        error = largest_distance(run.path, path).value
+    return _Response(run, error, seconds)
+
+
+def _uninterrupted(run: Integration) -> Integration:
+    if run.status == "interrupted":
+        raise KeyboardInterrupt
+    return run
+
+
+def _tuned(factor: float, response: _Response, exact: _Response) -> Tuned:
+    """Cost of a response, and its distance from the exact one."""
+    run, deviation, error = response.run, None, None
+    assert exact.run.path is not None
+    if run.path is not None:
+        found = largest_distance(run.path, exact.run.path)
+        deviation = found.value
+        if response.error is not None and exact.error is not None:
+            error = found.error + response.error + exact.error
+    return Tuned(factor, deviation, error, run.steps, run.force_calls, response.seconds)

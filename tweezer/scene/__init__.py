@@ -1,0 +1,8 @@
+"""The description of an experiment: the scene, its sections, and the table of alternatives.
+
+`__init__.pyi` lists the names that other packages use. They are loaded when first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,134 @@
+"""Arguments of runs and ensembles, checked before anything heavy is loaded or computed."""
+
+from __future__ import annotations
+
+import functools
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tweezer.scene.scene import Scene
+from tweezer.values.errors import ResultError, SceneError, TweezerError, warn
+from tweezer.values.units import QuantityLike, array_in_si, to_si
+
+if TYPE_CHECKING:
+    import numpy as np
+    from distributed import Client
+    from numpy.typing import NDArray
+
+#: trajectories of an ensemble
+_MOST = 10**9
+
+
+def in_si(
+    name: str,
+    value: Any,
+    unit: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    error: type[TweezerError] = SceneError,
+) -> float:
+    """The argument of that name in its SI unit, from `low` to `high`: see
+    `tweezer.values.units.to_si`.
+
+    Raises `error`, which names the argument.
+    """
+    try:
+        return to_si(value, unit, low, high)
+    except ValueError as refused:
+        raise error(f"{name} = {value!r}: {refused}") from None
+
+
+def numbers_in_si(
+    name: str, values: Any, unit: str, error: type[TweezerError] = ResultError
+) -> NDArray[np.float64]:
+    """The same of an array: see `tweezer.values.units.array_in_si`."""
+    try:
+        return array_in_si(values, unit)
+    except ValueError as refused:
+        raise error(f"{name}: {refused}") from None
+
+
+def check_seed(seed: int) -> None:
+    """Raises `SceneError` unless it is a seed of thermal motion."""
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise SceneError(f"seed = {seed!r}: must be a whole number from 0 to 2^63 - 1")
+
+
+def check_run(scene: Scene, seed: int | None) -> None:
+    """Raises `SceneError` for a seed that is none, or is given where nothing is drawn."""
+    if seed is None:
+        return
+    if not scene.draws:
+        raise SceneError("seed: is for forces.brownian = true, and a camera with noise")
+    check_seed(seed)
+
+
+def check_thermal(scene: Scene, seed: int) -> None:
+    """Raises `SceneError` for a scene without thermal motion, and a seed that is none."""
+    if not scene.forces.brownian:
+        raise SceneError("forces.brownian = False: all trajectories would be equal; set it to true")
+    check_seed(seed)
+
+
+def check_ensemble(
+    scene: Scene,
+    trajectories: int,
+    *,
+    seed: int,
+    out: str | Path | None,
+    statistics: bool,
+    skip: QuantityLike,
+    scheduler: str | Client | None,
+    workers: int | None,
+) -> None:
+    """Raises `SceneError` or `ResultError` for arguments of `tweezer.ensemble` that are none."""
+    for name, value in (
+        ("trajectories", trajectories),
+        ("workers", 1 if workers is None else workers),
+    ):
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= _MOST:
+            raise SceneError(f"{name} = {value!r}: must be a whole number from 1 to {_MOST:.0e}")
+    check_thermal(scene, seed)
+    if skip and not statistics:
+        raise SceneError(f"skip = {skip!r}: only for statistics")
+    samples_skipped(scene, skip)
+    if scheduler is not None and workers is not None:
+        raise SceneError(f"workers = {workers}: not with a scheduler, which has its own")
+    if scheduler is not None and out is None:
+        raise SceneError("out: missing; the workers of a scheduler write there")
+    if out is not None and Path(out).suffix != (suffix := ".nc" if statistics else ".zarr"):
+        raise ResultError(f"{out}: must end in {suffix}")
+
+
+def samples_skipped(scene: Scene, skip: QuantityLike) -> int:
+    """The first sample not before `skip`, s or text. Raises `SceneError` if hardly one is left."""
+    import numpy as np
+
+    seconds = in_si("skip", skip, "s", 0.0)
+    samples = scene.simulation.samples
+    times = np.linspace(0.0, scene.simulation.duration, samples)
+    skipped = int(np.searchsorted(times, seconds * (1 - 1e-12)))
+    if skipped > samples - 2:
+        raise SceneError(f"skip = {skip!r}: must leave at least 2 of {samples} samples")
+    return skipped
+
+
+def name_last(record: Any) -> Any:
+    """Let a dataclass with the keyword `name` take it as its first argument too: the old order."""
+    made = record.__init__
+
+    @functools.wraps(made)
+    def init(self: Any, *given: Any, **named: Any) -> None:
+        if given and isinstance(given[0], str):
+            kind = record.__name__
+            warn(
+                f"{kind}({given[0]!r}, ...): the name is now the last argument, as "
+                f"{kind}(..., name={given[0]!r}); the old order will be removed in version 0.3",
+                FutureWarning,
+            )
+            given, named = given[1:], {"name": given[0], **named}
+        made(self, *given, **named)
+
+    record.__init__ = init
+    return record

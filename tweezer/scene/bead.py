@@ -1,0 +1,81 @@
+"""Mechanical properties of a scene's bead: mass, inertia, drag, weight (2.3, 2.11-2.15)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tweezer.scene.scene import KNUDSEN_LIMIT, SceneLike, checked_scene
+from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
+from tweezer.values.shown import Card, Row, Shown
+
+
+@dataclass(frozen=True, repr=False)
+class BeadProperties(Shown):
+    """Numbers that enter the equations of motion, SI."""
+
+    mass: float
+    """m, kg"""
+    displaced_mass: float
+    """m_f, of the fluid in the place of the bead, kg"""
+    moments_of_inertia: tuple[float, float, float]
+    """I11, I22, I33 (A.13), kg m^2"""
+    drag: float
+    """beta_v (2.15), kg/s: Stokes's, far from everything"""
+    rotational_drag: float
+    """beta_w (2.15), N m s: Stokes's"""
+    weight: tuple[float, float, float]
+    """gravity (2.11) and buoyancy (2.12) as far as they act, N"""
+    knudsen: float
+    """mean free path over diameter (2.2.2)"""
+
+    def card(self) -> Card:
+        """Mass, drag, weight, times."""
+        thin = self.knudsen > KNUDSEN_LIMIT
+        doubt = "not to be trusted: the medium is no continuum for this bead" if thin else ""
+        rows = (
+            Row("mass", f"{1e15 * self.mass:.4g} pg"),
+            Row("displaced mass", f"{1e15 * self.displaced_mass:.4g} pg"),
+            Row("drag", f"{1e9 * self.drag:.4g} nN s/m", doubt),
+            Row("rotational drag", f"{1e21 * self.rotational_drag:.4g} pN nm s", doubt),
+            Row("weight in the fluid", f"{-1e15 * self.weight[2]:.4g} fN, down"),
+            Row("relaxation time", f"{1e6 * self.relaxation_time:.4g} us"),
+            Row("vorticity time", f"{1e6 * self.vorticity_time:.4g} us"),
+            Row("moments of inertia",
+                f"{', '.join(f'{each:.4g}' for each in self.moments_of_inertia)} kg m^2",
+                detail=True),
+            Row("Knudsen number", f"{self.knudsen:.2g}", detail=True),
+        )  # fmt: skip
+        return Card("BeadProperties", "", rows)
+
+    @property
+    def relaxation_time(self) -> float:
+        """m/beta_v, s: the epsilon of (4.6)."""
+        return self.mass / self.drag
+
+    @property
+    def vorticity_time(self) -> float:
+        """tau_f = r^2 rho_m/mu_m, s."""
+        return 4.5 * self.displaced_mass / self.drag
+
+
+def bead_properties(scene: SceneLike) -> BeadProperties:
+    """Properties of the bead of `scene`."""
+    scene = checked_scene(scene)
+    r = scene.bead.radius
+    volume = 4 / 3 * math.pi * r**3
+    mass = scene.bead.density * volume
+    g, forces = scene.forces.gravitational_acceleration, scene.forces
+    sphere = 2 / 5 * mass * r**2
+    lift = scene.medium.density * volume * g if forces.buoyancy else 0.0
+    pull = mass * g if forces.gravity else 0.0
+    viscosity = scene.medium.viscosity
+    return BeadProperties(
+        mass=mass,
+        displaced_mass=scene.medium.density * volume,
+        moments_of_inertia=scene.bead.moments_of_inertia or (sphere, sphere, sphere),
+        drag=drag_of_translation(viscosity, r),
+        rotational_drag=drag_of_rotation(viscosity, r),
+        weight=(0.0, 0.0, lift - pull),
+        knudsen=scene.medium.mean_free_path / (2 * r),
+    )

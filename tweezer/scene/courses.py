@@ -1,0 +1,232 @@
+"""How a beam moves and how its power changes: sections of a scene."""
+
+from __future__ import annotations
+
+import csv
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from io import StringIO
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from tweezer.values.errors import FrozenError
+from tweezer.values.files import read_text
+from tweezer.values.units import (
+    Angle,
+    Frequency,
+    Length,
+    PositiveTime,
+    Quantity,
+    Speed,
+    Time,
+    entries,
+)
+
+Vector = Annotated[tuple[Length, Length, Length], entries(3)]
+Velocity = Annotated[tuple[Speed, Speed, Speed], entries(3)]
+Times = Annotated[tuple[Time, ...], entries(1, 100_000)]
+Places = Annotated[tuple[Vector, ...], entries(1, 100_000)]
+Factor = Annotated[float, Quantity("", 0, 1e6)]
+Factors = Annotated[tuple[Factor, ...], entries(1, 100_000)]
+
+
+class Section(BaseModel):
+    """A part of a scene: immutable, and no key it does not know."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_"):
+            raise FrozenError(
+                f"{name}: a scene is not changed in place; use scene.replace(...), such as "
+                'scene.replace(bead={"diameter": "2 um"})'
+            )
+        super().__setattr__(name, value)
+
+
+def refusal(reason: str) -> PydanticCustomError:
+    """An error of a scene, in one line."""
+    return PydanticCustomError("scene", "{reason}", {"reason": reason})
+
+
+class _Course(Section):
+    """Something that changes in time: its `kind`, and the keys that go with it."""
+
+    kind: str
+
+    @property
+    def last_change(self) -> float:
+        """Time after which nothing changes any more, s; infinite if it goes on for ever."""
+        if getattr(self, "period", None) is not None:
+            return math.inf
+        times, end = getattr(self, "times", None), getattr(self, "end", None)
+        return times[-1] if times else math.inf if end is None else end
+
+    @model_validator(mode="after")
+    def _keys_of_the_kind(self) -> Self:
+        needed, possible = _KEYS[type(self).__name__][self.kind]
+        for key in type(self).model_fields:
+            if key == "kind":
+                continue
+            given = getattr(self, key) is not None
+            if given and key not in (*needed, *possible):
+                raise refusal(f"{key}: not for kind = {self.kind!r}")
+            if not given and key in needed:
+                raise refusal(f"{key}: missing; kind = {self.kind!r} needs it")
+        return self
+
+    def _check_times(self, times: Sequence[float] | None, key: str, others: Any) -> None:
+        if times is None:
+            return
+        if len(times) != len(others):
+            raise refusal(f"{key}: has {len(others)} entries; must have as many as times")
+        if any(b < a for a, b in itertools.pairwise(times)):
+            raise refusal("times: must ascend")
+        period = getattr(self, "period", None)
+        if period is not None and period < times[-1]:
+            raise refusal(f"period = {period:g} s: must be {times[-1]:g} s, the last time, or more")
+
+
+#: keys that each kind needs, and that it may have
+_KEYS: dict[str, dict[str, tuple[tuple[str, ...], tuple[str, ...]]]] = {
+    "Motion": {
+        "sine": (("amplitude", "frequency"), ("phase",)),
+        "ramp": (("velocity",), ("begin", "end")),
+        "steps": (("times", "positions"), ("period",)),
+        "table": (("times", "positions"), ("period",)),
+    },
+    "Modulation": {
+        "sine": (("depth", "frequency"), ("phase",)),
+        "ramp": (("factor", "end"), ("begin",)),
+        "steps": (("times", "factors"), ("period",)),
+        "on-off": (("frequency",), ("duty",)),
+        "table": (("times", "factors"), ("period",)),
+    },
+}
+
+
+class Motion(_Course):
+    """Where a beam is, beside its `position`, in time."""
+
+    kind: Literal["sine", "ramp", "steps", "table"] = Field(
+        description="sine: amplitude sin(2 pi frequency t + phase); ramp: at `velocity` from "
+        "`begin` to `end`; steps: at once to each of `positions` at its time, before the first at "
+        "0; table: straight from one of `positions` to the next, also from a CSV `file`"
+    )
+    amplitude: Vector | None = Field(None, description="of the sine")
+    frequency: Frequency | None = Field(None, description="of the sine")
+    phase: Angle | None = Field(None, description="of the sine; 0 if not given")
+    velocity: Velocity | None = Field(None, description="of the ramp")
+    begin: Time | None = Field(None, description="of the ramp; 0 if not given")
+    end: Time | None = Field(None, description="of the ramp; never if not given")
+    times: Times | None = Field(None, description="of steps and of a table, ascending")
+    positions: Places | None = Field(None, description="at these times, from the beam's position")
+    period: PositiveTime | None = Field(
+        None,
+        description="of steps and of a table, which repeat after it; without it they do not repeat",
+    )
+
+    @property
+    def along_light(self) -> bool:
+        """Whether it leads along the axis of the light anywhere."""
+        ways = (self.amplitude, self.velocity, *(self.positions or ()))
+        return any(way is not None and way[2] != 0 for way in ways)
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        self._check_times(self.times, "positions", self.positions)
+        if (self.end is not None) and self.end <= (self.begin or 0.0):
+            raise refusal(f"end = {self.end:g}: must be later than begin")
+        return self
+
+
+class Modulation(_Course):
+    """The factor of a beam's power in time."""
+
+    kind: Literal["sine", "ramp", "steps", "on-off", "table"] = Field(
+        description="sine: 1 + depth sin(2 pi frequency t + phase); ramp: from 1 at `begin` to "
+        "`factor` at `end`; steps: at once to each of `factors` at its time, before the first 1; "
+        "on-off: on for the part `duty` of each period, then off; table: straight from one of "
+        "`factors` to the next, also from a CSV `file`"
+    )
+    depth: Annotated[float, Quantity("", 0, 1)] | None = Field(None, description="of the sine")
+    frequency: Frequency | None = Field(None, description="of the sine, and of on and off")
+    phase: Angle | None = Field(None, description="of the sine; 0 if not given")
+    factor: Factor | None = Field(None, description="at the end of the ramp")
+    begin: Time | None = Field(None, description="of the ramp; 0 if not given")
+    end: Time | None = Field(None, description="of the ramp")
+    duty: Annotated[float, Quantity("", 1e-6, 1)] | None = Field(
+        None, description="part of a period that the light is on; 0.5 if not given"
+    )
+    times: Times | None = Field(None, description="of steps and of a table, ascending")
+    factors: Factors | None = Field(None, description="at these times")
+    period: PositiveTime | None = Field(
+        None,
+        description="of steps and of a table, which repeat after it; without it they do not repeat",
+    )
+
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        self._check_times(self.times, "factors", self.factors)
+        if self.end is not None and self.end <= (self.begin or 0.0):
+            raise refusal(f"end = {self.end:g}: must be later than begin")
+        return self
+
+
+#: key of the numbers after the time in a row of a file, and how many they are
+_COLUMNS = {"motion": ("positions", 3), "modulation": ("factors", 1)}
+
+
+def with_tables(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The data of a scene with the tables that its beams name as a `file`, relative to a folder.
+
+    A row of the CSV file is a time, s, and then x, y, z, m, or a factor; the first row may be a
+    heading. Raises `ValueError`.
+    """
+    return {
+        key: _with_tables_of(key, value, folder) if key.partition("[")[0] == "beam" else value
+        for key, value in data.items()
+    }
+
+
+def _with_tables_of(name: str, beam: Any, folder: Path) -> Any:
+    if isinstance(beam, list | tuple):
+        named = enumerate(beam, start=1)
+        return [_with_tables_of(f"{name}[{i}]", each, folder) for i, each in named]
+    if not isinstance(beam, Mapping):
+        return beam
+    beam = dict(beam)
+    for section, (key, columns) in _COLUMNS.items():
+        course = beam.get(section)
+        if isinstance(course, Mapping) and isinstance(course.get("file"), str):
+            course = dict(course)
+            if "times" in course or key in course:
+                raise ValueError(f"{name}.{section}: file, or times and {key}: not both")
+            rows = _rows(folder / course.pop("file"), columns + 1)
+            values = [row[1:] if columns > 1 else row[1] for row in rows]
+            beam[section] = {**course, "times": [row[0] for row in rows], key: values}
+    return beam
+
+
+def _rows(path: Path, columns: int) -> list[list[float]]:
+    try:
+        lines = [line for line in csv.reader(StringIO(read_text(path), newline="")) if line]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ValueError(f"{path}: cannot be read: {reason}") from None
+    rows = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            row = [float(each) for each in line]
+        except ValueError:
+            if number == 1:  # a heading
+                continue
+            raise ValueError(f"{path}, row {number}: must be numbers") from None
+        if len(row) != columns:
+            raise ValueError(f"{path}, row {number}: must have {columns} numbers")
+        rows.append(row)
+    return rows

@@ -1,0 +1,126 @@
+"""Which theory of light a scene is computed with: rays or waves."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from tweezer.scene.choices import THEORIES, evaluator
+from tweezer.scene.courses import refusal
+from tweezer.scene.sections import Bead, Beam, Lens, Medium, Optics
+
+#: Largest size parameter k a that auto takes as waves; 120 is a 30 um bead in water at 1064 nm
+LARGEST_SIZE = 120.0
+#: Largest k times `simulation.loss_distance` that auto takes as waves: 130 um in water at 1064 nm
+FARTHEST = 1000.0
+#: Largest size parameter k a of a bead in waves: the tables of harmonics grow as its cube
+LARGEST_IN_WAVES = 160.0
+#: Largest distance from the focus at which waves are computed, in 1/k: 250 um in water at 1064 nm
+FARTHEST_IN_WAVES = 2000.0
+
+#: why the light of a scene has no map of rays
+NO_MAP = (
+    "optics.evaluator = 'map': rays need light that is the same all around the axis; allowed with "
+    "beam.polarisation: 'averaged-reflectance', 'circular' or 'unpolarised'"
+)
+
+
+class Choice(NamedTuple):
+    """The theory that a scene is computed with."""
+
+    theory: str
+    reason: str
+    """one short clause"""
+
+
+def chosen_theory(
+    optics: Optics,
+    bead: Bead,
+    medium: Medium,
+    lens: Lens,
+    beams: Sequence[Beam],
+    loss_distance: float,
+) -> Choice:
+    """The theory that a lit scene names, or else waves where they have a meaning and are cheap.
+
+    Refuses, as an error of a scene, a theory in which it has no meaning.
+    """
+    without = {"rays": no_rays(bead, lens, beams), "waves": no_waves(optics, beams)}
+    asked = optics.theory
+    if all(without.values()):
+        raise refusal(f"optics.theory = {asked!r}: {without['waves']}, and {without['rays']}")
+    if asked != "auto":
+        if reason := without[asked]:
+            allowed = " or ".join(repr(name) for name in ("auto", *THEORIES) if name != asked)
+            raise refusal(f"optics.theory = {asked!r}: {reason}; allowed: {allowed}")
+        return Choice(asked, f"optics.theory = {asked!r}")
+    if reason := without["waves"]:
+        return Choice("rays", reason)
+    if reason := without["rays"]:
+        return Choice("waves", reason)
+    size = largest_wavenumber(medium, beams) * bead.radius
+    if size > LARGEST_SIZE:
+        return Choice("rays", f"the size parameter k a = {size:.3g} is above {LARGEST_SIZE:g}")
+    far = largest_wavenumber(medium, beams) * loss_distance
+    if far > FARTHEST:
+        return Choice("rays", f"k times simulation.loss_distance = {far:.3g} is above {FARTHEST:g}")
+    return Choice("waves", f"the size parameter k a = {size:.3g} is at most {LARGEST_SIZE:g}")
+
+
+def largest_wavenumber(medium: Medium, beams: Sequence[Beam]) -> float:
+    """k = 2 pi n_m/lambda, 1/m, of the shortest of the wavelengths."""
+    wavelength = min(beam.wavelength for beam in beams)
+    return 2 * math.pi * medium.refractive_index / wavelength
+
+
+def no_waves(optics: Optics, beams: Sequence[Beam]) -> str | None:
+    """Reason why a scene has no meaning as waves; None if it has one."""
+    return _first(_beyond_waves(optics, beams), "waves")
+
+
+def no_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> str | None:
+    """Reason why a scene has no meaning as rays; None if it has one."""
+    return _first(_beyond_rays(bead, lens, beams), "rays")
+
+
+def _first(beyond: Iterator[str], theory: str) -> str | None:
+    return next((f"{what} has no meaning as {theory}" for what in beyond), None)
+
+
+def _beyond_waves(optics: Optics, beams: Sequence[Beam]) -> Iterator[str]:
+    if "waves" not in evaluator(optics.evaluator).places:
+        yield f"optics.evaluator = {optics.evaluator!r}"
+    for name, beam in named_beams(beams):
+        if beam.polarisation == "averaged-reflectance":
+            yield f"{name}.polarisation = 'averaged-reflectance'"
+        if beam.torque == "thesis":
+            yield f"{name}.torque = 'thesis'"
+        if beam.profile == "donut" and not beam.vortex and not _about_the_axis(beam):
+            yield (
+                f"{name}.profile = 'donut' without a vortex, or radial or azimuthal polarisation,"
+            )
+
+
+def _beyond_rays(bead: Bead, lens: Lens, beams: Sequence[Beam]) -> Iterator[str]:
+    if len(bead.shells) > 1:
+        yield f"bead.layers of {len(bead.shells)}"
+    if bead.absorbs:
+        yield f"bead.refractive_index = {bead.index:.6g}"
+    if lens.cover is not None:
+        yield "lens.cover"
+    for name, beam in named_beams(beams):
+        if beam.vortex:
+            yield f"{name}.vortex = {beam.vortex}"
+        if _about_the_axis(beam):
+            yield f"{name}.polarisation = {beam.polarisation!r}"
+
+
+def _about_the_axis(beam: Beam) -> bool:
+    return beam.polarisation in ("radial", "azimuthal")
+
+
+def named_beams(beams: Sequence[Beam]) -> Iterator[tuple[str, Beam]]:
+    """Each beam with its name in a scene: beam, or beam[1] and so on."""
+    for i, beam in enumerate(beams, start=1):
+        yield ("beam" if len(beams) == 1 else f"beam[{i}]"), beam

@@ -1,0 +1,617 @@
+"""The coordinate that a camera does not see: where along the light a bead started.
+
+The motion in the plane depends on where along the light the bead is, for the force does; so a track
+(t, x, y) of a bead that falls into the trap tells where it started: the thesis's aim.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.stats.qmc import Sobol
+
+from tweezer.calibration.findings import REFUTED
+from tweezer.dynamics.models import EquationsOfMotion, bind_translation
+from tweezer.dynamics.problem import bound_once
+from tweezer.fluid import drag
+from tweezer.optics import light_of_one_beam
+from tweezer.reading.recording import Track, load_track
+from tweezer.scene import Scene, checked_scene
+from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.scene.bead import bead_properties
+from tweezer.scene.choices import evaluator
+from tweezer.tracking.filter import Bead, Camera, Filtered, kalman_filter
+from tweezer.tracking.profile import JUMP, LEVEL, Profile, below
+from tweezer.tracking.residuals import p_value as p_value_of
+from tweezer.values.constants import Boltzmann
+from tweezer.values.errors import IntegrationError, ResultError, SceneError
+from tweezer.values.rounding import most, with_uncertainty
+from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.units import TABLE_RADII, QuantitiesLike, QuantityLike
+
+Array = NDArray[np.float64]
+
+#: Probability that a coordinate is a number from anywhere
+_OUTLIERS = 0.01
+#: Range of the noise of a camera, m
+_NOISE = (1e-10, 1e-6)
+#: Lower bound on the fitted noise, as a part of the thermal displacement between two frames or, if
+#: that is smaller, of the guess
+_LEAST_NOISE = 0.03
+#: Upper bound on the fitted noise, as a multiple of the guess
+_MOST_NOISE = 5.0
+#: Half-width of the search if none is given, as a part of how far the force is
+#: sampled evenly (`tweezer.forces.equilibria.Search`), which is the range of its map
+_SEARCH = 0.75
+#: Number of values of one fitted quantity that a place of the scan is tried with; doubled by each
+#: further quantity
+_TRIALS = 16
+#: Step in z over which the misfit is about a parabola, in radii
+_Z_STEP = 0.03
+#: Smallest gap of a start beside a wall, in radii
+_LEAST_GAP = 1e-3
+#: Number of frames from which the start is guessed
+_FIRST = 7
+#: Standard deviation of the guessed start, in steps between frames
+_GUESS = 4.5
+#: Relative excess of an exposure over the time between frames that is allowed: times are rounded
+_UNEVEN = 1e-3
+
+
+#: note of every result on the model of its filter
+_WITHOUT_MEMORY = (
+    "The filter leaves out the memory of the fluid. In water this puts the start of beads of "
+    "0.5 to 2 um some 10 to 25 nm too far from the trap."
+)
+
+
+class _Free(NamedTuple):
+    """A quantity that may be fitted besides the depth, as value = given * exp(fitted)."""
+
+    unit: str
+    step: float
+    """of fitted, over which the misfit is about a parabola"""
+    reach: float
+    """largest |fitted|; of noise and release by the track"""
+
+
+#: what may be fitted
+FREE = {
+    "noise": _Free("m", 0.1, math.nan),
+    "power": _Free("W", 0.03, math.log(4)),
+    "radius": _Free("m", 0.02, math.log(2)),
+    "scaling_factor": _Free("", 0.05, math.log(1e4)),
+    "release": _Free("s", 0.2, math.nan),
+}
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """A start that fits better than those about it."""
+
+    z: float
+    """m"""
+    misfit: float
+    """-2 log(likelihood), above the least"""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What was fitted besides the depth."""
+
+    name: str
+    """"noise", "power" (through the pupil), "radius", "scaling_factor" or "release\""""
+    value: float
+    uncertainty: float | None
+    """standard uncertainty, by the likelihood; None where that tells nothing, at an end of its
+    range or, of the noise, above the value"""
+    unit: str
+
+    @property
+    def told(self) -> tuple[str, str]:
+        """Value with its uncertainty and unit, and that it is not determined."""
+        scale, unit = (1e6, "um") if self.unit == "m" else (1.0, self.unit)
+        uncertainty = math.nan if self.uncertainty is None else self.uncertainty
+        value = f"{with_uncertainty(scale * self.value, scale * uncertainty)} {unit}".rstrip()
+        return value, "not determined" if self.uncertainty is None else ""
+
+
+@dataclass(frozen=True, repr=False)
+class DepthFit(Shown):
+    """Where along the light a bead started, SI; z from the focus, along the light."""
+
+    name: str
+    """of the track"""
+    scene: str
+    z: float
+    """m, of the largest likelihood"""
+    intervals: tuple[tuple[float, float], ...]
+    """m, 95 % confidence by profile likelihood: as many pieces as there are"""
+    determined: bool
+    """whether that is one piece, shorter than half the search, that does not meet its ends, of a
+    profile without jumps about it, and the residuals are white"""
+    statement: str
+    """what the track tells, in words"""
+    minima: tuple[Minimum, ...]
+    """of the misfit, best first"""
+    noise: float
+    """m, standard deviation of a coordinate, given or fitted"""
+    parameters: tuple[Parameter, ...]
+    search: tuple[float, float]
+    """m"""
+    start_time: float
+    """s, of the first frame with both coordinates: z is where the bead was as it began"""
+    frames: int
+    outliers: int
+    """coordinates that are rather not the bead's"""
+    p_value: float
+    """how probable residuals are that are as far from white"""
+    profile: tuple[tuple[float, float], ...]
+    """z, m, and least misfit with the start there; without starts that cannot be followed"""
+    path: Filtered
+    """at the best fit"""
+
+    def card(self) -> Card:
+        """Start and interval, other minima, what else was fitted, what the residuals say."""
+        doubt = "" if self.determined else "not determined"
+        pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in self.intervals)
+        others = ", ".join(
+            f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in self.minima[1:]
+        )
+        rows = [
+            Row("start in z", f"{1e6 * self.z:.4g} um from the focus", doubt),
+            Row("95 % confidence", f"{pieces} um"),
+            Row("other minima (misfit above)", others or "none", detail=not others),
+            *(Row(each.name, *each.told) for each in self.parameters),
+            Row("frames, outliers", f"{self.frames}, {self.outliers}", detail=True),
+            Row("residuals white, p", f"{self.p_value:.2g}",
+                "they are not those of the scene" if self.p_value < REFUTED else ""),
+        ]  # fmt: skip
+        return Card(
+            "DepthFit",
+            f"{self.name}, {self.scene}",
+            tuple(rows),
+            notes=(self.statement, _WITHOUT_MEMORY),
+        )
+
+
+def fit_depth(
+    source: Track | xr.Dataset | str | Path,
+    scene: Scene | None = None,
+    *,
+    noise: QuantityLike | None = None,
+    exposure: QuantityLike | None = None,
+    search: QuantitiesLike | None = None,
+    fit: Sequence[str] = (),
+    progress: Callable[[float], None] | None = None,
+) -> DepthFit:
+    """The start in z of a bead from a track of x and y, by maximum likelihood.
+
+    source: a track, or what `load_track` takes. scene: bead, medium and light; for a run of ours
+    its own if not given. noise: standard deviation of a coordinate, m; fitted if not given.
+    exposure: the time that each frame averages over, s, up to the shortest time between two; the
+    times of the track are those of its middle, and z is where the bead was when the first frame
+    began; that of the camera of a run of ours, and 0 of another track, if not given. search:
+    where the start may be, m from the focus; three quarters of the map to both sides if not given:
+    15 radii, and by waves 4 radii and 7 wavelengths in the medium, about, or up to a wall. fit:
+    what else is not known: "power", "radius", "scaling_factor" (a2 of the scaled model), "release"
+    (the time up to which the bead is held where it starts; the first frame if not fitted).
+    progress: called with the part done, 0 to 1.
+
+    Assumed of the track: x and y are from the axis of the light, the noise is white and the same in
+    both coordinates, and the scene is known but for what is fitted. The bead starts with the
+    scene's velocity if the scene's model is `scaled` (4.17); with any other it goes without inertia
+    (5.2), which moves it by less than a camera sees. The memory of the fluid is left out: it delays
+    a bead in water, so z of the thesis's beads is found 10 to 25 nm too far from the trap, 0.1 to
+    0.4 standard uncertainties. Beside a wall the bead has the mobilities of the
+    place, and no inertia. The force is that of the map, made to 20 radii, or by waves to 5 radii
+    and 10 wavelengths in the medium; of the quadrature for linear polarisation.
+
+    The likelihood is that of a Kalman filter (`tweezer.tracking.filter`), for thermal motion adds
+    up: residuals about the motion without it are not independent. The filter takes the force as
+    linear over the spread of where the bead may be; once that spread passes about a radius, as it
+    can with the inertia of the scaled model, the likelihood means little, and the statement says
+    so. x and y of the start are averaged over. A coordinate may be a number from anywhere: to its
+    density is added 0.01 over the length that the track extends over (`Camera.outliers`).
+
+    The misfit is least over what else is fitted at 81 places of the search, within its minima, and
+    at up to 80 places more where it jumps near the least by more than 7.7 from one to the next,
+    down to 1/32 of a step. It is sought from many values of what is fitted at each place, and from
+    what fits best at the places beside it, until none of these finds less
+    (`tweezer.tracking.profile`). A start that cannot be followed is impossible.
+
+    The confidence interval contains the starts whose misfit is less than 3.84 above the minimum
+    (S. S. Wilks, Ann. Math. Stat. 9, 60 (1938)), so it may be in several pieces or open. It does
+    not determine z in any of these cases:
+
+    * A jump remains at an end of the interval, or a fit near it has not converged.
+    * Power, radius or scaling factor reaches an end of its range within the interval (1/4 to 4, 1/2
+      to 2 and 1e-4 to 1e4 times the scene's value), or noise or release reaches its upper end.
+    * The p-value is below 0.01. It tests the correlations of the residuals (G. M. Ljung and G. E.
+      P. Box, Biometrika 65, 297 (1978)), and their size if the noise is given.
+
+    Raises `ResultError` for what `load_track` refuses, without a scene, for a noise, an exposure, a
+    search or a name in `fit` that is none, or that goes with no wall; `SceneError` for more than
+    one beam, and for the scaled model beside a wall; `IntegrationError` where the motion cannot be
+    followed from any start.
+    """
+    track = source if isinstance(source, Track) else load_track(source)
+    scene = track.scene if scene is None else checked_scene(scene)
+    if scene is None:
+        raise ResultError(f"{track.name}: needs a scene")
+    noise, exposure = (
+        None if value is None else in_si(name, value, unit, error=ResultError)
+        for name, value, unit in (("noise", noise, "m"), ("exposure", exposure, "s"))
+    )
+    if search is None:
+        half = _SEARCH * light_of_one_beam(scene).search.near
+        within = _between_walls(scene, -half, half)
+    else:
+        low, high = numbers_in_si("search", search, "m").tolist()
+        within = low, high
+    _refuse(track, scene, noise, within, fit)
+    exposure = (track.exposure or 0.0) if exposure is None else exposure
+    shortest = float(np.diff(track.times).min())
+    if not 0 <= exposure <= shortest * (1 + _UNEVEN):
+        raise ResultError(
+            f"exposure = {exposure:g} s: must be from 0 to the shortest time between two frames, "
+            f"{most(shortest, 4)} s"
+        )
+    likelihood = _Likelihood(track, scene, noise, min(exposure, shortest), fit)
+
+    profile = Profile(likelihood, within, progress)
+    profile.polish()
+    profile.refine()
+    at, values = profile.places, profile.values - profile.values.min()
+    i = int(values.argmin())
+    best, optimum = float(at[i]), profile.nuisances[i]
+    intervals = tuple(below(profile))
+    path = likelihood.filtered(best, optimum)
+    parameters = tuple(likelihood.parameters(optimum, profile.spread()))
+    # the start is sought in z, and taken from the first frames in x and y
+    p_value = p_value_of(path, sized=noise is not None, fitted=3 + len(likelihood.names))
+    doubts = _doubts(scene.bead.radius, likelihood, profile, path, p_value)
+    (low, high), *more = intervals
+    open_end = low <= at[0] or intervals[-1][1] >= at[-1]
+    determined = (
+        not more and not open_end and high - low < (within[1] - within[0]) / 2
+        and not any(doubt.refuses for doubt in doubts)
+    )  # fmt: skip
+    minima = [Minimum(float(at[i]), float(values[i])) for i in profile.lowest]
+    return DepthFit(
+        track.name, scene.name, best, intervals, determined,
+        _statement(best, intervals, (at[0], at[-1]), determined, parameters, doubts),
+        tuple(sorted(minima, key=lambda each: each.misfit)), likelihood.noise(optimum),
+        parameters, within, float(track.times[0]), len(track.times),
+        int((path.weights < 0.5).sum()), p_value,
+        tuple(zip(at.tolist(), values.tolist(), strict=True)), path,
+    )  # fmt: skip
+
+
+def _refuse(
+    track: Track,
+    scene: Scene,
+    noise: float | None,
+    search: tuple[float, float],
+    fit: Sequence[str],
+) -> None:
+    low, high = search
+    if not (math.isfinite(low) and math.isfinite(high) and low < high):
+        raise ResultError(f"search = {low:g} to {high:g} m: must go from a z to a larger one")
+    if noise is not None and not _NOISE[0] <= noise <= _NOISE[1]:
+        raise ResultError(f"noise = {noise:g} m: must be from {_NOISE[0]:g} to {_NOISE[1]:g} m")
+    if isinstance(fit, str):
+        raise ResultError(f"fit = {fit!r}: must be a list of names")
+    for name in fit:
+        if name not in (allowed := [each for each in FREE if each != "noise"]):
+            raise ResultError(f"fit = {name!r}: allowed: {', '.join(allowed)}")
+        if list(fit).count(name) > 1:
+            raise ResultError(f"fit = {name!r}: given more than once")
+    if "scaling_factor" in fit and scene.simulation.model != "scaled":
+        raise ResultError("fit = 'scaling_factor': needs simulation.model = 'scaled'")
+    if scene.wall is not None:
+        _refuse_in_the_wall(scene, search, fit)
+    if "power" in fit and not scene.lit:
+        raise ResultError("fit = 'power': the scene has no light")
+    farthest = math.hypot(*_start(track.positions), max(abs(low), abs(high)))
+    if farthest >= 2 * scene.simulation.loss_distance:
+        raise ResultError(
+            f"{track.name}: starts up to {farthest:.3g} m from the focus; must be nearer than "
+            f"twice simulation.loss_distance = {scene.simulation.loss_distance:.3g} m"
+        )
+
+
+def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence[str]) -> None:
+    if scene.simulation.model == "scaled":
+        raise SceneError(
+            "simulation.model = 'scaled': beside a wall the depth is fitted without inertia; "
+            "allowed: full, overdamped"
+        )
+    if min(map(scene.room, search)) <= 0:
+        low, high = _between_walls(scene, -math.inf, math.inf)
+        raise ResultError(
+            f"search = {search[0]:g} to {search[1]:g} m: reaches into the wall; the bead's centre "
+            f"is between {low:.6g} and {high:.6g} m"
+        )
+    for name in {"power", "radius"}.intersection(fit) if scene.forces.dlvo else ():
+        raise ResultError(f"fit = {name!r}: not with forces.dlvo, which changes otherwise with it")
+
+
+def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
+    """The part of a search, m, that is not in a wall."""
+    for plane, normal in scene.wall.planes if scene.wall else ():
+        nearest = plane + normal * (1 + _LEAST_GAP) * scene.bead.radius
+        low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
+    return low, high
+
+
+def _start(positions: Array) -> Array:
+    """x and y about which the bead starts: one wrong number among the first does not move them."""
+    first = positions[:_FIRST]
+    middle: Array = np.median(first[np.isfinite(first).all(axis=1)], axis=0)
+    return middle
+
+
+def _usual(numbers: Array, order: int) -> float:
+    """Median size of the differences of a coordinate from one place it was seen to the next."""
+    return float(np.median(np.abs(np.diff(numbers[np.isfinite(numbers)], order))))
+
+
+class _Likelihood:
+    """The misfit of a track, -2 log(likelihood), over the start and what else is fitted."""
+
+    def __init__(
+        self, track: Track, scene: Scene, noise: float | None, exposure: float, fit: Sequence[str]
+    ) -> None:
+        if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
+            reach = light_of_one_beam(scene).search.near
+            radii = round(reach / scene.bead.radius, 9)
+            range_ = radii if radii <= TABLE_RADII[1] else f"{reach:.12g} m"
+            scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
+        if not scene.plain:
+            raise SceneError("beam: the depth is fitted for one beam at rest, from below")
+        self._light = light_of_one_beam(scene)
+        self._problem = bound_once(scene)
+        self._kT = Boltzmann * scene.medium.temperature
+        self._velocity = np.array(scene.start.velocity)
+        self._given = {
+            "power": self._light.light.cone.power, "radius": scene.bead.radius,
+            "scaling_factor": scene.simulation.scaling_factor,
+        }  # fmt: skip
+        self._filters: dict[tuple[float, float], Callable[..., Filtered]] = {}
+        self._noise, self._exposure, self._fit = noise, exposure, tuple(fit)
+        self._times = track.times - track.times[0]
+        self._positions = np.ascontiguousarray(track.positions)
+        extent = float(np.ptp(track.positions[np.isfinite(track.positions)]))
+        self._outliers = _OUTLIERS / (extent + 2 * scene.bead.radius)
+        both = self._positions[np.isfinite(self._positions).all(axis=1)][:_FIRST]
+        least = self._noise or self._guess
+        spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]
+        self._start = _start(self._positions)
+        if exposure:  # a frame tells its mean: it began as far off as it went on to the next one
+            heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * exposure)
+            spread = [math.hypot(seen[1] - seen[0], heat, least) for seen in both.T]
+            self._start = both[0]
+        self._spread = np.array([*spread, 0.0])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of what is fitted besides z."""
+        return self._fit if self._noise else ("noise", *self._fit)
+
+    @property
+    def reach(self) -> float:
+        """How far the force is mapped, m."""
+        return self._light.search.near
+
+    @functools.cached_property
+    def unit(self) -> float:
+        """m, the radius."""
+        return self._light.light.radius
+
+    @functools.cached_property
+    def _guess(self) -> float:
+        """m, the noise by the differences of frames, which thermal motion is in."""
+        usual = float(np.mean([_usual(seen, 2) for seen in self._positions.T]))
+        return min(max(usual / (0.6745 * math.sqrt(6)), 2 * _NOISE[0]), _NOISE[1] / 2)
+
+    @functools.cached_property
+    def bounds(self) -> Array:
+        """(n, 2) of p: logarithms, but for the release, which is in frames."""
+        every = {name: (-free.reach, free.reach) for name, free in FREE.items()}
+        every["release"] = (0.0, self._times[-1] / 2 / self._step)  # half of the track
+        heat = math.sqrt(2 * self._kT * self._problem.mobility[0] * self._step)
+        least = _LEAST_NOISE * min(heat, self._guess)
+        every["noise"] = (math.log(least), math.log(_MOST_NOISE * self._guess))
+        return np.array([every[name] for name in self.names]).reshape(-1, 2)
+
+    @functools.cached_property
+    def steps(self) -> Array:
+        """(n + 1,) of z, in radii, and p."""
+        return np.array([_Z_STEP, *(FREE[name].step for name in self.names)])
+
+    @functools.cached_property
+    def trials(self) -> Array:
+        """(trials, n) what a place of the scan is tried with: what is given first."""
+        known = [] if self._noise else [math.log(self._guess)]
+        begin = np.array([*known, *[0.0] * len(self._fit)])
+        if not self._fit:
+            return begin[None]
+        low, high = self.bounds[len(known) :].T
+        count = _TRIALS * 2 ** (len(self._fit) - 1)
+        even = Sobol(len(self._fit), scramble=False).random(count) + 0.5 / count
+        tried = np.column_stack([np.tile(known, (count, 1)), low + even * (high - low)])
+        return np.vstack([begin, tried])
+
+    @functools.cached_property
+    def _step(self) -> float:
+        return float(np.median(np.diff(self._times)))
+
+    def noise(self, p: Array) -> float:
+        """m, of the camera."""
+        return self._noise or math.exp(p[0])
+
+    def _changes(self, p: Array) -> dict[str, float]:
+        """What is fitted, as a logarithm of its ratio to what the scene says, or in frames."""
+        return dict(zip(self._fit, p[len(p) - len(self._fit) :].tolist(), strict=True))
+
+    def filtered(self, z: float, p: Array, least: float = -math.inf) -> Filtered:
+        """The track as the filter sees it, from a start at z, m; `least` as there."""
+        change = self._changes(p)
+        power, size, a2 = (
+            math.exp(change.get(name, 0.0)) for name in ("power", "radius", "scaling_factor")
+        )
+        scene = self._problem.scene
+        if scene.wall is not None and scene.room(z) <= (size - 1) * self.unit:
+            raise IntegrationError(
+                f"a bead of {size * self.unit:.4g} m at {z:.6g} m is in the wall"
+            )
+        if (size, a2) not in self._filters:
+            self._filters = {(size, a2): kalman_filter(self._equations(size, a2))}
+        moving = Bead(
+            size * self.unit, power, self._kT, np.append(self._start, z), self._spread,
+            self._velocity, change.get("release", 0.0) * self._step,
+        )  # fmt: skip
+        return self._filters[size, a2](
+            moving,
+            Camera(
+                self._times,
+                self._positions,
+                np.full(2, self.noise(p)),
+                self._outliers,
+                self._exposure,
+            ),
+            least,
+        )
+
+    def _equations(self, size: float, a2: float) -> EquationsOfMotion:
+        """Those of a bead and a scaling factor of that many times the scene's."""
+        scene, inertial = self._problem.scene, self._problem.scene.simulation.model == "scaled"
+        radius = size * scene.bead.radius
+        factor = a2 * (scene.simulation.scaling_factor or 1.0) if inertial else None
+        simulation = scene.simulation.model_copy(update={"scaling_factor": factor})
+        bead, start = scene.bead.model_copy(update={"radius": radius}), scene.start
+        if scene.wall is not None:  # a place where a bead of any radius has mobilities
+            clear = scene.wall.position + 2 * scene.wall.normal * radius
+            start = start.model_copy(update={"frame": "focus", "position": (0.0, 0.0, clear)})
+        scene = scene.model_copy(update={"bead": bead, "start": start, "simulation": simulation})
+        problem = dataclasses.replace(
+            self._problem, scene=scene, bead=bead_properties(scene), drag=drag(scene),
+            light=self._light.of_radius(radius),
+        )  # fmt: skip
+        return bind_translation(problem, "scaled" if inertial else "overdamped")
+
+    def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
+        """-2 log(likelihood), or a number between `most` and it; infinite: cannot be followed."""
+        try:
+            return -2 * self.filtered(z, p, -most / 2).log_likelihood
+        except IntegrationError:
+            return math.inf
+
+    def ends(self, p: Array) -> list[str]:
+        """What is fitted that meets an end of its range.
+
+        The least noise and release are no such end: less noise makes no difference, and a bead is
+        not released before it is seen.
+        """
+        low, high = self.bounds.T.copy()
+        low[[name in ("noise", "release") for name in self.names]] = -np.inf
+        return [self.names[i] for i in np.flatnonzero((p <= low) | (p >= high))]
+
+    def parameters(self, p: Array, spread: Array) -> list[Parameter]:
+        """What was fitted, with its standard uncertainties."""
+        parameters = []
+        for name, value, deviation, ends in zip(self.names, p, spread, self.bounds, strict=True):
+            size, number = self._step, value * self._step
+            if name != "release":
+                number = size = (self._given.get(name) or 1.0) * math.exp(value)
+            told = ends[0] < value < ends[1] and deviation < (1 if name == "noise" else np.inf)
+            uncertainty = float(size * deviation) if told else None
+            parameters.append(Parameter(name, float(number), uncertainty, FREE[name].unit))
+        return parameters
+
+
+class _Doubt(NamedTuple):
+    """Why the interval may be wrong."""
+
+    told: str
+    refuses: bool
+    """whether z is then not determined"""
+
+
+def _doubts(
+    radius: float, likelihood: _Likelihood, profile: Profile, path: Filtered, p_value: float
+) -> list[_Doubt]:
+    doubts = []
+    if profile.jumps(LEVEL).any():
+        doubts.append(
+            _Doubt("the misfit jumps at the interval's ends: its length means nothing", True)
+        )
+    near = profile.values - profile.values.min() < JUMP
+    if lost := int((~profile.converged & near).sum()):
+        doubts.append(_Doubt(f"{lost} of {int(near.sum())} fits near it have not converged", True))
+    inside = profile.nuisances[profile.values - profile.values.min() <= LEVEL]
+    if ends := sorted({name for p in inside for name in likelihood.ends(p)}):
+        doubts.append(_Doubt(f"{' and '.join(ends)} at an end of what was tried", True))
+    within = np.linalg.norm(path.predicted, axis=1) < likelihood.reach
+    widest = float(path.deviations[within, 2].max(initial=0.0))
+    if widest > radius:
+        doubts.append(
+            _Doubt(
+                f"z spreads to {1e6 * widest:.2g} um, over which the force is not linear as the "
+                "likelihood takes it",
+                False,
+            )
+        )
+    if p_value < REFUTED:
+        doubts.append(
+            _Doubt(
+                f"the residuals are not white (p = {p_value:.1g}): "
+                "scene or noise is not the track's",
+                True,
+            )
+        )
+    return doubts
+
+
+def _statement(
+    z: float,
+    intervals: tuple[tuple[float, float], ...],
+    search: tuple[float, float],
+    determined: bool,
+    parameters: tuple[Parameter, ...],
+    doubts: Sequence[_Doubt],
+) -> str:
+    pieces = " and ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in intervals)
+    if determined:
+        told = f"the bead started at z = {1e6 * z:.4g} um; 95 % confidence: {pieces} um"
+    else:
+        told = f"the track does not determine z: every start from {pieces} um fits it"
+        if any(doubt.refuses for doubt in doubts):
+            told = (
+                f"the track does not determine z: of those tried, starts from {pieces} um fit best"
+            )
+        if len(intervals) > 1:
+            told = f"the track leaves {len(intervals)} places for the start: {pieces} um"
+        ends = [
+            f"{1e6 * end:.4g} um"
+            for end, reached in (
+                (search[0], intervals[0][0] <= search[0]),
+                (search[1], intervals[-1][1] >= search[1]),
+            )
+            if reached
+        ]
+        if ends:
+            told += f"; the interval is open at the end of the search, {' and '.join(ends)}"
+    if any(each.name == "noise" and each.uncertainty is None for each in parameters):
+        told += "; the noise is too small for the track to tell"
+    return "; ".join([told, *(doubt.told for doubt in doubts)])

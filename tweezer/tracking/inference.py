@@ -1,0 +1,388 @@
+"""Keys of a scene from recordings of its trapped bead, by maximum likelihood.
+
+The likelihood uses the power spectrum of the bead in the scene's light, with the inertia of bead
+and fluid. The stiffness follows from the scene, so a recording determines what the stiffness
+and the drag depend on: power, size, index, aperture, the height above a wall.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from scipy.optimize import brentq
+
+from tweezer.calibration.findings import REFUTED
+from tweezer.calibration.settling import unsettled
+from tweezer.optics import rows_of_light
+from tweezer.reading.recording import Recording, load_recording
+from tweezer.scene import Scene, checked_scene
+from tweezer.tracking.profile import LEVEL
+from tweezer.tracking.scene_misfit import Least, Misfit
+from tweezer.values.errors import ResultError
+from tweezer.values.rounding import time_taken, with_uncertainty
+from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.units import usual_unit
+
+#: Information that everything is taken to have, so that its inverse is finite
+_FAINT = 1e-6
+#: Distance from a bound at which a value counts as there
+_AT_END = 1e-3
+#: Tolerance of the end of an interval, in its distance
+_END = 0.01
+#: Part of the level that the misfit has reached just before a smooth end
+_SMOOTH = 0.9
+#: Smallest number of relaxation times, of the slowest axis that is seen
+_FEW = 50.0
+#: Change that a key must be told to within, as a factor or in radii, or it is not determined
+_DETERMINED = 0.5
+#: Misfit above the least at which another minimum is not excluded: each fits by its own chance
+_RIVAL = 15.0
+#: Smallest systematic error that is reported, in the smallest relative uncertainty of a key
+_HARM = 0.5
+#: Change of a key in the description of a pair that is not distinguished
+_TEN_PER_CENT = math.log(1.1)
+
+
+@dataclass(frozen=True)
+class FittedKey:
+    """A key of a scene, as recordings tell it."""
+
+    key: str
+    unit: str
+    """SI; "" for a number"""
+    value: float
+    """of the largest likelihood"""
+    uncertainty: float | None
+    """standard uncertainty: the interval over 3.92; None if `determined` is False"""
+    interval: tuple[float | None, float | None]
+    """95 % confidence by profile likelihood; None for an end farther off than a factor of 1.65 or
+    half a radius, or beyond what a scene may have"""
+    determined: bool
+    """whether both ends are told, the fit has converged and the residuals are those of the scene"""
+    profile: tuple[tuple[float, float], ...]
+    """values of the key, and least misfit there, -2 log(likelihood), above the least of all"""
+
+    @property
+    def told(self) -> tuple[str, str]:
+        """Value and interval in the usual unit of its size, and that it is not determined."""
+        factor, unit = usual_unit(self.value, self.unit)
+        uncertainty = math.nan if self.uncertainty is None else self.uncertainty / factor
+        value = f"{with_uncertainty(self.value / factor, uncertainty)} {unit}".rstrip()
+        ends = ["not determined" if end is None else f"{end / factor:.4g}" for end in self.interval]
+        told = f"{value} (95 %: {ends[0]} to {ends[1]})"
+        return told, "" if self.determined else "not determined"
+
+
+@dataclass(frozen=True, repr=False)
+class SceneFit(Shown):
+    """What recordings tell of a scene, SI."""
+
+    names: tuple[str, ...]
+    """of the recordings"""
+    scene: Scene
+    """with the fitted values"""
+    keys: tuple[FittedKey, ...]
+    log_likelihood: float
+    """to compare fits to the same recordings"""
+    frames: int
+    p_value: float
+    """probability of spectra that deviate as much or more from those of the scene"""
+    likelihood: str
+    """what was compared with the scene, in words: bands, steps and inertia"""
+    statement: str
+    """what the recordings tell, in words"""
+
+    @property
+    def determined(self) -> bool:
+        """Whether every key is determined."""
+        return all(each.determined for each in self.keys)
+
+    def __getitem__(self, key: str) -> FittedKey:
+        return next(each for each in self.keys if each.key == key)
+
+    def card(self) -> Card:
+        """A row for each key, what the residuals say, and the light."""
+        rows = [Row(each.key, *each.told) for each in self.keys]
+        unlikely = self.p_value < REFUTED
+        rows += [
+            Row("likelihood", self.likelihood),
+            Row("frames", f"{self.frames}", detail=True),
+            Row("spectrum, p", f"{self.p_value:.2g}",
+                "it is not that of the scene" if unlikely else ""),
+            *rows_of_light(self.scene),
+        ]  # fmt: skip
+        names = ", ".join(Path(name).name for name in self.names)
+        return Card("SceneFit", names, tuple(rows), notes=(self.statement,))
+
+
+def fit(
+    recordings: Recording | xr.Dataset | str | Path | Sequence[Recording | str | Path],
+    scene: Scene | None = None,
+    *,
+    free: Sequence[str],
+    progress: Callable[[float], None] | None = None,
+) -> SceneFit:
+    """Fit keys of a scene to recordings of its bead at rest in the trap.
+
+    The likelihood is the Whittle likelihood of each coordinate's whitened power spectrum (P.
+    Whittle, Ark. Mat. 2, 423 (1953)). The expected spectrum includes inertia, hydrodynamic memory,
+    aliases, motion blur and the noise of the camera, without approximation
+    (`TrappedBead.sampled_spectrum`). Its stiffness and drag are means over the thermal motion in
+    the scene's force (statistical linearisation), which is right to first order in the anharmonic
+    part of the trap. A statement says where the second order may matter.
+
+    The bead is in equilibrium in the trap throughout. Its position in the recording is unknown, so
+    the mean of each coordinate is subtracted. The coordinates are treated as independent.
+
+    Parameters
+    ----------
+    recordings : Recording, dataset, path or a sequence of them
+        One or several recordings of the same scene, or what `load_recording` takes, with x, x and
+        y, or all three coordinates.
+    scene : Scene, optional
+        Bead, medium and light, with the first guesses of the free keys, and `camera` for exposure
+        and noise. The default is the scene of a run. Without a camera the exposure and noise are
+        those of the recording, or zero. The inertia is what its `simulation.model` and
+        `medium.inertia` name; what they leave open is the inertia of the bead and the memory of the
+        fluid. A run of tweezer has the inertia that it was made with.
+    free : sequence of str
+        Keys of the scene, such as "bead.diameter", "beam.power", "medium.viscosity" or
+        "camera.noise".
+    progress : callable, optional
+        Called with the part done, 0 to 1.
+
+    Returns
+    -------
+    SceneFit
+        Values with 95 % confidence intervals: values whose least misfit, -2 log(likelihood), over
+        the other keys is less than 3.84 above the least (S. S. Wilks, Ann. Math. Stat. 9, 60
+        (1938)). The minimum is the lowest of those reached from the best eight of 16 places about
+        the guesses, up to a factor of 5 or 5 radii from them. Keys that the likelihood does not
+        distinguish are named, and so are other minima up to 15 above the least. The p-value is that
+        of Bartlett's test of the spectra, and of their size.
+
+    Raises
+    ------
+    ResultError
+        For what `load_recording` refuses, without a scene, for voltages, for a camera of another
+        rate, for a recording that begins before the bead has settled, and where no bead is trapped.
+    SceneError
+        For keys that are no quantities of the scene, and for light that changes in time.
+    """
+    loaded = _loaded(recordings)
+    scene = loaded[0].scene if scene is None else checked_scene(scene)
+    if scene is None:
+        raise ResultError(f"{loaded[0].name}: needs a scene")
+    free = (free,) if isinstance(free, str) else tuple(free)
+    misfit = Misfit(loaded, scene, free)
+    for each in loaded:
+        _refuse_unsettled(each)
+    tell = progress or (lambda _: None)
+    best, *others = misfit.minima(lambda part: tell(0.4 * part))
+    rivals = [each for each in others if each.value < best.value + _RIVAL]
+    p = misfit.p_value(best.at)
+    sound = best.converged and p >= REFUTED
+    found: list[FittedKey] = []
+    for i in range(len(free)):
+        tell(0.4 + 0.6 * i / len(free))
+        key = _Interval(misfit, best, i).found(rivals, sound=sound)
+        if key.uncertainty and misfit.curved(best.at) * abs(key.value) > key.uncertainty:
+            key = replace(key, uncertainty=None, determined=False)
+        found.append(key)
+    tell(1.0)
+    return SceneFit(
+        tuple(each.name for each in loaded), misfit.scene(best.at), tuple(found), -best.value / 2,
+        sum(len(each.times) for each in loaded), p,
+        _likelihood(misfit), "; ".join(_told(misfit, best, rivals, found, p)),
+    )  # fmt: skip
+
+
+def _loaded(recordings: Any) -> list[Recording]:
+    several = isinstance(recordings, Sequence) and not isinstance(recordings, str)
+    loaded = [
+        each if isinstance(each, Recording) else load_recording(each)
+        for each in (recordings if several else [recordings])
+    ]
+    if not loaded:
+        raise ResultError("recordings: must be one or more")
+    for each in loaded:
+        if each.unit != "m":
+            raise ResultError(
+                f"{each.name}: in volts: a scene is fitted to metres; calibrate it first, or give "
+                "the scale"
+            )
+    return loaded
+
+
+def _refuse_unsettled(recording: Recording) -> None:
+    """Refuse a recording that begins before the bead rests in the trap; give the time to skip."""
+    every = zip(recording.axes, recording.positions.T, strict=True)
+    found = [(unsettled(positions, recording.step), axis) for axis, positions in every]
+    begins = [(each, axis) for each, axis in found if each is not None]
+    if begins:
+        farthest, axis = max(begins)
+        time = time_taken(max(each.time for each, _ in begins))
+        raise ResultError(
+            f"{recording.name}: {axis} starts {farthest.off:.2g} standard deviations off, before "
+            f'the bead rests in the trap; leave out the beginning: --skip "{time}", or '
+            f'Recording.since("{time}")'
+        )
+
+
+def _likelihood(misfit: Misfit) -> str:
+    """Which spectra are fitted, in words."""
+    steps = [each.step for each in misfit.recordings]
+    lowest = min(float(each.periodogram.frequencies[0]) for each in misfit.spectra)
+    bands = [_short(lowest, "1/s"), _short(0.5 / min(steps), "1/s")]
+    every = list(dict.fromkeys(_short(step, "s") for step in sorted(steps)))
+    return (
+        f"power spectrum from {bands[0]} to {bands[1]}, steps of {' and '.join(every)}, "
+        f"{misfit.inertia.words}"
+    )
+
+
+def _short(value: float, unit: str) -> str:
+    factor, name = usual_unit(value, unit)
+    return f"{value / factor:.3g} {name}"
+
+
+def _told(
+    misfit: Misfit,
+    best: Least,
+    rivals: Sequence[Least],
+    found: Sequence[FittedKey],
+    p: float,
+) -> list[str]:
+    """What the recordings tell, in words; first of all what they do not."""
+    lines = []
+    at_ends = [
+        key.key
+        for key, place in zip(misfit.keys, best.at, strict=True)
+        if abs(place) > key.reach - _AT_END
+    ]
+    lost = [each.key for each in found if not each.determined and each.key not in at_ends]
+    if not best.converged:
+        lines.append("the fit has not converged: nothing of it is to be trusted")
+    if p < REFUTED:
+        lines.append(
+            f"the spectrum is not that of the scene (p = {p:.1g}): a fixed key, the noise, the "
+            "exposure or the inertia is not that of the recording"
+        )
+    if at_ends:
+        lines.append(f"{' and '.join(at_ends)} at an end of what was tried: begin nearer")
+    if lost and not lines:
+        lines.append(f"the record does not determine {' and '.join(lost)}")
+        lines += _degenerate(misfit, best, lost) or _rivals(misfit, rivals)
+    if not lines:
+        lines.append(f"the record determines {' and '.join(each.key for each in found)}")
+    slowest = max(bead.relaxation_time for bead in misfit.beads(best.at))
+    length = sum(each.step * len(each.times) for each in misfit.recordings)
+    if length < _FEW * slowest:
+        lines.append(f"only {length / slowest:.2g} relaxation times: intervals are too short")
+    errors = [(high - low) / 3.92 / abs(each.value) for each in found
+              for low, high in [each.interval] if low is not None and high is not None]  # fmt: skip
+    off = misfit.curved(best.at)
+    if errors and off > _HARM * min(errors):
+        lines.append(f"the trap is not harmonic: values may be off by about {100 * off:.2g} %")
+    return lines
+
+
+def _degenerate(misfit: Misfit, best: Least, lost: Sequence[str]) -> list[str]:
+    """Return the combination of keys that changes the likelihood least, if two are undetermined."""
+    sizes, directions = np.linalg.eigh(best.information)
+    direction = directions[:, 0]
+    involved = [i for i, key in enumerate(misfit.keys) if key.key in lost]
+    if len(involved) < 2 or sizes[0] > 1 / _DETERMINED**2:
+        return []
+    first = max(involved, key=lambda i: abs(direction[i]))
+    others = [i for i in np.argsort(-np.abs(direction)) if i != first]
+    others = [i for i in others if abs(direction[i]) > 0.1 * abs(direction[first])]
+    if not others:
+        return []
+    step = _TEN_PER_CENT / direction[first] * direction
+    with_it = " and ".join(misfit.keys[i].change(step[i]) for i in others)
+    return [f"{misfit.keys[first].change(step[first])} with {with_it} fits as well"]
+
+
+def _rivals(misfit: Misfit, rivals: Sequence[Least]) -> list[str]:
+    """Other scenes that the recordings do not exclude."""
+    lines = []
+    for rival in rivals:
+        values = (
+            f"{key.key} = {_short(key.value(float(at)), key.quantity.unit)}"
+            for key, at in zip(misfit.keys, rival.at, strict=True)
+        )
+        lines.append(f"{' with '.join(values)} fits as well")
+    return lines
+
+
+class _Interval:
+    """The interval of a key by the least misfit over the others."""
+
+    def __init__(self, misfit: Misfit, best: Least, index: int) -> None:
+        self._misfit, self._best, self._index = misfit, best, index
+        self._low, self._high = misfit.bounds[index]
+        covariance = np.linalg.inv(best.information + _FAINT * np.eye(len(best.at)))
+        variance = float(covariance[index, index])
+        self._spread = math.sqrt(variance)
+        # where the others go with it
+        self._along = covariance[:, index] / variance
+        self._known: dict[float, float] = {float(best.at[index]): 0.0}
+
+    def found(self, rivals: Sequence[Least], *, sound: bool) -> FittedKey:
+        """Return the result for the key.
+
+        `rivals` are other minima that are not excluded. `sound` is whether the fit is trusted.
+        """
+        key, at = self._misfit.keys[self._index], float(self._best.at[self._index])
+        ends = [self._end(at, way) for way in (-1.0, 1.0)]
+        low, high = (None if end is None else key.value(end) for end in ends)
+        uncertainty = None
+        if sound and low is not None and high is not None:
+            others = [key.value(float(each.at[self._index])) for each in rivals]
+            if all(low <= other <= high for other in others):
+                uncertainty = (high - low) / 3.92
+        return FittedKey(
+            key.key, key.quantity.unit, key.value(at), uncertainty, (low, high),
+            uncertainty is not None,
+            tuple((key.value(q), rise) for q, rise in sorted(self._known.items())),
+        )  # fmt: skip
+
+    def _rise(self, q: float) -> float:
+        """Square root of the least misfit with the key there, above the least of all."""
+        if q not in self._known:
+            begin = self._best.at + self._along * (q - self._best.at[self._index])
+            begin = np.clip(begin, *self._misfit.bounds.T)
+            begin[self._index] = q
+            least = self._misfit.least(begin, self._index)
+            self._known[q] = least.value - self._best.value
+        return math.sqrt(max(self._known[q], 0.0))
+
+    def _end(self, at: float, way: float) -> float | None:
+        """Where the misfit has risen by 3.84.
+
+        None if it does not up to `_DETERMINED`, or at once, where there is no such scene.
+        """
+        limit = float(np.clip(at + way * _DETERMINED, self._low, self._high))
+        level = math.sqrt(LEVEL)
+        inner, outer, step = at, at, level * self._spread
+        while outer != limit:
+            inner, outer = outer, at + way * min(step, way * (limit - at))
+            if self._rise(outer) > level:
+                break
+            step *= 1.6
+        else:
+            return None
+
+        def above(q: float) -> float:
+            return min(self._rise(q), 10 * level) - level
+
+        tolerance = _END * abs(outer - at)
+        end = float(brentq(above, inner, outer, xtol=tolerance, rtol=1e-12))
+        return end if self._rise(end - 3 * way * tolerance) > _SMOOTH * level else None

@@ -1,0 +1,310 @@
+"""Profile likelihood: the smallest misfit over all other parameters, as a function of one
+coordinate.
+
+The misfit is smooth except for jumps from the steps of an integration. It may have many minima, and
+be infinite (impossible) in places. So a scan of many trials comes first; then Newton's method finds
+the minima, starting at each place of the scan and from the minima of its neighbours.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from tweezer.values.errors import IntegrationError
+
+Array = NDArray[np.float64]
+Misfit = Callable[[Array], float]
+
+#: Misfit above the smallest in a 95 % interval: chi-square with one degree of freedom
+LEVEL = 3.841458820694124
+#: Number of places in the scan
+_PLACES = 81
+#: Misfit above the smallest trial beyond which trials are not refined
+_DISTANT = 120.0
+#: Misfit above the smallest beyond which a place is not refined
+_HOPELESS = 30.0
+#: Largest jump of misfit between neighbours near the smallest; beyond it a place is inserted
+JUMP = 2 * LEVEL
+#: Largest number of bisections of a step of the scan at a jump
+_HALVINGS = 5
+#: Largest number of places added to the scan
+_MORE = 80
+#: Largest number of steps of Newton's method
+_STEPS = 12
+#: Gain of misfit below which Newton's method ends
+_GAIN = 0.02
+#: Misfit that is negligible compared with `LEVEL`
+_NOTHING = 0.1
+#: Largest number of sweeps to and fro
+_SCANS = 4
+
+
+class Likelihood(Protocol):
+    """The problem of a profile: coordinate z, and the other parameters p in suitable units."""
+
+    @property
+    def unit(self) -> float:
+        """Bounds of z."""
+
+    @property
+    def bounds(self) -> Array:
+        """Bounds of p, (n, 2)."""
+
+    @property
+    def steps(self) -> Array:
+        """Lengths over which the misfit is nearly a parabola, in z and p, (n + 1,)."""
+
+    @property
+    def trials(self) -> Array:
+        """Trial values of p, (trials, n), the most probable first."""
+
+    def misfit(self, z: float, p: Array, most: float = math.inf) -> float:
+        """-2 log(likelihood), or any number between `most` and it; infinite where impossible."""
+
+
+class Fit(NamedTuple):
+    """A minimum."""
+
+    value: float
+    at: Array
+    """(n,)"""
+    curvature: Array
+    """(n, n) second derivatives"""
+    converged: bool
+    """whether it converged to within `_NOTHING`"""
+
+
+def descend(misfit: Misfit, begin: Array, bounds: Array, steps: Array) -> Fit:
+    """The minimum that a descent from a point reaches, by Newton's method.
+
+    Derivatives are central differences over lengths in which the misfit rises by about 1. Each
+    eigenvalue of the curvature enters by its absolute value, so that the step descends (J. Nocedal
+    and S. J. Wright, Numerical Optimization, 2006, 3.4). A step is limited to ten of `steps`, and
+    halved until the misfit falls. A parameter at its bound stays there if the misfit falls beyond.
+    """
+    at, value, longest = begin, misfit(begin), 10 * steps
+    curvature = np.full((len(at), len(at)), np.nan)
+    gain, few = math.inf, steps
+    for _ in range(_STEPS):
+        if not (len(at) and math.isfinite(value)):
+            break
+        slope, curvature = _derivatives(misfit, at, value, few)
+        if not (np.isfinite(slope).all() and np.isfinite(curvature).all()):
+            break
+        rise = np.diag(curvature)
+        few = np.clip(np.sqrt(2 / np.maximum(rise, 1e-12)), steps / 30, 3 * steps)
+        step = _newton_step(at, slope, curvature, bounds, longest)
+        gain = -float(slope @ step) / 2
+        if gain < _GAIN:
+            break
+        for halved in 0.5 ** np.arange(6):
+            trial = np.clip(at + halved * step, *bounds.T)
+            reached = misfit(trial)
+            if reached < value:
+                break
+        else:
+            break
+        at, value = trial, reached
+    return Fit(value, at, curvature, not len(at) or gain < _NOTHING)
+
+
+def _derivatives(misfit: Misfit, at: Array, value: float, steps: Array) -> tuple[Array, Array]:
+    """Gradient (n,) and second derivatives (n, n), by differences."""
+    n = len(at)
+    aside = np.diag(steps)
+    above = np.array([misfit(at + each) for each in aside])
+    below = np.array([misfit(at - each) for each in aside])
+    curvature = np.diag((above + below - 2 * value) / steps**2)
+    for i in range(n):
+        for j in range(i):
+            both = misfit(at + aside[i] + aside[j])
+            curvature[i, j] = (both - above[i] - above[j] + value) / (steps[i] * steps[j])
+            curvature[j, i] = curvature[i, j]
+    return (above - below) / (2 * steps), curvature
+
+
+def _newton_step(at: Array, slope: Array, curvature: Array, bounds: Array, longest: Array) -> Array:
+    low, high = bounds.T
+    free = ~(((at <= low) & (slope > 0)) | ((at >= high) & (slope < 0)))
+    step = np.zeros(len(at))
+    if free.any():
+        scale = longest[free]
+        sizes, directions = np.linalg.eigh(curvature[np.ix_(free, free)] * np.outer(scale, scale))
+        along = directions.T @ (slope[free] * scale)
+        step[free] = scale * (directions @ (-along / np.maximum(np.abs(sizes), 1e-3)))
+    step /= max(1.0, float(np.max(np.abs(step) / longest, initial=0.0)))
+    return np.clip(at + step, low, high) - at
+
+
+class Profile:
+    """The smallest misfit as a function of z, at the places computed so far."""
+
+    def __init__(
+        self,
+        likelihood: Likelihood,
+        search: tuple[float, float],
+        progress: Callable[[float], None] | None,
+    ) -> None:
+        """The scan; places where the motion cannot be followed are omitted."""
+        self._likelihood = likelihood
+        self.places = np.linspace(*search, _PLACES)
+        self.values = np.full(_PLACES, np.inf)
+        self.nuisances = np.tile(likelihood.trials[0], (_PLACES, 1))
+        self.converged = np.ones(_PLACES, dtype=bool)
+        tell = progress or (lambda _: None)
+        self._try(tell)
+        self._follow(tell)
+        followed = np.isfinite(self.values)
+        if not followed.any():
+            low, high = search
+            raise IntegrationError(f"no motion from z = {low:.6g} to {high:.6g} m can be followed")
+        self.places, self.values = self.places[followed], self.values[followed]
+        self.nuisances, self.converged = self.nuisances[followed], self.converged[followed]
+
+    def _try(self, progress: Callable[[float], None]) -> None:
+        """The best trial at each place."""
+        trials = self._likelihood.trials
+        for done, p in enumerate(trials, 1):
+            for i, z in enumerate(self.places):
+                most = min(float(self.values.min()) + _DISTANT, float(self.values[i]))
+                value = self._likelihood.misfit(z, p, most)
+                if value < self.values[i]:
+                    self.values[i], self.nuisances[i] = value, p
+            progress(0.5 * done / len(trials))
+
+    def _fitted(self, z: float, begin: Array) -> Fit:
+        known = self._likelihood
+        return descend(lambda p: known.misfit(z, p), begin, known.bounds, known.steps[1:])
+
+    def _follow(self, progress: Callable[[float], None]) -> None:
+        """Minima from the trials; then from neighbour to neighbour, until none improves.
+
+        The result is never above the minimum reached from the left or the right neighbour.
+        """
+        new = np.zeros(_PLACES, dtype=bool)
+        for i in np.argsort(self.values):
+            if self.values[i] < self.values.min() + _DISTANT:
+                new[i] = True
+                self._take(i, self._fitted(self.places[i], self.nuisances[i]))
+        for scan in range(_SCANS):
+            progress(0.6 + 0.4 * scan / _SCANS)
+            lower = np.zeros(_PLACES, dtype=bool)
+            for way, order in ((1, range(1, _PLACES)), (-1, range(_PLACES - 2, -1, -1))):
+                for i in order:
+                    near = self.values[i - way] < self.values.min() + _HOPELESS
+                    if near and (new | lower)[i - way]:
+                        found = self._fitted(self.places[i], self.nuisances[i - way])
+                        lower[i] |= found.value < self.values[i] - _NOTHING
+                        self._take(i, found)
+            new = lower
+            if not new.any():
+                break
+        self.converged &= ~new
+        progress(1.0)
+
+    def _take(self, i: int, found: Fit) -> None:
+        if found.value <= self.values[i]:
+            self.values[i], self.nuisances[i] = found.value, found.at
+            self.converged[i] = found.converged
+
+    def _sought(self, z: float) -> Fit:
+        """From the places on both sides."""
+        right = int(np.clip(np.searchsorted(self.places, z), 1, len(self.places) - 1))
+        sides = [self._fitted(z, self.nuisances[i]) for i in (right - 1, right)]
+        return min(sides, key=lambda fit: fit.value)
+
+    def above(self, z: float) -> float:
+        """Misfit above the smallest at any z; adds no place."""
+        return self._sought(z).value - float(self.values.min())
+
+    def _add(self, z: float, found: Fit) -> None:
+        i = int(np.searchsorted(self.places, z))
+        if i < len(self.places) and self.places[i] == z:
+            self._take(i, found)
+            return
+        self.places = np.insert(self.places, i, z)
+        self.values = np.insert(self.values, i, found.value)
+        self.nuisances = np.insert(self.nuisances, i, found.at, axis=0)
+        self.converged = np.insert(self.converged, i, found.converged)
+
+    @property
+    def lowest(self) -> NDArray[np.intp]:
+        """Places of the minima near the smallest, including the ends of the search."""
+        around = np.concatenate([[np.inf], self.values, [np.inf]])
+        below = (self.values <= around[:-2]) & (self.values < around[2:])
+        return np.flatnonzero(below & (self.values < self.values.min() + _HOPELESS))
+
+    def joint(self, i: int) -> Fit:
+        """The minimum over z/unit and p reached from a place, between its neighbours."""
+        known = self._likelihood
+        ends = self.places[[max(i - 1, 0), min(i + 1, len(self.places) - 1)]] / known.unit
+        return descend(
+            lambda q: known.misfit(known.unit * q[0], q[1:]),
+            np.array([self.places[i] / known.unit, *self.nuisances[i]]),
+            np.array([ends, *known.bounds]), known.steps,
+        )  # fmt: skip
+
+    def polish(self) -> None:
+        """Add the minima between the places."""
+        for found in [self.joint(i) for i in self.lowest]:
+            self._add(self._likelihood.unit * found.at[0], found._replace(at=found.at[1:]))
+
+    def spread(self) -> Array:
+        """Standard uncertainties of p, (n,): root mean square deviations from the best fit.
+
+        Each z has the probability of its misfit. The spread of p about the best fit at z is by the
+        curvature at the overall best fit; NaN if that is not positive definite.
+        """
+        i = int(self.values.argmin())
+        curvature = self._fitted(self.places[i], self.nuisances[i]).curvature
+        weights = np.gradient(self.places) * np.exp((self.values[i] - self.values) / 2)
+        squared = weights @ (self.nuisances - self.nuisances[i]) ** 2 / weights.sum()
+        sizes, directions = np.linalg.eigh(curvature)
+        inverse = np.where(sizes > 0, 2 / sizes, np.nan)
+        return np.sqrt(squared + directions**2 @ inverse)
+
+    def refine(self) -> None:
+        """Add places where the misfit jumps near the least, the widest gap first."""
+        finest = float(np.diff(self.places).max()) / 2**_HALVINGS
+        for _ in range(_MORE):
+            gaps = np.diff(self.places) * self.jumps(JUMP)
+            widest = int(gaps.argmax())
+            if gaps[widest] < 2 * finest:
+                return
+            z = float(self.places[widest : widest + 2].mean())
+            self._add(z, self._sought(z))
+
+    def jumps(self, near: float) -> NDArray[np.bool_]:
+        """Mask (places - 1,) of jumps between neighbours of which one is within `near`."""
+        lower = np.minimum(self.values[1:], self.values[:-1]) - self.values.min()
+        return (np.abs(np.diff(self.values)) > JUMP) & (lower <= near)
+
+
+def below(profile: Profile) -> list[tuple[float, float]]:
+    """Intervals where the misfit is below the level."""
+    at, values = profile.places, profile.values - profile.values.min()
+    inside = values <= LEVEL
+    tolerance = 2e-5 * (at[-1] - at[0])
+    known = dict(zip(at.tolist(), values.tolist(), strict=True))
+
+    def above(z: float) -> float:
+        # as found there: a repeated fit may differ within its tolerance
+        return min(known[z] if z in known else profile.above(z), 1e6) - LEVEL
+
+    crossings = {
+        i: brentq(above, float(at[i]), float(at[i + 1]), xtol=tolerance)
+        for i in np.flatnonzero(inside[1:] != inside[:-1])
+    }
+    starts = [crossings[i] for i in crossings if inside[i + 1]]
+    ends = [crossings[i] for i in crossings if inside[i]]
+    if inside[0]:
+        starts.insert(0, at[0])
+    if inside[-1]:
+        ends.append(at[-1])
+    return [(float(low), float(high)) for low, high in zip(starts, ends, strict=True)]

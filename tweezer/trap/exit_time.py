@@ -1,0 +1,230 @@
+"""The mean time until thermal motion takes a bead out of a region, in a field round an axis."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+#: force across and along the axis, N, and mobilities across and along it, s/kg, (n,) each, at
+#: distances from the axis and heights on it, (n,) m
+Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]
+#: Part of a grid: heights, distances
+Slices = tuple[slice, slice]
+
+#: Smallest part of the radius, or of an edge, that counts
+_SAME = 1e-6
+#: Growth of the distance of nodes with the distance from where they are closest
+_GROWTH = 0.08
+#: Factor of that growth where nodes are closer
+_FINER = 0.6
+
+
+@dataclass(frozen=True)
+class Region:
+    """A ball about the origin, between heights where there may be walls; and its nodes."""
+
+    radius: float
+    """m; a bead this far from the origin is out"""
+    finest: float
+    """least distance of nodes, m"""
+    low: float = -math.inf
+    """heights between which a bead is, m: it does not get past them"""
+    high: float = math.inf
+    centre: float = 0.0
+    """height at which nodes are closest, m"""
+    growth: float = _GROWTH
+    """of the distance of nodes with the distance from there"""
+
+    def finer(self, height: float) -> Region:
+        """With about half the distances, and closest at a height."""
+        return dataclasses.replace(
+            self, finest=self.finest / 2, centre=height, growth=_FINER * self.growth
+        )
+
+    def across(self) -> Array:
+        """Distances of the nodes from the axis, an odd number of them, m."""
+        return self._graded(self.radius)
+
+    def has(self, across: Array, along: Array) -> NDArray[np.bool_]:
+        """Which nodes are in the region, (heights, distances)."""
+        return np.hypot(along[:, None], across) < self.radius * (1 - _SAME)
+
+    def share(self, across: Array, along: Array, begin: Slices, end: Slices) -> Array:
+        """Part of each edge from a node within to one beyond that is in the ball."""
+        rho = np.broadcast_to(across, (len(along), len(across)))
+        z = np.broadcast_to(along[:, None], rho.shape)
+        from_rho, from_z, to_rho, to_z = rho[begin], z[begin], rho[end], z[end]
+        sideways = from_z == to_z
+        fixed = np.where(sideways, from_z, from_rho)
+        start, stop = np.where(sideways, (from_rho, to_rho), (from_z, to_z))
+        out = np.sqrt(np.maximum(self.radius**2 - fixed**2, 0.0)) * np.sign(stop - start)
+        return np.clip((out - start) / (stop - start), _SAME, 1.0)
+
+    def along(self) -> Array:
+        """Heights of the nodes, an odd number of them, m."""
+        nearest = min(max(self.centre, self.low), self.high)
+        below = self._graded(nearest - max(-self.radius, self.low))
+        above = self._graded(min(self.radius, self.high) - nearest)
+        return nearest + np.concatenate([-below[:0:-1], above])
+
+    def _graded(self, end: float) -> Array:
+        """Places from 0 to `end`, an odd number of them."""
+        if end <= 0:
+            return np.zeros(1)
+        stretch = self.growth * end / self.finest
+        logarithm = math.log1p(stretch)
+        even = 2 * max(2, math.ceil(logarithm / (2 * self.growth)))
+        return end / stretch * np.expm1(np.linspace(0.0, logarithm, even + 1))
+
+
+@dataclass(frozen=True)
+class Edges:
+    """Neighbouring nodes along one coordinate: how hard it is to get from one to the other."""
+
+    work: Array
+    """of the force on the way, in k_B T"""
+    mobility: Array
+    """s/kg"""
+
+    def coarse(self, axis: int) -> Edges:
+        """Between every other node: `axis` is the coordinate of the edges."""
+        even, odd, kept = slice(None, None, 2), slice(1, None, 2), slice(None, None, 2)
+        first, second = ((kept, even), (kept, odd)) if axis else ((even, kept), (odd, kept))
+        mobility = 2 / (1 / self.mobility[first] + 1 / self.mobility[second])
+        return Edges(self.work[first] + self.work[second], mobility)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Nodes in the half plane of an axis, and the edges between them."""
+
+    across: Array
+    """distances of the nodes from the axis, m"""
+    along: Array
+    """their heights, m"""
+    to_side: Edges
+    """(heights, distances - 1)"""
+    upwards: Edges
+    """(heights - 1, distances)"""
+
+    @classmethod
+    def of(cls, region: Region, field: Field, energy: float) -> Grid:
+        """The grid of a region in a field; energy: k_B T, J."""
+        across, along = region.across(), region.along()
+        inside = _with_neighbours(region.has(across, along))
+        z, rho = np.meshgrid(along, (across[1:] + across[:-1]) / 2, indexing="ij")
+        wanted = inside[:, 1:] | inside[:, :-1]
+        side, _, mobile, _ = _at(field, rho, z, wanted)
+        to_side = _works(across, side.T, wanted.T).T / energy
+        z, rho = np.meshgrid((along[1:] + along[:-1]) / 2, across, indexing="ij")
+        wanted = inside[1:] | inside[:-1]
+        _, up, _, mobile_up = _at(field, rho, z, wanted)
+        upwards = _works(along, up, wanted) / energy
+        return cls(across, along, Edges(to_side, mobile), Edges(upwards, mobile_up))
+
+    def coarse(self) -> Grid:
+        """Every other node."""
+        return Grid(
+            self.across[::2], self.along[::2], self.to_side.coarse(1), self.upwards.coarse(0)
+        )
+
+
+def _with_neighbours(nodes: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Also the nodes next to them, which `Grid.coarse` needs."""
+    padded = np.pad(nodes, 1)
+    return nodes | padded[2:, 1:-1] | padded[:-2, 1:-1] | padded[1:-1, 2:] | padded[1:-1, :-2]
+
+
+def _at(field: Field, rho: Array, z: Array, wanted: NDArray[np.bool_]) -> list[Array]:
+    """The field where it is wanted; elsewhere ones."""
+    found = []
+    for each in field(rho[wanted], z[wanted]):
+        whole = np.ones(rho.shape)
+        whole[wanted] = each
+        found.append(whole)
+    return found
+
+
+def _works(nodes: Array, force: Array, wanted: NDArray[np.bool_]) -> Array:
+    """Work over each edge between nodes, J, from the force in its middle, (edges, lines) N.
+
+    The curvature of the force is that of the neighbours: without it the works of long edges are
+    wrong by tenths of k_B T.
+    """
+    edge, middle = np.diff(nodes)[:, None], (nodes[1:] + nodes[:-1]) / 2
+    curvature = np.zeros_like(force)
+    slopes = np.diff(force, axis=0) / np.diff(middle)[:, None]
+    curvature[1:-1] = np.diff(slopes, axis=0) / ((middle[2:] - middle[:-2]) / 2)[:, None]
+    curvature[1:-1] *= wanted[2:] & wanted[:-2]
+    return force * edge + curvature * edge**3 / 24
+
+
+def mean_time(grid: Grid, region: Region, start: tuple[float, float], energy: float) -> float:
+    """Return the mean time until the bead leaves the region, s.
+
+    The bead is a Markov chain between the nodes. Its rates are exact for diffusion under a constant
+    force between neighbours (Scharfetter, Gummel, IEEE Trans. Electron Devices 16, 64 (1969)). The
+    error decreases with the square of the node distance.
+
+    Parameters
+    ----------
+    grid : Grid
+        Nodes, with the force and the mobilities.
+    region : Region
+        Region that the bead leaves.
+    start : tuple of float
+        Initial position (rho, z), m.
+    energy : float
+        k_B T, J.
+
+    Returns
+    -------
+    float
+        Mean time, s; infinite if it exceeds the range of floating-point numbers.
+    """
+    from tweezer.trap.elimination import mean_times
+
+    across, along = grid.across, grid.along
+    inside = region.has(across, along)
+    n, width = inside.shape
+    rates, lost = np.zeros((n, width, 2 * width + 1)), np.zeros((n, width))
+    every, first, last = slice(None), slice(None, -1), slice(1, None)
+
+    def link(begin: Slices, end: Slices, step: int, edge: Array, work: Array, unit: Array) -> None:
+        """Rates from the nodes of `begin` to those of `end`; unit: of them, times m, m/s."""
+        here, there = inside[begin], inside[end]
+        rates[(*begin, width + step)] = np.where(here & there, unit / edge * _bernoulli(-work), 0.0)
+        share = np.where(here & ~there, region.share(across, along, begin, end), 1.0)
+        leaving = unit / (share * edge) * _bernoulli(-share * work)
+        lost[begin] += np.where(here & ~there, leaving, 0.0)
+
+    middle = (across[1:] + across[:-1]) / 2
+    areas = np.diff(np.concatenate([[0.0], middle, across[-1:]]) ** 2) / 2
+    edge, side = np.diff(across), grid.to_side
+    unit = energy * side.mobility * middle
+    link((every, first), (every, last), 1, edge, side.work, unit / areas[:-1])
+    link((every, last), (every, first), -1, edge, -side.work, unit / areas[1:])
+    middle = (along[1:] + along[:-1]) / 2
+    heights = np.diff(np.concatenate([along[:1], middle, along[-1:]]))[:, None]
+    edge, up = np.diff(along)[:, None], grid.upwards
+    unit = energy * up.mobility
+    link((first, every), (last, every), width, edge, up.work, unit / heights[:-1])
+    link((last, every), (first, every), -width, edge, -up.work, unit / heights[1:])
+    times = np.zeros(n * width)
+    mean_times(rates.reshape(n * width, -1), lost.ravel(), inside.ravel().astype(float), times)
+    rho, height = start
+    at_height = [np.interp(height, along, column) for column in times.reshape(n, width).T]
+    return float(np.interp(rho, across, at_height))
+
+
+def _bernoulli(x: Array) -> Array:
+    """x/(exp(x) - 1)."""
+    small = np.abs(x) < 1e-5
+    with np.errstate(over="ignore"):
+        return np.where(small, 1 - x / 2, x / np.expm1(np.where(small, 1.0, x)))

@@ -1,0 +1,284 @@
+"""How long a trap holds a bead against thermal motion."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics import Problem, bound_once
+from tweezer.dynamics.escape import Escape
+from tweezer.forces.equilibria import Equilibrium
+from tweezer.forces.rings import Ring
+from tweezer.optics import sampled
+from tweezer.scene import Scene
+from tweezer.trap.exit_time import Field, Grid, Region, mean_time
+from tweezer.values.constants import Boltzmann
+from tweezer.values.rounding import micrometres
+from tweezer.values.shown import Card, Row, Shown
+
+Array = NDArray[np.float64]
+
+#: Longest time that is told from for ever, s
+LONGEST = 1e20
+#: Work on every straight way out, k_B T, from which on no time is computed: it is longer than that
+DEEP = 300.0
+#: Number of places on a straight way out
+_WAY = 400
+#: Distance of the nodes at the focus, in radii and in distances of samples
+_FINE_RADII, _FINE_SAMPLES = 0.05, 0.5
+#: Smallest gap of the bead from a wall, in radii
+_BESIDE_WALL = 1e-3
+#: Part of the correction by the coarser grid that is taken as its error
+_OF_CORRECTION = 0.5
+#: Error of the logarithm from which on nodes are closer
+_ENOUGH = 0.05
+#: Largest sqrt(k m)/drag at which escape is a diffusion. The error of the time includes its square,
+#: which is about the deviation of the overdamped rate from Kramers's rate at any friction
+#: (H. A. Kramers, Physica 7, 284 (1940))
+_LITTLE_DRAG = 0.3
+#: Distance of nodes without light, in radii of the region
+_FINE_DARK = 0.02
+#: Lifetime over the time without light up to which the light adds nothing
+_NOTHING = 1.1
+#: Thermal conductivity of water, W/m/K
+_WATER = 0.6
+#: Warming of the bead's surface from which on it is said, K
+_WARM = 0.1
+#: Units of time and their length, s
+_UNITS = (
+    (365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"),
+    (1e-3, "ms"), (0.0, "us"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class Lifetime(Shown):
+    """How long thermal motion leaves a bead in its trap."""
+
+    time: float
+    """mean time from the equilibrium until the bead is lost, s; infinite if longer than 1e20 s"""
+    error: float
+    """estimated error of that time, s; 0 of an infinite one"""
+    lost_at: float
+    """distance from the focus at which the bead is lost, m"""
+
+    def card(self) -> Card:
+        """How long, and until where."""
+        far = Row("lost at", f"{micrometres(self.lost_at)} um from the focus")
+        return Card("Lifetime", "", (Row("held for", self.words), far))
+
+    @property
+    def words(self) -> str:
+        """The time with its error in the usual unit, as "3.2 +- 0.1 h"."""
+        if math.isinf(self.time):
+            return f"longer than {LONGEST:.0e} s"
+        size, unit = next(each for each in _UNITS if self.time >= each[0])
+        size = size or 1e-6
+        if self.error >= self.time:
+            within = 1 + self.error / self.time
+            return f"about {self.time / size:.1g} {unit}, within a factor of {within:.1g}"
+        if self.time >= 1e5 * size:
+            return f"{self.time / size:.1e} {unit}, within {100 * self.error / self.time:.1g} %"
+        smallest = 1e-3 * self.time
+        digits = max(0, -math.floor(math.log10(max(self.error, smallest) / size)))
+        if self.error < smallest:
+            return (
+                f"{self.time / size:.{digits}f} {unit}, within {100 * self.error / self.time:.1g} %"
+            )
+        return f"{self.time / size:.{digits}f} +- {self.error / size:.{digits}f} {unit}"
+
+
+def lifetime(
+    scene: Scene,
+    held: Equilibrium | Ring | None,
+    escapes: tuple[Escape, ...],
+    reach: float,
+    force_error: float,
+) -> Lifetime | None:
+    """Return the lifetime of the trap of `scene`, of which the rest is known: see `Trap.lifetime`.
+
+    held: what holds the bead.
+    """
+    if held is None:
+        return None
+    problem = bound_once(scene)
+    if _not_computed(problem, held, reach):
+        return None
+    start = _start(held)
+    radius = min(reach, scene.simulation.loss_distance)
+    energy = Boltzmann * scene.medium.temperature
+    region = _region(problem, radius)
+    fields = [_field(problem, start, side) for side in ((0,) if problem.symmetric else (0, 1))]
+    if min(_least_work(region, field, start) for field in fields) > DEEP * energy:
+        return Lifetime(math.inf, 0.0, radius)
+    found = [_log_time(region, field, start, energy) for field in fields]
+    mean = float(np.mean([log for log, _ in found]))
+    if not mean < math.log(LONGEST):
+        return Lifetime(math.inf, 0.0, radius)
+    apart = float(np.ptp([log for log, _ in found])) / 2
+    ways = [escape.range or escape.force_at for escape in escapes]
+    by_force = force_error * min(ways) / energy
+    by_inertia = _quality(problem, held) ** 2
+    error = max(error for _, error in found) + apart + by_force + by_inertia
+    return Lifetime(math.exp(mean), math.exp(mean) * math.expm1(error), radius)
+
+
+def time_without_light(scene: Scene, held: Equilibrium | Ring, reach: float) -> Lifetime:
+    """Return the mean time until the same bead is lost from the same place without light.
+
+    Thermal motion and the weight take it to the same distance, between the same walls.
+    """
+    problem = bound_once(scene)
+    radius = min(reach, scene.simulation.loss_distance)
+    energy = Boltzmann * scene.medium.temperature
+    region = dataclasses.replace(
+        _region(problem, radius), finest=_FINE_DARK * radius, centre=held.position[2]
+    )
+    start = _start(held)
+    log, error = _extrapolated(region, _field(problem, start, 0, dark=True), start, energy)
+    return Lifetime(math.exp(log), math.exp(log) * math.expm1(error), radius)
+
+
+def adds_nothing(held: Lifetime, without_light: Lifetime | None) -> str:
+    """Return the remark that light does not prolong the stay of the bead; empty if it does."""
+    if without_light is None:
+        return ""
+    if held.time - held.error <= _NOTHING * (without_light.time + without_light.error):
+        return "the light adds nothing"
+    return ""
+
+
+def doubt(
+    scene: Scene, held: Equilibrium | Ring | None, reach: float, absorbed_power: float | None
+) -> str | None:
+    """What speaks against the lifetime, or why there is none: see `Trap.lifetime_caveat`."""
+    if held is None:
+        return None
+    if why := _not_computed(bound_once(scene), held, reach):
+        return f"not computed {why}"
+    warmer = (absorbed_power or 0.0) / (4 * math.pi * _WATER * scene.bead.radius)
+    if warmer < _WARM:
+        return None
+    return (
+        f"at the temperature of the medium, but in water the light heats the bead by {warmer:.2g} K"
+    )
+
+
+def _start(held: Equilibrium | Ring) -> tuple[float, float]:
+    """rho and z of what holds the bead, m."""
+    x, y, z = held.position
+    return math.hypot(x, y), float(z)
+
+
+def _quality(problem: Problem, held: Equilibrium | Ring) -> float:
+    """sqrt(k m)/beta_v of the stiffest direction: how far inertia carries the bead."""
+    stiffest = float(np.linalg.eigvals(held.stiffness).real.max())
+    mobility = float(problem.mobilities(np.array([held.position]))[0, :3].max())
+    return problem.linear.quality(stiffest, mobility)
+
+
+def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> str:
+    """Why the lifetime of a trap is not computed; empty if it is."""
+    scene = problem.scene
+    if len(scene.beams) > 1:
+        return "for several beams"
+    if not scene.plain:
+        return "for a beam that is not upwards through the origin, moves or changes"
+    if scene.forces.dlvo is not None:
+        return "with forces.dlvo"
+    if np.linalg.norm(held.position) >= min(reach, scene.simulation.loss_distance):
+        return "for an equilibrium beyond simulation.loss_distance"
+    if not isinstance(held, Ring) and np.any(held.position[:2] != 0):
+        return "for an equilibrium off the axis"
+    if (quality := _quality(problem, held)) > _LITTLE_DRAG:
+        return (
+            f"as inertia carries the bead: sqrt(k m)/drag = {quality:.2g} is above {_LITTLE_DRAG}, "
+            "where escape is no diffusion (Kramers's regime of low friction); "
+            "a run with forces.brownian = true has it"
+        )
+    return ""
+
+
+def _region(problem: Problem, radius: float) -> Region:
+    """Where the bead is not lost, between the walls of the scene."""
+    scene = problem.scene
+    finest = _FINE_RADII * scene.bead.radius + _FINE_SAMPLES * problem.light.search.spacing
+    low, high = -math.inf, math.inf
+    for position, normal in scene.wall.planes if scene.wall else ():
+        touching = position + normal * (1 + _BESIDE_WALL) * scene.bead.radius
+        low, high = (touching, high) if normal > 0 else (low, touching)
+    return Region(radius, finest, low, high)
+
+
+def _field(problem: Problem, start: tuple[float, float], side: int, *, dark: bool = False) -> Field:
+    """Return the forces and mobilities in the half plane along x (side 0) or y (1).
+
+    dark: without light.
+    """
+    weight = problem.bead.weight[2]
+    free = problem.mobilities(np.array([[0.0, 0.0, start[1]]]))[0]
+
+    def field(rho: Array, z: Array) -> tuple[Array, Array, Array, Array]:
+        places = np.zeros((len(rho), 3))
+        places[:, side], places[:, 2] = rho, z
+        force = np.zeros_like(places) if dark else sampled(problem.scene, places)[0]
+        for each in problem.beside_the_light_apart:
+            force = force + each.field(places).force
+        mobile = np.broadcast_to(free, (len(rho), len(free)))
+        if not problem.drag.uniform:
+            mobile = problem.mobilities(places)
+        return force[:, side], force[:, 2] + weight, mobile[:, side], mobile[:, 2]
+
+    return field
+
+
+def _least_work(region: Region, field: Field, start: tuple[float, float]) -> float:
+    """Least work on the straight ways from `start` out of a region, or to its walls, J."""
+    rho, height = start
+    to_side = np.linspace(rho, math.sqrt(region.radius**2 - height**2), _WAY)
+    rim = math.sqrt(region.radius**2 - rho**2)
+    still = np.zeros(_WAY)
+    up, down = (
+        np.linspace(height, min(max(end, region.low), region.high), _WAY) for end in (rim, -rim)
+    )
+    ways = [
+        (to_side, field(to_side, still + height)[0]),
+        (up, field(still + rho, up)[1]),
+        (down, field(still + rho, down)[1]),
+    ]
+    if rho > 0:
+        inwards = np.linspace(rho, 0.0, _WAY)
+        ways.append((inwards, field(inwards, still + height)[0]))
+    return min(
+        -float(np.cumsum((force[1:] + force[:-1]) / 2 * np.diff(x)).min()) for x, force in ways
+    )
+
+
+def _log_time(
+    region: Region, field: Field, start: tuple[float, float], energy: float
+) -> tuple[float, float]:
+    """Logarithm of the mean time, s, and its error; on closer nodes if that is large.
+
+    A heavy bead may be held far from the focus, or in a narrow place.
+    """
+    log, error = _extrapolated(region, field, start, energy)
+    if error > _ENOUGH:
+        return _extrapolated(region.finer(start[1]), field, start, energy)
+    return log, error
+
+
+def _extrapolated(
+    region: Region, field: Field, start: tuple[float, float], energy: float
+) -> tuple[float, float]:
+    """The same by the nodes of the region and by every other one of them."""
+    grid = Grid.of(region, field, energy)
+    fine = mean_time(grid, region, start, energy)
+    coarse = mean_time(grid.coarse(), region, start, energy)
+    if not math.isfinite(max(fine, coarse)):
+        return math.inf, 0.0
+    correction = math.log(fine / coarse) / 3
+    return math.log(fine) + correction, _OF_CORRECTION * abs(correction)

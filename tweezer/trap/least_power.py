@@ -1,0 +1,133 @@
+"""The least power that holds a bead in its trap for a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tweezer.scene import SceneLike, checked_scene
+from tweezer.scene.arguments import in_si
+from tweezer.trap.holding import DEEP, LONGEST, Lifetime, adds_nothing
+from tweezer.trap.trap import Trap, characterise
+from tweezer.values.errors import SceneError, warn
+from tweezer.values.rounding import with_uncertainty
+from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.units import QuantityLike, usual_unit
+
+#: Powers between which the least one is sought, W
+_LEAST, _MOST = 1e-9, 100.0
+#: Power at which the search begins, W, and the factor by which it goes on, as a logarithm
+_FIRST, _STRIDE = 1e-3, math.log(3.0)
+#: Relative tolerance of the least power, and half the step of the slope there
+_POWER, _SLOPE = 1e-4, 1e-2
+#: Shortest time that a bead is asked to be held, s
+_SHORTEST = 1e-6
+
+
+@dataclass(frozen=True, repr=False)
+class LeastPower(Shown):
+    """The least power through the pupil that holds a bead for a time."""
+
+    power: float
+    """W"""
+    error: float
+    """estimated error, W"""
+    lifetime: Lifetime
+    """at that power"""
+    without_light: Lifetime | None = None
+    """of the same bead at the same place without light; None if `lifetime` is infinite"""
+    no_trap_below: bool = False
+    """whether just below that power there is no trap at all, as the light does not carry the bead's
+    weight: the lifetime is then longer than was asked for"""
+
+    def card(self) -> Card:
+        """The power, and the lifetime there."""
+        factor, unit = usual_unit(self.power, "W")
+        power = f"{with_uncertainty(self.power / factor, self.error / factor)} {unit}"
+        below = "below it there is no equilibrium" if self.no_trap_below else ""
+        rows = [
+            Row("power through the pupil", power, below), Row("held for", self.lifetime.words)
+        ]  # fmt: skip
+        if self.without_light is not None:
+            words = self.without_light.words
+            rows.append(
+                Row("without light", words, adds_nothing(self.lifetime, self.without_light))
+            )
+        return Card("LeastPower", "", tuple(rows))
+
+
+def least_power(scene: SceneLike, time: QuantityLike = "1 h") -> LeastPower | None:
+    """Return the minimum power through the pupil at which the trap has a given lifetime.
+
+    The scene's own power is ignored. Returns None if the lifetime is shorter at every power up to
+    100 W, which is far beyond the damage threshold of beads and lenses. A `PhysicsWarning` then
+    describes the trap at 100 W.
+
+    Parameters
+    ----------
+    scene : Scene, str or mapping
+        Scene with one beam that does not change in time.
+    time : float or str
+        Required `Trap.lifetime`, s or with a unit.
+
+    Raises
+    ------
+    SceneError
+        For several beams, no light, or light that changes in time. For a time that is not positive,
+        or in which even a free bead is not lost.
+    """
+    from scipy.optimize import brentq
+
+    wanted = in_si("time", time, "s", _SHORTEST, 0.1 * LONGEST)
+    scene = checked_scene(scene)
+    if not (scene.plain and scene.forces.optical) or scene.forces.dlvo is not None:
+        raise SceneError(
+            "least power: needs one beam at rest along z through the origin, forces.optical = true "
+            "and no forces.dlvo"
+        )
+
+    def at(power: float) -> Trap:
+        return characterise(scene.of_power(power))
+
+    def above(log_power: float) -> float:
+        """Logarithm of the lifetime over the time wanted."""
+        found = at(math.exp(log_power)).lifetime
+        if found is None or found.time == 0.0:
+            return -DEEP
+        return min(math.log(found.time / wanted), DEEP)
+
+    most = math.log(_MOST)
+    high = math.log(_FIRST)
+    while above(high) < 0:
+        if high == most:
+            warn(f"least power: no power from 1 mW to 100 W holds the bead so long; {_at_most(at)}")
+            return None
+        high = min(high + _STRIDE, most)
+    low = high - _STRIDE
+    while above(low) > 0:
+        low, high = low - _STRIDE, low
+        if low < math.log(_LEAST):
+            raise SceneError(f"time = {time!r}: so soon the bead is not lost even without a trap")
+    # on the side of the beads that are held
+    root = brentq(above, low, high, xtol=_POWER) + _POWER
+    power, trap = math.exp(root), at(math.exp(root))
+    found = trap.lifetime
+    assert found is not None
+    relative = 2 * _POWER
+    before = above(root - _SLOPE)
+    no_trap_below = before == -DEEP  # the light does not carry a heavy bead there
+    if not no_trap_below:
+        slope = (above(root + _SLOPE) - before) / (2 * _SLOPE)
+        relative += math.log1p(found.error / found.time) / slope
+    return LeastPower(
+        power, power * relative, found, trap.lifetime_without_light, no_trap_below
+    )  # fmt: skip
+
+
+def _at_most(at: Callable[[float], Trap]) -> str:
+    """Return a description of the trap at the largest power."""
+    trap = at(_MOST)
+    if trap.lifetime is not None:
+        return f"at 100 W it is held for {trap.lifetime.words}"
+    return f"at 100 W: {trap.reason or f'lifetime {trap.lifetime_caveat}'}"

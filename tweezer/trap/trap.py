@@ -1,0 +1,615 @@
+"""What a trap is worth: where it holds the bead, how stiffly, and what it takes to pull it out."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.dynamics import Problem, bound_once
+from tweezer.dynamics.escape import Escape, escapes, escapes_from_ring, largest, too_shallow
+from tweezer.forces import Force
+from tweezer.forces.acting import check_numbers
+from tweezer.forces.equilibria import FOCUS, Equilibrium, NetForce, along, nearest_stable, opposite
+from tweezer.forces.rings import Ring
+from tweezer.optics import (
+    RayOpticsWorth,
+    cone,
+    evaluators_of,
+    ray_optics_caveat,
+    ray_optics_worth,
+    rows_of_light,
+    sampled,
+    total_power,
+)
+from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
+from tweezer.optics.worth import between
+from tweezer.scene import Scene, SceneLike
+from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
+from tweezer.values.errors import ResultError, TweezerError
+from tweezer.values.rounding import micrometres, three
+from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.vectors import Comparable, Vector, fixed
+
+Array = NDArray[np.float64]
+
+
+#: Part of the stiffness below which one across the axes is not shown
+_NEGLIGIBLE = 1e-6
+#: Smallest number of places that are a line, whose forces are kept for other powers
+_LINE = 100
+
+
+@dataclass(frozen=True)
+class Efficiency:
+    """The largest pull of the light alone along an axis."""
+
+    Q: float
+    """F c/(n_m P), P the power through the pupil"""
+    at: float
+    """where on that axis, m from the focus"""
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Trap(Comparable, Shown):
+    """A characterised trap, SI. Without a stable equilibrium there are no escapes.
+
+    If no position holds the bead, `equilibrium` is empty (None). The bead may be held by a `ring`
+    instead, and `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an
+    error with this reason.
+    """
+
+    scene: Scene = field(compare=False)
+    """the scene that it is the trap of"""
+    power_through_pupil: float
+    """P, W, of all beams, without their modulation"""
+    fraction_through_pupil: float | None
+    """P over the power of the whole beam; None in the dark"""
+    backward_efficiency: Efficiency | None
+    """against the light, on the axis; None if the light pulls back nowhere, or there is more than
+    one beam at rest at the origin"""
+    lateral_efficiency: Efficiency | None
+    """towards the axis, on x or y through the focus, the larger; None if it pulls nowhere"""
+    equilibria: tuple[Equilibrium, ...]
+    """equilibria of one beam by z, then those off its axis; or of several beams at time 0"""
+    equilibrium: Equilibrium | None
+    """stable equilibrium nearest the focus; None without one, or if a ring is nearer"""
+    rings: tuple[Ring, ...]
+    """rings around the axis of a single beam that hold the bead, nearest to the focus first"""
+    searched: str
+    """range in which equilibria were searched"""
+    drag: Vector | None
+    """1/mobility along each axis at `equilibrium`, (3,) kg/s"""
+    corner_frequencies: Vector | None
+    """k_ii/(2 pi beta_v) at `equilibrium`, with the drag there, (3,) Hz; NaN for an axis along
+    which the bead oscillates"""
+    resonance_frequencies: Vector | None
+    """resonance frequencies along the axes along which the bead oscillates, (3,) Hz:
+    sqrt(k_ii/m)/(2 pi) without fluid inertia; NaN for the others"""
+    quality_factors: Vector | None
+    """quality factors of these axes, (3,), above 1/2: sqrt(k_ii m)/beta_v without fluid inertia"""
+    gap: float | None
+    """distance of the bead's surface at `equilibrium` from the nearer wall, m; None without a
+    wall"""
+    rests: bool
+    """whether the forces press a bead on the axis to the wall that touches it"""
+    escapes: tuple[Escape, ...]
+    """escapes from `equilibrium`, one for each of `DIRECTIONS`; empty without an equilibrium"""
+    evaluator: str
+    """how the force was computed: "grid", "quadrature", ..., or "dark" """
+    force_error: float
+    """largest error of the forces, N: estimated, or certified by the map, or for the grid the
+    distance to the quadrature"""
+    theory: str
+    """theory of the light: "rays" or "waves" """
+    theory_reason: str
+    """reason for this theory"""
+    reach: float
+    """distance from the focus up to which equilibria and escapes were searched, m"""
+    absorbed_power: float | None
+    """power of the light that the bead absorbs at `equilibrium`, W; None if it absorbs none"""
+    torque: Vector | None
+    """optical moment about the bead's centre there, N m; None as for `absorbed_power`"""
+    caveat: str | None
+    """error of ray optics for this bead in words (`ray_optics_caveat`); None with wave optics"""
+    ray_optics: RayOpticsWorth | None
+    """the same in numbers: errors of equilibrium, stiffness and escape forces; None with the user's
+    own forces"""
+    other_forces: int = 0
+    """number of the user's own forces"""
+
+    @functools.cached_property
+    def lifetime(self) -> Lifetime | None:
+        """Mean time until thermal motion removes the bead from the trap, computed on first use.
+
+        It begins at the equilibrium, or the ring. It ends when the distance from the focus is
+        `Trap.reach` or `simulation.loss_distance`, whichever is less. The temperature is
+        `medium.temperature`, for any `forces.brownian`. The time is a mean first passage time of
+        the overdamped motion in the exact force, which need not have a potential, with the mobility
+        at each position. The light is assumed to have rotational symmetry. For linearly polarised
+        light the half planes along x and along y are computed. Their mean is returned, and their
+        difference is part of the error.
+
+        There is no lifetime (None, with the reason in `lifetime_caveat`) in these cases:
+
+        * no equilibrium and no ring, or one off the axis or as far from the focus as a bead is lost
+        * several beams, or a beam that moves or changes
+        * `forces.dlvo`, or the user's own forces
+        * dominant inertia: sqrt(k m) above 0.3 of the drag
+        """
+        if self.other_forces:
+            return None
+        held, error = self._holds, self.force_error
+        return lifetime(self.scene, held, self._ways_out, self.reach, error)
+
+    @functools.cached_property
+    def lifetime_without_light(self) -> Lifetime | None:
+        """Mean time that the same bead stays within the same distance without light.
+
+        It begins at the same position, with its weight. Without a finite `lifetime` it is empty
+        (None).
+        """
+        if self._holds is None or self.lifetime is None or math.isinf(self.lifetime.time):
+            return None
+        return time_without_light(self.scene, self._holds, self.reach)
+
+    @property
+    def ring(self) -> Ring | None:
+        """The ring that holds the bead; None if `equilibrium` does, or nothing."""
+        return self.rings[0] if self.rings and self.equilibrium is None else None
+
+    @property
+    def stiffness(self) -> Array:
+        """The matrix -dF_i/dx_j at `equilibrium`, (3, 3) N/m. Raises `TweezerError` without one."""
+        return self._equilibrium().stiffness
+
+    @property
+    def stiffness_xyz(self) -> Array:
+        """The stiffness along x, y and z at `equilibrium`, (3,) N/m.
+
+        Raises `TweezerError` without one.
+        """
+        return self._equilibrium().stiffness_xyz
+
+    @property
+    def reason(self) -> str:
+        """Why no place holds the bead; empty if one does."""
+        if self.equilibrium is not None:
+            told = self.too_shallow
+            return told and f"the equilibrium at {_where(self.equilibrium)} {told}"
+        if self.ring is not None:
+            radius = f"{micrometres(self.ring.radius)} um"
+            if self.too_shallow:
+                return f"no stable equilibrium; the ring of {radius} {self.too_shallow}"
+            return f"held on a ring of {radius}, at no place"
+        resting = "; it rests on the wall" if self.rests else ""
+        spirals = [each for each in self.equilibria if each.spiral_rate > 0]
+        if spirals:
+            where = _where(min(spirals, key=lambda each: float(np.linalg.norm(each.position))))
+            resting = (
+                f"; at {where} it is pulled back, but too little drag lets the push of the light "
+                f"round the axis drive it out on a spiral{resting}"
+            )
+        return f"{f'no stable equilibrium {self.searched}'.rstrip()}{resting}"
+
+    def _equilibrium(self) -> Equilibrium:
+        if self.equilibrium is None:
+            raise TweezerError(
+                f"{self.scene.name}: {self.reason}; `Trap.equilibria` has the unstable ones, and "
+                "`Trap.rings` the rings"
+            )
+        return self.equilibrium
+
+    @property
+    def _holds(self) -> Equilibrium | Ring | None:
+        return self.equilibrium or self.ring
+
+    @property
+    def _ways_out(self) -> tuple[Escape, ...]:
+        return self.ring.escapes if self.ring else self.escapes
+
+    @property
+    def too_shallow(self) -> str:
+        """Reason why the equilibrium, or the ring, is too shallow in thermal motion, or "".
+
+        The easiest straight way out of it takes less than 1 k_B T.
+        """
+        return too_shallow(self._ways_out) if self._holds else ""
+
+    @property
+    def lifetime_caveat(self) -> str | None:
+        """Why an equilibrium has no lifetime, or what is left out of it; None if nothing."""
+        if self.other_forces and self._holds is not None:
+            return "not computed with forces beside those of the scene"
+        return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
+
+    def check_scene_alone(self, what: str) -> None:
+        """Raise `ResultError` for `what` draws the forces of the scene, if there were others."""
+        if self.other_forces:
+            raise ResultError(
+                f"{what}: shows the forces of the scene alone; this trap has {self.other_forces} "
+                "of your own; take that of characterise(scene) without forces"
+            )
+
+    def card(self) -> Card:
+        """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
+
+        The lifetime is among it once it was asked for: it takes a while to compute.
+        """
+        share = self.fraction_through_pupil
+        power = f"{1e3 * self.power_through_pupil:.4g} mW"
+        power += "" if share is None else f", {100 * share:.4g} % of the beam"
+        own = [Row("forces of your own", str(self.other_forces))] if self.other_forces else []
+        return Card(
+            "Trap", self.scene.name,
+            (
+                Row("power through the pupil", power), *self._efficiencies(), *self._held(),
+                *self._others(), *own,
+                Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
+                Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
+            ),
+            (self._escapes(),) if self._ways_out else (),
+        )  # fmt: skip
+
+    def _efficiencies(self) -> Iterator[Row]:
+        if not self.scene.plain:
+            return
+        for name, found in (
+            ("backward Q, largest", self.backward_efficiency),
+            ("lateral Q, largest", self.lateral_efficiency),
+        ):
+            told = "none" if found is None else f"{found.Q:.4g}, at {micrometres(found.at)} um"
+            yield Row(name, told, detail=True)
+
+    def _held(self) -> Iterator[Row]:
+        """Rows of the equilibrium."""
+        place, worth = self.equilibrium, self.ray_optics
+        if self.ring is not None:
+            yield from self._on_ring(self.ring)
+            return
+        if place is None:
+            yield Row("equilibrium", self.reason)
+            return
+        (kx, kxy, _), (kyx, ky, _), (_, _, kz) = place.stiffness
+        doubt = "" if worth is None or worth.trusted else "not to be trusted"
+        doubt = ", ".join(filter(None, (doubt, self.too_shallow)))
+        if self.scene.plain:
+            on_axis = "" if doubt or place.position[:2].any() else ", on the axis"
+            yield Row("stable equilibrium", f"{_where(place)}{on_axis}", doubt)
+        else:
+            yield Row("stable equilibrium", _where(place), doubt)
+        if worth and worth.equilibrium_shift:
+            low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
+            yield Row("  by wave optics", f"{low} to {high} um from there", detail=True)
+        yield Row("stiffness (x, y, z)", f"{three(1e6 * kx, 1e6 * ky, 1e6 * kz)} pN/um", doubt)
+        if abs(kxy + kyx) > _NEGLIGIBLE * kx:
+            told = f"{1e6 * (kxy + kyx) / 2:.4g} pN/um"
+            yield Row("stiffness, xy", told, doubt, detail=True)
+        if abs(place.turn) > _NEGLIGIBLE * kx:
+            turn = f"{1e6 * place.turn:.4g} pN/um, (dFy/dx - dFx/dy)/2"
+            yield Row("push round the axis", turn, detail=True)
+        if worth and worth.stiffness_across:
+            across, along_z = between(worth.stiffness_across), between(worth.stiffness_along)
+            yield Row("  by wave optics", f"{across} times that, z {along_z} times")
+        if self.gap is not None and self.drag is not None:
+            yield Row("gap to the wall there", f"{micrometres(self.gap)} um")
+            drag = three(*(1e9 * each for each in self.drag))
+            yield Row("drag there (x, y, z)", f"{drag} nN s/m", detail=True)
+        yield from self._frequencies(doubt)
+        yield from self._lifetime(doubt)
+        if self.absorbed_power is not None and self.torque is not None:
+            yield Row("absorbed power", f"{1e3 * self.absorbed_power:.4g} mW", detail=True)
+            torque = three(*(1e18 * each for each in self.torque))
+            yield Row("torque about the bead's centre", f"{torque} pN um", detail=True)
+
+    def _on_ring(self, ring: Ring) -> Iterator[Row]:
+        """Rows of the ring that holds the bead."""
+        radius, height = micrometres(ring.radius), micrometres(ring.height)
+        name = "ring" if self.too_shallow else "held on a ring"
+        told = f"of radius {radius} um about the axis, at z = {height} um"
+        yield Row(name, told, self.too_shallow)
+        across, along = (f"{1e6 * each:.4g}" for each in ring.stiffness_across)
+        yield Row("stiffness (radial, z)", f"{across}, {along} pN/um")
+        if abs(ring.azimuthal_force) > self.force_error:
+            yield Row("force round the axis", f"{1e12 * ring.azimuthal_force:.4g} pN")
+            told = f"{1e6 * ring.speed:.4g} um/s, {ring.rate:.4g} turns/s"
+            yield Row("driven round it at", told)
+        others = self.rings[1:]
+        if others:
+            radii = ", ".join(micrometres(each.radius) for each in others)
+            yield Row("other rings", f"of radius {radii} um", detail=True)
+        yield from self._lifetime("")
+
+    def _lifetime(self, doubt: str) -> Iterator[Row]:
+        """Rows of the time for which the bead is held, and of that without light."""
+        if "lifetime" not in vars(self) and not self.other_forces:
+            yield Row("held for", "not yet computed: `lifetime` does")
+            return
+        if not (self.lifetime or self.lifetime_caveat):
+            return
+        told = self.lifetime.words if self.lifetime else ""
+        speaks = ", ".join(filter(None, (doubt if told else "", self.lifetime_caveat)))
+        yield Row("held for", told, speaks)
+        if self.lifetime and (without := self.lifetime_without_light):
+            yield Row("  without light", without.words, adds_nothing(self.lifetime, without))
+
+    def _frequencies(self, doubt: str) -> Iterator[Row]:
+        """Rows of how the bead returns: it creeps back, or swings."""
+        found = (
+            ("corner frequencies", self.corner_frequencies, " Hz"),
+            ("resonance frequencies", self.resonance_frequencies, " Hz"),
+            ("quality factors", self.quality_factors, ""),
+        )
+        for name, values, unit in found:
+            if values is None or np.isnan(values).all():
+                continue
+            known = ~np.isnan(values)
+            of = "" if known.all() else f" ({', '.join(np.array(list('xyz'))[known])})"
+            numbers = ", ".join(f"{value:.4g}" for value in values[known])
+            yield Row(name + of, numbers + unit, doubt)
+
+    def _others(self) -> Iterator[Row]:
+        """Rows of the other equilibria."""
+        others = [each for each in self.equilibria if each is not self.equilibrium]
+        apart = [each for each in others if each.position[:2].any()]
+        if not self.scene.plain or apart:
+            for each in others:
+                kind = "another stable equilibrium" if each.stable else "unstable equilibrium"
+                yield Row(kind, _where(each), detail=True)
+            return
+        for name, stable in (("other stable equilibria", True), ("unstable equilibria", False)):
+            heights = [micrometres(each.position[2]) for each in others if each.stable == stable]
+            if heights:
+                yield Row(name, f"z = {', '.join(heights)} um", detail=True)
+
+    def _escapes(self) -> Table:
+        worth = self.ray_optics
+        headings = ["escape", "force, pN", "at, um", "energy, kT", "5 % range, um"]
+        rows = []
+        for each in self._ways_out:
+            end = f"over {1e6 * self.reach:.4g}"
+            if each.faint_at is not None:
+                end = f"{1e6 * each.faint_at:.4g}"
+            elif each.wall_at is not None:
+                end = f"wall at {micrometres(each.wall_at)}"
+            elif each.range is not None:
+                end = f"{1e6 * each.range:.4g}"
+            cells = [
+                each.direction, f"{1e12 * each.force:.4g}", f"{1e6 * each.force_at:.4g}",
+                f"{each.energy_kT:.4g}", end,
+            ]  # fmt: skip
+            if worth and not worth.trusted:
+                cells.append("not to be trusted")
+            elif worth and worth.escape_across:
+                axial = {"+z": worth.escape_forward, "-z": worth.escape_backward}
+                cells.append(between(axial.get(each.direction, worth.escape_across)))
+            elif worth:
+                cells.append("")
+            rows.append(tuple(cells))
+        if worth:
+            headings.append("by waves, times")
+        return Table(tuple(headings), tuple(rows))
+
+
+def _where(place: Equilibrium) -> str:
+    if not place.position[:2].any():
+        return f"z = {micrometres(place.position[2])} um"
+    return f"{', '.join(map(micrometres, place.position))} um"
+
+
+def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Trap:
+    """Equilibria, stiffness, escape, range and efficiencies of the trap of `scene`.
+
+    forces: of your own, beside those of the scene (`tweezer.forces`), at the time 0 on a bead that
+    is not turned. Equilibria are then sought near the axis of each beam, and no rings. Efficiencies
+    stay those of the light alone. Raises `ForceError` where such a force goes wrong.
+
+    The force is that of the scene's light (3.26), by the scene's own evaluator, of its weight
+    (2.11, 2.12) and of a wall, as far as `scene.forces` has them. Drag and thermal motion play no
+    part, nor does contact: a place where a bead rests on a wall is no equilibrium, and lines end
+    where it would touch.
+
+    Half a turn about the beam's axis leaves every light a scene can have as it is, so on the axis
+    the force is along it. Equilibria are sought there, within `Trap.reach` of the focus. That is 20
+    radii by rays, and 5 radii and 10 wavelengths in the medium by waves. It is at least five times
+    the distance at which the light is as wide as the bead, by waves with five depths of focus
+    more. If light carries the weight, the search extends to `simulation.loss_distance`. If no
+    equilibrium near the focus is stable, the search includes rings in the bright region around the
+    axis. In light without rotational symmetry it includes positions off the axis. `Trap.searched`
+    describes the search. For several beams, or a beam that moves, equilibria are searched near the
+    axis of each beam, at time 0.
+
+    An equilibrium is stable if the linear motion with the inertia of the scene's model decays:
+    `Equilibrium.spiral_rate`. The force beside the place must pull back too, since the jumps of the
+    sum over a grid are not in its derivative. The stiffness is not symmetric in circular
+    light, which pushes a bead off the axis round it: `Equilibrium.turn`.
+
+    Escape is along straight lines from the stable equilibrium nearest the focus, and counts the
+    component of the force along the line: a bead held on that line. It ends where the component
+    changes sign or the light ends. Against the light it need not end: light that meets a bead
+    before the focus drives it on to the trap from any distance, by a force that falls with the
+    distance squared. The range is then None, and work counts over `Trap.reach`. It is work on that
+    line and no height of a barrier, for work between two places depends on the way.
+
+    Lines are sampled about every 0.02 radii, and by waves every twentieth of a wavelength in the
+    medium; far from the focus the distance of samples grows with the distance. Zeros are found by
+    Brent's method, to 1e-14 radii. It keeps to a change of sign, so that it works also where the
+    sum over a grid of rays jumps. Maxima are refined by finer and finer samples, to 5e-7 of the
+    distance of the first. Work is integrated by the rules of Gauss and Kronrod on panels that are
+    halved to 1e-7, or to `Escape.energy_error` where jumps hinder it.
+
+    The force is linear in the power of one beam: what it is on lines through the focus is kept for
+    the next scene of the same light (`tweezer.optics.sampled`). Scenes that differ in the power
+    alone are characterised fastest one after the other.
+    """
+    problem = bound_once(scene, forces)
+    scene = problem.scene
+    light_force = _LightForce(problem)
+    others_error = 0.0
+    search = problem.search
+    weight = np.array(problem.bead.weight)
+
+    def net_force(points: Array) -> Array:
+        nonlocal others_error
+        of_walls = (each.field(points).force for each in problem.walls_apart)
+        total, error = sum(of_walls, light_force(points) + weight), np.zeros(len(points))
+        for each in problem.others:
+            pushed = each.field(points)
+            check_numbers(each, pushed)
+            total, error = total + pushed.force, error + pushed.error
+        others_error = max(others_error, float(error.max(initial=0.0)))
+        return total
+
+    places, rings, searched = _found(problem, net_force)
+    equilibrium = nearest_stable(places)
+    if rings and equilibrium is not None and _off(rings[0]) < _off(equilibrium):
+        equilibrium = None
+    drag, gap = None, None
+    corner, resonance, quality = None, None, None
+    pulled: tuple[Escape, ...] = ()
+    absorbed, torque = None, None
+    if equilibrium:
+        mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
+        drag = fixed(1 / mobility)
+        if scene.wall is not None:
+            gap = float(scene.room(equilibrium.position[2]))
+        found = problem.linear.resonances(equilibrium.stiffness_xyz, mobility)
+        corner, resonance, quality = map(fixed, found)
+        pulled = escapes(
+            scene, search, net_force, equilibrium.position, symmetric=problem.symmetric
+        )
+        if scene.lit and scene.bead.absorbs:
+            there = np.array([equilibrium.position])
+            absorbed = float(problem.light.absorbed_power(there)[0])
+            torque = fixed(problem.light.field(there).moment[0])
+    power = sum(cone(scene.with_one_beam(beam)).power for beam in scene.beams)
+    given = sum(total_power(scene.lens, beam) for beam in scene.beams) if scene.lit else 0.0
+    unit = scene.medium.refractive_index * power / SPEED_OF_LIGHT
+    backward, lateral = None, []
+    if scene.plain:
+        axis = search.whole_line()
+        free = axis if scene.wall is None else axis[scene.room(axis) > 0]
+        backward = _efficiency(light_force, "+z", free, unit) if free.size > 1 else None
+        if scene.wall is None or scene.room(0.0) > 0:
+            across = search.line()
+            lateral = [_efficiency(light_force, to, across, unit) for to in ("+x", "+y")]
+    return Trap(
+        scene=scene,
+        power_through_pupil=power,
+        fraction_through_pupil=power / given if given else None,
+        backward_efficiency=backward,
+        lateral_efficiency=max(filter(None, lateral), key=lambda pull: pull.Q, default=None),
+        equilibria=places,
+        equilibrium=equilibrium,
+        rings=rings,
+        searched=searched,
+        drag=drag,
+        corner_frequencies=corner,
+        resonance_frequencies=resonance,
+        quality_factors=quality,
+        gap=gap,
+        rests=pressed(problem),
+        escapes=pulled,
+        evaluator=evaluators_of(scene),
+        force_error=light_force.error + others_error,
+        theory=scene.theory,
+        theory_reason=scene.theory_reason,
+        reach=search.reach,
+        absorbed_power=absorbed,
+        torque=torque,
+        caveat=ray_optics_caveat(scene),
+        ray_optics=None if problem.others else ray_optics_worth(scene),
+        other_forces=len(problem.others),
+    )
+
+
+def _found(
+    problem: Problem, net_force: NetForce
+) -> tuple[tuple[Equilibrium, ...], tuple[Ring, ...], str]:
+    """Equilibria, rings that hold the bead, and where they were sought.
+
+    Rings, or in light without symmetry places off the axis, are sought where no stable equilibrium
+    is in the focus: light that holds a bead there has its maximum on the axis.
+    """
+    search = problem.search
+    near = f"on the axis within {1e6 * search.reach:.4g} um of the focus"
+    if search.farthest > search.reach and problem.scene.lit:
+        near += f" (where light just carries the weight, {1e6 * search.farthest:.4g} um)"
+    places = problem.equilibria(net_force)
+    rings: tuple[Ring, ...] = ()
+    if not problem.about_axis:
+        return places, rings, f"{near}, for each beam, nor beside it"
+    if not (problem.scene.lit and problem.light.smooth):
+        return places, rings, near
+    assert isinstance(problem.light, LightForce)
+    box = problem.light.box
+    nearest = nearest_stable(places)
+    if nearest is not None and _off(nearest) < box.width:
+        return places, rings, near
+    if not problem.symmetric:
+        places += problem.off_axis(net_force)
+        return places, rings, f"{near}, nor off it up to {box.words}"
+    found = problem.rings(net_force)
+    rings = tuple(
+        dataclasses.replace(
+            each, escapes=escapes_from_ring(problem.scene, search, net_force, each.position)
+        )
+        for each in found
+    )
+    searched = f"{near}, nor on a ring up to {box.words}"
+    if not rings and problem.ring_motion.mass:
+        for each in problem.rings(net_force, inertia=False)[:1]:
+            searched += (
+                f"; on a ring of {micrometres(each.radius)} um the light pulls it back, but too "
+                "little drag lets its inertia carry it off"
+            )
+    return places, rings, searched
+
+
+def _off(held: Equilibrium | Ring) -> float:
+    """Distance from the focus, m."""
+    return float(np.linalg.norm(held.position))
+
+
+def pressed(problem: Problem) -> bool:
+    """Whether the forces on a bead on the axis that touches a wall press it there."""
+    scene = problem.scene
+    for plane, normal in scene.wall.planes if scene.wall else ():
+        touching = plane + normal * scene.bead.radius
+        if abs(touching) > problem.light.search.reach:
+            continue
+        if normal * problem.net_force_apart(np.array([[0.0, 0.0, touching]]))[0, 2] < 0:
+            return True
+    return False
+
+
+class _LightForce:
+    """Force of a scene's light; keeps the largest estimated error of those it gave, N."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._scene, self._light = problem.scene, problem.light
+        self.error = 0.0
+
+    def __call__(self, points: Array) -> Array:
+        if self._scene.plain and len(points) >= _LINE:
+            force, error = sampled(self._scene, points)
+        else:
+            field = self._light.field(points)
+            force, error = field.force, self._light.error_of(points, field)
+        # Newton's method may ask where the light has no force, and never ends there
+        self.error = max(self.error, float(error[np.isfinite(error)].max(initial=0.0)))
+        return force
+
+
+def _efficiency(
+    light_force: NetForce, direction: str, coordinates: Array, unit: float
+) -> Efficiency | None:
+    """The largest Q against `direction` on the axis along it; `unit` is n_m P/c, N."""
+    pull = opposite(along(light_force, FOCUS, direction))
+    force, at = largest(pull, coordinates, coordinates[1] - coordinates[0])
+    return Efficiency(force / unit, at) if force > 0 else None

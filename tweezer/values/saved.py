@@ -1,0 +1,145 @@
+"""What tweezer saves: the one table of kinds of results, by which a file is told to be one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tweezer.values.errors import ResultError
+from tweezer.values.files import digest, read_text
+
+#: Key of the digest in a file of JSON
+DIGEST = "sha256"
+
+#: Endings of files of runs, ensembles and sweeps
+RESULTS = (".nc", ".zarr")
+#: Ending of the file of a trap
+SAVED_TRAP = ".json"
+#: Endings of recordings, by kind: text, HDF5 (also of runs), NumPy, MATLAB, LabVIEW
+TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".lvm", ".prn")
+HDF5 = (".h5", ".hdf5", ".nc")
+NUMPY, MATLAB, TDMS = (".npy", ".npz"), ".mat", ".tdms"
+RECORDINGS = (*TEXTS, *HDF5, *NUMPY, MATLAB, TDMS)
+
+
+class Kind(NamedTuple):
+    """A kind of result."""
+
+    name: str
+    told: str
+    """in words, with its article"""
+    marks: tuple[str, ...]
+    """what every one has: attributes, variables and dimensions; of JSON the keys"""
+    page: str = ""
+    """of `tweezer.viewing`: `of_PAGE.py`, `static/PAGE.js`; "" if it has none"""
+    compared: bool = False
+    """whether `tweezer compare` takes it"""
+    command: str = ""
+    """the command that takes it, of what is no result"""
+    endings: tuple[str, ...] = ()
+    """of the names of files by which it is known, of what is no result"""
+
+    def way(self, name: str) -> str:
+        """Return what can be done with the file of that name, to follow words that say its kind."""
+        ways = ["`tweezer view` shows it"] if self.page else []
+        ways += ["`tweezer compare` compares it with another"] if self.compared else []
+        ways += [f"use `tweezer {self.command} {name}`"] if self.command else []
+        return f"; {' and '.join(ways)}" if ways else ""
+
+
+#: The first that has all its marks is taken
+KINDS = (
+    Kind("sweep", "a sweep", ("scene", "over", "outcome"), "sweep", True),
+    Kind("statistics", "statistics of an ensemble", ("scene", "stationary_mean"), "ensemble", True),
+    Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
+    Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
+    Kind("run", "a run", ("scene", "status", "time"), "run", True),
+    Kind("trap", "a trap", ("scene", "trap"), "trap", True),
+    Kind("calibration", "a calibration", ("axes", "exposure"), compared=True),
+    Kind("together", "calibrations of several recordings", ("recordings", "together")),
+    Kind("surface", "calibrations that find a wall", ("recordings", "surface")),
+    Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood")),
+    Kind("depth", "a fit of the depth", ("minima", "parameters")),
+    Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon")),
+)
+#: What is no result, and is known by the name of its file
+OTHERS = (
+    Kind("recording", "a recording", (), command="calibrate", endings=RECORDINGS),
+    Kind("page", "a page or a report", (), endings=(".html",)),
+    Kind("figure", "a figure", (), endings=(".png", ".svg", ".pdf")),
+    Kind("scene", "a scene", (), command="run", endings=(".toml",)),
+)
+SHOWN = tuple(each for each in KINDS if each.page)
+COMPARED = tuple(each for each in KINDS if each.compared)
+
+
+def kind_of(result: Any) -> Kind | None:
+    """The kind of a dataset, or of what a file of JSON holds; None if it is none of the table."""
+    if hasattr(result, "attrs"):
+        return _kind_with({*result.attrs, *result.variables, *result.sizes})
+    return _kind_with(set(result) if isinstance(result, dict) else set())
+
+
+def _kind_with(names: set[Any]) -> Kind | None:
+    """Return the kind of a result that has attributes, variables and dimensions of these names."""
+    return next((kind for kind in KINDS if names.issuperset(kind.marks)), None)
+
+
+def kind_of_file(path: Path) -> Kind | None:
+    """Return the kind of the result in a file or folder, or the kind that its name indicates.
+
+    Returns None for an unknown kind.
+    """
+    try:
+        if path.suffix == SAVED_TRAP:
+            return kind_of(read_json(path))
+        if path.suffix == ".zarr":
+            from tweezer.values.stores import names_in_store
+
+            return _kind_with(names_in_store(path))
+        if path.suffix == ".nc":
+            from tweezer.values.hdf5 import names_in
+
+            return _kind_with(names_in(path))
+    except Exception:  # readers raise of any kind where a file is damaged
+        return None
+    ending = path.suffix.lower()
+    return next((kind for kind in OTHERS if ending in kind.endings and path.is_file()), None)
+
+
+def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
+    """What a result is, and what the command takes in its place."""
+    is_ = f"is {kind.told}" if kind else "is no result that is known"
+    return f"{is_}; `tweezer {command}` takes {', '.join(each.told for each in taken)}"
+
+
+def read_json(path: Path) -> Any:
+    """Return the content of a file of JSON, without its digest.
+
+    Raises `ResultError` if it cannot be read, or if its digest differs from its content. A file
+    without a digest is read as it is: earlier versions wrote none.
+    """
+    try:
+        found = json.loads(read_text(path))
+        if not isinstance(found, dict) or DIGEST not in found:
+            return found
+        if found.pop(DIGEST) != digest(found):
+            raise ResultError(
+                f"{path}: damaged: its content is not what was saved; if you changed it, delete "
+                f'the key "{DIGEST}"'
+            )
+        return found
+    except FileNotFoundError:
+        raise ResultError(f"{path}: no such file") from None
+    except IsADirectoryError:
+        raise ResultError(f"{path}: is a folder") from None
+    except (OSError, ValueError, RecursionError) as error:
+        raise ResultError(f"{path}: cannot be read: {error}") from None
+
+
+def check_ending(path: Path, formats: Iterable[str]) -> None:
+    """Raise `ResultError` unless the name ends in one of the formats, in small letters or large."""
+    if path.suffix.lstrip(".").lower() not in formats:
+        raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
