@@ -1,8 +1,9 @@
-from .calibration import AxisCalibration, Calibration, Estimate, SpectrumFit, calibrate, in_metres
+from .calibration import calibrate, in_metres
 from .driving import Answer
 from .findings import Finding
 from .free import Diffusion, FreeAxis, FreeTrack, Inferred
 from .histogram import Potential, potential
+from .results import AxisCalibration, Calibration, Estimate, SpectrumFit
 from .spectra import (
     TrappedBead,
     autocovariance,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
-from tweezer.calibration.calibration import Calibration
 from tweezer.calibration.findings import REFUTED, Finding
+from tweezer.calibration.results import Calibration
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import inverse
 from tweezer.scene.arguments import in_si, numbers_in_si

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import chdtrc
 
-from tweezer.calibration.calibration import AxisCalibration, Calibration
 from tweezer.calibration.findings import REFUTED, Finding
+from tweezer.calibration.results import AxisCalibration, Calibration
 
 
 @dataclass(frozen=True)

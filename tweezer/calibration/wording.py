@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from tweezer.calibration.calibration import AxisCalibration
 from tweezer.calibration.free import INFERRED, Diffusion
+from tweezer.calibration.results import AxisCalibration
 from tweezer.values.rounding import rounded, with_uncertainty
 
 #: Parameters of a detector in words, with the factor to their unit and the unit.

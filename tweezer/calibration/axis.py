@@ -1,0 +1,259 @@
+"""The trap along one axis: estimates of its stiffness, and the findings against them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtrc
+
+from tweezer.calibration import digits
+from tweezer.calibration.answers import Answer
+from tweezer.calibration.equipartition import corrected, equipartition
+from tweezer.calibration.findings import (
+    HARM,
+    IMPROBABLE,
+    SLOW,
+    Finding,
+    Fits,
+    examine,
+    relative_variance_of_variance,
+    spectrum_p_value,
+)
+from tweezer.calibration.fits import Record, fits_of
+from tweezer.calibration.histogram import potential, resolution_of
+from tweezer.calibration.in_time import autocorrelation, displacement, lags_of
+from tweezer.calibration.results import AxisCalibration, Estimate, SpectrumFit
+from tweezer.calibration.spectra import TrappedBead
+from tweezer.calibration.wall import Height
+from tweezer.calibration.whittle import MOTION, STIFFNESS, Detected, WhittleFit
+from tweezer.values.constants import Boltzmann
+
+Array = NDArray[np.float64]
+
+#: Largest relative uncertainty of a stiffness that counts as determined.
+_UNCERTAIN = 0.3
+#: Shortest record for displacements and a potential, in relaxation times: in shorter ones too many
+#: estimates that look determined are wrong.
+_FEW = 100.0
+#: Largest deviation from the stiffness by the power spectrum, in standard uncertainties.
+_APART = 4.0
+#: Deviation of the phase of an answer that is said, in standard uncertainties and in rad.
+_LATE = (5.0, 0.02)
+
+#: Largest number of frequencies that are listed
+_TOLD = 3
+#: Motion across a wall, of the gap, from which on it is said: a standard deviation
+_ROAMING = 0.3
+
+
+def along(record: Record) -> AxisCalibration:
+    """Return the trap along one axis."""
+    step, known, answers = record.step, record.known, record.answers
+    signal = known.left_out.without(record.signal, step)
+    left = known.left_out.words(record.signal, signal, step, record.unit)
+    resolution = resolution_of(record.recorded)
+    fits = fits_of(record, signal)
+    fit = fits.fit
+    detector = tuple(fit.detected(name) for name in known.detector.fitted)
+    scaled, response = "response" in fit.free, fit.bead.response
+    if scaled:  # from here on in metres
+        signal, fits, resolution = signal / response, fits.per(response), resolution / response
+    bead = fits.fit.bead
+    own = _spectrum_fit(fits.fit)
+    of_free = own if fits.free is fits.fit else _spectrum_fit(fits.free)
+    findings = _findings(record, signal, fits, resolution)
+    # a drift slower than all frequencies of the fits is not in their way
+    beyond = known.left_out.fit_range[0] > (
+        (known.left_out.cosines(len(signal), step) + SLOW) / (2 * len(signal) * step)
+    )
+    slow = [each for each in findings if each.name == "drift" and beyond]
+    findings = [each for each in findings if each not in slow]
+    findings += _disagreeing(fits.fit, answers, response)
+    if answers and record.drive is not None:
+        findings += _jumping(fits.fit, step, record.drive.jumps)
+    estimates = []
+    for method, k, uncertainty, objections in _numbers(record, signal, fits, slow, resolution):
+        apart = abs(k - bead.stiffness) / math.hypot(uncertainty, own.stiffness_uncertainty)
+        against = [*findings, *objections]
+        if not 0 < uncertainty <= _UNCERTAIN * abs(k):
+            against.insert(len(findings), Finding("undetermined", "not determined"))
+        elif apart > _APART:
+            text = f"{apart:.2g} standard uncertainties from that of the power spectrum"
+            against.append(Finding("apart", f"{method}: {text}"))
+        estimates.append(Estimate(method, k, uncertainty, tuple(against)))
+    relative = fits.fit.uncertainty
+    per_volt = 1 / response if scaled else None
+    force = bead.stiffness / response if scaled else None
+    return AxisCalibration(
+        record.axis, float(signal.mean()), tuple(findings), tuple(estimates), own, of_free,
+        len(signal) * step / bead.relaxation_time,
+        detector, per_volt, per_volt and per_volt * relative(0, 0, 1),
+        force, force and force * relative(1, 0, -1), answers,
+        (
+            *([Finding("left out", left)] if left else []),
+            *_undetermined(detector, record.unit), *_late(fits.fit, answers, response),
+            *_unfollowed(record.unfollowed), *_roaming(bead, known.wall),
+        ),
+        known.drags.get(record.axis),
+    )  # fmt: skip
+
+
+def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
+    """Return what speaks against the record: its digits, then its motion."""
+    detector = record.known.detector
+    findings = examine(positions, record.step, fits, detector.exposure_known, resolution)
+    if not record.checked:
+        return findings
+    harmless = HARM * math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
+    shown = digits.of_axis(
+        record.recorded, record.bead.noise, record.unit, harmless, dated=record.dated
+    )
+    return digits.first([*record.unmeasured, *([shown] if shown else [])], findings)
+
+
+def _numbers(
+    record: Record, positions: Array, fits: Fits, slow: list[Finding], resolution: float
+) -> Iterator[tuple[str, float, float, list[Finding]]]:
+    """Yield each method with its stiffness and uncertainty, N/m, and what speaks against it.
+
+    `slow` is a drift that is not in the way of the spectral fits.
+    """
+    step, left_out, fit = record.step, record.known.left_out, fits.fit
+    bead, made_by = fit.bead, list(record.made_by)
+
+    def too_few(method: str) -> list[Finding]:
+        text = f"{method}: fewer than {_FEW:g} relaxation times"
+        return [Finding("few", text)] if len(positions) * step / bead.relaxation_time < _FEW else []
+
+    def by(
+        method: str, found: tuple[float, float], against: list[Finding]
+    ) -> tuple[str, float, float, list[Finding]]:
+        return method, float(found[0]), float(found[1]), against
+
+    for method, each in (("power spectrum", fit), ("power spectrum, drag fitted", fits.free)):
+        if each is not fit or method == "power spectrum":
+            k = each.bead.stiffness
+            yield by(method, (k, k * each.uncertainty(1, 0)), made_by)
+    yield by("equipartition", equipartition(positions, fits), slow)
+    if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
+        lags = lags_of(len(positions), step, bead)
+        missing = left_out.missing(bead, len(positions), step)
+        found = displacement(positions, step, bead, lags, missing, record.drag_known)
+        yield by("displacement", found, [*slow, *made_by, *too_few("displacement")])
+        if record.drag_known:
+            found = autocorrelation(positions, step, bead, lags, missing)
+            yield by("autocorrelation", found, [*slow, *made_by])
+    well = potential(positions, bead.temperature, resolution)
+    if well.stiffness is not None and well.uncertainty is not None:
+        found = corrected(well.stiffness, well.uncertainty, fits)
+        yield by("potential", found, [*slow, *too_few("potential")])
+
+
+def _disagreeing(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+    """Answers at several frequencies that no bead gives together."""
+    squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
+    if len(answers) < 2 or chdtrc(len(answers) - 1, squares) >= IMPROBABLE:
+        return []
+    text = "its answers to the stage at different frequencies contradict each other"
+    return [Finding("drive", text)]
+
+
+def _jumping(fit: WhittleFit, step: float, jumps: float) -> list[Finding]:
+    """Return a stage that jumps between samples, with what the bead moves until the next one.
+
+    Whether it jumps just after a sample or just before the next one changes the size of an answer
+    by the step over the relaxation time, half of it to either side.
+    """
+    off = jumps * step / (2 * fit.bead.relaxation_time)
+    if off < HARM * fit.uncertainty(0, 0, 1):
+        return []
+    text = (
+        f"the stage jumps between two samples, which leaves {100 * off:.2g} % open: move it "
+        "steadily, as a triangle or a sine, or sample faster"
+    )
+    return [Finding("drive", text)]
+
+
+def _unfollowed(frequencies: tuple[float, ...]) -> list[Finding]:
+    """Frequencies (Hz) at which the column of a stage is the noise of its sensor."""
+    if not frequencies:
+        return []
+    at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
+    more = " and more" if len(frequencies) > _TOLD else ""
+    text = (
+        f"at {at} Hz{more} the bead does not follow the stage: the sensor of the stage has noise "
+        "there, which is left out"
+    )
+    return [Finding("sensor", text)]
+
+
+def _roaming(bead: TrappedBead, height: Height | None) -> list[Finding]:
+    """Return a remark if the motion of a bead across a wall changes its height by much."""
+    if height is None or not bead.across:
+        return []
+    deviation = math.sqrt(Boltzmann * bead.temperature / bead.stiffness)
+    part = deviation / (height.distance - height.radius)
+    if part < _ROAMING:
+        return []
+    text = (
+        f"the bead moves by {1e9 * deviation:.2g} nm rms across the wall, {part:.2g} of the gap: "
+        "its drag is a mean over heights"
+    )
+    return [Finding("height", text)]
+
+
+def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+    """Answers whose phase is not that of the bead, of which only the size is used."""
+    for each in answers:
+        late, error = each.per(response).late(fit.bead)
+        if abs(late) > max(_LATE[0] * error, _LATE[1]):
+            delay = 1e3 * late / (2 * math.pi * each.frequency)
+            text = (
+                f"at {each.frequency:.4g} Hz the record is {abs(delay):.2g} ms "
+                f"{'behind' if late > 0 else 'before'} the bead that the stage drives; only the "
+                "size of the answer is used"
+            )
+            return [Finding("late", text)]
+    return []
+
+
+#: Words for what is not determined: the parameter, what bounds it, factor and unit.
+_WORDS = {
+    "exposure": ("the exposure", "below", 1e3, "ms"),
+    "diode_frequency": ("the frequency of a diode", "above", 1e-3, "kHz"),
+    "diode_fraction": ("the part that a diode detects at once", "below", 1.0, ""),
+    "noise": ("white noise", "below", 1e9, "nm"),
+}
+
+
+def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
+    """What was fitted of the detector and is not seen in the record."""
+    unseen = [each for each in detector if each.value is None]
+    if any(each.name == "diode_frequency" for each in unseen):
+        unseen = [each for each in unseen if each.name != "diode_fraction"]
+    found = []
+    for each in unseen:
+        what, side, factor, of = _WORDS[each.name]
+        if each.name == "noise" and unit == "V":
+            factor, of = 1e3, "mV"
+        bound = "" if each.limit is None else f": {side} {factor * each.limit:.2g} {of}".rstrip()
+        likely = bound and " (95 %)"
+        text = f"the record does not determine {what}{bound}{likely}"
+        found.append(Finding("undetermined", text))
+    return found
+
+
+def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:
+    bead = fit.bead
+    return SpectrumFit(
+        bead,
+        bead.stiffness * fit.uncertainty(1, 0),
+        bead.drag * fit.uncertainty(0, 1) if "drag" in fit.free else None,
+        bead.corner_frequency * fit.uncertainty(1, -1),
+        float(fit.periodogram.frequencies[-1]),
+        fit.log_likelihood,
+        spectrum_p_value(fit),
+    )

@@ -1,0 +1,219 @@
+"""Fits of the power spectrum along one axis: of the motion, the detector and the sensitivity."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tweezer.calibration.answers import Answer, KnownDrag
+from tweezer.calibration.driving import Drive
+from tweezer.calibration.findings import Finding, Fits
+from tweezer.calibration.setup import Known
+from tweezer.calibration.spectra import TrappedBead
+from tweezer.calibration.whittle import (
+    MOTION,
+    STIFFNESS,
+    Evidence,
+    Periodogram,
+    WhittleFit,
+    best_start,
+    fitted,
+    usable,
+)
+
+Array = NDArray[np.float64]
+
+#: First guesses of what a detector does, for a fit: exposure in steps, frequency of a diode in that
+#: of Nyquist and the part that it detects at once, noise in the density at the highest frequencies.
+_GUESSES = {
+    "exposure": (0.3, 0.8),
+    "diode_frequency": (0.2, 0.6, 1.5),
+    "diode_fraction": (0.2, 0.6),
+    "noise": (0.1, 0.6),
+}
+#: Number of these guesses that a fit is tried from.
+_TRIED = 2
+#: Smallest number of blocks of that fit.
+_LEAST_BLOCKS = 50
+#: Highest frequency of a first fit before that of a detector, in units of the roll-off.
+_BEFORE_DETECTOR = 2.0
+#: Half the width of what is left out about the frequency of a drive, in ordinates
+_BESIDE = 1.499
+
+
+@dataclass(frozen=True)
+class Record:
+    """A record along one axis, and what is known of it."""
+
+    axis: str
+    signal: Array
+    """(n,) m or V, without its answers to a drive"""
+    step: float
+    """s"""
+    unit: str
+    """"m" or "V\""""
+    known: Known
+    beside: tuple[Evidence, ...]
+    """what else is known of the bead: its answers to the drive, and a drag with an uncertainty"""
+    drive: Drive | None
+    unfollowed: tuple[float, ...]
+    """frequencies, Hz, at which the column of the stage is the noise of its sensor"""
+    recorded: Array
+    """(n,) positions as recorded"""
+    checked: bool
+    """whether their digits are those of a file, and not of a run of tweezer"""
+    dated: bool
+    """whether their order is known"""
+    unmeasured: tuple[Finding, ...]
+    """findings against the samples of all axes"""
+    made_by: tuple[Finding, ...]
+    """findings against every number that uses the dynamics"""
+
+    @cached_property
+    def bead(self) -> TrappedBead:
+        """Temperature, masses and detector; the drag, or NaN."""
+        return self.known.bead(self.axis, self.step)
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """Answers to the motion of the stage."""
+        return tuple(each for each in self.beside if isinstance(each, Answer))
+
+    @property
+    def all_frequencies(self) -> bool:
+        """Whether the spectrum is known up to Nyquist's frequency, or what it tells there asked."""
+        bead = self.bead
+        fitted = self.known.detector.fitted
+        return bool(fitted or bead.displaced_mass or bead.diode_frequency or bead.noise)
+
+    @property
+    def drag_known(self) -> bool:
+        """Whether the drag is given."""
+        return not math.isnan(self.bead.drag)
+
+    def periodogram(self, signal: Array) -> Periodogram:
+        """Return that of the signal; the lines of the drive and what is left out are not in it."""
+        bin_ = 1 / (len(signal) * self.step)
+        lines = () if self.drive is None else self.drive.frequencies
+        driven = [(each - _BESIDE * bin_, each + _BESIDE * bin_) for each in lines]
+        left = self.known.left_out.of_record(len(signal), self.step)
+        return Periodogram.of(signal, self.step, (*driven, *left))
+
+
+def fits_of(record: Record, signal: Array) -> Fits:
+    """Return the fit with the drag as known, and that with a free drag.
+
+    `signal` (n,) is that of the record without what is left out.
+    """
+    detector, left = record.known.detector.fitted, record.known.left_out
+    scaled = record.unit == "V" or bool(record.answers)
+    whole = record.periodogram(signal)
+    low, high = left.fit_range
+    ranged = whole[(whole.frequencies >= low) & (whole.frequencies <= high)]
+    # without masses where metres are not known yet: they are negligible for a start
+    first = record.bead
+    if scaled:
+        first = dataclasses.replace(first, mass=None, displaced_mass=None, drag=math.nan)
+    start = best_start(ranged, signal, first)
+    part = usable(ranged, start, to_the_end=record.all_frequencies)
+    if scaled or detector:
+        return Fits(whole, *_of_detector(record, part, start, scaled=scaled), left)
+    return Fits(whole, *_of_motion(record, part, start), left)
+
+
+def _of_motion(
+    record: Record, part: Periodogram, start: TrappedBead
+) -> tuple[WhittleFit, WhittleFit]:
+    """Return both fits in metres, by an ideal or a known detector."""
+    drag = record.bead.drag
+    free = fit = fitted(part, start, MOTION)
+    if record.drag_known and not _evaluated(free):
+        free = fit = fitted(part, dataclasses.replace(start, drag=drag), STIFFNESS)
+    elif record.drag_known:
+        fit = fitted(part, dataclasses.replace(free.bead, drag=drag), STIFFNESS)
+    elif record.beside:
+        fit = fitted(dataclasses.replace(part, beside=record.beside), free.bead, MOTION)
+    return fit, free
+
+
+def _of_detector(
+    record: Record, part: Periodogram, start: TrappedBead, *, scaled: bool
+) -> tuple[WhittleFit, WhittleFit]:
+    """Return both fits with parameters of the detector, and with the response if `scaled`."""
+    detector, beside = record.known.detector.fitted, record.beside
+    if part.counts.sum() < _LEAST_BLOCKS / 2:
+        raise ArithmeticError("too few frequencies for a fit")
+    early = part
+    if detector:
+        early_on = part.frequencies <= _BEFORE_DETECTOR * start.roll_off
+        early_on[:_LEAST_BLOCKS] = True
+        early = part[early_on]
+    start = fitted(early, start, MOTION).bead
+    part = dataclasses.replace(part, beside=beside)
+    names = (*MOTION, *(["response"] if scaled else []), *detector)
+    if scaled:
+        start = _in_metres(start, record.bead, beside)
+    elif record.drag_known:
+        start = dataclasses.replace(start, drag=record.bead.drag)
+    starts = sorted(
+        _guesses(start, detector, part), key=part.log_likelihood, reverse=True
+    )[:_TRIED]  # fmt: skip
+
+    def best(free: tuple[str, ...], starts: list[TrappedBead]) -> WhittleFit:
+        found = [fitted(part, each, free) for each in starts]
+        return max(found, key=lambda fit: fit.log_likelihood)
+
+    if not record.drag_known:
+        fit = best(names, starts)
+        answers = tuple(each for each in beside if not isinstance(each, KnownDrag))
+        if answers == beside or (scaled and not answers):
+            return fit, fit
+        # what the record tells by itself
+        return fit, fitted(dataclasses.replace(part, beside=answers), fit.bead, names)
+    fit = best(tuple(name for name in names if name != "drag"), starts)
+    if scaled and not beside:
+        return fit, fit  # volts a metre follow from the drag
+    return fit, best(names, [fit.bead])
+
+
+def _evaluated(fit: WhittleFit) -> bool:
+    """Whether a fit is at a bead that can be computed; a record of white noise leads beyond."""
+    try:
+        return bool(np.isfinite(fit.covariance).all())
+    except (ArithmeticError, np.linalg.LinAlgError):
+        return False
+
+
+def _in_metres(start: TrappedBead, given: TrappedBead, beside: tuple[Evidence, ...]) -> TrappedBead:
+    """The start of a fit from one whose unit of length is that of the signal."""
+    answers = [each for each in beside if isinstance(each, Answer)]
+    drags = [each.drag for each in beside if isinstance(each, KnownDrag)]
+    if answers:
+        largest = max(answers, key=lambda each: each.signal / each.signal_uncertainty)
+        moved = abs(complex(start.driven(largest.frequency)))
+        square = (largest.signal / (moved * largest.stage)) ** 2
+    else:
+        square = (drags[0] if drags else given.drag) / start.drag
+    drag = start.drag * square if math.isnan(given.drag) else given.drag
+    return dataclasses.replace(
+        start, stiffness=start.stiffness / start.drag * drag, drag=drag,
+        response=math.sqrt(square), mass=given.mass, displaced_mass=given.displaced_mass,
+    )  # fmt: skip
+
+
+def _guesses(start: TrappedBead, detector: tuple[str, ...], part: Periodogram) -> list[TrappedBead]:
+    """Beads with detectors that a fit may start from."""
+    nyquist = 0.5 / part.step
+    units = {
+        "exposure": part.step, "diode_frequency": nyquist, "diode_fraction": 1.0,
+        "noise": math.sqrt(part.floor / (2 * part.step)),
+    }  # fmt: skip
+    choices = [[units[name] * each for each in _GUESSES[name]] for name in detector]
+    every = [dict(zip(detector, each, strict=True)) for each in itertools.product(*choices)]
+    return [dataclasses.replace(start, **each) for each in every]  # type: ignore[arg-type]

@@ -1,0 +1,272 @@
+"""Bead, medium, wall and detector of a calibration: what is given, and what is known with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from tweezer.calibration.inertia import Inertia
+from tweezer.calibration.left_out import LeftOut
+from tweezer.calibration.spectra import TrappedBead
+from tweezer.calibration.wall import ACROSS, Height
+from tweezer.reading.recording import Recording
+from tweezer.scene.arguments import in_si
+from tweezer.scene.bead import bead_properties
+from tweezer.scene.sphere import drag_of_translation
+from tweezer.values.errors import ResultError
+from tweezer.values.rounding import most
+from tweezer.values.units import TEMPERATURE, QuantityLike, bare
+
+#: SI units of the quantities of bead and medium
+_UNITS = {
+    "temperature": "K", "drag": "kg/s", "mass": "kg", "displaced_mass": "kg", "radius": "m",
+    "viscosity": "Pa s",
+}  # fmt: skip
+#: Axes of a run
+_EVERY_AXIS = ("x", "y", "z")
+#: Number of places at which the drag of a run is taken
+_PLACES = 1000
+#: Relative excess of an exposure over the step that is allowed, as the step is as uncertain
+_UNEVEN = 1e-3
+
+
+class Detector(NamedTuple):
+    """The detector of a recording, SI."""
+
+    exposure: float | None
+    """s; None if not known, or fitted"""
+    diode: tuple[float, float] | None
+    """frequency, Hz, and part that is detected at once; None without one, or fitted"""
+    noise: float | None
+    """standard deviation, m or V, along the first axis; None if not known, or fitted"""
+    noises: dict[str, float]
+    """along each axis; 0 if not known"""
+    fitted: tuple[str, ...]
+    """parameters that are fitted"""
+
+    @property
+    def exposure_known(self) -> bool:
+        """Whether the exposure is given or fitted."""
+        return self.exposure is not None or "exposure" in self.fitted
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a recording's bead, medium, wall and detector, SI; None: not known."""
+
+    temperature: float
+    drag: float | None
+    """far from walls"""
+    mass: float | None
+    displaced_mass: float | None
+    radius: float | None
+    viscosity: float | None
+    poles: int
+    """of the memory of the fluid"""
+    wall: Height | None
+    detector: Detector
+    left_out: LeftOut
+    """what is left out of the record"""
+    drags: dict[str, float]
+    """along each axis, where the bead is; none where it is not known"""
+
+    def bead(self, axis: str, step: float) -> TrappedBead:
+        """Return the bead of an axis, recorded every `step` (s); what is not known is NaN."""
+        wall, detector = self.wall, self.detector
+        frequency, fraction = detector.diode or (None, 0.0)
+        return TrappedBead(
+            math.nan, self.drags.get(axis, math.nan) if self.exact else math.nan,
+            self.temperature, self.mass, min(detector.exposure or 0.0, step), self.displaced_mass,
+            self.poles, frequency, fraction, detector.noises[axis],
+            wall=None if wall is None else wall.radii, across=axis == ACROSS,
+        )  # fmt: skip
+
+    @property
+    def exact(self) -> bool:
+        """Whether the height above a wall, and with it the drag, has no uncertainty."""
+        return self.wall is None or not self.wall.uncertainty
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """Bead, medium, wall and detector as given: numbers in SI, or text; None: not given.
+
+    The fields are the keywords of `calibrate`, which describes them.
+    """
+
+    temperature: QuantityLike | None = None
+    drag: QuantityLike | None = None
+    mass: QuantityLike | None = None
+    displaced_mass: QuantityLike | None = None
+    wall: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
+    radius: QuantityLike | None = None
+    viscosity: QuantityLike | None = None
+    exposure: QuantityLike | None = None
+    diode: QuantityLike | tuple[QuantityLike, QuantityLike] | None = None
+    noise: QuantityLike | None = None
+    leave_out: Sequence[str | tuple[float, float]] = ()
+    drift: QuantityLike | None = None
+    fit_range: str | tuple[float, float] | None = None
+
+    def of(self, recording: Recording) -> Known:
+        """Return what is known of a recording by this and by the scene of a run.
+
+        Raises `ResultError`, which names the recording, for what is wrong, missing or contradicts.
+        """
+        name, scene = recording.name, recording.scene
+        given = {key: _in_si(name, key, getattr(self, key), unit) for key, unit in _UNITS.items()}
+        left_out = LeftOut.of(name, self.leave_out, self.drift, self.fit_range)
+        left_out.refuse_too_much(name, len(recording.times), recording.step)
+        detector = self._detector(recording)
+        poles, on_the_way = TrappedBead.poles, False
+        if scene is not None:
+            if not scene.forces.brownian:
+                raise ResultError(f"{name}: made without thermal motion: nothing to calibrate")
+            on_the_way = given["drag"] is None and self.wall is None
+            mass, fluid = Inertia.of(scene).masses(scene)
+            if given["displaced_mass"] is None:
+                poles = scene.medium.poles or poles
+            of_scene = {
+                "temperature": scene.medium.temperature, "drag": bead_properties(scene).drag,
+                "mass": mass, "displaced_mass": fluid, "radius": scene.bead.radius,
+                "viscosity": scene.medium.viscosity,
+            }  # fmt: skip
+            given = {key: of_scene[key] if value is None else value for key, value in given.items()}
+        elif given["drag"] is None:
+            radius, viscosity = given["radius"], given["viscosity"]
+            if radius is not None and viscosity is not None:
+                given["drag"] = drag_of_translation(viscosity, radius)
+        temperature = _checked(name, given)
+        wall = None if self.wall is None else Height.of(name, self.wall, given["radius"])
+        if wall is not None and given["displaced_mass"] is not None:
+            _refuse_too_low(recording, wall)
+        coldest, hottest = TEMPERATURE
+        if not coldest <= temperature <= hottest:
+            raise ResultError(
+                f"{name}: temperature = {temperature:g}: must be from {coldest:g} to {hottest:g} K"
+            )
+        _refuse_detector(recording, detector)
+        return Known(
+            temperature, given["drag"], given["mass"], given["displaced_mass"], given["radius"],
+            given["viscosity"], poles, wall, detector, left_out,
+            _drags(recording, given["drag"], wall, on_the_way=on_the_way),
+        )  # fmt: skip
+
+    def _detector(self, recording: Recording) -> Detector:
+        asked = {"exposure": self.exposure, "diode_frequency": self.diode, "noise": self.noise}
+        fitted = tuple(name for name, value in asked.items() if value == "fit")
+        exposure, diode, noise = (None if value == "fit" else value for value in asked.values())
+        exposed = _in_si(recording.name, "exposure", exposure, "s")  # type: ignore[arg-type]
+        pair = None if diode is None else _diode(recording.name, diode)
+        level = _in_si(recording.name, "noise", noise, recording.unit)  # type: ignore[arg-type]
+        noises = dict.fromkeys(recording.axes, level or 0.0)
+        if level is None and "noise" not in fitted and recording.noise is not None:
+            level = recording.noise[0]
+            noises = dict(zip(recording.axes, recording.noise, strict=True))
+        if exposed is None and "exposure" not in fitted:
+            exposed = recording.exposure
+            if exposed is None and recording.scene is not None:
+                exposed = 0.0
+        if "diode_frequency" in fitted:
+            fitted += ("diode_fraction",)
+        return Detector(exposed, pair, level, noises, fitted)
+
+
+def _in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
+    """Return an argument in its SI unit; None if not given."""
+    if value is None:
+        return None
+    return in_si(f"{recording}: {name}", value, unit, error=ResultError)
+
+
+def _diode(
+    recording: str, value: QuantityLike | tuple[QuantityLike, QuantityLike]
+) -> tuple[float, float]:
+    """Return the frequency of a diode, Hz, and the part that it detects at once."""
+    parts: Sequence[QuantityLike]
+    if isinstance(value, str):
+        parts = value.split(",")
+    else:
+        parts = value if isinstance(value, tuple) else (value,)
+    if len(parts) > 2:
+        raise ResultError(
+            f"{recording}: diode = {value!r}: must be a frequency, and the part from 0 to 1 "
+            'that is detected at once: "14 kHz, 0.3"'
+        )
+    frequency, fraction = (
+        in_si(f"{recording}: diode", bare(part), unit, error=ResultError)
+        for part, unit in zip((*parts, 0.0), ("1/s", ""), strict=False)
+    )
+    if frequency <= 0 or not 0 <= fraction < 1:
+        raise ResultError(
+            f"{recording}: diode = {value!r}: its frequency must be positive, and the part "
+            "that is detected at once from 0 to below 1"
+        )
+    return frequency, fraction
+
+
+def _checked(name: str, given: dict[str, float | None]) -> float:
+    """Return the temperature, K; refuse quantities that are missing or not positive."""
+    temperature = given["temperature"]
+    if temperature is None:
+        raise ResultError(f"{name}: needs the temperature of the medium")
+    for key, value in given.items():
+        if value is not None and value <= 0:
+            raise ResultError(f"{name}: {key} = {value}: must be positive")
+    if given["displaced_mass"] is not None and given["mass"] is None:
+        raise ResultError(f"{name}: the inertia of the fluid needs the bead's mass too")
+    return temperature
+
+
+def _refuse_detector(recording: Recording, detector: Detector) -> None:
+    """Refuse an exposure longer than the step, and a negative noise."""
+    exposure, noise, step = detector.exposure, detector.noise, recording.step
+    if exposure is not None and not 0 <= exposure <= step * (1 + _UNEVEN):
+        raise ResultError(
+            f"{recording.name}: exposure = {exposure:g} s: must be from 0 to the step of the "
+            f"samples, {most(step, 4)} s"
+        )
+    if noise is not None and noise < 0:
+        raise ResultError(f"{recording.name}: noise = {noise:g}: must not be negative")
+
+
+def _refuse_too_low(recording: Recording, height: Height) -> None:
+    """Refuse a height at which the drag with the inertia of the fluid is not known."""
+    from tweezer.fluid import LOWEST
+
+    for axis in recording.axes:
+        way = "across" if axis == ACROSS else "along"
+        if height.radii < LOWEST[way]:
+            raise ResultError(
+                f"{recording.name}: wall = {height.distance:g}: with the inertia of the fluid the "
+                f"drag of {axis}, {way} the wall, is known from {LOWEST[way]:g} radii on; leave "
+                "out the displaced mass, or that column"
+            )
+
+
+def _drags(
+    recording: Recording, drag: float | None, height: Height | None, *, on_the_way: bool
+) -> dict[str, float]:
+    """Known drags along the axes, kg/s.
+
+    drag: far from walls; on_the_way: whether they are those of a run's scene, where the bead went.
+    """
+    if drag is None:
+        return {}
+    if height is not None:
+        return {axis: drag / height.mobility(axis) for axis in recording.axes}
+    if not on_the_way or recording.scene is None:
+        return dict.fromkeys(recording.axes, drag)
+    from tweezer.fluid import drag as drag_of
+
+    beside = drag_of(recording.scene)
+    if beside.uniform:
+        return dict.fromkeys(recording.axes, drag)
+    if recording.axes != _EVERY_AXIS:  # the place is not known
+        return {}
+    every = max(len(recording.positions) // _PLACES, 1)
+    places = recording.positions[::every]
+    mobilities = beside.mobilities(places).value.mean(axis=0)
+    return {axis: 1 / float(mobilities[int(axis == ACROSS)]) for axis in recording.axes}
