@@ -94,6 +94,7 @@ Bead = Annotated[
         help="Bead to read from a table of several, as its column names it.", metavar="ID"
     ),
 ]
+Skip = Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')]
 OwnForces = Annotated[
     list[str] | None,
     typer.Option(

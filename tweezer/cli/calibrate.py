@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -17,6 +18,7 @@ from tweezer.cli.app import (
     Overwrite,
     Rate,
     Scale,
+    Skip,
     app,
     quantity_in,
 )
@@ -45,117 +47,118 @@ if TYPE_CHECKING:
         Together,
         Trajectory,
     )
+    from tweezer.calibration.setup import Setup
     from tweezer.reading import Recording
+
+
+Recordings = Annotated[
+    list[str],
+    typer.Argument(
+        help="NetCDF file of a run; or a table with t, x, y, z: CSV, HDF5, .npy, .mat, TDMS. "
+        "Several of one trap are put together.",
+        metavar="RECORDING...",
+    ),
+]
+Temperature = Annotated[
+    str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
+]
+Radius = Annotated[
+    str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
+]
+Viscosity = Annotated[
+    str | None,
+    typer.Option(
+        help='Of the medium: "1 mPa s"; with --radius it is the drag. Of a bead that is not '
+        "trapped either one tells the other."
+    ),
+]
+Density = Annotated[
+    str | None,
+    typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
+]
+FluidDensity = Annotated[
+    str | None,
+    typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
+]
+Wall = Annotated[
+    str | None,
+    typer.Option(
+        help='Distance of the centre of the bead from a wall across the light: "1.2 um", or '
+        '"1.2 um +- 50 nm"; goes with --radius.',
+        metavar="HEIGHT",
+    ),
+]
+Focus = Annotated[
+    str | None,
+    typer.Option(
+        help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
+        'um, 1 um". The place of the wall is fitted.',
+        metavar="POSITIONS",
+    ),
+]
+FocalShift = Annotated[
+    str | None,
+    typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
+]
+Stage = Annotated[
+    str | None,
+    typer.Option(
+        help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
+        "volts the metres, are measured by it.",
+        metavar="COLUMN",
+    ),
+]
+Exposure = Annotated[
+    str | None,
+    typer.Option(
+        "--blur", "--exposure",
+        help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
+    ),
+]  # fmt: skip
+Diode = Annotated[
+    str | None,
+    typer.Option(
+        help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
+        "the part that it detects at once; or fit."
+    ),
+]
+Noise = Annotated[
+    str | None,
+    typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
+]
+LeaveOut = Annotated[
+    list[str] | None,
+    typer.Option(
+        help='Frequencies that are taken out of the record: "49 Hz..51 Hz". May be repeated.',
+        metavar="BAND",
+    ),
+]
+Drift = Annotated[
+    str | None,
+    typer.Option(
+        help='What is slower is taken off, as whole cosines: "0.5 Hz".', metavar="FREQUENCY"
+    ),
+]
+FitRange = Annotated[
+    str | None,
+    typer.Option(help='Frequencies that spectra are fitted over: "10 Hz..10 kHz".', metavar="BAND"),
+]
+Report = Annotated[
+    Path | None,
+    typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
+]
 
 
 @app.command()
 def calibrate(
-    recordings: Annotated[
-        list[str],
-        typer.Argument(
-            help="NetCDF file of a run; or a table with t, x, y, z: CSV, HDF5, .npy, .mat, TDMS. "
-            "Several of one trap are put together.",
-            metavar="RECORDING...",
-        ),
-    ],
-    temperature: Annotated[
-        str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
-    ] = None,
-    radius: Annotated[
-        str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
-    ] = None,
-    viscosity: Annotated[
-        str | None,
-        typer.Option(
-            help='Of the medium: "1 mPa s"; with --radius it is the drag. Of a bead that is not '
-            "trapped either one tells the other."
-        ),
-    ] = None,
-    density: Annotated[
-        str | None,
-        typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
-    ] = None,
-    fluid_density: Annotated[
-        str | None,
-        typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
-    ] = None,
-    wall: Annotated[
-        str | None,
-        typer.Option(
-            help='Distance of the centre of the bead from a wall across the light: "1.2 um", or '
-            '"1.2 um +- 50 nm"; goes with --radius.',
-            metavar="HEIGHT",
-        ),
-    ] = None,
-    focus: Annotated[
-        str | None,
-        typer.Option(
-            help='Position of the focus in each RECORDING, larger farther from a wall: "0 um, 0.5 '
-            'um, 1 um". The place of the wall is fitted.',
-            metavar="POSITIONS",
-        ),
-    ] = None,
-    focal_shift: Annotated[
-        str | None,
-        typer.Option(help="How far the bead moves by a unit of --focus, 1 if not given; or fit."),
-    ] = None,
-    columns: Columns = None,
-    rate: Rate = None,
-    scale: Scale = None,
-    bead: Bead = None,
-    drive: Annotated[
-        str | None,
-        typer.Option(
-            help="Heading of a column: the motion of the stage, which oscillates. Drag, and of "
-            "volts the metres, are measured by it.",
-            metavar="COLUMN",
-        ),
-    ] = None,
-    blur: Annotated[
-        str | None,
-        typer.Option(
-            "--blur", "--exposure",
-            help='Time that each position is averaged over: "2 ms", up to the step; or fit.',
-        ),
-    ] = None,
-    diode: Annotated[
-        str | None,
-        typer.Option(
-            help='Detector that is late: "14 kHz", where its power is halved; "14 kHz, 0.3", with '
-            "the part that it detects at once; or fit."
-        ),
-    ] = None,
-    noise: Annotated[
-        str | None,
-        typer.Option(help='White noise of the detector, a standard deviation: "1 nm"; or fit.'),
-    ] = None,
-    leave_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            help='Frequencies that are taken out of the record: "49 Hz..51 Hz". May be repeated.',
-            metavar="BAND",
-        ),
-    ] = None,
-    drift: Annotated[
-        str | None,
-        typer.Option(
-            help='What is slower is taken off, as whole cosines: "0.5 Hz".', metavar="FREQUENCY"
-        ),
-    ] = None,
-    fit_range: Annotated[
-        str | None,
-        typer.Option(
-            help='Frequencies that spectra are fitted over: "10 Hz..10 kHz".', metavar="BAND"
-        ),
-    ] = None,
-    skip: Annotated[str, typer.Option(help='Time left out at the beginning: "5 ms".')] = "0",
-    out: JsonFile = None,
-    plot: FigureFile = None,
-    report: Annotated[
-        Path | None,
-        typer.Option(help="Page with figures, numbers and what is not to be trusted: .html, .pdf."),
-    ] = None,
-    overwrite: Overwrite = False,
+    recordings: Recordings,
+    temperature: Temperature = None, radius: Radius = None, viscosity: Viscosity = None,
+    density: Density = None, fluid_density: FluidDensity = None, wall: Wall = None,
+    focus: Focus = None, focal_shift: FocalShift = None, columns: Columns = None,
+    rate: Rate = None, scale: Scale = None, bead: Bead = None, drive: Stage = None,
+    blur: Exposure = None, diode: Diode = None, noise: Noise = None, leave_out: LeaveOut = None,
+    drift: Drift = None, fit_range: FitRange = None, skip: Skip = "0", out: JsonFile = None,
+    plot: FigureFile = None, report: Report = None, overwrite: Overwrite = False,
 ) -> None:  # fmt: skip
     """Determine trap stiffness from a RECORDING.
 
@@ -163,26 +166,23 @@ def calibrate(
     the diffusion coefficient is determined. Exit code: 0 if every axis of each RECORDING has a
     number without a finding, 1 if an axis has none, 2 if the input is refused.
     """
-    from tweezer.calibration import Trajectory, find_wall, load_trajectories, together
-    from tweezer.calibration import calibrate as calibrated
-    from tweezer.reading import load_recording
-    from tweezer.values.units import BeadRadius, Density, Temperature, Time, Viscosity, bare
+    from tweezer.calibration.setup import Setup
+    from tweezer.values import units
 
+    kinds = {
+        "temperature": (temperature, units.Temperature), "radius": (radius, units.BeadRadius),
+        "viscosity": (viscosity, units.Viscosity), "density": (density, units.Density),
+        "fluid-density": (fluid_density, units.Density),
+    }  # fmt: skip
     given = {
         name: quantity_in(f"--{name}", text, kind)
-        for name, text, kind in (
-            ("temperature", temperature, Temperature),
-            ("radius", radius, BeadRadius),
-            ("viscosity", viscosity, Viscosity),
-            ("density", density, Density),
-            ("fluid-density", fluid_density, Density),
-        )
+        for name, (text, kind) in kinds.items()
         if text is not None
     }
-    skipped = quantity_in("--skip", skip, Time)
+    skipped = quantity_in("--skip", skip, units.Time)
     exposed: float | str | None = blur
     if blur not in (None, "fit"):
-        exposed = quantity_in("--blur", blur, Time)
+        exposed = quantity_in("--blur", blur, units.Time)
     out = out and writable_result(out, ("json",), overwrite=overwrite)
     plot = writable_figure(plot, overwrite=overwrite)
     report = report and writable_result(
@@ -192,13 +192,67 @@ def calibrate(
         raise ResultError(f"--plot draws one recording, not {len(recordings)}")
     if report and len(recordings) > 1:
         raise ResultError(f"--report tells of one recording, not {len(recordings)}")
-    places, shift = _places(focus, focal_shift, len(recordings))
-    if places and "fluid-density" in given:
+    focuses = _focuses(focus, focal_shift, len(recordings))
+    if focuses.positions and "fluid-density" in given:
         raise ResultError("--focus: without the inertia of the fluid; leave out --fluid-density")
-    how = {"columns": columns, "rate": rate, "scale": scale, "bead": bead}
-    of_traps = (wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report)
-    loaded, tracks, few = [], [], None
-    for path in recordings:
+    setup = Setup(
+        temperature=given.get("temperature"), wall=units.bare(wall), radius=given.get("radius"),
+        viscosity=given.get("viscosity"), exposure=exposed, diode=diode, noise=units.bare(noise),
+        leave_out=leave_out or (), drift=drift, fit_range=fit_range,
+    )  # fmt: skip
+    loaded, tracks, few = _loaded(
+        recordings, drive, skipped,
+        {"columns": columns, "rate": rate, "scale": scale, "bead": bead},
+        (wall, focus, density, drive, diode, leave_out, drift, fit_range, plot, report),
+    )  # fmt: skip
+    if tracks:
+        _calibrate_tracks(tracks, few, setup, out)
+        return
+    asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
+    if len(asked) > 1:
+        raise ResultError("--wall gives what --focus finds; must be one of them")
+    for each in loaded:
+        _check_known(each, given, asked)
+    _calibrate_traps(loaded, _with_masses(setup, given), focuses, out, plot, report)
+
+
+class _Focuses(NamedTuple):
+    """Positions of the focus above a wall."""
+
+    positions: list[float]
+    """m, one for each recording; none without --focus"""
+    shift: float | None
+    """by how much the bead moves with it; None if that is fitted"""
+
+
+def _with_masses(setup: Setup, given: dict[str, float]) -> Setup:
+    """Return the setup with the masses of the bead and of the fluid in its place."""
+    volume = 4 / 3 * math.pi * given.get("radius", 0.0) ** 3
+    bead, fluid = (
+        given[name] * volume if name in given else None for name in ("density", "fluid-density")
+    )
+    return dataclasses.replace(setup, mass=bead, displaced_mass=fluid)
+
+
+def _loaded(
+    paths: list[str],
+    drive: str | None,
+    skipped: float,
+    how: dict[str, Any],
+    of_traps: Sequence[object],
+) -> tuple[list[Recording], list[Trajectory], ResultError | None]:
+    """Return recordings of traps; or tracks of free beads, and why the last one is no recording.
+
+    `of_traps` are the values of options that tracks do not take: with one of them, what is no
+    recording is refused.
+    """
+    from tweezer.calibration import Trajectory, load_trajectories
+    from tweezer.reading import load_recording
+
+    loaded: list[Recording] = []
+    tracks: list[Trajectory] = []
+    few = None
+    for path in paths:
         try:
             loaded.append(load_recording(path, drive, **how).since(skipped))
         except (TooFewError, SeveralBeadsError) as error:
@@ -206,55 +260,59 @@ def calibrate(
                 raise
             few = error
             tracks += [track.since(skipped) for track in load_trajectories(path, **how)]
-    if tracks:
-        tracks = [*tracks, *map(Trajectory.of, loaded)]
-        common = _diffusion(tracks, given, exposed, noise)
-        print_tracks(common, tracks, few)
-        for note in dict.fromkeys(track.note for track in tracks if track.note):
-            show_warning(note)
-        if out:
-            write_result({"diffusion": dataclasses.asdict(common)}, out)
-        tell_written(out)
-        if common.findings:
-            raise typer.Exit(FAILED)
-        return
-    asked = [name for name, value in (("--wall", wall), ("--focus", focus)) if value is not None]
-    if len(asked) > 1:
-        raise ResultError("--wall gives what --focus finds; must be one of them")
-    for each in loaded:
-        _check_known(each, given, asked)
-    mass = displaced = None
-    if "density" in given:
-        volume = 4 / 3 * math.pi * given["radius"] ** 3
-        mass = given["density"] * volume
-        if "fluid-density" in given:
-            displaced = given["fluid-density"] * volume
+    return loaded, [*tracks, *map(Trajectory.of, loaded)] if tracks else [], few
+
+
+def _calibrate_tracks(
+    tracks: list[Trajectory], few: ResultError | None, setup: Setup, out: Path | None
+) -> None:
+    """Print and write the common diffusion of tracks."""
+    common = _diffusion(tracks, setup)
+    print_tracks(common, tracks, few)
+    for note in dict.fromkeys(track.note for track in tracks if track.note):
+        show_warning(note)
+    if out:
+        write_result({"diffusion": dataclasses.asdict(common)}, out)
+    tell_written(out)
+    if common.findings:
+        raise typer.Exit(FAILED)
+
+
+def _calibrate_traps(
+    loaded: list[Recording],
+    setup: Setup,
+    focuses: _Focuses,
+    out: Path | None,
+    plot: Path | None,
+    report: Path | None,
+) -> None:
+    """Print, draw and write calibrations, and what several recordings tell together."""
+    from tweezer.calibration import Trajectory, find_wall, together
+    from tweezer.calibration.calibration import calibrated
+
+    several, places = len(loaded) > 1, focuses.positions
     calibrations = []
     for each in loaded:
-        calibrations.append(
-            calibrated(
-                each, temperature=given.get("temperature"), mass=mass, displaced_mass=displaced,
-                wall=bare(wall), radius=given.get("radius"),
-                viscosity=None if places else given.get("viscosity"), exposure=exposed,
-                diode=diode, noise=bare(noise), leave_out=leave_out or (), drift=drift,
-                fit_range=fit_range,
-            )
-        )  # fmt: skip
-        if len(loaded) > 1:
+        with_drag = dataclasses.replace(setup, viscosity=None) if places else setup
+        calibrations.append(calibrated(each, with_drag))
+        if several:
             OUT.print(f"{each.name}:", highlight=False, soft_wrap=True)
         _print_calibration(calibrations[-1])
-    put_together = together(calibrations) if len(loaded) > 1 and not places else ()
-    free = None
-    if len(loaded) > 1 and not places and all(map(_is_free, calibrations)):
+    put_together = together(calibrations) if several and not places else ()
+    free = surface = None
+    if several and not places and all(map(_is_free, calibrations)):
         tracks = [*map(Trajectory.of, loaded)]
-        free = _diffusion(tracks, given, exposed, noise)
+        free = _diffusion(tracks, setup)
         print_tracks(free, tracks, None)
-    surface = None
     if places:
         from tweezer.scene.sphere import drag_of_translation
 
-        drag = drag_of_translation(given["viscosity"], given["radius"])
-        surface = find_wall(calibrations, places, radius=given["radius"], drag=drag, shift=shift)
+        assert isinstance(setup.radius, float)
+        assert isinstance(setup.viscosity, float)
+        drag = drag_of_translation(setup.viscosity, setup.radius)
+        surface = find_wall(
+            calibrations, places, radius=setup.radius, drag=drag, shift=focuses.shift
+        )
         _print_surface(surface, calibrations, places)
     if put_together:
         _print_together(calibrations, put_together)
@@ -287,36 +345,25 @@ def _is_free(calibration: Calibration) -> bool:
     return free is not None and len(free.axes) == len(calibration.axes)
 
 
-def _diffusion(
-    tracks: list[Trajectory],
-    given: dict[str, float],
-    exposure: float | str | None,
-    noise: str | None,
-) -> Diffusion:
+def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
     """Return the common diffusion coefficient of tracks, with the given values of the beads."""
     from tweezer.calibration import diffusion
-    from tweezer.values.units import bare
 
+    exposure, noise = (None if each == "fit" else each for each in (setup.exposure, setup.noise))
     return diffusion(
-        tracks, temperature=given.get("temperature"), radius=given.get("radius"),
-        viscosity=given.get("viscosity"), exposure=None if exposure == "fit" else exposure,
-        noise=None if noise in (None, "fit") else bare(noise),
+        tracks, temperature=setup.temperature, radius=setup.radius, viscosity=setup.viscosity,
+        exposure=exposure, noise=noise,
     )  # fmt: skip
 
 
-def _places(
-    focus: str | None, shift: str | None, recordings: int
-) -> tuple[list[float], float | None]:
-    """Positions of the focus, m, and by how much the bead moves with it; None if that is fitted.
-
-    recordings: their number.
-    """
+def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
+    """Return the positions of the focus in that number of recordings."""
     from tweezer.values.units import Length, bare
 
     if focus is None:
         if shift is not None:
             raise ResultError("--focal-shift: requires --focus")
-        return [], 1.0
+        return _Focuses([], 1.0)
     places = [quantity_in("--focus", each, Length) for each in focus.split(",")]
     if len(places) != recordings:
         raise ResultError(
@@ -326,7 +373,7 @@ def _places(
     factor = None if shift == "fit" else bare(shift or "1")
     if factor is not None and not (isinstance(factor, float) and 0 < factor < math.inf):
         raise ResultError(f"--focal-shift {shift!r}: must be a positive number, or fit")
-    return places, factor
+    return _Focuses(places, factor)
 
 
 def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) -> None:
