@@ -55,7 +55,7 @@ def gathered(about) -> xr.Dataset:
     statistics.add_piece(0, position)
     statistics.add_window(0, position)
     statistics.close(np.full(40, np.inf))
-    return statistics.dataset({"position": ("axis", "m")}).assign_attrs(about)
+    return statistics.dataset().assign_attrs(about)
 
 
 @pytest.fixture(scope="session")

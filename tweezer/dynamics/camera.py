@@ -17,6 +17,7 @@ from tweezer.dynamics.brownian.exposure import (
     ROWS,
     expose,
 )
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.path import Path
 from tweezer.dynamics.problem import Problem
 from tweezer.fluid import Modes
@@ -160,7 +161,7 @@ class Exposure:
         begins = places[:, :-1].reshape(-1, 3)
         there = np.isfinite(begins).all(axis=1)
         found = np.zeros_like(begins)
-        found[there] = self.problem.mobilities(begins[there])[:, :3] / self.mobility
+        found[there] = self.problem.mobilities(begins[there])[:, TRANSLATION] / self.mobility
         return (self.diffusion * found).reshape(len(places), -1, 3)
 
     def _bend(self, means: Array, which: slice) -> Array:
@@ -173,7 +174,7 @@ class Exposure:
             velocity = -self.kappa * (places - self.spring)
         elif self.kappa.any() and there.any():
             force = self.problem.force.field(places[there], time=times[there]).force
-            slow = self.problem.mobilities(places[there], times[there])[:, :3]
+            slow = self.problem.mobilities(places[there], times[there])[:, TRANSLATION]
             velocity[there] = slow * (force + np.array(self.problem.bead.weight))
         by = bend(self.step, self.frames.opens[which], self.frames.closes[which])
         return self.kappa * by[:, None] * velocity.reshape(means.shape)

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import POSITION
 from tweezer.scene import Scene
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.errors import IntegrationError, SceneError
@@ -229,7 +230,7 @@ class ClosestApproach(Event):
         if self._done:
             return
         times = piece.checkpoints()
-        far = np.linalg.norm(piece.states(times)[:, :3], axis=1)
+        far = np.linalg.norm(piece.states(times)[:, POSITION], axis=1)
         signs = np.sign(self._values(piece, times))
         told = np.flatnonzero(signs)
         rising = np.diff(signs[told], prepend=self._sign or signs[told][:1]) > 0
@@ -262,7 +263,7 @@ class ClosestApproach(Event):
             return low
         time = self._root(low.piece, low.begin, low.end)
         state = low.piece.states(np.array([time]))[0]
-        return _Low(low.piece, time, time, float(np.linalg.norm(state[:3])))
+        return _Low(low.piece, time, time, float(np.linalg.norm(state[POSITION])))
 
     def _values(self, piece: Piece, times: Array) -> Array:
         """Change of the distance squared, over a short time about each time."""
@@ -272,7 +273,7 @@ class ClosestApproach(Event):
         both = np.concatenate([before, after])
         ascending = np.argsort(both)
         squared = np.empty(len(both))
-        squared[ascending] = np.sum(piece.states(both[ascending])[:, :3] ** 2, axis=1)
+        squared[ascending] = np.sum(piece.states(both[ascending])[:, POSITION] ** 2, axis=1)
         return squared[len(times) :] - squared[: len(times)]
 
 
@@ -284,7 +285,7 @@ def closest_approach(rise: float = 0.0) -> Event:
 def loss(distance: float) -> Event:
     """The bead is as far as `distance`, m, from the focus: the end of a run."""
     return Event(
-        "loss", lambda _, y: np.linalg.norm(y[:, :3], axis=1) - distance, direction=1,
+        "loss", lambda _, y: np.linalg.norm(y[:, POSITION], axis=1) - distance, direction=1,
         terminal=True, ends_as="lost",
     )  # fmt: skip
 
@@ -304,7 +305,7 @@ def capture(
     place = numbers_in_si("centre", centre, "m", SceneError)
     return Event(
         "capture",
-        lambda _, y: np.linalg.norm(y[:, :3] - place, axis=1) - radius,
+        lambda _, y: np.linalg.norm(y[:, POSITION] - place, axis=1) - radius,
         direction=-1, terminal=terminal, once=True, hold=time,
     )  # fmt: skip
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tweezer.dynamics import integrators
 from tweezer.dynamics.choose import method_for
 from tweezer.dynamics.events import Event, Occurrence, Piece, ending
+from tweezer.dynamics.layout import POSITION
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import UNTOLD, Path
 from tweezer.dynamics.solution import BEFORE, Solver
@@ -246,7 +247,7 @@ def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]
     if scene.wall is None:
         return np.full(len(states), False)
     soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
-    inside: NDArray[np.bool_] = scene.room(states[:, equations.module.STATE.index("q3")]) < -soft
+    inside: NDArray[np.bool_] = scene.room(states[:, POSITION][:, 2]) < -soft
     return inside
 
 

@@ -21,6 +21,7 @@ from tweezer.dynamics.continuing import Begin
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
+from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import DRAG_KERNEL, Modes, Resisted
 from tweezer.forces.data import Part, packed
@@ -88,10 +89,11 @@ class EquationsOfMotion(Shown):
         simulation = self.scene.simulation
         values = _parameter_values(self.problem, simulation.scaling_factor)
         self.params = np.array([values[name] for name in self.module.PARAMS])
-        self._size = len(self.module.STATE)
-        self._rotates = "e0" in self.module.STATE
-        self._constrained = "edot0" in self.module.STATE
-        self._inertial = "v1" in self.module.STATE
+        self.layout = Layout.of_emitted(self.module.STATE)
+        self._size = self.layout.size
+        self._rotates = "orientation" in self.layout
+        self._constrained = "euler_rates" in self.layout
+        self._inertial = "velocity" in self.layout
         self._rhs_inputs = self._inputs(self.module.RHS_INPUTS)
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
         self.initial_state = self._initial_state()
@@ -118,17 +120,18 @@ class EquationsOfMotion(Shown):
 
         For equal moments of inertia; by the drag at the start.
         """
-        state, names = self.module.STATE, self.module.PARAMS
-        columns = {name: i for i, name in enumerate(state)}
+        names, first = self.module.PARAMS, self.layout.first
         rest = np.zeros(self._size)
         if self._rotates:
-            rest[columns["e0"]] = 1.0
+            rest[first("orientation")] = 1.0
         # rates of the velocities or, without inertia, velocities: e' is half the angular velocity
-        first = ("v1", "omega1") if self._inertial else ("q1", "e1")
-        where = [columns[name] + i for name in first[: 1 + self._rotates] for i in range(3)]
+        begins = [first("velocity"), first("angular_velocity")]
+        if not self._inertial:
+            begins = [first("position"), first("orientation") + 1]
+        where = [begin + i for begin in begins[: 1 + self._rotates] for i in range(3)]
         scale = np.ones(len(where))
         if not self._inertial:
-            scale[3:] = 2.0
+            scale[ROTATION] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
         mobility = self.drag.mobilities(np.array([self.scene.start_position])).value[0]
@@ -138,7 +141,8 @@ class EquationsOfMotion(Shown):
             wrench, out = np.zeros(6), np.empty(self._size)
             if pushed is not None:
                 wrench[pushed] = 1.0
-            self.module.rates(0.0, y, wrench[:3], wrench[3:], none, none, mobility, params, out)
+            force, moment = wrench[TRANSLATION], wrench[ROTATION]
+            self.module.rates(0.0, y, force, moment, none, none, mobility, params, out)
             return scale * out[where]
 
         many = range(len(where))
@@ -147,12 +151,13 @@ class EquationsOfMotion(Shown):
             moving = rest + np.eye(self._size)[where]
             times = np.array([-1.0 / rates(weightless, moving[i])[i] for i in many])
         response = np.array([times[i] * rates(weightless, rest, i)[i] for i in many])
-        drift = (times * rates(self.params, rest))[:3]
+        drift = (times * rates(self.params, rest))[TRANSLATION]
         if not self._inertial:
             times[:] = 0.0
         inertia = np.zeros(0)
         if not self.drag.uniform:  # the weight is part of the force
-            drift, inertia = np.zeros(3), (times / response)[:3][times[:3] > 0]
+            drift, along = np.zeros(3), times[TRANSLATION]
+            inertia = (along / response[TRANSLATION])[along > 0]
         return Relaxation(
             bound(self.moving, gradient=False), self._modes(times), 0,
             numbered(self.force) or Part(0, packed()), response, drift,
@@ -176,8 +181,9 @@ class EquationsOfMotion(Shown):
             return Modes(times[:, None], np.ones((len(times), 1)))
         memory = self.problem.modes
         found = Modes(*np.zeros((2, len(times), memory.times.size)))
-        found.times[:3], found.weights[:3] = memory
-        found.times[3:, 0], found.weights[3:, 0] = times[3:], 1.0  # a rotation has no memory
+        found.times[TRANSLATION], found.weights[TRANSLATION] = memory
+        # a rotation has no memory
+        found.times[ROTATION, 0], found.weights[ROTATION, 0] = times[ROTATION], 1.0
         return found
 
     @property
@@ -198,10 +204,10 @@ class EquationsOfMotion(Shown):
     def _relaxation_times(self) -> Array:
         """s, of the velocities at the start: of translation and, with a rotation, of rotation."""
         bead, mobility = self.bead, self.problem.mobility
-        translation = self.problem.effective_mass * mobility[:3]
+        translation = self.problem.effective_mass * mobility[TRANSLATION]
         if not self._rotates:
             return translation
-        return np.append(translation, np.array(bead.moments_of_inertia) * mobility[3:])
+        return np.append(translation, np.array(bead.moments_of_inertia) * mobility[ROTATION])
 
     @property
     def begin_time(self) -> float:
@@ -249,7 +255,7 @@ class EquationsOfMotion(Shown):
             address(self.module.rates, RATES) if rates else 0,
             address(self.module.derivatives, DERIVATIVES) if derivatives else 0,
             self.params,
-            self.module.STATE.index("e0") if self.force.oriented and self._rotates else -1,
+            self.layout.first("orientation") if self.force.oriented else -1,
         )
 
     def rhs(self, t: float, y: Array) -> Array:
@@ -296,14 +302,14 @@ class EquationsOfMotion(Shown):
         """
         if not self._rotates:
             return states
-        states = np.array(states, order="C")
+        states, e = np.array(states, order="C"), self.layout.at("orientation")
         if self._constrained:
-            projected = np.empty(8)
+            rates, projected = self.layout.at("euler_rates"), np.empty(8)
             for y in states.reshape(-1, self._size):
-                kinematics.project(y[3:7], y[10:14], projected)
-                y[3:7], y[10:14] = projected[:4], projected[4:]
+                kinematics.project(y[e], y[rates], projected)
+                y[e], y[rates] = np.split(projected, 2)
         else:
-            states[..., 3:7] /= np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
+            states[..., e] /= np.linalg.norm(states[..., e], axis=-1, keepdims=True)
         return states
 
     def motion(self, times: Array, states: Array) -> Motion:
@@ -316,15 +322,16 @@ class EquationsOfMotion(Shown):
         states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
         rates = None if self._inertial else self._rates(times, states)
-        position = states[:, :3].copy()
-        velocity = self._part(states, "v1", 3) if rates is None else rates[:, :3].copy()
+        part = self._part
+        position = part(states, "position")
+        velocity = part(states, "velocity") if rates is None else part(rates, "position")
         orientation = angular_velocity = None
         if self._rotates:
-            orientation = self._part(states, "e0", 4)
-            if "omega1" in self.module.STATE:
-                angular_velocity = self._part(states, "omega1", 3)
+            orientation = part(states, "orientation")
+            if "angular_velocity" in self.layout:
+                angular_velocity = part(states, "angular_velocity")
             else:
-                edot = self._part(states, "edot0", 4) if rates is None else rates[:, 3:7]
+                edot = part(states, "euler_rates") if rates is None else part(rates, "orientation")
                 angular_velocity = _angular_velocities(orientation, edot)
         if hasattr(self.module, "initial_layer"):
             self._add_layer(times, position, velocity, orientation, angular_velocity)
@@ -342,9 +349,8 @@ class EquationsOfMotion(Shown):
         passed = piece.begin > _LAYER * self.problem.relaxation_time
         return piece if passed else _Released(piece, self)
 
-    def _part(self, states: Array, first: str, length: int) -> Array:
-        at = self.module.STATE.index(first)
-        return states[:, at : at + length].copy()
+    def _part(self, states: Array, name: str) -> Array:
+        return states[:, self.layout.at(name)].copy()
 
     def _inputs(
         self, names: tuple[str, ...]
@@ -359,22 +365,23 @@ class EquationsOfMotion(Shown):
             self.force_calls += len(states)
             turned = None
             if self.force.oriented and self._rotates:
-                turned = self._part(states, "e0", 4)
+                turned = self._part(states, "orientation")
                 turned /= np.linalg.norm(turned, axis=1, keepdims=True)
-            at = self.force.field(states[:, :3], gradient=gradient, time=times, orientations=turned)
+            places = states[:, POSITION]
+            at = self.force.field(places, gradient=gradient, time=times, orientations=turned)
             values: dict[str, Sequence[Array] | Array] = {"force": at.force, "moment": at.moment}
             if "mobility" in names:
                 if self.drag.uniform:
                     values["mobility"] = [everywhere.value[0]] * len(states)
                     values["mobility_gradient"] = [everywhere.gradient[0]] * len(states)
                 else:
-                    found = self.drag.mobilities(states[:, :3], gradient=gradient, time=times)
+                    found = self.drag.mobilities(places, gradient=gradient, time=times)
                     values["mobility"], values["mobility_gradient"] = found
             if gradient:
                 values["force_gradient"] = at.force_gradient
                 values["moment_gradient"] = at.moment_gradient
             if curvature:
-                (position,), (force,) = states[:, :3], at.force  # the Jacobian's, of one state
+                (position,), (force,) = places, at.force  # the Jacobian's, of one state
                 curvatures = self._curvatures(times[0], position, force)
                 values |= {name: each[None] for name, each in curvatures.items()}
             return [values[name] for name in names]
@@ -387,7 +394,7 @@ class EquationsOfMotion(Shown):
         Only the Jacobian of the first-order model takes them, and an implicit solver needs that
         no better than this.
         """
-        velocity = (force + self.bead.weight) * self.problem.mobility[:3]
+        velocity = (force + self.bead.weight) * self.problem.mobility[TRANSLATION]
         speed = float(np.linalg.norm(velocity))
         if speed == 0.0:
             return dict.fromkeys(("force_curvature", "moment_curvature"), np.zeros((3, 3)))
@@ -401,33 +408,36 @@ class EquationsOfMotion(Shown):
             "moment_curvature": (at.moment_gradient[1] - at.moment_gradient[0]) * scale,
         }
 
-    def _released(self) -> Array:
-        """(q, v), or (q, e, v, omega), of the scene's start."""
+    def _released(self) -> dict[str, Array]:
+        """Blocks of the scene's start: q and v, or q, e, v and omega, as emitted functions do."""
         start = self.scene.start
+        position, velocity = np.array(self.scene.start_position), np.array(start.velocity)
         if not self._rotates:
-            return np.array([*self.scene.start_position, *start.velocity])
+            return {"position": position, "velocity": velocity}
         orientation = np.array(start.orientation)
         orientation /= np.linalg.norm(orientation)
-        return np.array(
-            [*self.scene.start_position, *orientation, *start.velocity, *start.angular_velocity]
-        )
+        return {
+            "position": position,
+            "orientation": orientation,
+            "velocity": velocity,
+            "angular_velocity": np.array(start.angular_velocity),
+        }
 
     def _release_inputs(self) -> tuple[Array, ...]:
         at = self.force.field(np.array([self.scene.start_position]))
         fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
-        return (self._released(), *fields, self.params)
+        return (np.concatenate([*self._released().values()]), *fields, self.params)
 
     def _initial_state(self) -> Array:
-        released = self._released()
-        if self._constrained:
-            edot = np.empty(4)
-            kinematics.euler_rates(released[3:7], released[10:], edot)
-            return np.array([*released[:10], *edot])
         if hasattr(self.module, "matched_start"):
             start = np.empty(self._size)
             self.module.matched_start(*self._release_inputs(), start)
             return start
-        return released[: self._size]
+        released = self._released()
+        if self._constrained:
+            edot = released["euler_rates"] = np.empty(4)
+            kinematics.euler_rates(released["orientation"], released["angular_velocity"], edot)
+        return np.concatenate([released[name] for name in self.layout.blocks])
 
     def _add_layer(
         self,
@@ -442,13 +452,14 @@ class EquationsOfMotion(Shown):
         inputs = self._release_inputs()
         for i in np.flatnonzero(times < _LAYER * self._relaxation_times.max()):
             self.module.initial_layer(times[i], *inputs, remains)
-            position[i] += remains[:3]
-            velocity[i] += remains[3:6]
+            moved, sped, *turning = remains.reshape(-1, 3)
+            position[i] += moved
+            velocity[i] += sped
             if orientation is not None and angular_velocity is not None:
                 turned = np.empty(4)
-                kinematics.euler_rates(orientation[i], remains[6:9], turned)
+                kinematics.euler_rates(orientation[i], turning[0], turned)
                 orientation[i] += turned
-                angular_velocity[i] += remains[9:]
+                angular_velocity[i] += turning[1]
 
     def _absolute_tolerance(self) -> Array:
         simulation = self.scene.simulation
@@ -456,13 +467,14 @@ class EquationsOfMotion(Shown):
         if self.problem.walls:  # what touches must not sink in
             position = min(position, _OF_CONTACT * BORN)
         tolerances = {
-            "q": position,
-            "v": simulation.position_tolerance / RATE_TIME,
-            "e": simulation.orientation_tolerance,
-            "edot": simulation.orientation_tolerance / RATE_TIME,
-            "omega": simulation.orientation_tolerance / RATE_TIME,
+            "position": position,
+            "velocity": simulation.position_tolerance / RATE_TIME,
+            "orientation": simulation.orientation_tolerance,
+            "euler_rates": simulation.orientation_tolerance / RATE_TIME,
+            "angular_velocity": simulation.orientation_tolerance / RATE_TIME,
         }
-        return np.array([tolerances[name.rstrip("0123456789")] for name in self.module.STATE])
+        each = [np.full(width, tolerances[name]) for name, width in self.layout.blocks.items()]
+        return np.concatenate(each)
 
 
 @dataclass(frozen=True)
@@ -485,7 +497,7 @@ class _Released:
 
     def states(self, times: Array) -> Array:
         states = self.piece.states(times)
-        states[:, :3] = self.equations.motion(times, states).position
+        states[:, POSITION] = self.equations.motion(times, states).position
         return states
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.events import Occurrence, Piece, crossing
+from tweezer.dynamics.layout import POSITION
 from tweezer.dynamics.models import EquationsOfMotion
 
 Array = NDArray[np.float64]
@@ -49,13 +50,13 @@ class Path:
         """At ascending times (n,) s, (n, 3) m from the focus."""
         released = self.equations.released
         return np.concatenate(
-            [released(piece).states(part)[:, :3] for piece, part in self._parts(times)]
+            [released(piece).states(part)[:, POSITION] for piece, part in self._parts(times)]
         )
 
     @property
     def position_tolerance(self) -> float:
         """Distance below which two positions are not distinguished, m."""
-        return UNTOLD * float(self.equations.absolute_tolerance[:3].max())
+        return UNTOLD * float(self.equations.absolute_tolerance[POSITION].max())
 
     @property
     def speed_tolerance(self) -> float:
@@ -202,7 +203,7 @@ def passage(
     if (scene := path.equations.scene).wall is not None:
         nearest = greatest(lambda at: -scene.room(path.positions(at)[:, 2]), times, close)
     if approach is not None:
-        distance, time = float(np.linalg.norm(approach.state[:3])), approach.time
+        distance, time = float(np.linalg.norm(approach.state[POSITION])), approach.time
 
     def away(at: Array) -> Array:
         return distances_from(rest, path.positions(at)) - near

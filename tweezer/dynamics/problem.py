@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.linear import LinearMotion
 from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
 from tweezer.forces.acting import forces_of, try_forces
@@ -177,17 +178,17 @@ class Problem:
         """Whether a run takes the memory of the fluid where the scene leaves it open."""
         simulation = self.scene.simulation
         follows = simulation.method == "auto" or METHODS[simulation.method].memory
-        even = self.drag.uniform and np.ptp(self.mobility[:3]) == 0
+        even = self.drag.uniform and np.ptp(self.mobility[TRANSLATION]) == 0
         return simulation.model in (None, "full") and follows and bool(even)
 
     def spiral_rate(self, place: Array, stiffness: Array) -> float:
         """Return `LinearMotion.spiral_rate` at a position (3,), m."""
-        return self.linear.spiral_rate(stiffness, self.mobilities(place[None])[0, :3])
+        return self.linear.spiral_rate(stiffness, self.mobilities(place[None])[0, TRANSLATION])
 
     @property
     def relaxation_time(self) -> float:
         """m/beta_v at the start, s: the epsilon of (4.6). The longest, if it has a direction."""
-        return self.bead.mass * float(self.mobility[:3].max())
+        return self.bead.mass * float(self.mobility[TRANSLATION].max())
 
     def foci(self, time: float = 0.0) -> Array:
         """Where the beams' foci are at a time, s, (beams, 3) m."""
@@ -302,7 +303,7 @@ class Problem:
         found = [float(np.linalg.norm(self.scene.start.velocity))]
         for time in self.times_looked_at():
             force = self.force.field(self.places_about(time), time=time).force
-            slow = (force + np.array(self.bead.weight)) * self.mobility[:3]
+            slow = (force + np.array(self.bead.weight)) * self.mobility[TRANSLATION]
             found.append(float(np.linalg.norm(slow, axis=1).max()))
         return max(found) or 1.0
 

@@ -75,7 +75,6 @@ class Solver:
     ) -> None:
         simulation = equations.scene.simulation
         self._equations = equations
-        state = equations.module.STATE
         self._bound: Bound = METHODS[method].load().bound(equations)
         gradient = self._bound.gradient or "force_gradient" in equations.module.RHS_INPUTS
         system = equations.system(gradient=gradient, rates=self._bound.rates)
@@ -88,8 +87,8 @@ class Solver:
             np.zeros(0) if prescribed is None else prescribed,
             end,
             simulation.most_force_calls,
-            state.index("e0") if "e0" in state else -1,
-            state.index("edot0") if "edot0" in state else -1,
+            equations.layout.first("orientation"),
+            equations.layout.first("euler_rates"),
         )
         self._y = self._bound.start
         self._clock = np.array([equations.begin_time, 0.0, 0.0])

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.batch import Linear
+from tweezer.dynamics.layout import POSITION, TRANSLATION
 from tweezer.dynamics.problem import Problem
 
 Array = NDArray[np.float64]
@@ -87,8 +88,9 @@ def energy_loss(walk: Any, linear: Linear) -> float:
     plan, rng = walk.plan, np.random.default_rng(11)
     cheap = not walk.scene.lit or walk.scene.optics.evaluator == "map"
     number, periods = _MANY if cheap else _FEW
+    tau, diffusion = plan.tau[TRANSLATION], plan.diffusion[TRANSLATION]
     x, v = rng.normal(size=(2, number, 3))
-    swing = math.sqrt(float(plan.tau[0] / linear.kappa[:3].max()))
+    swing = math.sqrt(float(plan.tau[0] / linear.kappa[TRANSLATION].max()))
     steps = math.ceil(periods * 2 * math.pi * swing / walk.step)
     beads, left = np.arange(number), []
     window = np.hanning(int(_END * steps))  # smooth, so that phases do not matter
@@ -107,8 +109,9 @@ def energy_loss(walk: Any, linear: Linear) -> float:
         )
         states = calm.start(beads)
         at = calm.columns.index("vx")
-        states[:, :3] = plan.centre[:3] + x * np.sqrt(plan.diffusion[:3] / linear.kappa[:3])
-        states[:, at : at + 3] = v * np.sqrt(plan.diffusion[:3] / plan.tau[:3])
+        spread, speed = np.sqrt(diffusion / linear.kappa[TRANSLATION]), np.sqrt(diffusion / tau)
+        states[:, POSITION] = plan.centre[TRANSLATION] + x * spread
+        states[:, at : at + 3] = v * speed
         out = np.empty((number, steps, len(calm.columns)))
         calm.advance(states, beads, 0, out)
         speeds = (out[:, -window.size :, at : at + 3] ** 2).sum(axis=2)

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import QUANTITIES, TRANSLATION
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.forces.named import origins_of
@@ -41,21 +42,8 @@ _WINDOW_STEPS = 2**27
 #: Names of the files of a running ensemble beside its output
 _OWN = re.compile(rf"\d+\.npz|total\.npz|[0-9a-f]+\.run|\.saving-[0-9a-f]{{16}}|{NEW}")
 
-#: Columns of a sample, dimension, unit and name of each quantity
-QUANTITIES = {
-    "position": (("x", "y", "z"), "axis", "m", "position of the bead's centre from the focus"),
-    "velocity": (("vx", "vy", "vz"), "axis", "m/s", "velocity"),
-    "orientation": (("e0", "e1", "e2", "e3"), "euler_parameter", "1", "Euler parameters"),
-    "angular_velocity": (("wx", "wy", "wz"), "body_axis", "rad/s", "angular velocity, body frame"),
-}
 #: Name of what the camera of a scene saw
 SEEN = "seen"
-#: Names along a dimension, and what they are
-COORDINATES = {
-    "axis": (["x", "y", "z"], "axis, z along the light"),
-    "euler_parameter": (["e0", "e1", "e2", "e3"], "Euler parameter"),
-    "body_axis": (["P1", "P2", "P3"], "axis of the body"),
-}
 
 
 @dataclass(frozen=True)
@@ -151,7 +139,7 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
         quantities,
         skipped,
         simulation.loss_distance,
-        tuple(bound.plan.centre[:3]) if bound.equilibrium else bound.scene.start_position,
+        tuple(bound.plan.centre[TRANSLATION]) if bound.equilibrium else bound.scene.start_position,
         METHODS[simulation.method].displacements,
     )
 
@@ -159,10 +147,10 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
 def columns_of(bound: Walk) -> dict[str, slice]:
     """Columns of a sample by quantity."""
     found = {}
-    for name, (columns, *_) in QUANTITIES.items():
-        if columns[0] in bound.columns:
-            first = bound.columns.index(columns[0])
-            found[name] = slice(first, first + len(columns))
+    for name, each in QUANTITIES.items():
+        if each.columns[0] in bound.columns:
+            first = bound.columns.index(each.columns[0])
+            found[name] = slice(first, first + len(each.columns))
     return found
 
 

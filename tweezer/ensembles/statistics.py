@@ -17,6 +17,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.fft import prev_fast_len
 
+from tweezer.dynamics.layout import QUANTITIES
+
 Array = NDArray[np.float64]
 
 #: Largest number of samples in a window of a spectrum
@@ -240,23 +242,20 @@ class Statistics:
         sums = {name: self.sums[name] + other.sums[name] for name in self.sums}
         return Statistics.of(self.plan, moments | sums)
 
-    def dataset(self, about: dict[str, tuple[str, str]]) -> xr.Dataset:
-        """The statistics as `tweezer.ensemble` describes them.
-
-        about: dimension and unit of each quantity, by name.
-        """
+    def dataset(self) -> xr.Dataset:
+        """The statistics as `tweezer.ensemble` describes them."""
         plan = self.plan
         times = plan.times[:: plan.every]
         dataset = xr.Dataset(
             coords={
                 "time": ("time", times, _about("s", "time since release")),
-                "axis": ("axis", ["x", "y", "z"], {"long_name": "axis, z along the light"}),
+                "axis": ("axis", *QUANTITIES["position"].coordinate),
             }
         )
         with np.errstate(divide="ignore", invalid="ignore"):
             for name in plan.quantities:
-                dimension, unit = about[name]
-                self._put_moments(dataset, name, ("time", dimension), unit)
+                about = QUANTITIES[name]
+                self._put_moments(dataset, name, ("time", about.dimension), about.unit)
             self._put_averages(dataset)
             self._put_histogram(dataset)
             if plan.displacements:

@@ -21,10 +21,9 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
+from tweezer.dynamics.layout import QUANTITIES
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.job import (
-    COORDINATES,
-    QUANTITIES,
     SEEN,
     Attributes,
     Job,
@@ -328,10 +327,10 @@ class Trajectories:
         """Name, dimensions, shape and attributes of each array."""
         n, samples = self.job.trajectories, self.job.cuts[-1]
         for name in columns_of(self.bound):
-            columns, dimension, units, long_name = QUANTITIES[name]
+            each = QUANTITIES[name]
             yield (
-                name, ("trajectory", "time", dimension), (n, samples, len(columns)),
-                {"units": units, "long_name": long_name},
+                name, ("trajectory", "time", each.dimension), (n, samples, len(each.columns)),
+                {"units": each.unit, "long_name": each.long_name},
             )  # fmt: skip
         if (exposure := self.bound.exposure) is not None:
             shape = n, len(exposure.frames.opens), len(exposure.frames.camera.axes)
@@ -350,9 +349,9 @@ class Trajectories:
         found: dict[str, tuple[str, NDArray[Any], Attributes]] = {
             "time": ("time", self.bound.times, about)
         }
-        for dimension in dict.fromkeys(QUANTITIES[name][1] for name in columns_of(self.bound)):
-            names, long_name = COORDINATES[dimension]
-            found[dimension] = dimension, np.array(names), {"long_name": long_name}
+        for name in columns_of(self.bound):
+            each = QUANTITIES[name]
+            found[each.dimension] = each.dimension, *each.coordinate
         if (exposure := self.bound.exposure) is not None:
             middle = "time since release, middle of the exposure"
             about = {"units": "s", "long_name": middle}
@@ -468,13 +467,11 @@ class Joined:
         if job.out is not None and job.out.exists():
             dataset = load_result(job.out)
         else:
-            units = {name: (dimension, unit) for name, (_, dimension, unit, _) in
-                     QUANTITIES.items()}  # fmt: skip
             blocks, statistics = self.joined
             for index in sorted(self.later):
                 if index >= blocks:
                     statistics = statistics.join(self._of(index))
-            dataset = statistics.dataset(units).assign_attrs(self.attributes)
+            dataset = statistics.dataset().assign_attrs(self.attributes)
             if job.out is not None:
                 with telling(job.out):
                     self._write()

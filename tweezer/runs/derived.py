@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import Motion, Problem
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces.acting import name_of
 from tweezer.forces.force import Wrench
 from tweezer.forces.own import fault_of
@@ -41,7 +42,7 @@ def derived_quantities(
     for each in problem.beside_the_light:
         pushed = each.field(places, time=times, orientations=motion.orientation)
         net_force += pushed.force
-    terminal = net_force * problem.mobilities(places, times)[:, :3]
+    terminal = net_force * problem.mobilities(places, times)[:, TRANSLATION]
     potential = -places @ weight
     unknown = np.full(len(times), np.nan)
     variables = {

@@ -33,6 +33,7 @@ from tweezer.dynamics.camera import Frames
 from tweezer.dynamics.continuing import Continued, End, as_attribute, continued, finer_state
 from tweezer.dynamics.events import Occurrence
 from tweezer.dynamics.integrate import Integration
+from tweezer.dynamics.layout import POSITION, QUANTITIES
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.timing import timed
 from tweezer.forces.force import Force, Wrench
@@ -287,7 +288,7 @@ def _as_text(events: Sequence[Occurrence]) -> str:
     """Return events as the attribute of a run has them."""
     return json.dumps(
         [
-            {"name": event.name, "time": event.time, "position": event.state[:3].tolist()}
+            {"name": event.name, "time": event.time, "position": event.state[POSITION].tolist()}
             for event in events
         ]
     )
@@ -436,30 +437,13 @@ def _run(
     """Motion and derived quantities at `times`, in which `light` acts on the bead."""
     coordinates: dict[str, Variable] = {
         "time": variable(("time",), times, "s", "time since release"),
-        "axis": (("axis",), np.array(["x", "y", "z"]), {"long_name": "axis, z along the light"}),
     }
-    variables = {
-        "position": variable(
-            ("time", "axis"), motion.position, "m", "position of the bead's centre from the focus"
-        )
-    }
-    if motion.velocity is not None:
-        variables["velocity"] = variable(("time", "axis"), motion.velocity, "m/s", "velocity")
-    if motion.orientation is not None:
-        coordinates["euler_parameter"] = (
-            ("euler_parameter",),
-            np.array(["e0", "e1", "e2", "e3"]),
-            {"long_name": "Euler parameter"},
-        )
-        variables["orientation"] = variable(
-            ("time", "euler_parameter"), motion.orientation, "1", "Euler parameters"
-        )
-    if motion.angular_velocity is not None:
-        about = {"long_name": "axis of the body"}
-        coordinates["body_axis"] = ("body_axis",), np.array(["P1", "P2", "P3"]), about
-        variables["angular_velocity"] = variable(
-            ("time", "body_axis"), motion.angular_velocity, "rad/s", "angular velocity, body frame"
-        )
+    variables: dict[str, Variable] = {}
+    for name, each in QUANTITIES.items():
+        if (values := getattr(motion, name)) is not None:
+            dimensions = "time", each.dimension
+            variables[name] = variable(dimensions, values, each.unit, each.long_name)
+            coordinates[each.dimension] = (each.dimension,), *each.coordinate
     variables |= derived_quantities(problem, times, motion, light)
     return Run(coordinates, variables, attributes)
 

@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.dynamics.integrators.system import SYSTEM, act, scratch
+from tweezer.dynamics.layout import POSITION, TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.values.errors import IntegrationError, SceneError
 
@@ -61,6 +62,8 @@ _FAR = 0.3
 _MOST_STEPS = 10_000
 #: Time between two exposures that counts as none, in exposures: times are rounded
 _INSTANT = 1e-6
+#: First column of the velocity, in the state of a model with inertia
+_VELOCITY = POSITION.stop
 #: Lower bound on the variance of z, m^2
 _LEAST = 1e-40
 
@@ -135,7 +138,7 @@ def kalman_filter(equations: EquationsOfMotion) -> Callable[..., Filtered]:
     system = equations.system(gradient=True, derivatives=True)
     scale = np.ones(len(equations.initial_state))
     if equations.stiff:
-        scale[3:] = equations.relaxation.modes.times[:3, 0]
+        scale[equations.layout.at("velocity")] = equations.relaxation.modes.times[TRANSLATION, 0]
     loop = _loop()
 
     def filtered(bead: Bead, camera: Camera, least: float = -math.inf) -> Filtered:
@@ -172,8 +175,8 @@ def _loop() -> Any:
         for k in range(3):
             mean[k] = bead.start[k]
             P[k, k] = bead.spread[k] ** 2
-            if m == 6:
-                mean[3 + k] = scale[3 + k] * bead.velocity[k]
+            if m > _VELOCITY:
+                mean[_VELOCITY + k] = scale[_VELOCITY + k] * bead.velocity[k]
         _diffuse(bead, work, work.diffusion)
         time, log_likelihood, step = 0.0, 0.0, np.inf
         frames, coordinates = camera.positions.shape

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.problem import Problem
 from tweezer.forces.equilibria import Equilibrium
 from tweezer.values.constants import Boltzmann
@@ -72,6 +73,6 @@ def mean_spring(problem: Problem, place: Equilibrium) -> MeanSpring | None:
         change = np.abs(found - stiffness).max() / np.abs(stiffness).max()
         stiffness = found
         if change < _SETTLED:
-            mobility = _WEIGHTS @ problem.mobilities(points)[:, :3]
+            mobility = _WEIGHTS @ problem.mobilities(points)[:, TRANSLATION]
             return MeanSpring(position, np.diag(stiffness).copy(), 1 / mobility)
     return None

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces.equilibria import nearest_stable
 from tweezer.optics import evaluators_of
 from tweezer.results.run import variable, with_error
@@ -141,7 +142,7 @@ def _trapped(problem: Problem) -> tuple[str, dict[str, Any]]:
             return ON_RING, {}
         return RESTS if pressed(problem) else LOST, {}
     points = np.array([place.position])
-    drag = 1 / problem.mobilities(points)[0, :3]
+    drag = 1 / problem.mobilities(points)[0, TRANSLATION]
     stiffness = place.stiffness_xyz
     light = problem.light.field(points)
     error = float(problem.light.error_of(points, light)[0])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.escape import Escape
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.rings import Ring
 from tweezer.optics import sampled
@@ -177,7 +178,7 @@ def _start(held: Equilibrium | Ring) -> tuple[float, float]:
 def _quality(problem: Problem, held: Equilibrium | Ring) -> float:
     """sqrt(k m)/beta_v of the stiffest direction: how far inertia carries the bead."""
     stiffest = float(np.linalg.eigvals(held.stiffness).real.max())
-    mobility = float(problem.mobilities(np.array([held.position]))[0, :3].max())
+    mobility = float(problem.mobilities(np.array([held.position]))[0, TRANSLATION].max())
     return problem.linear.quality(stiffest, mobility)
 
 

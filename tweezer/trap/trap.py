@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.escape import Escape, escapes, escapes_from_ring, largest, too_shallow
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.forces import Force
 from tweezer.forces.acting import check_numbers
 from tweezer.forces.equilibria import FOCUS, Equilibrium, NetForce, along, nearest_stable, opposite
@@ -474,7 +475,7 @@ def characterise(scene: SceneLike, *, forces: Sequence[Force | str] = ()) -> Tra
     pulled: tuple[Escape, ...] = ()
     absorbed, torque = None, None
     if equilibrium:
-        mobility = problem.mobilities(np.array([equilibrium.position]))[0, :3]
+        mobility = problem.mobilities(np.array([equilibrium.position]))[0, TRANSLATION]
         drag = fixed(1 / mobility)
         if scene.wall is not None:
             gap = float(scene.room(equilibrium.position[2]))

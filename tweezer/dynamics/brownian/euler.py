@@ -27,6 +27,7 @@ from tweezer.dynamics.brownian.batch import (
     without_memory,
 )
 from tweezer.dynamics.brownian.propagator import Weights
+from tweezer.dynamics.layout import TRANSLATION
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -138,7 +139,9 @@ def harmonic_weights(step: float, linear: Linear) -> Weights:
     alone = linear.exact(step, linear.kappa)
     if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
         return alone
-    both = propagator.coupled(step, linear.tau[:3], linear.rates, linear.diffusion[:3])
+    both = propagator.coupled(
+        step, linear.tau[TRANSLATION], linear.rates, linear.diffusion[TRANSLATION]
+    )
     return alone._replace(coupled=both[0], coupled_noise=both[1])
 
 

@@ -32,7 +32,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     x, v, u, ahead = beads.x, beads.v, beads.u, beads.ahead
     first = without_memory(weights)
     if first > 0:
-        u[:3] = 0.0
+        u[:first] = 0.0
         memory.lead(weights, beads, ahead)
     for i in range(0, first * width, LANES):
         led = lanes(ahead, i)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, expm, solve_continuous_lyapunov
 
 from tweezer.dynamics.brownian import memory
+from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION
 from tweezer.generated import langevin
 from tweezer.values.errors import SceneError
 
@@ -105,14 +106,15 @@ def with_memory(h: float, times: Array, parts: Array, exact: Weights, diffusion:
 
     times, parts: (n,) of `tweezer.dynamics.brownian.memory`.
     """
-    kappa = exact.kappa[:3].tolist()
+    kappa = exact.kappa[TRANSLATION].tolist()
     axes = [
         memory.axis(h, times, parts, *each) for each in zip(kappa, diffusion.tolist(), strict=False)
     ]
-    none = np.where(np.arange(len(exact.kappa)) < 3, 0.0, 1.0)
+    none = np.ones(len(exact.kappa))
+    none[TRANSLATION] = 0.0
 
     def changed(weight: Array, values: list[float]) -> Array:
-        return np.concatenate([values, weight[3:]])
+        return np.concatenate([values, weight[ROTATION]])
 
     return exact._replace(
         **{name: getattr(exact, name) * none for name in (
@@ -142,7 +144,7 @@ def coupled(h: float, tau: Array, rates: Array, diffusion: Array) -> tuple[Array
     A, noise = _linear_motion(tau, rates, diffusion)
     unit = np.ones(len(A))
     if tau[0] > 0:
-        unit[:3] = h  # the way of a short step
+        unit[POSITION] = h  # the way of a short step
     A, noise = A * unit / unit[:, None], noise / unit**2
     n = len(A)
     block = expm(h * np.block([[-A, np.diag(noise)], [np.zeros_like(A), A.T]]))
@@ -187,25 +189,26 @@ def stationary_root_with_memory(weights: Weights, rates: Array) -> Array:
     """
     z, n = weights.memory, weights.memory.shape[2]
     size = 3 + 3 * n
-    of_x, of_z = np.eye(size)[:3], np.eye(size)[3:]
+    of_x, of_z = np.split(np.eye(size), [POSITION.stop])
 
     def of_axes(weight: Array) -> Array:
         """(3, n) as the matrix (3, 3 n) of its axis."""
         made: Array = (np.eye(3)[:, :, None] * weight).reshape(3, 3 * n)
         return made
 
-    beyond = np.diag(weights.kappa[:3]) - rates
+    beyond = np.diag(weights.kappa[TRANSLATION]) - rates
     u = -rates @ of_x
-    ahead = of_x + of_axes(z[:, memory.X_BY]) @ of_z + weights.by_u[:3, None] * u
-    spread = np.hstack([np.diag(weights.noise_x[:3]), np.zeros((3, 3))])
+    ahead = of_x + of_axes(z[:, memory.X_BY]) @ of_z + weights.by_u[TRANSLATION, None] * u
+    spread = np.hstack([np.diag(weights.noise_x[TRANSLATION]), np.zeros((3, 3))])
     left = z[:, memory.DECAY].reshape(-1, 1) * of_z + of_axes(z[:, memory.BY_U]).T @ u
     noise = np.hstack([of_axes(z[:, memory.NOISE]).T, of_axes(z[:, memory.OWN]).T])
     rise, shaken = beyond @ (ahead - of_x), beyond @ spread
     A = np.vstack([
-        ahead + weights.by_rise[:3, None] * rise, left + of_axes(z[:, memory.BY_RISE]).T @ rise,
+        ahead + weights.by_rise[TRANSLATION, None] * rise,
+        left + of_axes(z[:, memory.BY_RISE]).T @ rise,
     ])  # fmt: skip
     noise = np.vstack([
-        spread + weights.by_rise[:3, None] * shaken,
+        spread + weights.by_rise[TRANSLATION, None] * shaken,
         noise + of_axes(z[:, memory.BY_RISE]).T @ shaken,
     ])  # fmt: skip
     largest = float(np.abs(np.linalg.eigvals(A)).max())

@@ -61,6 +61,7 @@ from tweezer.dynamics.integrators.system import (
     step_to_try,
 )
 from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
+from tweezer.dynamics.layout import POSITION, QUANTITIES, ROTATION, TRANSLATION, Layout
 from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, bound, clear
@@ -108,6 +109,12 @@ _ITERATED, _ROUNDS = 0.003, 16
 #: Contraction of the iteration above which elimination is faster, and of Newton's method above
 #: which the step is given up
 _SLOW = 0.5
+
+#: First column of the velocities of the modes in a state of the loop: it is x, these, e of a
+#: rotation, and the relaxation times of a drag by place
+_MODES = POSITION.stop
+#: Number of Euler parameters
+_EULER = len(QUANTITIES["orientation"].columns)
 
 _ALL = 3 * NODES
 _MATRIX = NODES * NODES
@@ -226,10 +233,10 @@ def _freeze(system, how, time, step, y, work):  # type: ignore[no-untyped-def]
     They are kept in the last three entries of the state, where the dense output reads them.
     """
     for i in range(3):
-        work.powers[0, i] = y[i] + 0.5 * step * y[3 + i]
+        work.powers[0, i] = y[i] + 0.5 * step * y[_MODES + i]
     _relaxation_times(system, how, time, work.powers[0], work, work.powers[1])
     for i in range(3):
-        y[y.size - 3 + i] = how.modes.times[i, 0] = work.powers[1, i]
+        y[y.size - how.inertia.size + i] = how.modes.times[i, 0] = work.powers[1, i]
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
@@ -245,9 +252,10 @@ def _error_of_freezing(system, how, time, step, y, new, work):  # type: ignore[n
     _relaxation_times(system, how, time, new, work, end)
     most = 0.0
     for i in range(3):
-        tau = y[y.size - 3 + i]
+        tau = y[y.size - how.inertia.size + i]
         off = 0.5 * abs(begin[i] + end[i] - 2.0 * tau) + abs(end[i] - begin[i]) / 6.0
-        change = abs(new[3 + i] - y[3 + i]) + abs(y[3 + i] - work.powers[i, 0])
+        v = y[_MODES + i]
+        change = abs(new[_MODES + i] - v) + abs(v - work.powers[i, 0])
         most = max(most, off * change * min(1.0, step / tau) if tau > 0.0 else 0.0)
     return most
 
@@ -297,7 +305,7 @@ def _weigh(how, step, y, work):  # type: ignore[no-untyped-def]
         for j in range(NODES):
             work.base[i, j] = y[i]
             for k in range(modes):
-                work.base[i, j] += decay[k, j] * y[3 + i * modes + k]
+                work.base[i, j] += decay[k, j] * y[_MODES + i * modes + k]
         work.first[i] = work.first[i - 1] if alike else _MATRIX * i
         if alike:
             continue
@@ -659,7 +667,7 @@ def _to(modes, s, step, y, powers, chi, out):  # type: ignore[no-untyped-def]
         out[i] = y[i]
     for k in range(many):
         for i in range(axes):
-            tau, weight, at = modes.times[i, k], modes.weights[i, k], 3 + i * many + k
+            tau, weight, at = modes.times[i, k], modes.weights[i, k], _MODES + i * many + k
             if weight == 0.0:  # a rotation has fewer modes
                 out[at] = 0.0
                 continue
@@ -735,9 +743,9 @@ def _advance(  # type: ignore[no-untyped-def]
                 records.shape[written, i, m] = work.powers[i, m]
         _to(how.modes, step, step, y, work.powers, work.chi, new)
         if turns:
-            e, allowed = 3 + how.modes.times.size, control.absolute[control.orientation]
-            before, after = y[e : e + 4], new[e : e + 4]
-            call(how.turn, (how.modes, step, y[3:], work.powers, before, allowed, after))
+            e, allowed = _MODES + how.modes.times.size, control.absolute[control.orientation]
+            before, after = y[e : e + _EULER], new[e : e + _EULER]
+            call(how.turn, (how.modes, step, y[_MODES:], work.powers, before, allowed, after))
         written += 1
         counts[0] += 1
         clock[0] = control.end if last else time + step
@@ -799,8 +807,8 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
     chi, end = np.empty(NODES + 1), np.empty(4)
     step, parts = 0, 0
     turning = len(modes.times) == 6
-    e = 3 + modes.times.size
-    frozen = e + 4 if turning else e  # where the relaxation times of a drag by place are
+    e = _MODES + modes.times.size
+    frozen = e + _EULER if turning else e  # where the relaxation times of a drag by place are
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
             step += 1
@@ -810,10 +818,11 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
         s = times[at] - begin[step]
         _to(modes, s, length[step], state[step], shape[step], chi, out[at])
         if turning:
-            v, begin_of_step = state[step, 3:], state[step, e : e + 4]
+            v, begin_of_step = state[step, _MODES:], state[step, e : e + _EULER]
+            now = out[at, e : e + _EULER]
             if parts == 0:
                 parts = parts_of(modes, length[step], v, shape[step], begin_of_step, allowed, end)
-            turned(modes, s, parts, length[step], v, shape[step], begin_of_step, out[at, e : e + 4])
+            turned(modes, s, parts, length[step], v, shape[step], begin_of_step, now)
 
 
 class Exponential:
@@ -830,15 +839,17 @@ class Exponential:
                 "on the orientation, and no first-order model; set simulation.method to auto"
             )
         relaxation = equations.relaxation._replace(
-            turn=address(turn_over, TURN) if "e0" in equations.module.STATE else 0,
+            turn=address(turn_over, TURN) if "orientation" in equations.layout else 0,
         )
-        columns = {name: i for i, name in enumerate(equations.module.STATE)}
-        start = _in_inertial_frame(equations.initial_state, relaxation.modes, columns)
+        emitted = equations.layout
+        start = _in_inertial_frame(equations.initial_state, relaxation.modes, emitted)
         start = np.append(start, np.zeros(relaxation.inertia.size))
         if equations.begin is not None:
             start = equations.begin.inner.copy()
         relaxation = _begun(equations, relaxation, start)
-        allowed = equations.absolute_tolerance[columns["e0"]] if "e0" in columns else 0.0
+        allowed = 0.0
+        if "orientation" in emitted:
+            allowed = equations.absolute_tolerance[emitted.first("orientation")]
         many = len(relaxation.modes.times)
 
         def inner(records: Records, times: Array) -> Array:
@@ -847,7 +858,7 @@ class Exponential:
             return out
 
         def states(records: Records, times: Array) -> Array:
-            return _emitted(inner(records, times), relaxation.modes.weights, columns)
+            return _emitted(inner(records, times), relaxation.modes.weights, emitted)
 
         return Bound(
             loop(),
@@ -871,15 +882,15 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
 
     And with the force at the begin as what is foretold. y: the state as the loop has it.
     """
-    at = equations.moving.field(y[None, :3], gradient=True, time=equations.begin_time)
-    u = how.drift + how.response[:3] * at.force[0]
+    at = equations.moving.field(y[None, POSITION], gradient=True, time=equations.begin_time)
+    u = how.drift + how.response[TRANSLATION] * at.force[0]
     foretold = np.zeros(3 * NODES)
     foretold[::NODES] = u
-    rate = float(np.abs(how.response[:3, None] * at.force_gradient[0]).max())
+    rate = float(np.abs(how.response[TRANSLATION, None] * at.force_gradient[0]).max())
     part = min(max(float(np.linalg.norm(u)) / how.fastest, _SLOWEST), 1.0)
     allowed = part * float(equations.absolute_tolerance[0])
-    times, weights = how.modes.times[:3], how.modes.weights[:3]
-    v = y[3 : 3 + times.size].reshape(times.shape)
+    times, weights = how.modes.times[TRANSLATION], how.modes.weights[TRANSLATION]
+    v = y[_MODES : _MODES + times.size].reshape(times.shape)
     seen = rate * weights * times**2 * np.abs(v - u[:, None]) > _UNSEEN * allowed
     layer = _LAYER if times.shape[1] == 1 else _LAYERS
     first = layer * float(times[seen].min(initial=math.inf))
@@ -889,41 +900,41 @@ def _begun(equations: Equations, how: Relaxation, y: Array) -> Relaxation:
     )  # fmt: skip
 
 
-def _in_inertial_frame(state: Array, modes: Modes, columns: dict[str, int]) -> Array:
+def _in_inertial_frame(state: Array, modes: Modes, emitted: Layout) -> Array:
     """x, the velocities of the modes, omega's in the inertial frame, and e, of an emitted state.
 
     A bead with a velocity was struck to it in fluid at rest.
     """
-    x = state[columns["q1"] : columns["q1"] + 3]
-    rates = np.zeros(len(modes.times))
-    e = state[columns["e0"] : columns["e0"] + 4] if "e0" in columns else np.zeros(0)
-    if "v1" in columns:
-        rates[:3] = state[columns["v1"] : columns["v1"] + 3]
-    if "omega1" in columns:
-        rates[3:] = _rotation(e) @ state[columns["omega1"] : columns["omega1"] + 3]
+    rates, e = np.zeros(len(modes.times)), np.zeros(0)
+    if "orientation" in emitted:
+        e = state[emitted.at("orientation")]
+    if "velocity" in emitted:
+        rates[TRANSLATION] = state[emitted.at("velocity")]
+    if "angular_velocity" in emitted:
+        rates[ROTATION] = _rotation(e) @ state[emitted.at("angular_velocity")]
     v = np.repeat(rates[:, None], modes.times.shape[1], axis=1)
     if modes.times.shape[1] > 1:
-        v[:3] *= Modes(modes.times[0], modes.weights[0]).struck
-    return np.concatenate([x, v.ravel(), e])
+        v[TRANSLATION] *= Modes(modes.times[0], modes.weights[0]).struck
+    return np.concatenate([state[POSITION], v.ravel(), e])
 
 
-def _emitted(y: Array, weights: Array, columns: dict[str, int]) -> Array:
+def _emitted(y: Array, weights: Array, emitted: Layout) -> Array:
     """The inverse of `_in_inertial_frame`, (n, state)."""
-    many, modes = weights.shape
-    if many == 3 and modes == 1:  # as it is, or without the velocities of a model that has none
-        return y[:, : len(columns)]
-    rates = (y[:, 3 : 3 + many * modes].reshape(-1, many, modes) * weights).sum(axis=2)
-    states = np.empty((len(y), len(columns)))
-    parts = {"q1": y[:, :3], "v1": rates[:, :3]}
-    if "e0" in columns:
-        e = y[:, 3 + many * modes : 7 + many * modes]
-        parts["e0"] = e
-        if "omega1" in columns:
-            omega = [row @ _rotation(each) for row, each in zip(rates[:, 3:], e, strict=True)]
-            parts["omega1"] = np.array(omega).reshape(-1, 3)
-    for name, values in parts.items():
-        if name in columns:
-            states[:, columns[name] : columns[name] + values.shape[1]] = values
+    rotates = "orientation" in emitted
+    if weights.shape[1] == 1 and not rotates:
+        return y[:, : emitted.width]  # as it is, or without the velocities of a model without them
+    inner = Layout({"position": _MODES, "modes": weights.size, "orientation": _EULER})
+    rates = (y[:, inner.at("modes")].reshape(-1, *weights.shape) * weights).sum(axis=2)
+    states = np.empty((len(y), emitted.width))
+    parts = {"position": y[:, POSITION], "velocity": rates[:, TRANSLATION]}
+    if rotates:
+        e = parts["orientation"] = y[:, inner.at("orientation")]
+        if "angular_velocity" in emitted:
+            turning = zip(rates[:, ROTATION], e, strict=True)
+            omega = [row @ _rotation(each) for row, each in turning]
+            parts["angular_velocity"] = np.array(omega).reshape(-1, 3)
+    for name in emitted.blocks:
+        states[:, emitted.at(name)] = parts[name]
     return states
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import call, named_njit
 from tweezer.dynamics.continuing import Begin
+from tweezer.dynamics.layout import Layout
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
@@ -230,8 +230,8 @@ def next_step(step, error, before, order, growth, rejected):  # type: ignore[no-
 class Equations(Protocol):
     """What methods read of equations of motion, `tweezer.dynamics.models.EquationsOfMotion`."""
 
-    module: ModuleType
-    """the emitted one"""
+    layout: Layout
+    """of its states"""
     initial_state: Array
     begin: Begin | None
     """what the motion goes on from; None for one from the release"""
