@@ -35,48 +35,44 @@ from tweezer.cli.tables import print_card
 from tweezer.values.errors import ResultError
 
 
+Frames = Annotated[
+    str,
+    typer.Argument(
+        help="Table with t, x, y: CSV, HDF5, .npy, .mat; or NetCDF file of a run.",
+        metavar="TRACK",
+    ),
+]
+SceneOfTrack = Annotated[
+    str,
+    typer.Option(
+        help="Shipped scene or TOML file.", metavar="SCENE", autocompletion=complete_scene
+    ),
+]
+Noise = Annotated[str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')]
+Exposure = Annotated[
+    str | None,
+    typer.Option(help='Time that a frame averages over: "2 ms". 0, or that of a run.'),
+]
+Search = Annotated[
+    tuple[str, str] | None,
+    typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
+]
+Fitted = Annotated[
+    list[str] | None,
+    typer.Option(
+        help="What else to fit: power, radius, scaling_factor, release. May be repeated.",
+        metavar="NAME",
+    ),
+]
+
+
 @app.command("fit-depth")
 def fit_depth(
-    track: Annotated[
-        str,
-        typer.Argument(
-            help="Table with t, x, y: CSV, HDF5, .npy, .mat; or NetCDF file of a run.",
-            metavar="TRACK",
-        ),
-    ],
-    scene: Annotated[
-        str,
-        typer.Option(
-            help="Shipped scene or TOML file.", metavar="SCENE", autocompletion=complete_scene
-        ),
-    ],
-    noise: Annotated[
-        str | None, typer.Option(help='Of the camera: "15 nm". Fitted if not given.')
-    ] = None,
-    exposure: Annotated[
-        str | None,
-        typer.Option(help='Time that a frame averages over: "2 ms". 0, or that of a run.'),
-    ] = None,
-    search: Annotated[
-        tuple[str, str] | None,
-        typer.Option(help='Where the start may be: "-8 um" "2 um"; 3/4 of the map if not given.'),
-    ] = None,
-    fit: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="What else to fit: power, radius, scaling_factor, release. May be repeated.",
-            metavar="NAME",
-        ),
-    ] = None,
-    columns: Columns = None,
-    rate: Rate = None,
-    scale: Scale = None,
-    bead: Bead = None,
-    set: Changes = None,
-    out: JsonFile = None,
-    plot: FigureFile = None,
-    overwrite: Overwrite = False,
-) -> None:
+    track: Frames, scene: SceneOfTrack, noise: Noise = None, exposure: Exposure = None,
+    search: Search = None, fit: Fitted = None, columns: Columns = None, rate: Rate = None,
+    scale: Scale = None, bead: Bead = None, set: Changes = None, out: JsonFile = None,
+    plot: FigureFile = None, overwrite: Overwrite = False,
+) -> None:  # fmt: skip
     """Determine the release depth from a TRACK.
 
     The depth is the coordinate along the light; the track contains the coordinates across the
@@ -104,22 +100,14 @@ def fit_depth(
         raise ResultError(f"{track}: is a run of another bead than that of {described.name}")
     with showing_progress(described.name, 1.0) as progress:
         found = fitted(
-            loaded,
-            described,
-            noise=given,
-            exposure=exposed,
-            search=range_,
-            fit=fit or (),
+            loaded, described, noise=given, exposure=exposed, search=range_, fit=fit or (),
             progress=progress,
-        )
+        )  # fmt: skip
     card = found.card()
     print_card(dataclasses.replace(card, rows=(*card.rows, *rows_of_light(described))))
     if out:
-        result = {
-            field.name: getattr(found, field.name)
-            for field in dataclasses.fields(found)
-            if field.name not in ("minima", "parameters", "path")
-        }
+        apart = ("minima", "parameters", "path")
+        result = {name: value for name, value in vars(found).items() if name not in apart}
         lists = {
             name: [dataclasses.asdict(each) for each in getattr(found, name)]
             for name in ("minima", "parameters")

@@ -100,9 +100,7 @@ def fit(
     print_card(found.card())
     if out:
         result = {
-            field.name: getattr(found, field.name)
-            for field in dataclasses.fields(found)
-            if field.name not in ("scene", "keys")
+            name: value for name, value in vars(found).items() if name not in ("scene", "keys")
         }
         result["scene"] = found.scene.model_dump(mode="json", exclude_none=True)
         result["keys"] = [dataclasses.asdict(each) for each in found.keys]
