@@ -30,6 +30,7 @@ from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import MOTION, STIFFNESS, Detected, WhittleFit
 from tweezer.values.constants import Boltzmann
+from tweezer.values.printed import printed, signal_unit
 
 Array = NDArray[np.float64]
 
@@ -199,8 +200,8 @@ def _roaming(bead: TrappedBead, height: Height | None) -> list[Finding]:
     if part < _ROAMING:
         return []
     text = (
-        f"the bead moves by {1e9 * deviation:.2g} nm rms across the wall, {part:.2g} of the gap: "
-        "its drag is a mean over heights"
+        f"the bead moves by {printed(deviation, 'nm', 2)} rms across the wall, {part:.2g} of the "
+        "gap: its drag is a mean over heights"
     )
     return [Finding("height", text)]
 
@@ -210,9 +211,9 @@ def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list
     for each in answers:
         late, error = each.per(response).late(fit.bead)
         if abs(late) > max(_LATE[0] * error, _LATE[1]):
-            delay = 1e3 * late / (2 * math.pi * each.frequency)
+            delay = printed(abs(late / (2 * math.pi * each.frequency)), "ms", 2)
             text = (
-                f"at {each.frequency:.4g} Hz the record is {abs(delay):.2g} ms "
+                f"at {each.frequency:.4g} Hz the record is {delay} "
                 f"{'behind' if late > 0 else 'before'} the bead that the stage drives; only the "
                 "size of the answer is used"
             )
@@ -220,12 +221,12 @@ def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list
     return []
 
 
-#: Words for what is not determined: the parameter, what bounds it, factor and unit.
+#: Words for what is not determined: the parameter, what bounds it, and its unit.
 _WORDS = {
-    "exposure": ("the exposure", "below", 1e3, "ms"),
-    "diode_frequency": ("the frequency of a diode", "above", 1e-3, "kHz"),
-    "diode_fraction": ("the part that a diode detects at once", "below", 1.0, ""),
-    "noise": ("white noise", "below", 1e9, "nm"),
+    "exposure": ("the exposure", "below", "ms"),
+    "diode_frequency": ("the frequency of a diode", "above", "kHz"),
+    "diode_fraction": ("the part that a diode detects at once", "below", ""),
+    "noise": ("white noise", "below", "nm"),
 }
 
 
@@ -236,10 +237,9 @@ def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
         unseen = [each for each in unseen if each.name != "diode_fraction"]
     found = []
     for each in unseen:
-        what, side, factor, of = _WORDS[each.name]
-        if each.name == "noise" and unit == "V":
-            factor, of = 1e3, "mV"
-        bound = "" if each.limit is None else f": {side} {factor * each.limit:.2g} {of}".rstrip()
+        what, side, of = _WORDS[each.name]
+        of = signal_unit(unit) if each.name == "noise" else of
+        bound = "" if each.limit is None else f": {side} {printed(each.limit, of, 2)}"
         likely = bound and " (95 %)"
         text = f"the record does not determine {what}{bound}{likely}"
         found.append(Finding("undetermined", text))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from tweezer.calibration.findings import IMPROBABLE, Finding
 from tweezer.reading import copied, step_of, unmeasured
+from tweezer.values.printed import printed, signal_unit
 
 Array = NDArray[np.float64]
 
@@ -105,13 +106,13 @@ def _rounded(positions: Array, noise: float, unit: str, error: float) -> Finding
     rounding = step**2 / 12
     if rounding < error * variance and 2 * rounding < _ROUNDED * moved:
         return None
-    factor, of = (1e3, "mV") if unit == "V" else (1e9, "nm")
-    text = f"its positions are whole multiples of {factor * step:.3g} {of}"
+    of = signal_unit(unit)
+    text = f"its positions are whole multiples of {printed(step, of, 3)}"
     if math.sqrt(moved) < _INDEPENDENT * step:
         return Finding("rounded", f"{text}, more than it moves in a step: record more digits")
     if noise >= _INCLUDED * math.sqrt(rounding):
         return None
-    white = f"{factor * math.sqrt(rounding):.3g} {of}"
+    white = printed(math.sqrt(rounding), of, 3)
     return Finding("rounded", f'{text}: their rounding is white noise; give --noise "{white}"')
 
 

@@ -21,6 +21,7 @@ from tweezer.calibration.whittle import (
     best_start,
     fitted,
 )
+from tweezer.values.printed import printed
 from tweezer.values.rounding import time_taken
 
 Array = NDArray[np.float64]
@@ -243,7 +244,7 @@ def _unsteady(positions: Array, step: float, fits: Fits, looks_free: bool) -> li
     strays = looks_free and samples * step < _LONG * steady.bead.relaxation_time
     if p_value < _UNLIKELY and share > HARM * math.sqrt(relative) and not strays:
         text = (
-            f"it drifts, {1e9 * math.sqrt(excess):.2g} nm rms slower than {at[-1]:.2g} Hz: by "
+            f"it drifts, {printed(math.sqrt(excess), 'nm', 2)} rms slower than {at[-1]:.2g} Hz: by "
             f"that alone the variance is {100 * share:.0f} % too large, unless it is taken off"
         )
         found.append(Finding("drift", text))
@@ -332,14 +333,14 @@ def _white(
     )  # fmt: skip
     if max(harm) < HARM:
         return None
-    deviation = f"{1e9 * math.sqrt(abs(variance)):.2g} nm"
+    deviation = printed(math.sqrt(abs(variance)), "nm", 2)
     if variance > 0:
         text = f"it contains white noise of about {deviation}"
         rounding = resolution**2 / 12 - free.bead.noise**2
         if rounding > _BY_ROUNDING * variance:
             text += (
-                f", of which {1e9 * math.sqrt(rounding):.2g} nm is the rounding to multiples of "
-                f"{1e9 * resolution:.3g} nm"
+                f", of which {printed(math.sqrt(rounding), 'nm', 2)} is the rounding to multiples "
+                f"of {printed(resolution, 'nm', 3)}"
             )
         return Finding("noise", f"{text}: give --noise fit")
     text = "the bead moves less from sample to sample than in a trap"
@@ -363,8 +364,9 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     best = max(exposed, key=lambda each: each.log_likelihood)
     if math.erfc(math.sqrt(max(best.log_likelihood - fit.log_likelihood, 0))) < IMPROBABLE:
         return Finding(
-            "blur", f"its positions look averaged over some {1e3 * best.bead.exposure:.2g} ms, "
-            f"with a stiffness of {1e6 * best.bead.stiffness:.3g} pN/um: give the exposure"
+            "blur", "its positions look averaged over some "
+            f"{printed(best.bead.exposure, 'ms', 2)}, with a stiffness of "
+            f"{printed(best.bead.stiffness, 'pN/um', 3)}: give the exposure"
         )  # fmt: skip
     likeliest = max(best.log_likelihood, fit.log_likelihood)
     allowed = [e for e in exposed if 2 * (likeliest - e.log_likelihood) < _NOT_EXCLUDED]
@@ -373,12 +375,13 @@ def _unknown_exposure(fit: WhittleFit, step: float) -> Finding | None:
     if not harmful:
         return None
     worst = harmful[0]
-    k = f"the stiffness would be {1e6 * worst.bead.stiffness:.3g} pN/um"
+    k = f"the stiffness would be {printed(worst.bead.stiffness, 'pN/um', 3)}"
     if worst.uncertainty(1, 0) > 1:
         k = "the stiffness would not be determined"
     return Finding(
-        "exposure", f"the exposure is not given: were it {1e3 * worst.bead.exposure:.2g} ms, {k}; "
-        "give the exposure of the detector, or exposure = 0 if it does not average"
+        "exposure", "the exposure is not given: were it "
+        f"{printed(worst.bead.exposure, 'ms', 2)}, {k}; give the exposure of the detector, or "
+        "exposure = 0 if it does not average"
     )  # fmt: skip
 
 
@@ -423,8 +426,9 @@ def _line(fits: Fits, above: float) -> Finding | None:
     told = [f"{frequencies[i]:.3g}" for i in sorted(peaks[:_LINES_TOLD])]
     more = " and more" if len(peaks) > _LINES_TOLD else ""
     return Finding(
-        "line", f"it oscillates at {' and '.join(told)} Hz{more}, {1e9 * math.sqrt(excess):.2g} nm "
-        f"rms: by that alone the variance is {100 * share:.0f} % too large, unless it is left out"
+        "line", f"it oscillates at {' and '.join(told)} Hz{more}, "
+        f"{printed(math.sqrt(excess), 'nm', 2)} rms: by that alone the variance is "
+        f"{100 * share:.0f} % too large, unless it is left out"
     )  # fmt: skip
 
 
@@ -434,7 +438,8 @@ def _spectrum(free: WhittleFit) -> Finding | None:
     text = "the spectrum is not that of a trapped bead"
     highest = float(free.periodogram.frequencies[-1])
     if not free.bead.displaced_mass and highest > _FAST:
-        text += f"; up to {1e-3 * highest:.2g} kHz the inertia of the fluid counts: is it given?"
+        below = printed(highest, "kHz", 2)
+        text += f"; up to {below} the inertia of the fluid counts: is it given?"
     return Finding("spectrum", text)
 
 

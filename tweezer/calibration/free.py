@@ -25,6 +25,7 @@ from tweezer.calibration.findings import IMPROBABLE, REFUTED, Finding
 from tweezer.calibration.steps import EXACT, Steps
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
+from tweezer.values.printed import in_unit, printed
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Card, Row, Shown
 
@@ -66,12 +67,12 @@ _NO_DIFFUSION = 12.0
 _WHOLE_EXPOSURE = 1 / 3
 
 
-#: What is inferred in words, with the factor to its unit and the unit.
+#: What is inferred in words, with its unit.
 INFERRED = {
-    "viscosity": ("viscosity", 1e3, "mPa s"),
-    "radius": ("radius", 1e9, "nm"),
-    "drag": ("drag", 1e9, "nN s/m"),
-    "Boltzmann": ("Boltzmann's constant", 1e23, "10^-23 J/K"),
+    "viscosity": ("viscosity", "mPa s"),
+    "radius": ("radius", "nm"),
+    "drag": ("drag", "nN s/m"),
+    "Boltzmann": ("Boltzmann's constant", "10^-23 J/K"),
 }
 
 
@@ -163,10 +164,9 @@ class Diffusion(Shown):
             Row("diffusion", f"{told} (95 %: {low:.3g} to {high:.3g}) {unit}", doubt),
         ]
         if self.inferred is not None:
-            name, factor, unit = INFERRED[self.inferred.name]
-            low, high = (factor * end for end in self.inferred.interval)
-            told = f"{factor * self.inferred.value:.4g} (95 %: {low:.3g} to {high:.3g}) {unit}"
-            rows.append(Row(name, told))
+            name, unit = INFERRED[self.inferred.name]
+            ends = " to ".join(in_unit(end, unit, 3) for end in self.inferred.interval)
+            rows.append(Row(name, f"{in_unit(self.inferred.value, unit)} (95 %: {ends}) {unit}"))
         if self.expected is not None:
             rows.append(Row("by Einstein", f"{self.expected:.4g} m^2/s"))
         return Card("Diffusion", self.name, tuple(rows), notes=self.remarks)
@@ -284,7 +284,7 @@ def free_bead(
     apart = max(least - sum(fit.least for fit in every), 0.0) / wider
     unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
     if len(every) > 1 and chdtrc(len(every) - 1, apart) < IMPROBABLE:
-        values = " and ".join(f"{1e12 * fit.diffusion(step):.3g}" for fit in every)
+        values = " and ".join(in_unit(fit.diffusion(step), unit, 3) for fit in every)
         text = f"its diffusion differs between {' and '.join(axes)}: {values} {unit}"
         findings.append(Finding("axes", text))
     alone, p_value = _alone(every, best, names, step, wider)
@@ -294,7 +294,7 @@ def free_bead(
         ))  # fmt: skip
         text = (
             f"the tracks differ in their diffusion (p = {p_value:.2g}), most {farthest.name}: "
-            f"{1e12 * farthest.diffusion:.3g} {unit}"
+            f"{printed(farthest.diffusion, unit, 3)}"
         )
         findings.append(Finding("tracks", text))
     inferred = expected = None

@@ -12,7 +12,7 @@ from tweezer.calibration.spectra import statistical_inefficiency, variance_of_me
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
-from tweezer.values.rounding import with_uncertainty
+from tweezer.values.printed import in_unit, printed, with_error
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import TEMPERATURE, QuantitiesLike, QuantityLike
 
@@ -62,13 +62,13 @@ class Potential(Shown):
 
     def card(self) -> Card:
         """Its reach, and the parabola."""
-        low, high = 1e9 * self.coordinates[[0, -1]]
+        low, high = self.coordinates[[0, -1]]
         told = "not determined"
         if self.stiffness is not None and self.uncertainty is not None:
-            told = f"{with_uncertainty(1e6 * self.stiffness, 1e6 * self.uncertainty)} pN/um"
+            told = with_error(self.stiffness, self.uncertainty, "pN/um")
         rows = (
-            Row("bins", f"{len(self.coordinates)}, {low:.4g} to {high:.4g} nm"),
-            Row("highest", f"{1e21 * self.energy.max():.3g} zJ"),
+            Row("bins", f"{len(self.coordinates)}, {in_unit(low, 'nm')} to {printed(high, 'nm')}"),
+            Row("highest", printed(self.energy.max(), "zJ", 3)),
             Row("stiffness of its bottom", told),
         )
         return Card("Potential", "", rows)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from tweezer.calibration.driving import motion, strongest_line
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.values.errors import ResultError
+from tweezer.values.printed import printed, signal_unit
 from tweezer.values.units import QuantityLike, bare, to_si
 
 Array = NDArray[np.float64]
@@ -147,8 +148,8 @@ class LeftOut:
         if not parts:
             return ""
         size = float(np.std(signal - kept))
-        factor, of = (1e3, "mV") if unit == "V" else (1e9, "nm")
-        return f"left out: {', '.join(parts)}; together {factor * size:.2g} {of} rms"
+        together = printed(size, signal_unit(unit), 2)
+        return f"left out: {', '.join(parts)}; together {together} rms"
 
 
 def _band(name: str, key: str, value: str | Band) -> Band:

@@ -13,7 +13,7 @@ from tweezer.calibration.left_out import NOTHING, LeftOut
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import Detected
-from tweezer.values.rounding import rounded, with_uncertainty
+from tweezer.values.printed import pair, printed, with_error
 from tweezer.values.shown import Card, Row, Shown, Table
 
 
@@ -47,7 +47,7 @@ class Estimate:
         """The stiffness with its uncertainty and unit."""
         if self.undetermined:
             return "not determined"
-        return f"{with_uncertainty(1e6 * self.stiffness, 1e6 * self.uncertainty)} pN/um"
+        return with_error(self.stiffness, self.uncertainty, "pN/um")
 
     @property
     def doubt(self) -> str:
@@ -135,7 +135,7 @@ class AxisCalibration(Shown):
         """A row for each method, with what speaks against it: the numbers of notes, or in words."""
         rows = []
         for each in self.estimates:
-            k, error = rounded(1e6 * each.stiffness, 1e6 * each.uncertainty)
+            k, error = pair(each.stiffness, each.uncertainty, "pN/um")
             judgement = self.mark(each.findings)
             if each.undetermined:
                 k = error = "-"
@@ -219,14 +219,13 @@ class Calibration(Shown):
             told = f"{best.told}, by {best.method}"
             rows.append(Row(f"stiffness, {axis.axis}", told, best.doubt))
         if self.free is not None:
-            factor, unit = (1e12, "um^2/s") if self.unit == "m" else (1.0, "V^2/s")
-            errors = factor * self.free.diffusion, factor * self.free.uncertainty
+            unit = "um^2/s" if self.unit == "m" else "V^2/s"
             doubt = "; ".join(each.text for each in self.free.findings)
-            told = f"{with_uncertainty(*errors)} {unit}"
+            told = with_error(self.free.diffusion, self.free.uncertainty, unit)
             rows.append(Row("diffusion, as of a free bead", told, doubt))
         rows += [
             Row("temperature", f"{self.temperature:.5g} K"),
-            Row("drag", "fitted" if self.drag is None else f"{1e9 * self.drag:.4g} nN s/m"),
+            Row("drag", "fitted" if self.drag is None else printed(self.drag, "nN s/m")),
             Row("samples", f"{self.samples}, {1 / self.step:.5g} Hz"),
         ]
         tables = tuple(axis.table(in_words=True) for axis in self.axes if axis.axis not in free)

@@ -18,7 +18,7 @@ from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import inverse
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.errors import ResultError
-from tweezer.values.rounding import with_uncertainty
+from tweezer.values.printed import with_error
 from tweezer.values.shown import Card, Row, Shown, Table
 from tweezer.values.units import QuantitiesLike, QuantityLike
 
@@ -66,25 +66,21 @@ class Surface(Shown):
     def card(self) -> Card:
         """Place of the wall, shift, drag, heights."""
         doubt = "; ".join(each.text for each in self.findings)
-        drag = _with_error(self.drag, self.drag_uncertainty, 1e9, "nN s/m")
+        shift = with_error(self.shift, self.shift_uncertainty, "")
+        drag = with_error(self.drag, self.drag_uncertainty, "nN s/m")
         rows = [
             Row("focus, for the bead's centre in the wall",
-                _with_error(self.position, self.uncertainty, 1e6, "um"), doubt),
-            Row("the bead moves by", f"{_with_error(self.shift, self.shift_uncertainty)} of that"),
+                with_error(self.position, self.uncertainty, "um"), doubt),
+            Row("the bead moves by", f"{shift} of that"),
             Row("drag far from the wall", drag),
         ]  # fmt: skip
         if self.p_value is not None:
             rows.append(Row("p-value", f"{self.p_value:.2g}"))
         heights = tuple(
-            (f"{i}", _with_error(each.distance, each.uncertainty, 1e6, "um"))
+            (f"{i}", with_error(each.distance, each.uncertainty or None, "um"))
             for i, each in enumerate(self.heights, start=1)
         )
         return Card("Surface", "", tuple(rows), (Table(("recording", "height"), heights),))
-
-
-def _with_error(value: float, error: float | None, factor: float = 1.0, unit: str = "") -> str:
-    told = with_uncertainty(factor * value, factor * error) if error else f"{factor * value:.4g}"
-    return f"{told} {unit}".rstrip()
 
 
 def find_wall(

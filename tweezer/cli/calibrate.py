@@ -35,7 +35,7 @@ from tweezer.cli.console import (
 from tweezer.cli.free import print_free, print_tracks
 from tweezer.cli.tables import print_table, table_of
 from tweezer.values.errors import ResultError, SeveralBeadsError, TooFewError
-from tweezer.values.rounding import rounded, with_uncertainty
+from tweezer.values.printed import in_unit, pair, printed, with_error
 
 if TYPE_CHECKING:
     from tweezer.calibration import (
@@ -419,13 +419,11 @@ def _print_wall(wall: Height, axis: AxisCalibration) -> None:
     assert known is not None
     ratio = 1 / wall.mobility(axis.axis)
     error = wall.relative_uncertainty(axis.axis)
-    drag = f"{1e9 * known:.4g}"
-    if error:
-        drag = with_uncertainty(1e9 * known, 1e9 * known * error)
+    drag = with_error(known, known * error if error else None, "nN s/m")
     way = "across" if axis.fit.bead.across else "along"
     OUT.print(
-        f"{1e6 * wall.distance:.4g} um from the wall, {way} it: drag {drag} nN s/m, {ratio:.4g} "
-        "times that far away",
+        f"{printed(wall.distance, 'um')} from the wall, {way} it: drag {drag}, {ratio:.4g} times "
+        "that far away",
         highlight=False, soft_wrap=True,
     )  # fmt: skip
 
@@ -446,21 +444,20 @@ def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]
     """A table over recordings, and their means."""
     from tweezer.calibration.together import QUANTITIES
 
-    factors = {"stiffness": (1e6, "pN/um"), "drag": (1e9, "nN s/m"), "sensitivity": (1e6, "um/V")}
-    if any(each.unit != "V" for each in calibrations):
-        factors["sensitivity"] = (1.0, "")
+    metric = any(each.unit != "V" for each in calibrations)
+    units = {"stiffness": "pN/um", "drag": "nN s/m", "sensitivity": "" if metric else "um/V"}
     for each in every:
-        factor, unit = factors[each.quantity]
+        unit = units[each.quantity]
         table = table_of(f"{each.axis}: {each.quantity}", unit, "+-", "")
         for calibration in calibrations:
             for axis in calibration.axes:
                 found = QUANTITIES[each.quantity](axis) if axis.axis == each.axis else None
                 if found:
                     judgement = "" if calibration.name in each.recordings else "not trusted"
-                    numbers = rounded(*(factor * number for number in found))
+                    numbers = pair(*found, unit)
                     table.add_row(calibration.name, *numbers, judgement)
         if each.mean is not None and each.uncertainty is not None:
-            mean = rounded(factor * each.mean, factor * each.uncertainty)
+            mean = pair(each.mean, each.uncertainty, unit)
             table.add_row("together", *mean, f"p = {each.p_value:.2g}")
         OUT.print(table)
         for finding in each.findings:
@@ -471,14 +468,14 @@ def _print_surface(surface: Surface, calibrations: list[Calibration], places: li
     """A table of heights, and where the wall is."""
     table = table_of("height by the drag", "focus, um", "height, um", "+-", "")
     for each, place, height in zip(calibrations, places, surface.heights, strict=True):
-        numbers = rounded(1e6 * height.distance, 1e6 * height.uncertainty)
+        numbers = pair(height.distance, height.uncertainty, "um")
         judgement = "" if each.name in surface.recordings else "not trusted"
-        table.add_row(each.name, f"{1e6 * place:.4g}", *numbers, judgement)
+        table.add_row(each.name, in_unit(place, "um"), *numbers, judgement)
     OUT.print(table)
-    wall = with_uncertainty(1e6 * surface.position, 1e6 * surface.uncertainty)
-    line = f"the bead's centre would be in the wall with the focus at {wall} um"
+    wall = with_error(surface.position, surface.uncertainty, "um")
+    line = f"the bead's centre would be in the wall with the focus at {wall}"
     if surface.shift_uncertainty is not None:
-        shift = with_uncertainty(surface.shift, surface.shift_uncertainty)
+        shift = with_error(surface.shift, surface.shift_uncertainty, "")
         line += f"; it moves by {shift} of the focus"
     if surface.p_value is not None:
         line += f"; p = {surface.p_value:.2g}"

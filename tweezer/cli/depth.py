@@ -34,7 +34,6 @@ from tweezer.cli.console import (
 from tweezer.cli.tables import print_card
 from tweezer.values.errors import ResultError
 
-
 Frames = Annotated[
     str,
     typer.Argument(

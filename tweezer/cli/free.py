@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from tweezer.cli.console import OUT
 from tweezer.values.errors import ResultError
+from tweezer.values.printed import in_unit, printed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,6 +74,6 @@ def print_tracks(free: Diffusion, tracks: Sequence[Trajectory], few: ResultError
 
 
 def _spread(free: Diffusion) -> str:
-    values = sorted(1e12 * each.diffusion for each in free.tracks)
+    values = sorted(each.diffusion for each in free.tracks)
     unit = "um^2/s" if free.inferred is not None or free.expected is not None else "10^-12 V^2/s"
-    return f"{values[0]:.3g} to {values[-1]:.3g} {unit}"
+    return f"{in_unit(values[0], unit, 3)} to {printed(values[-1], unit, 3)}"

@@ -34,7 +34,8 @@ from tweezer.tracking.profile import JUMP, LEVEL, Profile, below
 from tweezer.tracking.residuals import p_value as p_value_of
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import IntegrationError, ResultError, SceneError
-from tweezer.values.rounding import most, with_uncertainty
+from tweezer.values.printed import in_unit, printed, with_error
+from tweezer.values.rounding import most
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import TABLE_RADII, QuantitiesLike, QuantityLike
 
@@ -119,9 +120,8 @@ class Parameter:
     @property
     def told(self) -> tuple[str, str]:
         """Value with its uncertainty and unit, and that it is not determined."""
-        scale, unit = (1e6, "um") if self.unit == "m" else (1.0, self.unit)
-        uncertainty = math.nan if self.uncertainty is None else self.uncertainty
-        value = f"{with_uncertainty(scale * self.value, scale * uncertainty)} {unit}".rstrip()
+        unit = "um" if self.unit == "m" else self.unit
+        value = with_error(self.value, self.uncertainty, unit)
         return value, "not determined" if self.uncertainty is None else ""
 
 
@@ -163,12 +163,12 @@ class DepthFit(Shown):
     def card(self) -> Card:
         """Start and interval, other minima, what else was fitted, what the residuals say."""
         doubt = "" if self.determined else "not determined"
-        pieces = ", ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in self.intervals)
+        pieces = ", ".join(map(_range, self.intervals))
         others = ", ".join(
-            f"{1e6 * each.z:.4g} um (+{each.misfit:.3g})" for each in self.minima[1:]
+            f"{printed(each.z, 'um')} (+{each.misfit:.3g})" for each in self.minima[1:]
         )
         rows = [
-            Row("start in z", f"{1e6 * self.z:.4g} um from the focus", doubt),
+            Row("start in z", f"{printed(self.z, 'um')} from the focus", doubt),
             Row("95 % confidence", f"{pieces} um"),
             Row("other minima (misfit above)", others or "none", detail=not others),
             *(Row(each.name, *each.told) for each in self.parameters),
@@ -567,8 +567,8 @@ def _doubts(
     if widest > radius:
         doubts.append(
             _Doubt(
-                f"z spreads to {1e6 * widest:.2g} um, over which the force is not linear as the "
-                "likelihood takes it",
+                f"z spreads to {printed(widest, 'um', 2)}, over which the force is not linear as "
+                "the likelihood takes it",
                 False,
             )
         )
@@ -583,6 +583,10 @@ def _doubts(
     return doubts
 
 
+def _range(ends: tuple[float, float]) -> str:
+    return " to ".join(in_unit(end, "um") for end in ends)
+
+
 def _statement(
     z: float,
     intervals: tuple[tuple[float, float], ...],
@@ -591,9 +595,9 @@ def _statement(
     parameters: tuple[Parameter, ...],
     doubts: Sequence[_Doubt],
 ) -> str:
-    pieces = " and ".join(f"{1e6 * low:.4g} to {1e6 * high:.4g}" for low, high in intervals)
+    pieces = " and ".join(map(_range, intervals))
     if determined:
-        told = f"the bead started at z = {1e6 * z:.4g} um; 95 % confidence: {pieces} um"
+        told = f"the bead started at z = {printed(z, 'um')}; 95 % confidence: {pieces} um"
     else:
         told = f"the track does not determine z: every start from {pieces} um fits it"
         if any(doubt.refuses for doubt in doubts):
@@ -603,7 +607,7 @@ def _statement(
         if len(intervals) > 1:
             told = f"the track leaves {len(intervals)} places for the start: {pieces} um"
         ends = [
-            f"{1e6 * end:.4g} um"
+            printed(end, "um")
             for end, reached in (
                 (search[0], intervals[0][0] <= search[0]),
                 (search[1], intervals[-1][1] >= search[1]),
