@@ -365,13 +365,13 @@ def test_a_fluid_without_mass_has_no_memory(monkeypatch):
     light = dataclasses.replace(BEAD, displaced_mass=0.0)
     monkeypatch.setattr("tweezer.dynamics.problem.bead_properties", lambda _: light)
     remembered = walk(scene.replace(medium={"inertia": "memory", "poles": 16}), 1)
-    assert remembered.hidden == 0
+    assert "memory" not in remembered.layout
     assert np.array_equal(followed(plain, 20), followed(remembered, 20))
 
 
 def test_added_mass_is_one_mode():
     one = bound(0.1 * TRAP, medium={"inertia": "added-mass", "poles": None})
-    assert one.hidden == 0
+    assert "memory" not in one.layout
     assert one.plan.tau == pytest.approx(SPHERE.total_mass / BEAD.drag, rel=1e-14)
 
 
@@ -384,7 +384,7 @@ def test_what_is_open_is_decided_and_told():
         simulation = {"model": model, "method": method, "scaling_factor": 0.1, "step": 1e-7}
         one = walk(scene.replace(simulation=simulation))
         assert one.scene.medium.inertia == "none"
-        assert one.hidden == 0
+        assert "memory" not in one.layout
         assert "no inertia of the fluid" in one.why
 
 

@@ -13,13 +13,16 @@ from tweezer.generated import full_sphere, full_translation, scaled_sphere_euler
 
 PACKAGE = Path(tweezer.__file__).parent
 #: Rooms whose modules hold states
-ROOMS = ("tracking", "trap")
+ROOMS = ("dynamics", "ensembles", "runs", "tracking", "trap")
 #: Columns at which a block of some emitted state or sample begins or ends, but for 0
 EDGES = {3, 4, 6, 7, 9, 10, 13, 14}
 #: Slices of other arrays that have such an edge
 OTHERS = {
     "value[0, :4]",  # mobilities of a drag
     "functions[:3]",  # returned by a function
+    "functions[3:]",
+    "block[3:]",  # two variances
+    "samples[:, 0]",  # the first sample of every trajectory
     "work.chi[:3]",
     "work.chi[3:6]",  # room for two vectors
 }

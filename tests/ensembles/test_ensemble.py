@@ -1093,7 +1093,7 @@ def test_the_error_of_the_variance_keeps_its_digits_far_from_the_focus():
         gathered.add_piece(0, x + offset)
         gathered.add_window(0, x + offset)
         gathered.close(np.full(64, np.inf))
-        dataset = gathered.dataset({"position": ("axis", "m")})
+        dataset = gathered.dataset()
         states[offset] = dataset
         np.testing.assert_allclose(
             dataset["stationary_mean"], offset, atol=5 * float(dataset["stationary_mean_error"][0])

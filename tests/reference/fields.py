@@ -9,6 +9,7 @@ import numpy as np
 
 from tweezer.compiled import cached_njit
 from tweezer.dynamics.brownian import propagator
+from tweezer.dynamics.layout import Layout
 from tweezer.forces.data import number, packed, vector
 from tweezer.forces.equilibria import Search
 from tweezer.forces.force import Force
@@ -111,9 +112,10 @@ def walk_in(walk, field, kappa=0.0):
         if "vx" not in walk.columns:
             shaken[3:] = 0.0
         weights = propagator.exact(walk.step, tau, rates, shaken)
-        if walk.hidden:
+        if "memory" in walk.layout:
             modes = walk.problem.modes
             weights = propagator.with_memory(walk.step, modes.times, modes.weights, weights, shaken)
             hidden = 3 * weights.memory.shape[2]
-            walk = dataclasses.replace(walk, hidden=hidden)
+            layout = Layout({**walk.layout.blocks, "memory": hidden})
+            walk = dataclasses.replace(walk, layout=layout)
     return dataclasses.replace(walk, problem=in_place(walk.problem, field), weights=weights)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion, bind
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import enough_poles, left_out_of_walls
@@ -127,7 +128,7 @@ def _model(problem: Problem) -> tuple[str, str]:
     simulation, inertia = scene.simulation, scene.medium.inertia
     small = tau * float(rates_of_force(problem).max())
     start = np.array([scene.start_position])
-    slow = problem.net_force(start)[0] * problem.mobility[:3]
+    slow = problem.net_force(start)[0] * problem.mobility[TRANSLATION]
     off = scene.bead.radius * small
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     if inertia in ("added-mass", "memory"):
@@ -172,7 +173,7 @@ def rates_of_force(problem: Problem) -> Array:
     def sizes(time: float) -> Array:
         places = problem.places_about(time)
         gradient = force.field(places, gradient=True, time=time).force_gradient
-        mobility = problem.mobilities(places)[:, :3].max(axis=1)
+        mobility = problem.mobilities(places)[:, TRANSLATION].max(axis=1)
         found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
         return found
 

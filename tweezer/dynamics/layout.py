@@ -59,6 +59,8 @@ QUANTITIES = {
         ("wx", "wy", "wz"), "body_axis", "rad/s", "angular velocity, body frame"
     ),
 }
+#: Number of Euler parameters
+EULER = len(QUANTITIES["orientation"].columns)
 #: Blocks by the names of the variables in an emitted state, without their numbers
 _EMITTED = {
     "q": "position",
@@ -118,6 +120,11 @@ class Layout:
     def size(self) -> int:
         """Number of numbers of a copy."""
         return self.bodies * self.width
+
+    @property
+    def shown(self) -> Layout:
+        """Layout of the quantities that samples contain; a state of thermal motion begins so."""
+        return Layout({name: self.blocks[name] for name in QUANTITIES if name in self}, self.bodies)
 
     @property
     def columns(self) -> tuple[str, ...]:

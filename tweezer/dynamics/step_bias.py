@@ -108,13 +108,13 @@ def energy_loss(walk: Any, linear: Linear) -> float:
             edge=walk.edge._replace(margin=0.0),
         )
         states = calm.start(beads)
-        at = calm.columns.index("vx")
+        at = calm.layout.at("velocity")
         spread, speed = np.sqrt(diffusion / linear.kappa[TRANSLATION]), np.sqrt(diffusion / tau)
         states[:, POSITION] = plan.centre[TRANSLATION] + x * spread
-        states[:, at : at + 3] = v * speed
-        out = np.empty((number, steps, len(calm.columns)))
+        states[:, at] = v * speed
+        out = np.empty((number, steps, calm.shown.width))
         calm.advance(states, beads, 0, out)
-        speeds = (out[:, -window.size :, at : at + 3] ** 2).sum(axis=2)
+        speeds = (out[:, -window.size :, at] ** 2).sum(axis=2)
         left.append(float(np.nansum(speeds * window)))
     time = (steps - window.size / 2) * walk.step
     rate = max(-math.log(left[0] / left[1]) / time * 8 / 7, 0.0)

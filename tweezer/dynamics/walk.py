@@ -27,6 +27,7 @@ from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
 from tweezer.dynamics.camera import Exposure, Frames, at_short_times, longest_step
 from tweezer.dynamics.choose import poles_without_memory, rates_of_force, without_memory
 from tweezer.dynamics.continuing import Continued, End
+from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.models import Motion
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.dynamics.step_bias import energy_loss, one_call_bias
@@ -81,6 +82,8 @@ _ON_A_LINE = 65
 _ROUNDING = 1e-9
 #: Upper bound on the steps of a sample interval
 _MOST_PER_SAMPLE = 10**6
+#: Normal numbers of a start that are not of the memory; those of the memory follow
+_DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
 #: Steps of all beads between two looks of a camera
 _STEPS_AT_ONCE = 2**17
 
@@ -100,22 +103,29 @@ class Walk:
     """steps from one sample to the next"""
     times: Array
     """(samples,) s"""
-    columns: tuple[str, ...]
-    """of a sample: "x", "y", "z"; for models with inertia "vx", "vy", "vz"; for scenes with a
-    rotation "e0".."e3", and with inertia "wx", "wy", "wz", about the inertial axes. A state begins
-    with them"""
+    layout: Layout
+    """of a state: the quantities of a sample, the angular velocity about the inertial axes; what a
+    camera gathers; the hidden variables of the fluid's memory; when a bead was lost, s"""
     plan: Plan
     weights: Weights
     edge: Boundary
     """where a bead is lost"""
-    hidden: int = 0
-    """count of the numbers of a state that no sample shows: before the last"""
     exposure: Exposure | None = None
-    """of the scene's camera; what it gathers stands behind the columns of a state"""
+    """of the scene's camera"""
     late_losses: float = 0.0
     """relative lateness of times of loss by the step, about, for each k_B T of the well's depth"""
     variance_bias: float | None = None
     """relative error of the variance of the position by the step, about; None where it is small"""
+
+    @functools.cached_property
+    def shown(self) -> Layout:
+        """Layout of a sample."""
+        return self.layout.shown
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of a sample, as the end of a run names them."""
+        return self.shown.columns
 
     @property
     def scheme(self) -> Scheme:
@@ -156,15 +166,14 @@ class Walk:
         return self.problem.equilibrium
 
     def start(self, trajectories: Integers) -> Array:
-        """States at times[0] of the trajectories of numbers (n,): (n, len(columns) + hidden + 1).
+        """States at times[0] of the trajectories of numbers (n,): (n, layout.width).
 
-        With a camera six numbers more. The last entry is when a bead was lost, s: infinite for one
-        that is not.
+        The time of loss is infinite for a bead that is not lost.
         """
         start, plan, n = self.scene.start, self.plan, len(trajectories)
-        inertial, rotates = "vx" in self.columns, "e0" in self.columns
-        numbers = np.empty((9 + self.hidden, n))
-        if start.drawn in ("ball", "boltzmann") or self.hidden:
+        remembers = "memory" in self.layout
+        numbers = np.empty((_DRAWN.width + self.layout.blocks.get("memory", 0), n))
+        if start.drawn in ("ball", "boltzmann") or remembers:
             noise.normals(self.seed, trajectories, 0, noise.START, numbers)
         drawn = numbers.T
         thermal = start.drawn == "boltzmann"
@@ -172,40 +181,41 @@ class Walk:
         x = np.tile(self.scene.start_position, (n, 1))
         if start.drawn == "ball":
             # the direction of five numbers, its first three: uniform in the unit ball
-            direction = drawn[:, :3] / np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
+            size = np.linalg.norm(drawn[:, :5], axis=1, keepdims=True)
+            direction = drawn[:, _DRAWN.at("position")] / size
             x += start.ball_radius * direction
         elif start.drawn != "no":
-            x = np.tile(plan.centre[:3], (n, 1))
+            x = np.tile(plan.centre[TRANSLATION], (n, 1))
         speed = np.sqrt(plan.diffusion / plan.tau)
-        v = drawn[:, 3:6] * speed[:3] if thermal else np.tile(start.velocity, (n, 1))
-        hidden = np.empty((n, 0))
-        if self.hidden:
+        v = np.tile(start.velocity, (n, 1))
+        if thermal:
+            v = drawn[:, _DRAWN.at("velocity")] * speed[TRANSLATION]
+        parts: dict[str, Array] = {}
+        if remembers:
             place, z = self._memory(drawn, v, thermal=thermal)
             x += place
             v = _summed(self.weights.memory[:, None, memory.SEEN], z)[:, 0].T
-            hidden = z.reshape(-1, n).T
+            parts["memory"] = z.reshape(-1, n).T
         elif thermal and self.equilibrium is not None and self._beside_wall:
             x += self._held(drawn)
         elif thermal and self.equilibrium is not None:
-            tau = plan.tau[:3] if inertial else np.zeros(3)
+            tau = plan.tau[TRANSLATION] if "velocity" in self.layout else np.zeros(3)
             rates = _rates(self.equilibrium, plan.mobility)
-            root = propagator.stationary_root(tau, rates, plan.diffusion[:3])
+            root = propagator.stationary_root(tau, rates, plan.diffusion[TRANSLATION])
             apart = drawn[:, : len(root)] @ root.T
-            x += apart[:, :3]
-            v = apart[:, 3:]
-        parts = [x]
-        if inertial:
-            parts.append(v)
-        if rotates:
+            x += apart[:, _DRAWN.at("position")]
+            v = apart[:, _DRAWN.at("velocity")]
+        parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
+        parts["lost_time"] = np.full((n, 1), np.inf)
+        if "orientation" in self.layout:
             e = np.array(start.orientation)
             e /= np.linalg.norm(e)
-            parts.append(np.tile(e, (n, 1)))
-            if inertial:
-                w = rotation_matrices(e[None])[0] @ start.angular_velocity
-                parts.append(drawn[:, 6:9] * speed[3:] if thermal else np.tile(w, (n, 1)))
-        if self.exposure:
-            parts.append(np.zeros((n, HELD)))
-        return np.ascontiguousarray(np.hstack([*parts, hidden, np.full((n, 1), np.inf)]))
+            w = rotation_matrices(e[None])[0] @ start.angular_velocity
+            parts |= {"orientation": np.tile(e, (n, 1)), "angular_velocity": np.tile(w, (n, 1))}
+            if thermal and "angular_velocity" in self.layout:
+                turning = drawn[:, _DRAWN.at("angular_velocity")]
+                parts["angular_velocity"] = turning * speed[ROTATION]
+        return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
 
     @property
     def _beside_wall(self) -> bool:
@@ -221,7 +231,7 @@ class Walk:
         assert isinstance(drag, BesideWall)
         mobility = self.problem.mobilities(np.array([equilibrium.position]))[0]
         rates = _rates(equilibrium, mobility)
-        root = propagator.stationary_root(np.zeros(3), rates, self.plan.kT * mobility[:3])
+        root = propagator.stationary_root(np.zeros(3), rates, self.plan.kT * mobility[TRANSLATION])
         covariance = root @ root.T
         spread = math.sqrt(covariance[2, 2])
         ends = np.array([-math.inf, math.inf])
@@ -244,7 +254,8 @@ class Walk:
         drawn: the numbers (n, 9 + hidden). v: the velocity (n, 3), unless it is thermal.
         """
         of_step, n = self.weights.memory, len(drawn)
-        normal = drawn[:, 9:].T.reshape(3, -1, n)
+        place, hidden = drawn[:, _DRAWN.at("position")], drawn[:, _DRAWN.width :]
+        normal = hidden.T.reshape(3, -1, n)
         z = _summed(of_step[:, memory.ROOT :], normal)
         if not thermal:
             # given the velocity: in a fluid at rest on average, of a bead struck to it
@@ -257,10 +268,11 @@ class Walk:
         rates = _rates(self.equilibrium, self.plan.mobility)
         if self.weights.kappa.any() and not _diagonal(rates):
             root = propagator.stationary_root_with_memory(self.weights, rates)
-            both = _summed(root[None], np.hstack([drawn[:, :3], drawn[:, 9:]]).T[None])[0]
-            return both[:3].T, both[3:].reshape(normal.shape)
-        root = propagator.stationary_root(np.zeros(3), rates, self.plan.diffusion[:3])
-        return _summed(root[None], drawn[:, :3].T[None])[0].T, z
+            both = _summed(root[None], np.hstack([place, hidden]).T[None])[0]
+            apart, z = np.split(both, [POSITION.stop])
+            return apart.T, z.reshape(normal.shape)
+        root = propagator.stationary_root(np.zeros(3), rates, self.plan.diffusion[TRANSLATION])
+        return _summed(root[None], place.T[None])[0].T, z
 
     @property
     def _hidden_as(self) -> Array:
@@ -268,7 +280,7 @@ class Walk:
 
         The variables are combinations of velocities that depend on the step and the trap stiffness.
         """
-        rows = [memory.DECAY, memory.SEEN] if self.hidden else []
+        rows = [memory.DECAY, memory.SEEN] if "memory" in self.layout else []
         return self.weights.memory[:, rows].ravel()
 
     def end(self, time: float, sample: Array, state: Array) -> End:
@@ -276,7 +288,7 @@ class Walk:
 
         The end does not include an unfinished frame of a camera.
         """
-        inner = np.concatenate([state[: len(self.columns)], state[-1 - self.hidden : -1]])
+        inner = state[self._kept]
         about = {"steps": self.per_sample, "memory": self._hidden_as.tolist()}
         return End.of(time, ",".join(self.columns), (sample, inner), **about)
 
@@ -294,13 +306,22 @@ class Walk:
                 "light, forces and simulation.step; or let medium.inertia = 'added-mass' in both "
                 "runs"
             )
-        n = len(self.columns)
-        state[:n] = begun.begin.inner[:n]
-        state[-1 - self.hidden : -1] = begun.begin.inner[n:]
+        state[self._kept] = begun.begin.inner
+
+    @property
+    def _kept(self) -> Integers:
+        """Columns of a state that the end of a run keeps: a sample, and the fluid's memory."""
+        columns = np.arange(self.layout.width)
+        names = [*self.shown.blocks, *(["memory"] if "memory" in self.layout else [])]
+        return np.concatenate([columns[self.layout.at(name)] for name in names])
 
     def seen(self, states: Array) -> Array:
         """The samples (n, len(columns)) that states show."""
-        return states[:, : len(self.columns)]
+        return states[:, : self.shown.width]
+
+    def lost(self, states: Array) -> Array:
+        """When the beads of states were lost, (n,) s: infinite for those that are not."""
+        return states[:, self.layout.first("lost_time")]
 
     def advance(self, states: Array, trajectories: Integers, sample: int, out: Array) -> None:
         """Take `states`, at times[sample], on to times[sample + out.shape[1]], in place.
@@ -324,7 +345,7 @@ class Walk:
             As in `advance`.
         """
         total, first = out.shape[1] * self.per_sample, sample * self.per_sample
-        steps = np.empty((len(states), total + 1, len(self.columns)))
+        steps = np.empty((len(states), total + 1, self.shown.width))
         steps[:, 0] = self.seen(states)
         self._advance(states, trajectories, first, steps[:, 1:], self.plan._replace(per_sample=1))
         out[:] = steps[:, self.per_sample :: self.per_sample]
@@ -342,19 +363,18 @@ class Walk:
         if self.exposure is None:
             self.advance(states, trajectories, sample, out)
             return np.empty((len(states), 0, 0))
-        n, width = len(states), len(self.columns)
-        held = slice(width, width + HELD)
+        n, held = len(states), self.layout.at("exposure")
         plan = self.plan._replace(per_sample=1)
         seen, total = [], out.shape[1] * self.per_sample
         most = max(1, _STEPS_AT_ONCE // n)
         for done in range(0, total, most):
-            steps = np.empty((n, min(most, total - done) + 1, width))
+            steps = np.empty((n, min(most, total - done) + 1, self.shown.width))
             steps[:, 0] = self.seen(states)
-            steps[states[:, -1] < np.inf, 0] = np.nan
+            steps[self.lost(states) < np.inf, 0] = np.nan
             first = sample * self.per_sample + done
             self._advance(states, trajectories, first, steps[:, 1:], plan)
             gathered = states[:, held].copy()
-            places = np.ascontiguousarray(steps[..., :3])
+            places = np.ascontiguousarray(steps[..., POSITION])
             seen.append(self.exposure.expose(self.seed, trajectories, first, places, gathered))
             states[:, held] = gathered
             samples = np.arange(
@@ -369,7 +389,7 @@ class Walk:
     ) -> None:
         force, steps, weights = self._compiled
         before, edge = states.copy(), self.edge._replace(find=crossing.finder_if_compiled())
-        rest = trajectories, states, sample, out
+        rest = self.layout, trajectories, states, sample, out
         failed = march.advance(force, steps, plan, weights, edge, *rest)
         if failed == march.NEAR:
             states[:] = before
@@ -391,20 +411,19 @@ class Walk:
 
     def motion(self, samples: Array) -> Motion:
         """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
-        at = {name: i for i, name in enumerate(self.columns)}
-        orientation = samples[:, at["e0"] : at["e0"] + 4] if "e0" in at else None
-        turning = None
-        if orientation is not None and "wx" in at:
-            w = samples[:, at["wx"] : at["wx"] + 3]
-            turning = np.einsum("nji,nj->ni", rotation_matrices(orientation), w)
-        velocity = samples[:, at["vx"] : at["vx"] + 3] if "vx" in at else None
-        return Motion(samples[:, :3], velocity, orientation, turning)
+        parts = {name: samples[:, self.shown.at(name)] for name in self.shown.blocks}
+        if "angular_velocity" in parts:
+            turned = rotation_matrices(parts["orientation"])
+            w = parts["angular_velocity"]
+            parts["angular_velocity"] = np.einsum("nji,nj->ni", turned, w)
+        velocity, orientation = parts.get("velocity"), parts.get("orientation")
+        return Motion(parts["position"], velocity, orientation, parts.get("angular_velocity"))
 
     @functools.cached_property
     def _compiled(self) -> tuple[Part, march.Steps, Weights]:
         """Constant arguments of the compiled loop."""
         scheme = self.scheme
-        steps = march.steps(scheme, self.columns, self.hidden)
+        steps = march.steps(scheme, self.layout)
         force = bound(self.problem.force, gradient=scheme.gradient)
         return force, steps, self.weights
 
@@ -496,8 +515,8 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
                 )
     kappa, centre = np.zeros(dims), np.zeros(dims)
     if equilibrium is not None:
-        kappa[:3] = np.diag(rates)
-        centre[:3] = equilibrium.position
+        kappa[TRANSLATION] = np.diag(rates)
+        centre[TRANSLATION] = equilibrium.position
     diffusion = Boltzmann * scene.medium.temperature * mobility
     beside = towards(problem) if beside_wall else None
     if beside is not None:
@@ -507,7 +526,7 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     kT = Boltzmann * scene.medium.temperature
     bias = 0.0
     if not (how.displacements or how.spring_only or beside_wall):
-        bias = one_call_bias(problem, mobility[:3], kT)
+        bias = one_call_bias(problem, mobility[TRANSLATION], kT)
     of_velocity = None
     if inertial:
         remembers = scene.medium.inertia == "memory"
@@ -530,7 +549,7 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     if not inertial:
         tau = np.full(dims, problem.relaxation_time)
     load = np.zeros(dims)
-    load[:3] = bead.weight
+    load[TRANSLATION] = bead.weight
     lens = -math.inf
     if scene.lens.focal_length is not None:
         lens = scene.bead.radius - scene.lens.focal_length
@@ -542,7 +561,7 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
         seed, step, per_sample, tau, mobility, load, diffusion, centre, kT,
         uniform or beside_wall, resisting,
     )  # fmt: skip
-    softest = float(mobility[:3].max())
+    softest = float(mobility[TRANSLATION].max())
     margin = crossing.way(step, kT, softest, of_velocity, _drift(problem))
     edge = Boundary(
         simulation.loss_distance, lens,
@@ -552,30 +571,27 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     )  # fmt: skip
     exposure = None
     if (frames := Frames.of(scene)) is not None:
-        short = diffusion[:3]
+        short = diffusion[TRANSLATION]
         if of_velocity is not None:
             short = at_short_times(step, short, of_velocity)
-        spring = centre[:3] if how.spring_only else None
+        spring = centre[TRANSLATION] if how.spring_only else None
         exposure = Exposure(
-            frames, problem, step, short, mobility[:3], np.diag(rates).copy(), spring
+            frames, problem, step, short, mobility[TRANSLATION], np.diag(rates).copy(), spring
         )
     late = 0.0
     if not how.displacements:
         late = _LATE * step * float(np.linalg.eigvals(rates).real.max())
     forget_faults(problem.force)  # where equilibria were sought
-    columns = ["x", "y", "z"]
-    if inertial:
-        columns += ["vx", "vy", "vz"]
-    if problem.rotates:
-        columns += ["e0", "e1", "e2", "e3"]
-    if problem.rotates and inertial:
-        columns += ["wx", "wy", "wz"]
+    layout = Layout.of_samples(inertial=inertial, rotates=problem.rotates).followed_by(
+        exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2], lost_time=1
+    )
     found = Walk(
-        problem, seed, "; ".join(reasons), step, per_sample, times, tuple(columns), plan, weights,
-        edge, 3 * weights.memory.shape[2], exposure, late,
-        bias * step if bias * step > _TOLD else None,
+        problem, seed, "; ".join(reasons), step, per_sample, times, layout, plan, weights, edge,
+        exposure, late, bias * step if bias * step > _TOLD else None,
     )  # fmt: skip
-    swings = math.sqrt(float(tau[0] * kappa[:3].max())) if inertial and not beside_wall else 0.0
+    swings = 0.0
+    if inertial and not beside_wall:
+        swings = math.sqrt(float(tau[0] * kappa[TRANSLATION].max()))
     if swings > _MANY_SWINGS and simulation.method == "heun" and problem.force.steady:
         found = dataclasses.replace(found, variance_bias=-energy_loss(found, linear))
     return found
@@ -652,7 +668,7 @@ def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
     missing = ""
     if not _scheme(problem).memory or not MODELS[str(simulation.model)].inertia:
         missing = f"the model {simulation.model} by {simulation.method} cannot follow it"
-    elif not (problem.drag.uniform and np.ptp(problem.mobility[:3]) == 0):
+    elif not (problem.drag.uniform and np.ptp(problem.mobility[TRANSLATION]) == 0):
         missing = "the drag depends on the position or the direction"
     elif (
         METHODS[simulation.method].spring_only
@@ -689,7 +705,7 @@ def _rates(equilibrium: Equilibrium, mobility: Array) -> Array:
     """Mobility times stiffness, (3, 3) 1/s; entries that are rounding are zero."""
     stiffness = np.array(equilibrium.stiffness)
     stiffness[np.abs(stiffness) < _ROUNDING * np.abs(stiffness).max()] = 0.0
-    return mobility[:3, None] * stiffness
+    return mobility[TRANSLATION, None] * stiffness
 
 
 def _scheme(problem: Problem) -> Scheme:
@@ -720,11 +736,12 @@ def _longest_step(
             limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
         if of_velocity is not None:
             limits.append((longest_step(camera, of_velocity, _BIAS), "for inertia in the frames"))
-    way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * float(diffusion[:3].max()))
+    fastest = float(diffusion[TRANSLATION].max())
+    way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * fastest)
     limits.append((way, f"diffusion over {_PART_OF_LOSS:g} of simulation.loss_distance"))
     if METHODS[simulation.method].spring_only and _reaches_loss(problem, kappa, diffusion):
         some = f"{_PART:g} of the time of the trap, for the times of loss"
-        limits.append((_PART / float(kappa[:3].max()), some))
+        limits.append((_PART / float(kappa[TRANSLATION].max()), some))
     if simulation.step is not None:
         return min(*limits, (simulation.step, "simulation.step"))
     # not the largest: next to its surface at the focus a bead's force has an infinite derivative
@@ -770,7 +787,7 @@ def _reaches_loss(problem: Problem, kappa: Array, diffusion: Array) -> bool:
     """Return whether a bead in the spring of the trap comes to where it is lost."""
     scene, trap = problem.scene, problem.equilibrium
     assert trap is not None  # a method that follows the spring alone refuses a scene without one
-    spread = math.sqrt(float((diffusion[:3] / kappa[:3]).max()))
+    spread = math.sqrt(float((diffusion[TRANSLATION] / kappa[TRANSLATION]).max()))
     places = np.array([trap.position, scene.start_position])
     left = scene.simulation.loss_distance - np.linalg.norm(places, axis=1).max()
     return bool(left < _FARTHEST * spread)

@@ -166,7 +166,7 @@ def ensemble(
         )
     bound = walk(problem, seed)
     bound.warn_of_bias()
-    needed = 8 * len(bound.columns) * trajectories * len(bound.times)
+    needed = 8 * bound.shown.width * trajectories * len(bound.times)
     if out is None and not statistics and needed > _MEMORY:
         raise SceneError(
             f"out: missing; {trajectories} trajectories take {needed / 1e9:.3g} GB, too much to "

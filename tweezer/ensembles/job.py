@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.dynamics.layout import QUANTITIES, TRANSLATION
+from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.walk import Walk
 from tweezer.ensembles.statistics import WINDOW, Plan
 from tweezer.forces.named import origins_of
@@ -72,7 +72,7 @@ class Job:
         than 64 trajectories only if a window of it is still some seconds' work.
         """
         samples = len(bound.times)
-        width = len(bound.columns) if skipped is None else 3
+        width = bound.shown.width if skipped is None else bound.shown.blocks["position"]
         if skipped is None:
             window = max(1, min(samples, _WINDOW_NUMBERS // (_BATCH * width)))
             cuts = [*range(0, samples, window), samples]
@@ -132,7 +132,8 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
 
     Without displacements for the method "one-call": see `tweezer.dynamics.brownian.one_call`.
     """
-    quantities = {name: at for name, at in columns_of(bound).items() if name != "orientation"}
+    shown = bound.shown
+    quantities = {name: shown.at(name) for name in shown.blocks if name != "orientation"}
     simulation = bound.scene.simulation
     return Plan(
         bound.times,
@@ -142,16 +143,6 @@ def plan_of(bound: Walk, skipped: int) -> Plan:
         tuple(bound.plan.centre[TRANSLATION]) if bound.equilibrium else bound.scene.start_position,
         METHODS[simulation.method].displacements,
     )
-
-
-def columns_of(bound: Walk) -> dict[str, slice]:
-    """Columns of a sample by quantity."""
-    found = {}
-    for name, each in QUANTITIES.items():
-        if each.columns[0] in bound.columns:
-            first = bound.columns.index(each.columns[0])
-            found[name] = slice(first, first + len(each.columns))
-    return found
 
 
 def found_of(bound: Walk) -> Attributes:

@@ -28,7 +28,6 @@ from tweezer.ensembles.job import (
     Attributes,
     Job,
     attributes_of,
-    columns_of,
     identity_of,
     plan_of,
 )
@@ -277,7 +276,7 @@ class Trajectories:
 
         If it is not, it continues from its checkpoint, provided all chunks before that are there.
         """
-        job, names = self.job, columns_of(self.bound)
+        job, names = self.job, self.bound.shown.blocks
         windows = range(len(job.cuts) - 1)
         begun = kept(job, index, identity_of(job, self.bound))
         self.sums |= sums_of(begun)
@@ -326,7 +325,7 @@ class Trajectories:
     def _variables(self) -> Iterator[tuple[str, tuple[str, ...], tuple[int, ...], Attributes]]:
         """Name, dimensions, shape and attributes of each array."""
         n, samples = self.job.trajectories, self.job.cuts[-1]
-        for name in columns_of(self.bound):
+        for name in self.bound.shown.blocks:
             each = QUANTITIES[name]
             yield (
                 name, ("trajectory", "time", each.dimension), (n, samples, len(each.columns)),
@@ -349,7 +348,7 @@ class Trajectories:
         found: dict[str, tuple[str, NDArray[Any], Attributes]] = {
             "time": ("time", self.bound.times, about)
         }
-        for name in columns_of(self.bound):
+        for name in self.bound.shown.blocks:
             each = QUANTITIES[name]
             found[each.dimension] = each.dimension, *each.coordinate
         if (exposure := self.bound.exposure) is not None:

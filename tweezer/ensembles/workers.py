@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.layout import POSITION, Layout
 from tweezer.dynamics.walk import Walk, walk
-from tweezer.ensembles.job import SEEN, Job, columns_of, found_of, identity_of, plan_of
+from tweezer.ensembles.job import SEEN, Job, found_of, identity_of, plan_of
 from tweezer.ensembles.scheduler import PATIENCE, client_of
 from tweezer.ensembles.statistics import Statistics
 from tweezer.ensembles.store import (
@@ -144,15 +145,15 @@ def _block(
     members = job.members(index)
     trajectories = np.arange(members.start, members.stop)
     identity = identity_of(job, bound)
-    width, statistics = len(bound.columns), None
+    layout, statistics = bound.shown, None
     if job.skipped is not None:
-        width = 3
+        layout = Layout({"position": layout.blocks["position"]})
         statistics = Statistics(plan_of(bound, job.skipped))
     elif arrays is None:
         arrays = stored(job)
     window, states = 0, bound.start(trajectories)
     sums: dict[str, str] = {}  # of the chunks that are written, by their names
-    before = np.empty((len(trajectories), 0, width))  # samples of the current window
+    before = np.empty((len(trajectories), 0, layout.width))  # samples of the current window
     if job.out is not None and (begun := kept(job, index, identity)):
         window, states, before = int(begun["window"]), begun["states"], begun["held"]
         sums = sums_of(begun)
@@ -193,7 +194,7 @@ def _block(
     windows = len(job.cuts) - 1
     for i in range(window, windows):
         first, end = job.cuts[i], job.cuts[i + 1]
-        samples = np.empty((len(trajectories), end - first, width))
+        samples = np.empty((len(trajectories), end - first, layout.width))
         samples[:, : before.shape[1]] = before
         last = first + before.shape[1]
         before = before[:, :0]
@@ -204,7 +205,7 @@ def _block(
             if seen.size:
                 frames.append(seen)
             reached = at + piece.shape[1]
-            samples[:, at - first : reached - first] = piece[..., :width]
+            samples[:, at - first : reached - first] = piece[..., : layout.width]
             if statistics:
                 statistics.add_piece(at, piece)
             parts[index] = job.share(index) * reached / job.cuts[-1]
@@ -216,15 +217,15 @@ def _block(
         if statistics:
             statistics.add_window(first, samples)
             if i == windows - 1:
-                statistics.close(states[:, -1])
+                statistics.close(bound.lost(states))
         with telling(job.out):
             if arrays is not None:
-                for name, columns in columns_of(bound).items():
-                    arrays[name][members, first:end] = samples[..., columns]
+                for name in layout.blocks:
+                    arrays[name][members, first:end] = samples[..., layout.at(name)]
                     note(name, index, i, 0)
                 write_frames()
                 if i == windows - 1:
-                    arrays["lost_time"][members] = states[:, -1]
+                    arrays["lost_time"][members] = bound.lost(states)
                     note("lost_time", index)
             keep_for_later(i + 1, before)
     return statistics.arrays() if statistics else {}
@@ -243,7 +244,7 @@ def _advance(
 
     And the frames of a camera that end meanwhile, (trajectories, frames, axes), if they are asked.
     """
-    n, width = len(trajectories), len(bound.columns)
+    n, width = len(trajectories), bound.shown.width
     if first == 0:
         yield 0, _in_the_body(bound, bound.seen(states)[:, None].copy()), np.empty((n, 0, 0))
     most = max(1, min(_PIECE_SAMPLES, _PIECE_STEPS // bound.per_sample) // n)
@@ -259,8 +260,8 @@ def _advance(
 
 def _in_the_body(bound: Walk, samples: Array) -> Array:
     """`samples` (..., columns) of a walk, with the angular velocity about the body's axes."""
-    held = ~np.isnan(samples[..., 0])
-    if "wx" in bound.columns and held.any():
-        columns = columns_of(bound)["angular_velocity"]
+    held = ~np.isnan(samples[..., POSITION.start])
+    if "angular_velocity" in bound.shown and held.any():
+        columns = bound.shown.at("angular_velocity")
         samples[held, columns] = bound.motion(samples[held]).angular_velocity
     return samples

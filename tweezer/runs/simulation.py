@@ -329,7 +329,7 @@ def _thermal_run(
         scene, samples = bound.scene, len(bound.times) - first
         trajectory = np.zeros(1, np.int64)
         state = bound.start(trajectory)
-        columns = np.empty((1, samples, len(bound.columns)))
+        columns = np.empty((1, samples, bound.shown.width))
         columns[:, 0] = bound.seen(state)
         if begun:
             bound.go_on(begun, state[0])
@@ -343,7 +343,7 @@ def _thermal_run(
         calls = bound.per_sample * bound.force_calls
         affordable = scene.simulation.most_force_calls // max(calls, 1)
         try:
-            while reached < samples and np.isinf(state[0, -1]) and not watch.status:
+            while reached < samples and np.isinf(bound.lost(state)[0]) and not watch.status:
                 if reached > affordable:
                     raise IntegrationError("simulation.most_force_calls is spent")
                 last = min(reached + at_once, samples, affordable + 1)
@@ -366,7 +366,7 @@ def _thermal_run(
             status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
         except IntegrationError as error:
             status, message = "failed", f"failed after {times[reached - 1]:.6g} s: {error}"
-        if np.isfinite(lost := state[0, -1]):
+        if np.isfinite(lost := bound.lost(state)[0]):
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             if bound.loss_caveat:
                 message += f"; {bound.loss_caveat}"

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +30,7 @@ from tweezer.dynamics.brownian.crossing import BOUNDARY, Boundary
 from tweezer.dynamics.brownian.noise import NOISE, normals
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.brownian.rotation import TURNS
+from tweezer.dynamics.layout import ROTATION, TRANSLATION, Layout
 from tweezer.forces.data import Part
 
 Array = NDArray[np.float64]
@@ -66,31 +66,32 @@ class Steps(NamedTuple):
     """address of what turns beads after a step, 0 without rotation"""
 
 
-def steps(scheme: Scheme, columns: tuple[str, ...], hidden: int = 0) -> Steps:
-    """The steps of a scheme, for states of these columns (`tweezer.dynamics.walk.Walk`).
-
-    hidden: count of the numbers of a state that are hidden.
-    """
-    velocity, orientation, angular_velocity = (
-        columns.index(name) if name in columns else -1 for name in ("vx", "e0", "wx")
-    )
-    dims = 6 if "e0" in columns else 3
-    diffuses = "vx" not in columns and not scheme.beside_wall and dims == 6
+def steps(scheme: Scheme, layout: Layout) -> Steps:
+    """The steps of a scheme, for states of this layout."""
+    inertial = "velocity" in layout
+    dims = _dimensions(layout)
+    diffuses = not inertial and not scheme.beside_wall and dims == 6
     draws = 3 if diffuses else dims
-    if "vx" in columns and scheme.noise_of_position:
+    if inertial and scheme.noise_of_position:
         draws *= 2
     draws += scheme.beside_wall
     turn = 0
     if dims == 6:
         turn = address(rotation.turn_and_diffuse if diffuses else rotation.turn_by_steps, TURNS)
     return Steps(
-        address(scheme.step, STEP), draws, hidden // 3, velocity, orientation, angular_velocity,
+        address(scheme.step, STEP), draws, layout.blocks.get("memory", 0) // 3,
+        layout.first("velocity"), layout.first("orientation"), layout.first("angular_velocity"),
         int(scheme.gradient), int(scheme.samples_ahead), int(scheme.force_first), turn,
     )  # fmt: skip
 
 
+def _dimensions(layout: Layout) -> int:
+    """Degrees of freedom of a body."""
+    return 6 if "orientation" in layout else 3
+
+
 def advance(
-    force: Part, steps: Steps, plan: Plan, weights: Weights, edge: Boundary,
+    force: Part, steps: Steps, plan: Plan, weights: Weights, edge: Boundary, layout: Layout,
     trajectories: NDArray[np.int64], states: Array, sample: int, out: Array,
 ) -> int:  # fmt: skip
     """Advance the states of beads to the last sample, in place.
@@ -107,10 +108,12 @@ def advance(
         Weights of the exposure of a camera.
     edge : Boundary
         Boundary at which a bead is lost.
+    layout : Layout
+        Layout of the states.
     trajectories : ndarray, shape (n,)
         Numbers of the trajectories, which select the random numbers.
     states : ndarray, shape (n, ...)
-        States as in `tweezer.dynamics.walk.Walk`.
+        States, a row for each bead.
     sample : int
         First sample to compute.
     out : ndarray, shape (n, samples, ...)
@@ -123,7 +126,7 @@ def advance(
         and `edge` has no function for this case; `states` and `out` are changed then.
     """
     follow = loop()
-    inertial, dims = steps.velocity >= 0, 6 if steps.orientation >= 0 else 3
+    inertial, dims, lost = "velocity" in layout, _dimensions(layout), layout.first("lost_time")
     gradient, uniform = bool(steps.gradient), plan.uniform
     for begin in range(0, len(states), _BATCH):
         part = slice(begin, begin + _BATCH)
@@ -132,14 +135,14 @@ def advance(
         beads = batch.beads(n, dims, inertial, gradient, uniform, steps.memory, steps.draws)
         who = np.zeros(beads.x.shape[1], np.int64)
         who[:n] = trajectories[part]
-        held = list(_held(steps, beads, n))
+        held = _held(layout, beads, n)
         for columns, room in held:
             room[:] = here[:, columns].T
         if steps.force_first:
             now = sample * plan.per_sample * plan.step
             batch.slow_velocities(force, plan, beads, now, beads.x, beads.u)
         failed = follow(
-            force, steps, plan, weights, edge, who, beads, here[:, -1], sample, out[part]
+            force, steps, plan, weights, edge, who, beads, here[:, lost], sample, out[part]
         )
         if failed != _ALL:
             return failed if failed == NEAR else begin + failed
@@ -148,17 +151,16 @@ def advance(
     return _ALL
 
 
-def _held(steps: Steps, beads: Beads, n: int) -> Iterator[tuple[slice, Array]]:
+def _held(layout: Layout, beads: Beads, n: int) -> list[tuple[slice, Array]]:
     """Columns of the states of n beads, and where beads have them."""
-    yield slice(3), beads.x[:3, :n]
-    if steps.velocity >= 0:
-        yield slice(steps.velocity, steps.velocity + 3), beads.v[:3, :n]
-    if steps.orientation >= 0:
-        yield slice(steps.orientation, steps.orientation + 4), beads.e.T
-    if steps.angular_velocity >= 0:
-        yield slice(steps.angular_velocity, steps.angular_velocity + 3), beads.v[3:6, :n]
-    if steps.memory:
-        yield slice(-1 - 3 * steps.memory, -1), beads.v[len(beads.x) :, :n]
+    rooms = {
+        "position": beads.x[TRANSLATION, :n],
+        "velocity": beads.v[TRANSLATION, :n],
+        "orientation": beads.e.T,
+        "angular_velocity": beads.v[ROTATION, :n],
+        "memory": beads.v[len(beads.x) :, :n],
+    }
+    return [(layout.at(name), room) for name, room in rooms.items() if name in layout]
 
 
 @functools.cache

@@ -61,7 +61,7 @@ from tweezer.dynamics.integrators.system import (
     step_to_try,
 )
 from tweezer.dynamics.integrators.turning import TURN, parts_of, turn_over, turned
-from tweezer.dynamics.layout import POSITION, QUANTITIES, ROTATION, TRANSLATION, Layout
+from tweezer.dynamics.layout import EULER, POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, bound, clear
@@ -113,8 +113,6 @@ _SLOW = 0.5
 #: First column of the velocities of the modes in a state of the loop: it is x, these, e of a
 #: rotation, and the relaxation times of a drag by place
 _MODES = POSITION.stop
-#: Number of Euler parameters
-_EULER = len(QUANTITIES["orientation"].columns)
 
 _ALL = 3 * NODES
 _MATRIX = NODES * NODES
@@ -744,7 +742,7 @@ def _advance(  # type: ignore[no-untyped-def]
         _to(how.modes, step, step, y, work.powers, work.chi, new)
         if turns:
             e, allowed = _MODES + how.modes.times.size, control.absolute[control.orientation]
-            before, after = y[e : e + _EULER], new[e : e + _EULER]
+            before, after = y[e : e + EULER], new[e : e + EULER]
             call(how.turn, (how.modes, step, y[_MODES:], work.powers, before, allowed, after))
         written += 1
         counts[0] += 1
@@ -808,7 +806,7 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
     step, parts = 0, 0
     turning = len(modes.times) == 6
     e = _MODES + modes.times.size
-    frozen = e + _EULER if turning else e  # where the relaxation times of a drag by place are
+    frozen = e + EULER if turning else e  # where the relaxation times of a drag by place are
     for at in range(times.size):
         while step + 1 < begin.size and times[at] >= begin[step + 1]:
             step += 1
@@ -818,8 +816,8 @@ def sample(times, begin, length, state, shape, modes, allowed, out):  # type: ig
         s = times[at] - begin[step]
         _to(modes, s, length[step], state[step], shape[step], chi, out[at])
         if turning:
-            v, begin_of_step = state[step, _MODES:], state[step, e : e + _EULER]
-            now = out[at, e : e + _EULER]
+            v, begin_of_step = state[step, _MODES:], state[step, e : e + EULER]
+            now = out[at, e : e + EULER]
             if parts == 0:
                 parts = parts_of(modes, length[step], v, shape[step], begin_of_step, allowed, end)
             turned(modes, s, parts, length[step], v, shape[step], begin_of_step, now)
@@ -923,7 +921,7 @@ def _emitted(y: Array, weights: Array, emitted: Layout) -> Array:
     rotates = "orientation" in emitted
     if weights.shape[1] == 1 and not rotates:
         return y[:, : emitted.width]  # as it is, or without the velocities of a model without them
-    inner = Layout({"position": _MODES, "modes": weights.size, "orientation": _EULER})
+    inner = Layout({"position": _MODES, "modes": weights.size, "orientation": EULER})
     rates = (y[:, inner.at("modes")].reshape(-1, *weights.shape) * weights).sum(axis=2)
     states = np.empty((len(y), emitted.width))
     parts = {"position": y[:, POSITION], "velocity": rates[:, TRANSLATION]}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import call, named_njit
 from tweezer.dynamics.continuing import Begin
-from tweezer.dynamics.layout import Layout
+from tweezer.dynamics.layout import EULER, Layout
 from tweezer.fluid import Mobility
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, Pose, Wrench, add, clear
@@ -126,7 +126,7 @@ def scratch(system):  # type: ignore[no-untyped-def]
 def act(system, at, time, y):  # type: ignore[no-untyped-def]
     """Fill `at` with force and mobility, at a time and at the pose in a state."""
     if system.orientation >= 0:
-        e = y[system.orientation : system.orientation + 4]
+        e = y[system.orientation : system.orientation + EULER]
         size = math.sqrt(e[0] ** 2 + e[1] ** 2 + e[2] ** 2 + e[3] ** 2)
         for i in range(4):  # arithmetic of whole arrays takes two seconds to compile
             at.pose.orientation[0, i] = e[i] / size
