@@ -52,10 +52,11 @@ _ROAMING = 0.3
 
 def along(record: Record) -> AxisCalibration:
     """Return the trap along one axis."""
-    step, known, answers = record.step, record.known, record.answers
+    known, answers = record.known, record.answers
+    step, unit = record.recording.step, record.recording.unit
     signal = known.left_out.without(record.signal, step)
-    left = known.left_out.words(record.signal, signal, step, record.unit)
-    resolution = resolution_of(record.recorded)
+    left = known.left_out.words(record.signal, signal, step, unit)
+    resolution = resolution_of(record.positions)
     fits = fits_of(record, signal)
     fit = fits.fit
     detector = tuple(fit.detected(name) for name in known.detector.fitted)
@@ -95,7 +96,7 @@ def along(record: Record) -> AxisCalibration:
         force, force and force * relative(1, 0, -1), answers,
         (
             *([Finding("left out", left)] if left else []),
-            *_undetermined(detector, record.unit), *_late(fits.fit, answers, response),
+            *_undetermined(detector, unit), *_late(fits.fit, answers, response),
             *_unfollowed(record.unfollowed), *_roaming(bead, known.wall),
         ),
         known.drags.get(record.axis),
@@ -104,13 +105,13 @@ def along(record: Record) -> AxisCalibration:
 
 def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
     """Return what speaks against the record: its digits, then its motion."""
-    detector = record.known.detector
-    findings = examine(positions, record.step, fits, detector.exposure_known, resolution)
-    if not record.checked:
+    detector, recording = record.known.detector, record.recording
+    findings = examine(positions, recording.step, fits, detector.exposure_known, resolution)
+    if recording.scene is not None:  # its digits are not those of a file
         return findings
     harmless = HARM * math.sqrt(relative_variance_of_variance(fits.fit.bead, fits.whole))
     shown = digits.of_axis(
-        record.recorded, record.bead.noise, record.unit, harmless, dated=record.dated
+        record.positions, record.bead.noise, recording.unit, harmless, dated=recording.dated
     )
     return digits.first([*record.unmeasured, *([shown] if shown else [])], findings)
 
@@ -122,8 +123,11 @@ def _numbers(
 
     `slow` is a drift that is not in the way of the spectral fits.
     """
-    step, left_out, fit = record.step, record.known.left_out, fits.fit
-    bead, made_by = fit.bead, list(record.made_by)
+    scene, step = record.recording.scene, record.recording.step
+    fit, bead, made_by = fits.fit, fits.fit.bead, []
+    if scene is not None and scene.simulation.method == "one-call":
+        text = "simulated by one-call: displacements from step to step are not the bead's"
+        made_by = [Finding("one-call", text)]
 
     def too_few(method: str) -> list[Finding]:
         text = f"{method}: fewer than {_FEW:g} relaxation times"
@@ -141,7 +145,7 @@ def _numbers(
     yield by("equipartition", equipartition(positions, fits), slow)
     if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
         lags = lags_of(len(positions), step, bead)
-        missing = left_out.missing(bead, len(positions), step)
+        missing = record.known.left_out.missing(bead, len(positions), step)
         found = displacement(positions, step, bead, lags, missing, record.drag_known)
         yield by("displacement", found, [*slow, *made_by, *too_few("displacement")])
         if record.drag_known:

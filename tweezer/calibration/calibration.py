@@ -16,7 +16,6 @@ from tweezer.calibration.answers import KnownDrag
 from tweezer.calibration.axis import along
 from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.driving import Drive
-from tweezer.calibration.findings import Finding
 from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
 from tweezer.calibration.results import AxisCalibration, Calibration, Estimate, SpectrumFit
@@ -202,21 +201,13 @@ def _records(recording: Recording, known: Known) -> list[Record]:
             f"{recording.name}: in volts: needs the drag, or the motion of the stage that drives "
             "the bead"
         )
-    scene = recording.scene
-    made_by: tuple[Finding, ...] = ()
-    if scene is not None and scene.simulation.method == "one-call":
-        text = "simulated by one-call: displacements from step to step are not the bead's"
-        made_by = (Finding("one-call", text),)
-    unmeasured = () if scene is not None else digits.of_samples(recording.positions)
+    unmeasured = digits.of_samples(recording.positions) if recording.scene is None else ()
     records = []
-    for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
-        signal, answers, unfollowed = drive.answers(positions) if drive else (positions, (), ())
+    for axis, signal in zip(recording.axes, recording.positions.T, strict=True):
+        still, answers, unfollowed = drive.answers(signal) if drive else (signal, (), ())
         records.append(
-            Record(
-                axis, signal, recording.step, recording.unit, known, answers, drive, unfollowed,
-                positions, scene is None, recording.dated, unmeasured, made_by,
-            )
-        )  # fmt: skip
+            Record(recording, axis, known, still, answers, drive, unfollowed, unmeasured)
+        )
     if drive and not any(each.answers for each in records):
         raise ResultError(f"{recording.name}: no axis moves as the drive does")
     return sorted(records, key=lambda each: not each.answers)

@@ -26,6 +26,7 @@ from tweezer.calibration.whittle import (
     fitted,
     usable,
 )
+from tweezer.reading.recording import Recording
 
 Array = NDArray[np.float64]
 
@@ -51,34 +52,28 @@ _BESIDE = 1.499
 class Record:
     """A record along one axis, and what is known of it."""
 
+    recording: Recording
     axis: str
+    known: Known
     signal: Array
     """(n,) m or V, without its answers to a drive"""
-    step: float
-    """s"""
-    unit: str
-    """"m" or "V\""""
-    known: Known
     beside: tuple[Evidence, ...]
     """what else is known of the bead: its answers to the drive, and a drag with an uncertainty"""
     drive: Drive | None
     unfollowed: tuple[float, ...]
     """frequencies, Hz, at which the column of the stage is the noise of its sensor"""
-    recorded: Array
-    """(n,) positions as recorded"""
-    checked: bool
-    """whether their digits are those of a file, and not of a run of tweezer"""
-    dated: bool
-    """whether their order is known"""
     unmeasured: tuple[Finding, ...]
     """findings against the samples of all axes"""
-    made_by: tuple[Finding, ...]
-    """findings against every number that uses the dynamics"""
+
+    @property
+    def positions(self) -> Array:
+        """(n,) positions as recorded."""
+        return self.recording.positions[:, self.recording.axes.index(self.axis)]
 
     @cached_property
     def bead(self) -> TrappedBead:
         """Temperature, masses and detector; the drag, or NaN."""
-        return self.known.bead(self.axis, self.step)
+        return self.known.bead(self.axis, self.recording.step)
 
     @property
     def answers(self) -> tuple[Answer, ...]:
@@ -99,11 +94,12 @@ class Record:
 
     def periodogram(self, signal: Array) -> Periodogram:
         """Return that of the signal; the lines of the drive and what is left out are not in it."""
-        bin_ = 1 / (len(signal) * self.step)
+        step = self.recording.step
+        bin_ = 1 / (len(signal) * step)
         lines = () if self.drive is None else self.drive.frequencies
         driven = [(each - _BESIDE * bin_, each + _BESIDE * bin_) for each in lines]
-        left = self.known.left_out.of_record(len(signal), self.step)
-        return Periodogram.of(signal, self.step, (*driven, *left))
+        left = self.known.left_out.of_record(len(signal), step)
+        return Periodogram.of(signal, step, (*driven, *left))
 
 
 def fits_of(record: Record, signal: Array) -> Fits:
@@ -112,7 +108,7 @@ def fits_of(record: Record, signal: Array) -> Fits:
     `signal` (n,) is that of the record without what is left out.
     """
     detector, left = record.known.detector.fitted, record.known.left_out
-    scaled = record.unit == "V" or bool(record.answers)
+    scaled = record.recording.unit == "V" or bool(record.answers)
     whole = record.periodogram(signal)
     low, high = left.fit_range
     ranged = whole[(whole.frequencies >= low) & (whole.frequencies <= high)]
