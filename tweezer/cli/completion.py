@@ -15,7 +15,7 @@ from pathlib import Path
 
 from tweezer.values.saved import RESULTS, SAVED_TRAP
 
-#: `tweezer.scene.scene.SHIPPED`, which takes half a second to load
+#: `tweezer.scene.SHIPPED`, which takes half a second to load
 _SHIPPED = Path(__file__).parents[1] / "scenes"
 
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 def drag(scene: Scene) -> Drag:
     """Drag of the bead of `scene`.
 
-    In a fluid with memory a wall is so far away (`tweezer.scene.scene.FREE`) that it is left out.
+    In a fluid with memory a wall is so far away (`tweezer.scene.FREE`) that it is left out.
     """
     free = stokes(scene.medium.viscosity, scene.bead.radius)
     if scene.wall is None or scene.medium.inertia == "memory":

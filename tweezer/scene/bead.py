@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tweezer.scene.scene import KNUDSEN_LIMIT, SceneLike, checked_scene
+from tweezer.scene.load import SceneLike, checked_scene
+from tweezer.scene.scene import KNUDSEN_LIMIT
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
 from tweezer.values.shown import Card, Row, Shown
 

@@ -1,0 +1,191 @@
+"""What a scene describes: its keys, and the quantities that follow from them."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from tweezer.scene.choices import Evaluator
+from tweezer.scene.courses import Section
+from tweezer.scene.sections import (
+    Bead,
+    Beam,
+    Camera,
+    Forces,
+    Lens,
+    Medium,
+    Optics,
+    Simulation,
+    Start,
+    Wall,
+)
+from tweezer.scene.theory import Choice, chosen_theory
+from tweezer.values.errors import SceneError
+from tweezer.values.units import to_si
+
+#: Distance of a wall from the bead's centre from which on memory leaves it out, in radii
+FREE = 20.0
+
+
+class Description(Section):
+    """The keys of a scene, and what follows from them. `Scene` is one that has been checked."""
+
+    name: str = Field(
+        "scene",
+        pattern=r"^\w[^/\\\x00-\x1f\x7f]{0,99}$",
+        description="name of the scene, and of its result files",
+    )
+    description: str = Field("", description="one line on what it shows")
+    changed: dict[str, str] = Field(
+        default_factory=dict,
+        description="written by `replace`, not by hand: what was changed since the description was "
+        "written, by key",
+    )
+    bead: Bead
+    medium: Medium
+    lens: Lens
+    beam: Beam
+    more_beams: Annotated[tuple[Beam, ...], Field(max_length=100)] = Field(
+        (), description="of a file with several [[beam]]: all but the first"
+    )
+    start: Start
+    wall: Wall | None = Field(None, description="a plane that ends the fluid; none if not given")
+    forces: Forces = Field(default_factory=Forces)
+    camera: Camera | None = Field(
+        None, description="a camera whose frames a run has beside the positions; none if not given"
+    )
+    optics: Optics = Field(default_factory=Optics)
+    simulation: Simulation
+
+    @property
+    def beams(self) -> tuple[Beam, ...]:
+        """All beams."""
+        return self.beam, *self.more_beams
+
+    @property
+    def plain(self) -> bool:
+        """Whether there is one beam only, along z through the origin, always the same."""
+        beam = self.beam
+        still = beam.motion is None and beam.modulation is None
+        return not self.more_beams and still and beam.direction == "up" and not any(beam.position)
+
+    @property
+    def light_moves(self) -> bool:
+        """Whether the focus of any beam moves."""
+        return any(beam.motion is not None for beam in self.beams)
+
+    @property
+    def last_change(self) -> float:
+        """Time after which no beam moves or changes any more, s; 0 if none does."""
+        courses = [each for beam in self.beams for each in (beam.motion, beam.modulation) if each]
+        return max((each.last_change for each in courses), default=0.0)
+
+    def allows(self, by: Evaluator) -> bool:
+        """Return whether the light has the symmetry that an evaluator needs in its theory."""
+        linear = any(beam.polarisation == "linear" for beam in self.beams)
+        return not (self.theory in by.symmetric and linear)
+
+    @property
+    def start_position(self) -> tuple[float, float, float]:
+        """Where the bead starts, m from the focus."""
+        x, y, z = self.start.position
+        if self.start.frame == "lens":
+            z -= self.lens.focal_length or 0.0
+        return x, y, z
+
+    @property
+    def vorticity_time(self) -> float:
+        """r^2 rho_m/mu_m, s: in it the vorticity that the bead sheds gets as far as its radius."""
+        return self.bead.radius**2 * self.medium.density / self.medium.viscosity
+
+    @property
+    def lag(self) -> float:
+        """2 sqrt(tau_f t/pi) at the end of the run, s.
+
+        Times its speed: the way that a bead in a fluid with inertia is behind one without, where
+        the force changes slowly; tau_f is `vorticity_time`.
+        """
+        return 2 * math.sqrt(self.vorticity_time * self.simulation.duration / math.pi)
+
+    def gap(self, z: Any) -> Any:
+        """Distance of the bead's surface from the wall, m, with its centre at z, m from the focus.
+
+        Raises `SceneError` for a scene without a wall.
+        """
+        if self.wall is None:
+            raise SceneError("wall: the scene has none")
+        return self.wall.normal * (z - self.wall.position) - self.bead.radius
+
+    def room(self, z: Any) -> Any:
+        """The gap to the wall, or to the opposite one, m, whichever is smaller; see `gap`."""
+        gap = self.gap(z)
+        if self.wall is None or self.wall.opposite is None:
+            return gap
+        middle = abs(self.wall.opposite - self.wall.position) / 2 - self.bead.radius
+        return middle - abs(gap - middle)
+
+    @property
+    def free_of_walls(self) -> float:
+        """Distance from the focus within which no wall is nearer than 20 radii, m."""
+        return float(self.room(0.0)) - (FREE - 1) * self.bead.radius if self.wall else math.inf
+
+    @property
+    def draws(self) -> bool:
+        """Whether random numbers are drawn, so that a seed has a meaning."""
+        return self.forces.brownian or (self.camera is not None and any(self.camera.noises))
+
+    @property
+    def rotates(self) -> bool:
+        """Whether anything turns the bead: if not, no rotation is computed."""
+        turned = self.turned_by_light or any(self.start.angular_velocity)
+        return turned or self.forces.brownian_torque
+
+    @property
+    def turned_by_light(self) -> bool:
+        """Whether the light exerts a torque: by the thesis's rays, or as waves by absorption."""
+        if self.theory == "waves":
+            return self.bead.absorbs
+        return self.lit and any(beam.torque == "thesis" for beam in self.beams)
+
+    @property
+    def theory(self) -> str:
+        """Theory that the light is computed with: "rays" or "waves"."""
+        return self._theory.theory
+
+    @property
+    def theory_reason(self) -> str:
+        """Why the light is computed with that theory, in one clause."""
+        return self._theory.reason
+
+    @property
+    def _theory(self) -> Choice:
+        if not self.lit:
+            return Choice("rays", "no light")
+        return chosen_theory(
+            self.optics,
+            self.bead,
+            self.medium,
+            self.lens,
+            self.beams,
+            self.simulation.loss_distance,
+        )
+
+    @property
+    def table_radii(self) -> float:
+        """How far the map reaches from the focus, in radii of the bead."""
+        reach = self.optics.table_range
+        return to_si(reach, "m") / self.bead.radius if isinstance(reach, str) else reach
+
+    @property
+    def table_reach(self) -> float:
+        """How far the map reaches from the focus, m."""
+        reach = self.optics.table_range
+        return to_si(reach, "m") if isinstance(reach, str) else reach * self.bead.radius
+
+    @property
+    def lit(self) -> bool:
+        """Whether there is any light."""
+        lit = any(beam.power or beam.power_through_pupil for beam in self.beams)
+        return self.forces.optical and lit

@@ -1,0 +1,177 @@
+"""What a scene fills in before it is checked: values by names, and the place of its wall."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from tweezer.scene.courses import refusal
+from tweezer.scene.materials import Material, materials
+from tweezer.scene.sections import FILLED, NAMED
+from tweezer.scene.water import LIQUID, Water, water
+from tweezer.values.units import TEMPERATURE, to_si
+
+
+def filled_in(data: dict[str, Any]) -> dict[str, Any]:
+    """Return the data of a scene with what its names, materials and cover give."""
+    data = _wall_of_the_cover(_several_beams(data))
+    _refuse_names_of_indices(data)
+    if isinstance(bead := data.get("bead"), dict):
+        data = {**data, "bead": _of_materials(data, bead)}
+    return _medium_by_name(data)
+
+
+def _of_water(data: Mapping[str, Any], medium: Mapping[str, Any], *, indexed: bool) -> Water:
+    """Water in a scene as it is given; indexed: at the wavelength of its beams."""
+    try:
+        temperature = to_si(medium.get("temperature"), "K", *TEMPERATURE)
+        wavelengths = _wavelengths(data)
+    except (ValueError, AttributeError):
+        return Water(1000.0, 1e-3, 1.33)  # what is wrong is found where the keys are read
+    try:
+        return water(temperature, *wavelengths[:1] if indexed else ())
+    except ValueError as error:
+        cold_or_hot = not LIQUID[0] <= temperature <= LIQUID[1]
+        key = "medium.temperature" if cold_or_hot else "beam.wavelength"
+        given = medium["temperature"] if cold_or_hot else wavelengths[0]
+        way_out = "" if cold_or_hot else "; give medium.refractive_index"
+        raise refusal(f"{key} = {given!r}: {error}{way_out}") from None
+
+
+def _wavelengths(data: Mapping[str, Any]) -> list[float]:
+    """Vacuum wavelengths of the beams of a scene as it is given, m.
+
+    Raises `ValueError` or `AttributeError` where it is not valid.
+    """
+    return [
+        to_si(beam.get("wavelength") if isinstance(beam, Mapping) else beam.wavelength, "m")
+        for beam in (data.get("beam"), *(data.get("more_beams") or ()))
+    ]
+
+
+def _refuse_names_of_indices(data: Mapping[str, Any]) -> None:
+    """Refuse all names that stand for an index if the beams have several wavelengths."""
+    try:
+        wavelengths = _wavelengths(data)
+    except (ValueError, AttributeError):
+        return  # what is wrong is found where the beams are read
+    if max(wavelengths) == min(wavelengths):
+        return
+    bead, medium = data.get("bead"), data.get("medium")
+    layers = bead.get("layers") if isinstance(bead, dict) else None
+    named = [("bead", bead, "material"), ("medium", medium, "name")]
+    if isinstance(layers, list | tuple):
+        named[:1] = [(f"bead.layers.{i}", each, "material") for i, each in enumerate(layers)]
+    given = [
+        (f"{section}.{key} = {part[key]!r}", f"{section}.refractive_index")
+        for section, part, key in named
+        if isinstance(part, dict) and part.get("refractive_index") is None
+        if str(part.get(key)) in (*materials(), "water")
+    ]
+    if given:
+        names, indices = (" and ".join(each) for each in zip(*given, strict=True))
+        raise refusal(
+            f"{names}: {'have' if len(given) > 1 else 'has'} another index for each of the beams' "
+            f"wavelengths; give {indices}"
+        )
+
+
+def _of_materials(data: Mapping[str, Any], bead: Mapping[str, Any]) -> dict[str, Any]:
+    """A bead of a scene as it is given, with what its materials give."""
+    layers = bead.get("layers")
+    if layers is None:
+        density = getattr(materials().get(str(bead.get("material"))), "density", None)
+        return _with_material(data, bead, "bead", density)
+    if not isinstance(layers, list | tuple) or not all(isinstance(each, dict) for each in layers):
+        return dict(bead)
+    density = _mean_density(layers) if bead.get("density") is None else None
+    filled = {"density": density, FILLED: ["density"]} if density else {}
+    within = [_with_material(data, each, f"bead.layers.{i}", None) for i, each in enumerate(layers)]
+    return {**bead, **filled, "layers": within}
+
+
+def _with_material(
+    data: Mapping[str, Any], part: Mapping[str, Any], name: str, density: float | None
+) -> dict[str, Any]:
+    """A bead or a layer, with the index of its material and a density where it has none."""
+    filled: dict[str, Any] = {}
+    if part.get("density") is None and density is not None:
+        filled["density"] = density
+    material = materials().get(str(part.get("material")))
+    if material is not None and part.get("refractive_index") is None:
+        index = _index_of(material, data, name)
+        filled["refractive_index"] = (index.real, index.imag) if index.imag else index.real
+    return {**part, **filled, FILLED: list(filled)} if filled else dict(part)
+
+
+def _index_of(material: Material, data: Mapping[str, Any], name: str) -> complex:
+    """Index of a material at the wavelength of the beams of a scene as it is given."""
+    try:
+        wavelengths = _wavelengths(data)
+    except (ValueError, AttributeError):
+        return 1.5 + 0j  # what is wrong is found where the beams are read
+    try:
+        return material.refractive_index(wavelengths[0])
+    except ValueError as error:
+        raise refusal(
+            f"beam.wavelength = {wavelengths[0]:g}: {error}; give {name}.refractive_index"
+        ) from None
+
+
+def _mean_density(layers: Sequence[Mapping[str, Any]]) -> float | None:
+    """Density of a bead of layers that all have a material, kg/m^3; None for others."""
+    made_of = [materials().get(str(each.get("material"))) for each in layers]
+    if not all(made_of):
+        return None
+    try:
+        radii = [
+            to_si(each["radius"], "m") if "radius" in each else to_si(each["diameter"], "m") / 2
+            for each in layers
+        ]
+    except (KeyError, ValueError):
+        return 1000.0  # what is wrong is found where the layers are read
+    cubes = [0.0, *(radius**3 for radius in radii)]
+    shells = [b - a for a, b in itertools.pairwise(cubes)]
+    mass = sum(of.density * shell for of, shell in zip(made_of, shells, strict=True) if of)
+    return mass / cubes[-1] if min(shells) > 0 else 1000.0
+
+
+def _medium_by_name(data: dict[str, Any]) -> dict[str, Any]:
+    """Fill in what the medium's name gives and the scene does not."""
+    medium = data.get("medium")
+    if not isinstance(medium, dict) or medium.get("name") != "water":
+        return data
+    missing = [key for key in NAMED["medium"][1] if medium.get(key) is None]
+    if not missing:
+        return data
+    found = _of_water(data, medium, indexed="refractive_index" in missing)
+    filled = {key: getattr(found, key) for key in missing}
+    return {**data, "medium": {**medium, **filled, FILLED: missing}}
+
+
+def _wall_of_the_cover(data: dict[str, Any]) -> dict[str, Any]:
+    """Put the wall where the face of the cover is, if the scene does not say where it is."""
+    if not isinstance(wall := data.get("wall"), dict):
+        return data
+    lens = data.get("lens")
+    cover = lens.get("cover") if isinstance(lens, dict) else getattr(lens, "cover", None)
+    if wall.get("position") is not None or cover is None:
+        return data
+    try:
+        depth = cover.get("depth") if isinstance(cover, dict) else cover.depth
+        position = -to_si(depth, "m")
+    except (ValueError, AttributeError):
+        return data  # what is wrong is found where the cover is read
+    return {**data, "wall": {**wall, "position": position, FILLED: ["position"]}}
+
+
+def _several_beams(data: dict[str, Any]) -> dict[str, Any]:
+    """Move all beams but the first of a list to `more_beams`."""
+    if isinstance(beams := data.get("beam"), list | tuple):
+        if not beams:
+            raise refusal("beam: at least one is needed")
+        if "more_beams" in data:
+            raise refusal("more_beams: not beside beam = [...], which gives all of them")
+        data = {**data, "beam": beams[0], "more_beams": list(beams[1:])}
+    return data

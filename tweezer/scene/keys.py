@@ -1,0 +1,102 @@
+"""Keys of a scene: sections by name, familiar words, and changes to a section."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any, get_args
+
+from tweezer.scene.courses import Section
+from tweezer.scene.sections import ALTERNATIVES, BELONGING, NAMED, WITHIN_LAYERS
+
+#: the key that a scene has in place of one that says the same
+HALVES = {(section, other): key for section, pairs in ALTERNATIVES.items() for key, other in pairs}
+#: One of several beams, counted from 1
+NUMBERED = re.compile(r"beam\[([1-9][0-9]*)\]")
+#: what people call keys of a scene, by section
+FAMILIAR = {
+    "bead": {
+        "size": "diameter", "d": "diameter", "a": "radius", "r": "radius", "n": "refractive_index",
+        "index": "refractive_index", "rho": "density",
+    },
+    "medium": {
+        "n": "refractive_index", "index": "refractive_index", "T": "temperature",
+        "eta": "viscosity", "mu": "viscosity", "rho": "density",
+    },
+    "lens": {"NA": "numerical_aperture", "f": "focal_length"},
+    "beam": {"lambda": "wavelength", "w0": "waist", "P": "power"},
+    "simulation": {"dt": "step", "time": "duration", "steps": "samples"},
+    "forces": {"thermal": "brownian", "noise": "brownian", "weight": "gravity"},
+}  # fmt: skip
+
+
+def familiar(section: str, name: str) -> str:
+    """Return the key of a section that a word such as NA stands for, or the word itself."""
+    words = {word.lower(): key for word, key in FAMILIAR.get(kind_of(section), {}).items()}
+    return words.get(name.lower(), name)
+
+
+def nearest_key(section: str, name: str, keys: Iterable[str]) -> list[str]:
+    """Return the key of a section that an unknown one probably means, if any, in a list."""
+    if (key := familiar(section, name)) != name:
+        return [key]
+    halves = [key for pair in ALTERNATIVES.get(section, ()) for key in pair]
+    return difflib.get_close_matches(name, [*keys, *halves], n=1)
+
+
+def section_of(annotation: Any) -> Any:
+    """The section within annotations such as `Motion | None` or `tuple[Beam, ...]`."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return annotation
+    return next(filter(None, map(section_of, get_args(annotation))), None)
+
+
+def kind_of(section: str) -> str:
+    """What a section is: beam[2] is a beam."""
+    return "beam" if NUMBERED.fullmatch(section) else section
+
+
+def by_key(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """The values of a scene as a mapping, by `section.key`; of several beams by `beam[1].key`."""
+    sections = dict(scene.items())
+    if more := sections.pop("more_beams", ()):
+        beams = sections.pop("beam"), *more
+        sections |= {f"beam[{i}]": beam for i, beam in enumerate(beams, start=1)}
+    return {
+        f"{section}.{key}": value
+        for section, values in sections.items()
+        if isinstance(values, dict) and section != "changed"
+        for key, value in values.items()
+    }
+
+
+def changed_section(before: Any, section: str, changes: Any) -> Any:
+    """A section of a scene as a mapping, with changes; of another form, the changes."""
+    if not isinstance(changes, Mapping) or not isinstance(before, dict):
+        return changes
+    kept = {key: value for key, value in before.items() if not _displaced(key, section, changes)}
+    return kept | {key: _within(kept.get(key), value) for key, value in changes.items()}
+
+
+def _within(before: Any, change: Any) -> Any:
+    """A section within a section, changed; one of another kind takes its place."""
+    if isinstance(change, Mapping) and isinstance(before, dict) and "kind" not in change:
+        return {**before, **change}
+    return change
+
+
+def _displaced(key: str, section: str, changes: Mapping[str, Any]) -> bool:
+    """Whether `changes` to a section leave no room for a `key` that was there."""
+    for pair in ALTERNATIVES.get(section, ()):
+        if key in pair and set(pair) & set(changes):
+            return True
+    naming, given = NAMED.get(section, ("", ()))
+    if key in given and changes.get(naming):
+        return True
+    if section == "bead" and "layers" in changes:
+        return key in WITHIN_LAYERS
+    if section == "bead" and key == "layers":
+        return "refractive_index" in changes or "material" in changes
+    chooser, choices = BELONGING.get(section, {}).get(key, ("", ()))
+    return chooser in changes and changes[chooser] not in choices

@@ -1,0 +1,47 @@
+"""Scenes from a name, a file or a mapping."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tweezer.scene.courses import with_tables
+from tweezer.scene.files import read_scene
+from tweezer.scene.messages import in_short
+from tweezer.scene.scene import Scene, validated
+from tweezer.values.errors import SceneError
+
+SceneLike = Scene | str | Path | Mapping[str, Any]
+"""a scene, the name of a shipped one, a TOML file, or a mapping of the same form"""
+
+
+def checked_scene(scene: SceneLike) -> Scene:
+    """Return the scene that an argument is or names (see `load_scene`).
+
+    Raises `SceneError` if it is no scene and names none.
+    """
+    if isinstance(scene, Scene):
+        return scene
+    if isinstance(scene, str | Path | Mapping):
+        return load_scene(scene)
+    raise SceneError(
+        f"scene = {in_short(scene)}: must be a Scene, the name of a shipped one, a TOML file or a "
+        "mapping"
+    )
+
+
+def load_scene(source: str | Path | Mapping[str, Any]) -> Scene:
+    """Return the scene of a shipped name, a TOML file, or a mapping of the same form.
+
+    Raises `SceneError` with one line per bad value: the key, the value, and what is allowed.
+    Warns (`PhysicsWarning`) where the continuum drag (2.13) does not hold, and (`UnitWarning`) of
+    numbers without a unit that are unusual in the SI unit.
+    """
+    if isinstance(source, Mapping):
+        try:
+            data = with_tables(source, Path())
+        except ValueError as error:
+            raise SceneError(str(error)) from None
+        return validated(data, source)
+    return validated(*read_scene(str(source)))

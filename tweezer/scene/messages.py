@@ -1,0 +1,172 @@
+"""Messages on bad values of a scene, a line each, and on numbers without a unit."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from tweezer.scene.courses import Section
+from tweezer.scene.keys import HALVES, NUMBERED, kind_of, nearest_key, section_of
+from tweezer.scene.sections import ALTERNATIVES, NAMED
+from tweezer.values.units import as_given, quantity_of
+
+#: Words and numbers that mean true or false, as a scene file does not have them
+_SWITCHES = {
+    **dict.fromkeys(("true", "yes", "on", "1"), "true"),
+    **dict.fromkeys(("false", "no", "off", "0"), "false"),
+}
+
+
+def lines_of(error: ValidationError, scene: type[Section], several: bool) -> Iterator[str]:
+    """Yield one line per bad value, in the order of the scene.
+
+    scene: class of scenes. several: whether the scene has several beams.
+    """
+    errors = error.errors(include_url=False)
+    wrong = {details["loc"] for details in errors}
+    for details in errors:
+        where = details["loc"]
+        name, filled = NAMED.get(str(where[0]), ("", ())) if where else ("", ())
+        if details["type"] == "missing" and (where[0], name) in wrong and where[-1] in filled:
+            continue  # the right name would give it
+        if several and where[:1] == ("beam",):
+            where = ("beam[1]", *where[1:])
+        elif where[:1] == ("more_beams",) and len(where) > 1:  # as the file has them: [[beam]]
+            where = (f"beam[{int(where[1]) + 2}]", *where[2:])
+        key = ".".join(str(part) for part in where)
+        named = _clipped(key)
+        if details["type"] == "scene":
+            yield f"{key}.{details['msg']}" if key else details["msg"]
+        elif details["type"] == "missing":
+            yield f"{named}: missing"
+        elif details["type"] == "extra_forbidden":
+            known = _known_keys(details, scene)
+            yield f"{named} = {in_short(details['input'])}: unknown key; {known}"
+        else:
+            yield f"{named} = {in_short(details['input'])}: {_allowed(details, key)}"
+
+
+def _allowed(details: ErrorDetails, key: str) -> str:
+    kind, context = details["type"], details.get("ctx", {})
+    match kind:
+        case "literal_error":
+            return f"allowed: {context['expected']}"
+        case "greater_than_equal":
+            return f"must be at least {context['ge']:g}"
+        case "less_than_equal":
+            return f"must be at most {context['le']:g}"
+        case "bool_type":
+            meant = _SWITCHES.get(str(details["input"]).lower())
+            return f"must be true or false{f'; did you mean {meant}?' if meant else ''}"
+        case "int_type" | "int_from_float":
+            return "must be a whole number"
+        case "tuple_type":
+            return "must be a list"
+        case "model_type" | "dict_type":
+            name = "[beam]" if NUMBERED.fullmatch(key) else details["loc"][-1]
+            return f"must be a section [{name}]"
+        case "string_type":
+            return "must be text"
+        case "string_pattern_mismatch":
+            return "must begin with a letter or digit, and have no /, \\ and at most 100 characters"
+        case _:
+            return details["msg"]
+
+
+def _known_keys(details: ErrorDetails, scene: type[Section]) -> str:
+    section: Any = scene
+    for part in details["loc"][:-1]:
+        if not isinstance(part, int):  # the number of a beam
+            section = section_of(section.model_fields[str(part)].annotation)
+    keys = [key for key in section.model_fields if key != "changed"]
+    names = [str(part) for part in details["loc"][:-1] if not isinstance(part, int)]
+    for pair in ALTERNATIVES.get(".".join(names).replace("more_beams", "beam"), ()):
+        keys += [key for key in pair if key not in keys]
+    if "times" in keys:
+        keys.append("file")
+    near = nearest_key(".".join(names).replace("more_beams", "beam"), str(details["loc"][-1]), keys)
+    return f"did you mean {near[0]}?" if near else f"allowed: {', '.join(keys)}"
+
+
+def doubts_of(given: Mapping[str, Any], section: type[Section], within: str = "") -> Iterator[str]:
+    """Yield a line for each key whose number has no unit and is unusual in the SI unit.
+
+    given: keys of a section, or sections of the scene. section: class of that section, or of
+    scenes. within: name of the section, with a dot.
+    """
+    fields = section.model_fields
+    for key, value in given.items():
+        kind = HALVES.get((kind_of(within.removesuffix(".")), key), kind_of(key))
+        if kind not in fields:  # the file of a table
+            continue
+        annotation, metadata = fields[kind].annotation, fields[kind].metadata
+        if inner := section_of(annotation):
+            for name, part in _each(key, value):
+                if isinstance(part, Mapping):
+                    yield from doubts_of(part, inner, f"{within}{name}.")
+        elif quantity := quantity_of(*metadata, annotation):
+            doubts = ((number, quantity.doubt(number)) for number in _numbers(value))
+            unusual = (f"{within}{key} = {number} {doubt}" for number, doubt in doubts if doubt)
+            yield from itertools.islice(unusual, 1)
+
+
+def _each(section: str, value: Any) -> list[tuple[str, Any]]:
+    """The section, or those of a list, by name."""
+    if isinstance(value, list | tuple):
+        name, first = ("beam", 2) if section == "more_beams" else (section, 1)
+        return [(f"{name}[{i}]", each) for i, each in enumerate(value, start=first)]
+    return [(section, value)]
+
+
+def _numbers(value: Any) -> Iterator[Any]:
+    """What a value holds: itself, or what is in the list."""
+    if isinstance(value, list | tuple):
+        for each in value:
+            yield from _numbers(each)
+    else:
+        yield value
+
+
+def either(names: Sequence[str]) -> str:
+    """Return names as a choice, such as "a, b or c"."""
+    return " or ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def as_toml(value: Any) -> str:
+    """Return a value as a scene file has it, cut at 60 characters."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return _clipped(f"{{{', '.join(f'{key} = {as_toml(of)}' for key, of in value.items())}}}")
+    if isinstance(value, list | tuple):
+        return _clipped(f"[{', '.join(map(as_toml, value))}]")
+    return f"{value:g}" if isinstance(value, float) else _clipped(as_given(value))
+
+
+def in_short(value: Any) -> str:
+    """Return `repr` of a value, cut at 60 characters."""
+    try:
+        return _clipped(repr(value))
+    except RecursionError:
+        return f"a {type(value).__name__} too deep to show"
+
+
+def _clipped(text: str) -> str:
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def counted(beams: Sequence[Any]) -> str:
+    """Return the number of beams in words."""
+    return "one beam" if len(beams) == 1 else f"{len(beams)} beams"
+
+
+def numbered(beams: Sequence[Any]) -> str:
+    """Return the number of beams and their names."""
+    names = "beam" if len(beams) == 1 else f"beam[1] to beam[{len(beams)}]"
+    return f"{counted(beams)}, {names}"

@@ -1,0 +1,256 @@
+"""What the sections of a scene must fulfil together."""
+
+from __future__ import annotations
+
+import math
+
+from tweezer.scene.choices import EVALUATORS, METHODS, MODELS, methods
+from tweezer.scene.courses import refusal
+from tweezer.scene.description import FREE, Description
+from tweezer.scene.messages import either
+from tweezer.scene.sections import Beam
+from tweezer.scene.theory import NO_MAP, named_beams
+from tweezer.values.rounding import least
+from tweezer.values.units import TABLE_RADII
+
+#: Thickness of the thinnest cell of two walls, in radii
+THINNEST = 20.0
+#: Part of a depth within which two places are one
+_SAME_PLACE = 1e-9
+#: Largest number of frames of a run
+_MOST_FRAMES = 10_000_000
+
+
+def check(scene: Description) -> None:
+    """Refuse a scene whose sections do not go together."""
+    _aperture_in_reach(scene)
+    by = EVALUATORS.get(scene.optics.evaluator)
+    for beam in scene.beams:
+        if scene.lit and scene.optics.evaluator == "grid":
+            _wider_than_a_square(scene, beam)
+    if by and not scene.allows(by):
+        raise refusal(NO_MAP)
+    if scene.lit and scene.theory == "rays":
+        _map_of_rays(scene)
+    if scene.lens.cover is not None:
+        _foci_at_the_depth(scene)
+    _thermal(scene)
+    _beside_the_wall(scene)
+    _inertia_of_the_fluid(scene)
+    _some_frame(scene)
+    if scene.start.frame == "lens" and scene.lens.focal_length is None:
+        raise refusal("start.frame = 'lens': needs lens.focal_length")
+    _start_in_the_medium(scene)
+
+
+def _aperture_in_reach(scene: Description) -> None:
+    """Refuse a sine map whose outermost rays leave the lens at a right angle or beyond."""
+    lens, key, index = scene.lens, "medium", scene.medium.refractive_index
+    if lens.cover is not None:
+        key, index = "lens.cover", lens.cover.refractive_index
+    if lens.map == "sine" and lens.numerical_aperture and lens.numerical_aperture >= index:
+        remedy = (
+            "give lens.cover for an oil immersion objective, as "
+            '`tweezer new --objective "100x/1.40 oil"` does'
+            if lens.cover is None
+            else "give the index of the immersion oil"
+        )
+        raise refusal(
+            f"lens.numerical_aperture = {lens.numerical_aperture:g}: must be less than "
+            f"{key}.refractive_index = {index:.5g} for the sine map; {remedy}"
+        )
+
+
+def _map_of_rays(scene: Description) -> None:
+    """Refuse a range that the map of rays does not have."""
+    if not TABLE_RADII[0] <= scene.table_radii <= TABLE_RADII[1]:
+        raise refusal(
+            f"optics.table_range = {scene.optics.table_range!r}: is {scene.table_radii:.3g} "
+            "radii of the bead; must be from "
+            f"{TABLE_RADII[0]:g} to {TABLE_RADII[1]:g} of them for rays"
+        )
+
+
+def _foci_at_the_depth(scene: Description) -> None:
+    """Refuse foci that are nearer to the face of a cover than its depth, or farther."""
+    for name, beam in named_beams(scene.beams):
+        if beam.position[2]:
+            raise refusal(
+                f"{name}.position = {list(beam.position)}: must be at z = 0 beside lens.cover, "
+                "whose depth is that of the focus"
+            )
+        if beam.motion is not None and beam.motion.along_light:
+            raise refusal(f"{name}.motion: must be across the light beside lens.cover")
+
+
+def _start_in_the_medium(scene: Description) -> None:
+    """Refuse a start that is not between the lens, or the face of its cover, and loss."""
+    x, y, z = scene.start_position
+    ball, radius = scene.start.ball_radius or 0.0, scene.bead.radius
+    given = f"start.position = {list(scene.start.position)}"
+    if scene.lens.focal_length is not None and z - ball <= radius - scene.lens.focal_length:
+        raise refusal(f"{given}: the bead must start beyond the lens, by more than its radius")
+    if (cover := scene.lens.cover) is not None:
+        towards = {"up": z, "down": -z}
+        if min(towards[beam.direction] for beam in scene.beams) - ball <= radius - cover.depth:
+            raise refusal(
+                f"{given}: the bead must start beyond the face of lens.cover, which is "
+                f"{cover.depth:.3g} m before the focus, by more than its radius"
+            )
+    distance = math.hypot(x, y, z) + ball
+    if distance >= scene.simulation.loss_distance:
+        to = "and its ball reach to" if ball else "is"
+        raise refusal(
+            f"{given}: {to} {distance:.3g} m from the focus; must be nearer than "
+            f"simulation.loss_distance = {scene.simulation.loss_distance:.3g} m"
+        )
+
+
+def _beside_the_wall(scene: Description) -> None:
+    """Refuse a bead in a wall, a cell that is too thin, and what needs a wall without one."""
+    wall, radius = scene.wall, scene.bead.radius
+    if wall is None:
+        if scene.forces.dlvo is not None:
+            raise refusal("forces.dlvo: needs a [wall]")
+        return
+    cover = scene.lens.cover
+    if cover is not None and (
+        wall.side == "below" or abs(wall.position + cover.depth) > _SAME_PLACE * cover.depth
+    ):
+        raise refusal(
+            f"wall.position = {wall.position:g}, side = {wall.side!r}: with lens.cover the "
+            f"wall is its face, at {-cover.depth:g}, and the bead above it"
+        )
+    z, ball = scene.start_position[2], scene.start.ball_radius or 0.0
+    room = {"wall": scene.gap(z)}
+    if wall.opposite is not None:
+        thickness = abs(wall.opposite - wall.position)
+        if thickness < THINNEST * radius * (1 - 1e-9):
+            raise refusal(
+                f"wall.opposite = {wall.opposite:g}: {thickness:.3g} m from wall.position; "
+                f"must be at least {THINNEST:g} radii, {least(THINNEST * radius)} m: nearer "
+                "planes do not add up"
+            )
+        room["wall.opposite"] = thickness - 2 * radius - scene.gap(z)
+    for name, gap in room.items():
+        if gap - ball <= 0:
+            raise refusal(
+                f"start.position = {list(scene.start.position)}: the bead must start beside "
+                f"{name}, not in it; its gap would be {gap - ball:.3g} m"
+            )
+
+
+def _thermal(scene: Description) -> None:
+    """Refuse what does not go with thermal motion, or not without."""
+    method, model = scene.simulation.method, scene.simulation.model
+    how = None if method == "auto" else METHODS[method]
+    if not scene.forces.brownian:
+        if how and how.thermal:
+            raise refusal(f"simulation.method = {method!r}: is for forces.brownian = true")
+        if scene.start.drawn != "no":
+            raise refusal(f"start.drawn = {scene.start.drawn!r}: is for forces.brownian = true")
+        if scene.forces.brownian_torque:
+            raise refusal("forces.brownian_torque = True: needs forces.brownian = true")
+        return
+    if how and not how.thermal:
+        raise refusal(
+            f"simulation.method = {method!r}: draws no thermal motion; allowed: auto, "
+            f"{', '.join(each.name for each in methods(thermal=True))}"
+        )
+    if how and model and model not in how.models:
+        raise refusal(
+            f"simulation.method = {method!r}: cannot follow simulation.model = {model!r}; set "
+            f"simulation.model to {either(how.models)}"
+        )
+    if model == "first-order" and scene.rotates:
+        raise refusal(
+            "simulation.model = 'first-order': has no rotation with thermal motion; set "
+            "simulation.model to overdamped"
+        )
+    if how and how.spring_only and scene.turned_by_light:
+        raise refusal(
+            f"simulation.method = {method!r}: a spring exerts no torque; allowed: "
+            "beam.torque = 'none', and a bead that does not absorb"
+        )
+    if scene.rotates and scene.bead.moments_of_inertia and model != "overdamped":
+        raise refusal(
+            "bead.moments_of_inertia: thermal rotation with inertia is computed for spheres; "
+            "remove it, or set simulation.model to overdamped"
+        )
+
+
+def _some_frame(scene: Description) -> None:
+    """Refuse a camera that sees nothing of the run, or what is not the bead's motion."""
+    if scene.camera is None:
+        return
+    if scene.camera.exposure > scene.simulation.duration:
+        raise refusal(
+            f"camera.exposure = {scene.camera.exposure:g}: must be at most simulation.duration "
+            f"= {scene.simulation.duration:g}"
+        )
+    frames = scene.camera.rate * scene.simulation.duration
+    if frames > _MOST_FRAMES:
+        raise refusal(
+            f"camera.rate = {scene.camera.rate:g}: sees {frames:.3g} frames in "
+            f"simulation.duration = {scene.simulation.duration:g}; must be at most "
+            f"{_MOST_FRAMES:,}"
+        )
+    method = scene.simulation.method
+    if method != "auto" and not METHODS[method].displacements:
+        raise refusal(
+            f"simulation.method = {method!r}: a camera needs displacements, which this method "
+            "does not reproduce; allowed: auto, heun"
+        )
+
+
+def _inertia_of_the_fluid(scene: Description) -> None:
+    """Refuse what does not go with a fluid that has inertia."""
+    inertia, model, method = scene.medium.inertia, scene.simulation.model, scene.simulation.method
+    if inertia in (None, "none"):
+        return
+    said = f"medium.inertia = {inertia!r}"
+    if model and not MODELS[model].inertia:
+        having = either([each.name for each in MODELS.values() if each.inertia])
+        past = ""
+        if inertia == "memory":
+            past = (
+                ". The model leaves out that the bead falls behind by up to "
+                f"{scene.lag:.2g} s times its speed"
+            )
+        raise refusal(
+            f"{said}: needs inertia, which simulation.model = {model!r} has not; set "
+            f"simulation.model to {having}{past}"
+        )
+    if inertia != "memory":
+        return
+    if scene.wall is not None and min(scene.room(scene.start_position[2]), scene.room(0.0)) < (
+        (FREE - 1) * scene.bead.radius
+    ):
+        raise refusal(
+            f"{said}: a wall nearer than {FREE:g} radii to start or focus takes up the "
+            "vorticity that the bead sheds (the tail falls as t^(-5/2), not t^(-3/2)); "
+            "allowed: 'none', 'added-mass'"
+        )
+    if method != "auto" and not METHODS[method].memory:
+        brownian = scene.forces.brownian
+        allowed = [each.name for each in methods(thermal=brownian) if each.memory]
+        raise refusal(
+            f"{said}: simulation.method = {method!r} cannot follow it; set simulation.method "
+            f"to {either(['auto', *allowed])}"
+        )
+
+
+def _wider_than_a_square(scene: Description, beam: Beam) -> None:
+    """Refuse a beam that the grid of rays would not see."""
+    half_side = scene.lens.radius / beam.divisions
+    if beam.sigma is not None and beam.sigma < half_side * (1 - 1e-9):
+        raise refusal(
+            f"beam.sigma = {beam.sigma:.3g}: must be at least {least(half_side)} m, half the "
+            f"side of a square of the grid, for {beam.divisions} beam.divisions"
+        )
+    if beam.profile_radius is not None and beam.profile_radius[-1] < 2 * half_side * (1 - 1e-9):
+        raise refusal(
+            f"beam.profile_radius ends at {beam.profile_radius[-1]:.3g}: must reach "
+            f"{least(2 * half_side)} m, the side of a square of the grid, for {beam.divisions} "
+            "beam.divisions"
+        )

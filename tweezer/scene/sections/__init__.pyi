@@ -1,0 +1,27 @@
+from .alternatives import ALTERNATIVES, BELONGING, FILLED, NAMED, WITHIN_LAYERS, Filled
+from .bead import Bead, Layer, Medium, Wall
+from .light import Beam, Cover, Lens, Optics
+from .motion import MOST_SAMPLES, Camera, Dlvo, Forces, Simulation, Start
+
+__all__ = [
+    "ALTERNATIVES",
+    "BELONGING",
+    "FILLED",
+    "MOST_SAMPLES",
+    "NAMED",
+    "WITHIN_LAYERS",
+    "Bead",
+    "Beam",
+    "Camera",
+    "Cover",
+    "Dlvo",
+    "Filled",
+    "Forces",
+    "Layer",
+    "Lens",
+    "Medium",
+    "Optics",
+    "Simulation",
+    "Start",
+    "Wall",
+]

@@ -1,0 +1,97 @@
+"""Keys that have alternatives, go with a choice of another key, or are filled in by the scene."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Self
+
+from pydantic import (
+    ModelWrapValidatorHandler,
+    PrivateAttr,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from tweezer.scene.courses import Section, refusal
+from tweezer.values.units import to_si
+
+#: keys that say the same thing in two ways: exactly one of each pair is given
+ALTERNATIVES: dict[str, tuple[tuple[str, str], ...]] = {
+    "bead": (("radius", "diameter"),),
+    "bead.layers": (("radius", "diameter"),),
+    "beam": (("power", "power_through_pupil"), ("sigma", "waist")),
+}
+#: keys that go with some choices of another key, and are refused with the others
+BELONGING: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "beam": {
+        "sigma": ("profile", ("gaussian", "donut")),
+        "profile_radius": ("profile", ("table",)),
+        "profile_intensity": ("profile", ("table",)),
+        "jones": ("polarisation", ("linear",)),
+    },
+    "start": {"ball_radius": ("drawn", ("ball",))},
+}
+#: Keys of a bead that it does not have beside `layers`
+WITHIN_LAYERS = ("radius", "diameter", "refractive_index", "material")
+#: key of a section that names what it is made of, and the keys that the name gives
+NAMED: dict[str, tuple[str, tuple[str, ...]]] = {
+    "bead": ("material", ("refractive_index", "density")),
+    "medium": ("name", ("refractive_index", "density", "viscosity")),
+}
+#: key under which a scene says which keys of a section it has filled in
+FILLED = "filled in"
+
+
+class Filled(Section):
+    """A section of which the scene may fill in some keys: they are not said again when it is."""
+
+    _filled: frozenset[str] = PrivateAttr(frozenset())
+
+    @property
+    def filled(self) -> frozenset[str]:
+        """Keys whose values the scene has filled in."""
+        return self._filled
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _some_filled_in(cls, data: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Remember which they are."""
+        if not isinstance(data, dict) or FILLED not in data:
+            return validated(data)
+        section = validated({key: value for key, value in data.items() if key != FILLED})
+        section._filled = frozenset(data[FILLED])
+        return section
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, as_dict: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without what others give."""
+        said: dict[str, Any] = as_dict(self)
+        return {key: value for key, value in said.items() if key not in self._unsaid()}
+
+    def _unsaid(self) -> frozenset[str]:
+        return self._filled
+
+
+def with_half(data: Any, key: str, other: str, low: float, high: float) -> Any:
+    """Return `data` with `other` rewritten as `key` = `other`/2; exactly one must be there."""
+    if not isinstance(data, dict):
+        return data
+    exactly_one(data, key, other)
+    if other not in data:
+        return data
+    data = dict(data)
+    value = data.pop(other)
+    try:
+        half = to_si(value, "m", 2 * low, 2 * high) / 2
+    except ValueError as error:
+        raise refusal(f"{other} = {value!r}: {error}") from None
+    return {**data, key: half}
+
+
+def exactly_one(data: Mapping[str, Any], key: str, other: str) -> None:
+    """Raise a refusal unless exactly one of the keys `key` and `other` is given."""
+    given = [name for name in (key, other) if data.get(name) is not None]
+    if len(given) != 1:
+        both = "not both" if given else "one is needed"
+        raise refusal(f"{key} or {other}: {both}")

@@ -1,0 +1,240 @@
+"""Sections of a scene: the bead and its layers, the medium, the wall."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
+
+from tweezer.scene.choices import INERTIAS, told
+from tweezer.scene.courses import refusal
+from tweezer.scene.materials import materials
+from tweezer.scene.sections.alternatives import WITHIN_LAYERS, Filled, with_half
+from tweezer.values.units import (
+    BEAD_RADIUS,
+    BeadRadius,
+    ComplexIndex,
+    Density,
+    MomentOfInertia,
+    PositiveLength,
+    RefractiveIndex,
+    Temperature,
+    Viscosity,
+    WallPosition,
+    entries,
+)
+
+if TYPE_CHECKING:
+    InertiaName: TypeAlias = str
+    MaterialName: TypeAlias = str
+else:
+    InertiaName = Literal[tuple(INERTIAS)]
+    MaterialName = Literal[tuple(materials())]
+Moments = Annotated[tuple[MomentOfInertia, MomentOfInertia, MomentOfInertia], entries(3)]
+
+
+class _Round(Filled):
+    """A section with a `radius`, which `diameter` may stand for."""
+
+    @property
+    def diameter(self) -> float:
+        """Twice the radius, m."""
+        radius: float = vars(self)["radius"]
+        return 2 * radius
+
+
+class Layer(_Round):
+    """A sphere, or the shell of one about the layer before. `diameter` may stand for `radius`."""
+
+    radius: BeadRadius = Field(description="outer radius")
+    material: MaterialName | None = Field(
+        None, description="gives the refractive index at the beam's wavelength, as of the bead"
+    )
+    refractive_index: ComplexIndex = Field(
+        description="refractive index, as of the bead; not needed with a `material`"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size(cls, data: Any) -> Any:
+        return with_half(data, "radius", "diameter", *BEAD_RADIUS)
+
+
+Layers = Annotated[tuple[Layer, ...], entries(1, 20)]
+
+
+class Bead(_Round):
+    """The sphere. `diameter` may be given in place of `radius`, `material` in place of density and
+    index, and `layers` in place of radius and index.
+    """
+
+    layers: Layers | None = Field(
+        None,
+        description="spheres about one centre, from the core outwards: a coated bead, a hollow one",
+    )
+    radius: BeadRadius = Field(
+        None, validate_default=True, description="radius r; of layers the outermost"
+    )
+    material: MaterialName | None = Field(
+        None,
+        description="what it is made of: gives density and refractive index (at the beam's "
+        "wavelength) where the scene has no numbers of its own",
+    )
+    density: Density = Field(
+        description="density of the whole bead, rho_b (Table B.1); not needed with a `material`, "
+        "nor with layers that all have one"
+    )
+    refractive_index: ComplexIndex | None = Field(
+        None,
+        description="refractive index n_P; of a bead that absorbs, or a metal, complex: "
+        '"1.59+0.01j" or [1.59, 0.01]; not needed with a `material`',
+    )
+    moments_of_inertia: Moments | None = Field(
+        None, description="principal moments I11, I22, I33 of a bead that is not uniform (A.13)"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _size(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or data.get("layers") is None:
+            return with_half(data, "radius", "diameter", *BEAD_RADIUS)
+        for key in WITHIN_LAYERS:
+            if data.get(key) is not None:
+                raise refusal(f"{key} = {data[key]}: not beside layers, which have their own")
+        return data
+
+    @field_validator("radius", mode="before")
+    @classmethod
+    def _outermost(cls, value: Any, info: ValidationInfo) -> Any:
+        layers = info.data.get("layers", ())  # none in the data if they are not valid
+        if layers is None:
+            return value
+        return layers[-1].radius if layers else BEAD_RADIUS[0]
+
+    @model_validator(mode="after")
+    def _some_index(self) -> Self:
+        if self.layers is None and self.refractive_index is None:
+            raise refusal("refractive_index: missing")
+        return self
+
+    @model_validator(mode="after")
+    def _from_the_core_outwards(self) -> Self:
+        for i, (inner, outer) in enumerate(itertools.pairwise(self.layers or ()), start=1):
+            if not outer.radius > inner.radius:
+                raise refusal(
+                    f"layers.{i}.radius = {outer.radius:g}: must be larger than that of the layer "
+                    f"before, {inner.radius:g}"
+                )
+        return self
+
+    def _unsaid(self) -> frozenset[str]:
+        return self.filled if self.layers is None else self.filled | {"radius"}
+
+    @property
+    def shells(self) -> tuple[tuple[float, complex], ...]:
+        """Outer radius, m, and refractive index of each layer, from the core outwards."""
+        if self.layers is None:
+            assert self.refractive_index is not None
+            return ((self.radius, _complex(self.refractive_index)),)
+        return tuple((each.radius, _complex(each.refractive_index)) for each in self.layers)
+
+    @property
+    def index(self) -> complex:
+        """Refractive index n_P; of layers that of the outermost."""
+        return self.shells[-1][1]
+
+    @property
+    def absorbs(self) -> bool:
+        """Whether light is absorbed anywhere in the bead."""
+        return any(index.imag > 0 for _, index in self.shells)
+
+    @model_validator(mode="after")
+    def _possible_inertia(self) -> Self:
+        if self.moments_of_inertia:
+            largest = max(self.moments_of_inertia)
+            if largest > sum(self.moments_of_inertia) - largest:
+                raise refusal(
+                    f"moments_of_inertia = {list(self.moments_of_inertia)}: no body has a moment "
+                    "larger than the sum of the other two"
+                )
+        return self
+
+
+def _complex(index: float | tuple[float, float]) -> complex:
+    return complex(*index) if isinstance(index, tuple) else complex(index)
+
+
+class Medium(Filled):
+    """The fluid around the bead."""
+
+    name: Literal["water"] | None = Field(
+        None,
+        description="water: refractive index (at the beam's wavelength), density and viscosity are "
+        "those of water at the temperature, where the scene has no numbers of its own",
+    )
+    refractive_index: RefractiveIndex = Field(
+        description="refractive index n_m; not needed with a `name`"
+    )
+    density: Density = Field(description="density rho_m; not needed with a `name`")
+    viscosity: Viscosity = Field(description="dynamic viscosity mu_m; not needed with a `name`")
+    temperature: Temperature = Field(description="absolute temperature T")
+    mean_free_path: PositiveLength = Field(
+        3e-10, description="mean free path of the molecules, lambda_mfp (2.2.2)"
+    )
+    inertia: InertiaName | None = Field(
+        None,
+        description="what of the fluid's inertia the bead feels; none given: memory with the model "
+        f"full, where the method takes it; {told(INERTIAS.values())}",
+    )
+    poles: Annotated[StrictInt, Field(ge=1, le=100)] | None = Field(
+        None,
+        description="number of poles of the memory; none given: what the duration and the "
+        "tolerance need",
+    )
+
+    @model_validator(mode="after")
+    def _poles_of_a_memory(self) -> Self:
+        if self.poles is not None and self.inertia not in (None, "memory"):
+            raise refusal(
+                f"poles: does not apply to inertia = {self.inertia!r}; remove it, or set inertia "
+                "to memory"
+            )
+        return self
+
+
+class Wall(Filled):
+    """A plane across the light that ends the fluid, on one side of the bead; none if not given."""
+
+    position: WallPosition = Field(
+        description="z of the plane, along the light from the focus; with lens.cover it is the "
+        "face of the cover and need not be given"
+    )
+    side: Literal["above", "below"] = Field(
+        "above", description="where the bead is: above, at larger z than the plane, or below"
+    )
+    opposite: WallPosition | None = Field(
+        None,
+        description="z of a second plane, on the other side of the bead. Friction by two planes is "
+        "that of each added up (Oseen)",
+    )
+
+    @property
+    def normal(self) -> float:
+        """Direction along z from the plane to the bead: 1 above, -1 below."""
+        return 1.0 if self.side == "above" else -1.0
+
+    @property
+    def planes(self) -> tuple[tuple[float, float], ...]:
+        """Position, m, and normal of each plane."""
+        first = self.position, self.normal
+        return (first,) if self.opposite is None else (first, (self.opposite, -self.normal))
+
+    @model_validator(mode="after")
+    def _opposite_beyond(self) -> Self:
+        if self.opposite is not None and self.normal * (self.opposite - self.position) <= 0:
+            raise refusal(
+                f"opposite = {self.opposite:g}: must be on the side of the bead, {self.side} "
+                f"position = {self.position:g}"
+            )
+        return self

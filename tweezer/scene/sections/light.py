@@ -1,0 +1,234 @@
+"""Sections of a scene: the lens and its cover, beams, and how the force of light is computed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import AfterValidator, Field, StrictInt, model_validator
+from pydantic_core import PydanticCustomError
+
+from tweezer.scene.choices import EVALUATORS, THEORIES, told
+from tweezer.scene.courses import Modulation, Motion, Section, Vector, refusal
+from tweezer.scene.sections.alternatives import BELONGING, exactly_one, with_half
+from tweezer.values.units import (
+    BEAM_SIGMA,
+    BeamSigma,
+    PositiveLength,
+    Power,
+    Quantity,
+    RadiiOrLength,
+    RefractiveIndex,
+    Wavelength,
+    complex_number,
+    entries,
+)
+
+if TYPE_CHECKING:
+    TheoryName: TypeAlias = str
+    EvaluatorName: TypeAlias = str
+else:
+    TheoryName = Literal[("auto", *THEORIES)]
+    EvaluatorName = Literal[("auto", *EVALUATORS)]
+ProfileRadii = Annotated[tuple[Annotated[float, Quantity("m", 0, 1)], ...], entries(4, 10_000)]
+Intensities = Annotated[tuple[Annotated[float, Quantity("", 0, 1e100)], ...], entries(4, 10_000)]
+Amplitude = Annotated[tuple[float, float], complex_number(1e100)]
+
+
+def _normalised(jones: tuple[Amplitude, Amplitude]) -> tuple[Amplitude, Amplitude]:
+    """`jones` at length 1; left as it is where it has that length, so that JSON keeps it."""
+    length = math.hypot(*jones[0], *jones[1])
+    if length < 1e-100:
+        raise PydanticCustomError("jones", "must not both be 0")
+    if abs(length - 1) < 1e-14:
+        return jones
+    (a, b), (c, d) = jones
+    return (a / length, b / length), (c / length, d / length)
+
+
+Jones = Annotated[tuple[Amplitude, Amplitude], entries(2), AfterValidator(_normalised)]
+
+
+class Cover(Section):
+    """A plane face between another medium, such as cover glass, and the medium of the bead."""
+
+    refractive_index: RefractiveIndex = Field(
+        description="refractive index of the medium before the face, where the light comes from"
+    )
+    depth: Annotated[float, Quantity("m", 0, 1e-2)] = Field(
+        description="distance from the face to the nominal focus, where the light would converge "
+        "without the face"
+    )
+
+
+class Lens(Section):
+    """The objective. Rays leave its pupil and pass through the focus."""
+
+    map: Literal["tan", "sine"] = Field(
+        description="where a ray from pupil radius rho goes: tan(theta) = rho/f (thesis, 3.2), or "
+        "sin(theta) = (rho/R) NA/n_m, the sine condition of an aplanatic objective; with a cover "
+        "theta and n are those before its face"
+    )
+    radius: PositiveLength = Field(description="radius of the pupil, R_obj")
+    focal_length: PositiveLength | None = Field(None, description="f; needed by the tan map")
+    numerical_aperture: Annotated[float, Quantity("", 1e-3, 10)] | None = Field(
+        None, description="NA; needed by the sine map"
+    )
+    cover: Cover | None = Field(
+        None, description="a plane face before the focus, for light as waves; none if not given"
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if self.map == "tan" and self.focal_length is None:
+            raise refusal("focal_length: missing; the tan map needs it")
+        if self.map == "sine" and self.numerical_aperture is None:
+            raise refusal("numerical_aperture: missing; the sine map needs it")
+        return self
+
+
+class Beam(Section):
+    """The laser in the pupil. `waist` (1/e^2 radius, 2 sigma) may be given in place of `sigma`."""
+
+    wavelength: Wavelength = Field(description="vacuum wavelength")
+    power: Power | None = Field(
+        None, description="total power P_t before the pupil cuts the beam (3.4)"
+    )
+    power_through_pupil: Power | None = Field(
+        None, description="power that passes the pupil, in place of `power`"
+    )
+    profile: Literal["gaussian", "uniform", "donut", "table"] = Field(
+        "gaussian",
+        description="intensity over the pupil radius rho. gaussian: exp(-rho^2/(2 sigma^2)) (3.3); "
+        "uniform: the same all over the pupil, and no light beside it; donut: TEM*01, "
+        "rho^2 exp(-rho^2/(2 sigma^2)), as waves with a vortex, or radially or azimuthally "
+        "polarised; table: through the points of profile_radius and profile_intensity",
+    )
+    sigma: BeamSigma | None = Field(
+        None,
+        description="standard deviation of the Gaussian intensity in the pupil (3.3), half the "
+        "waist; of the donut, the same of its Gaussian factor",
+    )
+    profile_radius: ProfileRadii | None = Field(
+        None, description="rho of the points of a table, from 0 up; dark beyond the last"
+    )
+    profile_intensity: Intensities | None = Field(
+        None, description="intensity at the points of a table, in any unit"
+    )
+    polarisation: Literal[
+        "averaged-reflectance", "circular", "unpolarised", "linear", "radial", "azimuthal"
+    ] = Field(
+        "circular",
+        description="circular: of helicity +1, (1, i) in the pupil; unpolarised; linear: as "
+        "`jones` says; radial, azimuthal: along rho or around the axis, for light as waves; "
+        "averaged-reflectance: the thesis's (3.17), R averaged, for rays. To rays circular and "
+        "unpolarised light are alike: Q averaged over s and p",
+    )
+    vortex: Annotated[StrictInt, Field(ge=-50, le=50)] = Field(
+        0,
+        description="l of the phase l phi around the axis, for light as waves. A gaussian profile "
+        "is then Laguerre-Gauss with p = 0, rho^(2|l|) exp(-rho^2/(2 sigma^2)); of other profiles "
+        "the intensity stays as it is",
+    )
+    jones: Jones | None = Field(
+        None,
+        description="Jones vector of linear light in the pupil, amplitudes along x and y, at "
+        'length 1: each a number, text such as "0.5+0.5j", or [real, imaginary]; along x if not '
+        "given. Complex amplitudes make the light elliptical: (1, -1j) is circular of helicity -1",
+    )
+    torque: Literal["none", "thesis"] = Field(
+        "none",
+        description="none: light turns no lossless isotropic sphere, and as waves one that absorbs "
+        "as it must; thesis: (3.25), each force applied where the ray enters",
+    )
+    divisions: Annotated[StrictInt, Field(ge=3, le=5000)] = Field(
+        100, description="n_div, squares across the pupil (3.1)"
+    )
+    position: Vector = Field(
+        (0.0, 0.0, 0.0), description="where the beam's focus is, from the origin of the scene"
+    )
+    direction: Literal["up", "down"] = Field(
+        "up",
+        description="up: the light goes along +z; down: it comes through a second lens from above, "
+        "along -z, turned by 180 degrees about x",
+    )
+    motion: Motion | None = Field(None, description="how the focus moves; at rest if not given")
+    modulation: Modulation | None = Field(
+        None, description="how the power changes; not at all if not given"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_way(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        if "waist" in data:
+            data = with_half(data, "sigma", "waist", *BEAM_SIGMA)
+        if data.get("polarisation") == "linear" and data.get("jones") is None:
+            data = {**data, "jones": (1, 0)}
+        return data
+
+    @model_validator(mode="after")
+    def _keys_of_the_choices(self) -> Self:
+        for key, (chooser, choices) in BELONGING["beam"].items():
+            choice, given = getattr(self, chooser), getattr(self, key) is not None
+            name = "sigma or waist" if key == "sigma" else key
+            if given and choice not in choices:
+                raise refusal(
+                    f"{name}: does not apply to {chooser} = {choice!r}; remove it, or set "
+                    f"{chooser} to {' or '.join(choices)}"
+                )
+            if not given and choice in choices:
+                if key == "sigma":
+                    raise refusal(f"{name}: one is needed")
+                raise refusal(f"{key}: missing; {chooser} = {choice!r} needs it")
+        return self
+
+    @model_validator(mode="after")
+    def _one_power(self) -> Self:
+        given = {"power": self.power, "power_through_pupil": self.power_through_pupil}
+        exactly_one(given, *given)
+        return self
+
+    @model_validator(mode="after")
+    def _whole_table(self) -> Self:
+        if self.profile_radius is None or self.profile_intensity is None:
+            return self
+        if len(self.profile_radius) != len(self.profile_intensity):
+            raise refusal(
+                f"profile_intensity: has {len(self.profile_intensity)} entries; must have as many "
+                f"as profile_radius, {len(self.profile_radius)}"
+            )
+        if self.profile_radius[0] != 0:
+            raise refusal(f"profile_radius.0 = {self.profile_radius[0]}: must be 0")
+        for i, (radius, larger) in enumerate(itertools.pairwise(self.profile_radius), start=1):
+            if larger < max(radius * (1 + 1e-12), 1e-18):
+                raise refusal(
+                    f"profile_radius.{i} = {larger}: must be larger than the one before, {radius}"
+                )
+        if max(self.profile_intensity) < 1e-100:
+            raise refusal("profile_intensity: must not all be 0")
+        return self
+
+
+class Optics(Section):
+    """How the force of the light is computed."""
+
+    theory: TheoryName = Field(
+        "auto",
+        description="auto: waves, where the scene has a meaning as waves and the bead is at most "
+        "about 30 um across, or else rays; " + told(THEORIES.values()),
+    )
+    evaluator: EvaluatorName = Field("auto", description=told(EVALUATORS.values()))
+    tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
+        1e-8, description="relative tolerance of the quadrature"
+    )
+    table_tolerance: Annotated[float, Quantity("", 1e-12, 0.1)] = Field(
+        1e-7, description="tolerance of the map, as a part of the largest force"
+    )
+    table_range: RadiiOrLength = Field(
+        3.0,
+        description="how far the map reaches from the focus: a number of radii of the bead, or a "
+        'length such as "5 um"',
+    )

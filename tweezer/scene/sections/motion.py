@@ -1,0 +1,199 @@
+"""Sections of a scene: the start, the forces, the camera, and how the motion is computed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Literal, Self, TypeAlias
+
+from pydantic import Field, StrictBool, StrictInt, model_validator
+
+from tweezer.scene.choices import METHODS, MODELS, methods, told
+from tweezer.scene.courses import Section, Vector, Velocity, refusal
+from tweezer.values.rounding import most
+from tweezer.values.units import (
+    Acceleration,
+    AngularSpeed,
+    Energy,
+    Frequency,
+    LossDistance,
+    PositiveLength,
+    PositiveTime,
+    Quantity,
+    entries,
+)
+
+#: Largest number of samples of a run
+MOST_SAMPLES = 10_000_000
+if TYPE_CHECKING:
+    ModelName: TypeAlias = str
+    MethodName: TypeAlias = str
+else:
+    ModelName = Literal[tuple(MODELS)]
+    MethodName = Literal[("auto", *METHODS)]
+EulerParameter = Annotated[float, Quantity("", -1e100, 1e100)]
+AngularVelocity = Annotated[tuple[AngularSpeed, AngularSpeed, AngularSpeed], entries(3)]
+Orientation = Annotated[
+    tuple[EulerParameter, EulerParameter, EulerParameter, EulerParameter], entries(4)
+]
+
+
+class Start(Section):
+    """Where and how the bead is released."""
+
+    frame: Literal["focus", "lens"] = Field(
+        "focus", description="origin of `position`: the focus, or the lens as in Table 5.1"
+    )
+    position: Vector = Field(description="centre of the bead, z along the light")
+    drawn: Literal["no", "equilibrium", "ball", "boltzmann"] = Field(
+        "no",
+        description="no: where `position` says, as `velocity` says; with thermal motion also "
+        "equilibrium: at the stable equilibrium nearest the focus; ball: uniformly within "
+        "`ball_radius` of `position`; boltzmann: about the equilibrium, as in a harmonic trap of "
+        "its stiffness, velocities thermal, `orientation` as it says",
+    )
+    ball_radius: PositiveLength | None = Field(None, description="radius of the ball")
+    velocity: Velocity = Field((0.0, 0.0, 0.0), description="velocity")
+    orientation: Orientation = Field(
+        (1.0, 0.0, 0.0, 0.0), description="Euler parameters e0..e3 of any length but 0"
+    )
+    angular_velocity: AngularVelocity = Field(
+        (0.0, 0.0, 0.0), description="angular velocity, body frame"
+    )
+
+    @model_validator(mode="after")
+    def _some_ball(self) -> Self:
+        if (self.drawn == "ball") != (self.ball_radius is not None):
+            raise refusal("ball_radius: goes with drawn = 'ball', and with nothing else")
+        return self
+
+    @model_validator(mode="after")
+    def _some_orientation(self) -> Self:
+        if math.hypot(*self.orientation) < 1e-100:
+            raise refusal(
+                f"orientation = {list(self.orientation)}: the Euler parameters must not all be 0"
+            )
+        return self
+
+
+class Dlvo(Section):
+    """Force between bead and wall across an electrolyte: B exp(-gap/l_D) - A_H r/(6 gap)."""
+
+    strength: Energy = Field(
+        description="B of the repulsion of the double layers, of sphere and plane"
+    )
+    debye_length: PositiveLength = Field(description="Debye length l_D")
+    hamaker_constant: Energy = Field(
+        0.0, description="A_H of the attraction of van der Waals, without its retardation"
+    )
+
+
+class Forces(Section):
+    """Which forces act, besides drag."""
+
+    optical: StrictBool = Field(True, description="the light (3.26)")
+    gravity: StrictBool = Field(True, description="gravity (2.11)")
+    buoyancy: StrictBool = Field(True, description="buoyancy (2.12)")
+    brownian: StrictBool = Field(False, description="thermal motion (2.16, 2.18-2.20)")
+    brownian_torque: StrictBool = Field(
+        False, description="thermal rotation as well (2.17): the orientation is followed"
+    )
+    gravitational_acceleration: Acceleration = Field(
+        9.80665, description="g, against the light; negative for light that shines downwards"
+    )
+    dlvo: Dlvo | None = Field(
+        None,
+        description="force between the bead and the wall (Derjaguin, Landau, Verwey, Overbeek)",
+    )
+
+
+class Camera(Section):
+    """A camera that sees the bead: positions averaged over an exposure, and noise."""
+
+    rate: Frequency = Field(description="frames a second; frame j is exposed from j/rate on")
+    exposure: Annotated[float, Quantity("s", 0, 1e6)] = Field(
+        0.0, description="time over which a frame averages the position, at most 1/rate"
+    )
+    noise: Annotated[float, Quantity("m", 0, 1e-3)] = Field(
+        0.0, description="standard deviation of the white noise of x, and of y, in a frame"
+    )
+    noise_along: Annotated[float, Quantity("m", 0, 1e-3)] | None = Field(
+        None, description="the same of z, along the light; z is not seen if not given"
+    )
+
+    @model_validator(mode="after")
+    def _within_a_frame(self) -> Self:
+        longest = 1 / self.rate
+        if self.exposure > longest * (1 + 1e-9):
+            raise refusal(
+                f"exposure = {self.exposure:g}: must be at most {most(longest, 6)} s, the time "
+                "from frame to frame"
+            )
+        return self
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """What is seen: "x", "y" and perhaps "z"."""
+        return ("x", "y") if self.noise_along is None else ("x", "y", "z")
+
+    @property
+    def noises(self) -> tuple[float, ...]:
+        """Standard deviation of the noise along each axis that is seen, m."""
+        across = self.noise, self.noise
+        return across if self.noise_along is None else (*across, self.noise_along)
+
+
+class Simulation(Section):
+    """Model, method, tolerances and output."""
+
+    model: ModelName | None = Field(
+        None,
+        description="none: the cheapest whose error is below the tolerance; "
+        + told(MODELS.values()),
+    )
+    scaling_factor: Annotated[float, Quantity("", 1e-12, 1)] | None = Field(
+        None, description="a2 of the scaled model (4.12)"
+    )
+    rotation_state: Literal["angular-velocity", "euler-rates"] = Field(
+        "angular-velocity",
+        description="what a rotating bead carries beside e: omega, or e' as the thesis (A.25)",
+    )
+    method: MethodName = Field(
+        "auto",
+        description=f"auto: by stiffness and tolerance; {told(methods(thermal=False))}. With "
+        f"thermal motion: {told(methods(thermal=True))}",
+    )
+    step: PositiveTime | None = Field(
+        None,
+        description="fixed steps of a compiled method, instead of steps by the tolerances; with "
+        "thermal motion the longest step, instead of one by the scene's time scales",
+    )
+    relative_tolerance: Annotated[float, Quantity("", 1e-13, 0.1)] = Field(
+        1e-7, description="relative tolerance of a step"
+    )
+    position_tolerance: PositiveLength = Field(
+        1e-11,
+        description="absolute tolerance of a step in position; of exponential where the bead is "
+        "fastest, and down to a hundredth where it is slower; in velocity, this per ms, where the "
+        "method controls velocities: exponential does not",
+    )
+    orientation_tolerance: Annotated[float, Quantity("", 1e-16, 1)] = Field(
+        1e-8, description="absolute tolerance in Euler parameters; in rotation rates, this per ms"
+    )
+    duration: PositiveTime = Field(description="time simulated")
+    samples: Annotated[StrictInt, Field(ge=2, le=MOST_SAMPLES)] = Field(
+        2001, description="evenly spaced times in the output, both ends included"
+    )
+    most_force_calls: Annotated[StrictInt, Field(ge=100, le=10**12)] = Field(
+        10**8, description="places at which a run may evaluate the force before it gives up"
+    )
+    loss_distance: LossDistance = Field(
+        20e-6, description="the run ends as lost this far from the focus"
+    )
+
+    @model_validator(mode="after")
+    def _scaled_by(self) -> Self:
+        if self.model == "scaled" and self.scaling_factor is None:
+            raise refusal("scaling_factor: missing; the scaled model needs it")
+        if self.step is not None and self.method != "auto" and not METHODS[self.method].fixed_steps:
+            raise refusal("step: only the compiled methods take fixed steps")
+        return self

@@ -1,0 +1,128 @@
+"""Single keys of a scene: their values, their descriptions, and setting them by text."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any, Literal, get_args, get_origin
+
+from tweezer.scene.files import NOT_TOML
+from tweezer.scene.keys import HALVES, NUMBERED, familiar, kind_of, nearest_key, section_of
+from tweezer.scene.scene import Scene
+from tweezer.scene.sections import ALTERNATIVES
+from tweezer.values.errors import SceneError
+from tweezer.values.units import Quantity, quantity_of
+
+
+def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
+    """Return `scene` with dotted keys set to text values, as given on a command line.
+
+    A key is `section.key`, `beam[2].key` of several beams, or `beam.motion.key`. Familiar words
+    such as lens.NA stand for keys, see `FAMILIAR`.
+    A value is read as TOML where it is TOML ("1e-4", "[0, 0, 1e-6]") and as text otherwise
+    ("80 mW"); "True" and "False" are as Python has them. Raises `SceneError`.
+    """
+    sections: dict[str, Any] = {}
+    for key, text in settings.items():
+        section, dot, name = key.partition(".")
+        if not dot:
+            alike = [each for each in settable() if each.rpartition(".")[2] == key]
+            meant = f"; did you mean {' or '.join(alike)}?" if alike else ", such as beam.power"
+            raise SceneError(f"{key!r}: must be section.key{meant}")
+        within = sections.setdefault(section, {})
+        outer, dot, inner = name.partition(".")
+        of = getattr(
+            getattr(Scene.model_fields.get(kind_of(section)), "annotation", None),
+            "model_fields",
+            {},
+        )
+        if dot and outer in of and section_of(of[outer].annotation):  # beam.motion.velocity
+            within, name = within.setdefault(outer, {}), inner
+            if not isinstance(within, dict):
+                raise SceneError(f"{section}.{outer}: given as a whole, and key by key")
+        try:
+            value = tomllib.loads(f"value = {text}")["value"]
+        except NOT_TOML:
+            value = {"True": True, "False": False}.get(text, text)
+        if not dot and name not in of:
+            name = familiar(section, name)
+        if name in within:
+            raise SceneError(f"{key}: {section}.{name} is set twice")
+        within[name] = value
+    return scene.replace(**sections)
+
+
+def described_at(key: str) -> tuple[Quantity | None, str]:
+    """Return the quantity that a dotted key of a scene holds, None if none, and the description.
+
+    A key is as in `with_settings`. Raises `SceneError` for a key that no scene has.
+    """
+    first, *parts = key.split(".")
+    within = kind_of(first)
+    field = Scene.model_fields.get(within)
+    for part in parts:
+        section = section_of(field.annotation) if field else None
+        name = HALVES.get((within, part), part)
+        fields = section.model_fields if section else {}
+        if name not in fields:
+            near = nearest_key(within, part, fields)
+            meant = ".".join([first, *parts[: parts.index(part)], *near])
+            raise SceneError(f"{key}: unknown key{f'; did you mean {meant}?' if near else ''}")
+        within, field = f"{within}.{name}", fields[name]
+    if not parts or field is None or section_of(field.annotation):
+        raise SceneError(f"{key}: must be section.key, such as beam.power")
+    return quantity_of(*field.metadata, field.annotation), field.description or key
+
+
+def settable() -> dict[str, tuple[str, ...]]:
+    """Return the dotted keys that `with_settings` takes, and their choices, for one beam.
+
+    Choices are names, or "true" and "false".
+    """
+    found: dict[str, tuple[str, ...]] = {}
+    for name, field in Scene.model_fields.items():
+        if (section := section_of(field.annotation)) and name != "more_beams":
+            found |= _settable(name, section)
+    return found
+
+
+def _settable(within: str, section: Any) -> dict[str, tuple[str, ...]]:
+    found: dict[str, tuple[str, ...]] = {}
+    for name, field in section.model_fields.items():
+        inner = section_of(field.annotation)
+        if inner and inner in get_args(field.annotation):  # one section, not a list of them
+            found |= _settable(f"{within}.{name}", inner)
+        else:
+            found[f"{within}.{name}"] = _choices(field.annotation)
+    others = (key for pair in ALTERNATIVES.get(within, ()) for key in pair)
+    return found | {f"{within}.{key}": () for key in others if f"{within}.{key}" not in found}
+
+
+def _choices(annotation: Any) -> tuple[str, ...]:
+    """The names that an annotation allows; none where it allows other values."""
+    if annotation is bool:
+        return "true", "false"
+    if get_origin(annotation) is Literal:
+        return tuple(map(str, get_args(annotation)))
+    return next(filter(None, map(_choices, get_args(annotation))), ())
+
+
+def value_at(scene: Scene, key: str) -> Any:
+    """Return the value of a dotted key of `scene`, as in `with_settings`; None if it has none.
+
+    Raises `SceneError` for a key that no scene has.
+    """
+    described_at(key)
+    first, *parts = key.split(".")
+    numbered = NUMBERED.fullmatch(first)
+    within, value = kind_of(first), getattr(scene, kind_of(first))
+    if numbered and (number := int(first[5:-1])) != 1:
+        value = scene.beams[number - 1] if number <= len(scene.beams) else None
+    for part in parts:
+        name = HALVES.get((within, part), part)
+        doubled = name != part and not hasattr(value, part)
+        value = getattr(value, name if doubled else part, None)
+        if doubled and value is not None:
+            value *= 2
+        within = f"{within}.{name}"
+    return value
