@@ -22,14 +22,15 @@ from tweezer.calibration.spectra import statistical_inefficiency
 from tweezer.results.io import load_result, scene_of
 from tweezer.results.run import Run
 from tweezer.results.schema import of_validation, plain
-from tweezer.scene import Scene, by_key
-from tweezer.sweeps.quantities import FAILED, MISSING, errors_of_trap
+from tweezer.scene import by_key
+from tweezer.sweeps.quantities import FAILED, MISSING
 from tweezer.trap.saved_trap import load_trap
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
+from tweezer.values.measured import DIMENSIONS, Measured, Result
+from tweezer.values.prefixes import usual_unit
 from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.values.shown import Card, Row, Shown, Table, clipped
-from tweezer.values.units import usual_unit
 
 Array = NDArray[np.float64]
 
@@ -193,10 +194,10 @@ class Comparison(Shown):
         return Card("Comparison", of, tuple(rows), tables, self.notes)
 
 
-Result = xr.Dataset | Trap | Calibration | str | Path
+Given = xr.Dataset | Trap | Calibration | str | Path
 
 
-def compare(a: Result, b: Result) -> Comparison:
+def compare(a: Given, b: Given) -> Comparison:
     """Whether two results agree within their errors, and where they do not.
 
     a, b: two runs, two ensembles (trajectories or statistics), two sweeps, two traps or two
@@ -467,7 +468,7 @@ def _differing(a: dict[str, Any], b: dict[str, Any]) -> Iterator[tuple[str, str,
 # --- what each kind of result has -----------------------------------------------------------------
 
 
-def _source(of: Result, name: str) -> Source:
+def _source(of: Given, name: str) -> Source:
     if isinstance(of, str | Path):
         path = Path(of)
         name = path.name
@@ -475,9 +476,7 @@ def _source(of: Result, name: str) -> Source:
             return _of_json(path)
         of = load_result(path)
     if isinstance(of, Trap):
-        scene = of.scene.model_dump(mode="json", exclude_none=True)
-        others = {"other_forces": of.other_forces} if of.other_forces else {}
-        return _of_trap(name, dataclasses.asdict(of), scene, others)
+        return _of_trap(name, of, {"other_forces": of.other_forces} if of.other_forces else {})
     if isinstance(of, Calibration):
         return _of_calibration(name, dataclasses.asdict(of))
     kind = kind_of(of)
@@ -493,8 +492,7 @@ def _of_json(path: Path) -> Source:
         raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
     if kind.name == "trap":
         trap, version = load_trap(path)
-        about = {"tweezer_version": version}
-        return _of_trap(path.name, dataclasses.asdict(trap), made["scene"], about)
+        return _of_trap(path.name, trap, {"tweezer_version": version})
     try:
         found = _SavedCalibration.model_validate(made)
     except ValidationError as error:
@@ -730,40 +728,37 @@ def _value(swept: xr.Dataset, dimension: Any, index: int) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _of_trap(
-    name: str, trap: Mapping[str, Any], scene: Mapping[str, Any], about: dict[str, Any]
+def _of_result(
+    name: str, kind: str, result: Result, about: dict[str, Any], words: dict[str, str]
 ) -> Source:
-    place = trap["equilibrium"]
-    words = {"held": str(place is not None)}
-    numbers = {}
-    if place is not None:
-        errors = errors_of_trap(trap, Scene.model_validate(scene))
-        ways = [each["direction"] for each in trap["escapes"]]
+    """Return what a result lists, with bounds as errors."""
+    numbers = {
+        each.of.name.replace("_", " "): _numbers_of(each)
+        for each in result.quantities()
+        if each.of.compared
+    }
+    return Source(name, kind, False, about, None, lambda _: Found(numbers, words))
 
-        def outwards(i: tuple[int, ...]) -> str:
-            return f"on the way to {ways[i[0]]}"
 
-        numbers = {
-            "equilibrium": Numbers(
-                "m", np.array([place["position"]]), np.array([errors["equilibrium"]]), _nowhere
-            ),
-            "stiffness": Numbers(
-                "N/m", np.diag(place["stiffness"]), np.full(3, errors["stiffness"]), _along
-            ),
-            "escape force": Numbers(
-                "N", np.array([each["force"] for each in trap["escapes"]]),
-                np.array(errors["escape_force"]), outwards,
-            ),
-            "escape energy": Numbers(
-                "J", np.array([each["energy"] for each in trap["escapes"]]),
-                np.array(errors["escape_energy"]), outwards,
-            ),
-        }  # fmt: skip
-    keys = _keys(scene) | {"theory": trap["theory"], "evaluator": trap["evaluator"]}
-    numbers["power through the pupil"] = Numbers(
-        "W", np.array([trap["power_through_pupil"]]), np.zeros(1), _nowhere
-    )
-    return Source(name, "trap", False, keys | about, None, lambda _: Found(numbers, words))
+def _numbers_of(measured: Measured) -> Numbers:
+    """Return a quantity as it is compared: a vector where its error is that of a vector."""
+    quantity, values, errors, _ = measured
+    where = {"": _nowhere, "axis": _along, "direction": _outwards}[quantity.along]
+    assert errors is not None
+    if not errors.ndim:
+        return Numbers(quantity.unit, values[None], errors[None], _nowhere)
+    return Numbers(quantity.unit, values, errors, where)
+
+
+def _of_trap(name: str, trap: Trap, about: dict[str, Any]) -> Source:
+    scene = trap.scene.model_dump(mode="json", exclude_none=True)
+    how = {"theory": trap.theory, "evaluator": trap.evaluator}
+    words = {"held": str(trap.equilibrium is not None)}
+    return _of_result(name, "trap", trap, _keys(scene) | how | about, words)
+
+
+def _outwards(at: tuple[int, ...]) -> str:
+    return f"on the way to {DIMENSIONS['direction'][at[0]]}"
 
 
 def _nowhere(_: tuple[int, ...]) -> str:

@@ -19,8 +19,7 @@ from tests.benchmarks import pages
 from tests.benchmarks.diagram import MATERIALS, TIMES, Results
 from tests.benchmarks.timing import ROOT
 from tweezer.plots import style
-from tweezer.sweeps.quantities import SHALLOW
-from tweezer.trap.heights import HELD
+from tweezer.trap.quantities import HELD, SHALLOW
 
 PAGE = ROOT / "docs/trapping-diagram.md"
 #: The least powers, one line for each bead and time

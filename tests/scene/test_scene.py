@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from tweezer.scene import Scene, load_scene, shipped_scenes, value_at, with_settings
 from tweezer.values.errors import PhysicsWarning, SceneError, UnitWarning
-from tweezer.values.units import FREQUENT, registry, to_si
+from tweezer.values.prefixes import FREQUENT
+from tweezer.values.units import registry, to_si
 
 ROUNDING = 1e-15
 PREFIXES = {"": 1, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9, "k": 1e3}

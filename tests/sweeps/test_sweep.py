@@ -19,7 +19,7 @@ from tweezer.ensembles import scheduler
 from tweezer.plots.sweeps import sweep_figure
 from tweezer.sweeps import pool
 from tweezer.sweeps.journal import check_same
-from tweezer.sweeps.quantities import asked_of, values_of_trap
+from tweezer.sweeps.quantities import asked_of, values_of
 
 SCENE = tweezer.load_scene("silica-1um")
 #: an aperture beyond the index of water is refused; the sine map has none
@@ -95,7 +95,7 @@ def test_each_case_is_as_it_is_alone(whole):
 def test_a_trap_of_less_than_ten_kT_is_shallow(power, outcome):
     """By the diagram of docs/trapping-diagram.md: 4.9 kT, and that which holds for an hour."""
     trap = tweezer.characterise(SCENE.replace(beam={"power_through_pupil": power}))
-    values = values_of_trap(trap)
+    values = values_of(trap, trap.scene.medium.temperature)
     assert values["outcome"] == outcome
     assert np.isfinite(values["stiffness"]).all()
 

@@ -32,7 +32,7 @@ from tweezer.tracking.mean_spring import mean_spring
 from tweezer.tracking.scene_misfit import FreeKey, Misfit
 from tweezer.tracking.whitened import Whitened
 from tweezer.values.errors import ResultError, SceneError
-from tweezer.values.units import usual_unit
+from tweezer.values.prefixes import usual_unit
 
 RATE, FRAMES, NOISE = 2000.0, 3000, 4e-9
 POWER, DIAMETER = "beam.power_through_pupil", "bead.diameter"

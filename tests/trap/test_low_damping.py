@@ -12,7 +12,7 @@ import tweezer
 from tests.low_damping import OFF, OUTCOME, cases, compared, scene
 from tweezer.dynamics import bound_once
 from tweezer.dynamics.linear import LinearMotion
-from tweezer.sweeps.quantities import values_of_trap
+from tweezer.sweeps.quantities import values_of
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_bead_that_spirals_out_is_not_held():
     assert place.spiral_rate == pytest.approx(14793, rel=1e-3)
     assert place.eigenvalues.min() > 0
     assert "too little drag lets the push of the light round the axis drive it out" in trap.reason
-    values = values_of_trap(trap)
+    values = values_of(trap, trap.scene.medium.temperature)
     assert values["outcome"] == "not held"
     assert values["reason"] == trap.reason
     # so soon it has not gone far: a run ends beside the place, and is not captured all the same
@@ -71,7 +71,7 @@ def test_bead_that_swings_has_resonances_and_no_lifetime():
     text = repr(trap)
     assert "resonance frequencies" in text
     assert "corner frequencies" not in text
-    values = values_of_trap(trap)
+    values = values_of(trap, trap.scene.medium.temperature)
     assert np.isnan(values["corner_frequency"]).all()
     assert values["quality_factor"] == pytest.approx(trap.quality_factors)
     assert math.isnan(values["lifetime"])

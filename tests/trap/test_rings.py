@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tweezer
-from tweezer.sweeps.quantities import values_of_trap
+from tweezer.sweeps.quantities import values_of
 
 AZIMUTHAL, VORTEX = {"polarisation": "azimuthal"}, {"vortex": 1}
 
@@ -63,7 +63,7 @@ def test_ring_is_reported():
     text = repr(trap)
     assert "held on a ring           of radius 0.347 um about the axis, at z = 0.106 um" in text
     assert "turns/s" in text
-    values = values_of_trap(trap)
+    values = values_of(trap, trap.scene.medium.temperature)
     assert values["outcome"] == "held on a ring"
     assert values["ring_radius"] == trap.ring.radius
     with pytest.raises(tweezer.TweezerError, match=r"held on a ring of 0\.347 um"):
@@ -85,12 +85,12 @@ def test_ring_of_faint_light_holds_no_bead():
     assert depths[0] == pytest.approx(20 * depths[1], rel=1e-3)
     assert depths[0] > 1 > depths[1]
     assert bright.too_shallow == ""
-    assert values_of_trap(bright)["outcome"] == "shallow"
+    assert values_of(bright, bright.scene.medium.temperature)["outcome"] == "shallow"
     told = f"takes {depths[1]:.2g} kT, less than 1 kT"
     assert told in faint.too_shallow
     assert told in repr(faint)
     assert "held on a ring" not in repr(faint)
-    values = values_of_trap(faint)
+    values = values_of(faint, faint.scene.medium.temperature)
     assert (values["outcome"], values["reason"]) == ("not held", faint.reason)
 
 
@@ -122,7 +122,7 @@ def test_shallow_ring_has_a_lifetime():
                           simulation={"loss_distance": "0.8 um"})  # fmt: skip
     trap = tweezer.characterise(scene)
     assert 1 < min(each.energy_kT for each in trap.ring.escapes) < 10
-    assert values_of_trap(trap)["outcome"] == "shallow"
+    assert values_of(trap, trap.scene.medium.temperature)["outcome"] == "shallow"
     rng, n = np.random.default_rng(2), 200
     kT = 1.380649e-23 * scene.medium.temperature
     mobility = 1 / (3 * math.pi * scene.medium.viscosity * 0.5e-6)

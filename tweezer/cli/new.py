@@ -307,7 +307,7 @@ def _in_toml(index: complex) -> str:
 
 
 def _length(metres: float) -> str:
-    from tweezer.values.units import usual_unit
+    from tweezer.values.prefixes import usual_unit
 
     factor, unit = usual_unit(metres, "m")
     return f"{metres / factor:.6g} {unit}"
@@ -318,7 +318,7 @@ def _millimetres(metres: float) -> str:
 
 
 def _watts(power: float) -> str:
-    from tweezer.values.units import usual_unit
+    from tweezer.values.prefixes import usual_unit
 
     factor, unit = usual_unit(power, "W")
     return f"{power / factor:.6g} {unit}"

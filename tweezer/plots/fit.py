@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 from tweezer.plots import style
 from tweezer.tracking.profile import LEVEL
-from tweezer.values.units import usual_unit
+from tweezer.values.prefixes import usual_unit
 
 if TYPE_CHECKING:
     from tweezer.tracking import SceneFit

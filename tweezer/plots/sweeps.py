@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from tweezer.plots import style
 from tweezer.results.io import scene_of
-from tweezer.sweeps.quantities import FAILED, MISSING, SHOWN, STABLE
+from tweezer.sweeps.quantities import FAILED, MISSING
+from tweezer.trap.quantities import STABLE
 from tweezer.values.errors import ResultError
+from tweezer.values.prefixes import in_tables, typeset
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -163,8 +165,8 @@ def _panel(result: xr.Dataset, name: str, axis: str = "", *, log: bool = False) 
 
 def _shown(unit: str) -> tuple[float, str]:
     """Factor to the unit of the figure, and that unit in brackets."""
-    scale, name = SHOWN.get(unit, (1.0, unit))
-    return scale, f" ({name})" if name not in ("", "1") else ""
+    scale, name = in_tables(unit)
+    return scale, f" ({typeset(name)})" if name else ""
 
 
 def _axis_of(values: xr.DataArray) -> tuple[Array, str, bool]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from typing import NamedTuple
 
-from tweezer.values.units import FREQUENT, to_si
+from tweezer.values.prefixes import FREQUENT
+from tweezer.values.units import to_si
 
 AXES = ("x", "y", "z")
 #: SI unit of each quantity that a column may have

@@ -20,8 +20,8 @@ from tweezer.results.schema import checked
 from tweezer.scene import Scene, by_key, described_at
 from tweezer.values.errors import ResultError
 from tweezer.values.files import check_regular, digest, replacing
+from tweezer.values.prefixes import usual_unit
 from tweezer.values.saved import DIGEST, RESULTS, check_ending, kind_of, kind_of_file
-from tweezer.values.units import usual_unit
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,97 +9,48 @@ import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from tweezer.forces.acting import forces_of
-from tweezer.forces.equilibria import DIRECTIONS
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
 from tweezer.scene import Scene, with_settings
 from tweezer.scene.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
 from tweezer.scene.choices import SWEPT
-from tweezer.scene.theory import largest_wavenumber
-from tweezer.values.constants import Boltzmann
+from tweezer.trap import quantities as trap
 from tweezer.values.errors import ResultError, SceneError, TweezerError
-
-if TYPE_CHECKING:
-    from tweezer.trap import Trap
+from tweezer.values.measured import DIMENSIONS, Quantity, Result
 
 #: Values of a case by name: numbers, or lists of them along a dimension
 Values = dict[str, Any]
 
 #: Words of a case that was not finished, and of one that was not begun
 FAILED, MISSING = "failed", "not computed"
-#: Word of a trap out of which the easiest straight way takes less than `STABLE`
-SHALLOW = "shallow"
-#: Energy in k_B T above which a trap is usually called stable (A. Ashkin et al., Opt. Lett. 11,
-#: 288 (1986))
-STABLE = 10.0
-
-#: Distance over which the force of rays is taken to change, in radii
-_RAYS = 0.02
-
-#: Names along the dimensions of quantities
-DIMENSIONS = {"axis": ["x", "y", "z"], "direction": list(DIRECTIONS)}
-#: Scale and name of the unit in which a quantity is shown, in place of the SI unit
-SHOWN = {
-    "m": (1e6, "µm"), "W": (1e3, "mW"), "N": (1e12, "pN"), "N/m": (1e6, "pN/µm"), "s": (1e3, "ms"),
-    "m^2": (1e18, "nm²"), "m^2/s": (1e12, "µm²/s"), "Pa s": (1e3, "mPa s"),
-}  # fmt: skip
-
-
-class Quantity(NamedTuple):
-    """A variable of the result."""
-
-    dimension: str
-    """"" for one number a case"""
-    unit: str
-    about: str
-    error: bool = True
-    """whether it has one"""
-
-    @property
-    def along(self) -> list[str]:
-        """Names of its numbers; of one number alone an empty one."""
-        return DIMENSIONS[self.dimension] if self.dimension else [""]
-
-
-QUANTITIES: dict[str, dict[str, Quantity]] = {
-    "trap": {
-        "equilibrium": Quantity(
-            "axis", "m", "stable equilibrium nearest the focus, measured from it"
-        ),
-        "stiffness": Quantity("axis", "N/m", "stiffness at the equilibrium"),
-        "corner_frequency": Quantity("axis", "Hz", "corner frequency at the equilibrium"),
-        "resonance_frequency": Quantity("axis", "Hz", "resonance frequency along each axis"),
-        "quality_factor": Quantity("axis", "1", "quality factor of this resonance"),
-        "ring_radius": Quantity("", "m", "radius of the ring on which the bead is held"),
-        "escape_force": Quantity("direction", "N", "largest restoring force on the way out"),
-        "escape_energy": Quantity("direction", "1", "work of pulling the bead out, in k_B T"),
-        "lifetime": Quantity("", "s", "mean time that thermal motion leaves the bead in the trap"),
-        "force_error": Quantity("", "N", "largest error of the force of the light", error=False),
-    },
-    "run": {
-        "outcome_time": Quantity("", "s", "time of capture, of loss, or of the end"),
-        "end": Quantity("axis", "m", "last position, from the focus"),
-        "overshoot": Quantity("", "m", "largest excursion beyond the axis"),
-        "closest_approach": Quantity("", "m", "first closest approach to the focus"),
-        "closest_approach_time": Quantity("", "s", "time of the first closest approach"),
-        "largest_reynolds_number": Quantity("", "1", "largest Reynolds number"),
-        "largest_force": Quantity("", "N", "largest force of the light on the way"),
-    },
-    "ensemble": {
-        "lost": Quantity("", "1", "part of the trajectories that was lost"),
-        "mean": Quantity("axis", "m", "mean position over time and trajectories"),
-        "variance": Quantity("axis", "m^2", "variance of the position"),
-    },
-    "calibrate": {
-        "stiffness": Quantity("axis", "N/m", "stiffness by the power spectrum"),
-        "corner_frequency": Quantity("axis", "Hz", "corner frequency by the power spectrum"),
-        "diffusion": Quantity("axis", "m^2/s", "diffusion by the power spectrum"),
-    },
+_OF: dict[str, tuple[Quantity, ...]] = {
+    "trap": trap.QUANTITIES,
+    "run": (
+        Quantity("outcome_time", "s", "time of capture, of loss, or of the end"),
+        Quantity("end", "m", "last position, from the focus", "axis"),
+        Quantity("overshoot", "m", "largest excursion beyond the axis"),
+        Quantity("closest_approach", "m", "first closest approach to the focus"),
+        Quantity("closest_approach_time", "s", "time of the first closest approach"),
+        Quantity("largest_reynolds_number", "1", "largest Reynolds number"),
+        Quantity("largest_force", "N", "largest force of the light on the way"),
+    ),
+    "ensemble": (
+        Quantity("lost", "1", "part of the trajectories that was lost"),
+        Quantity("mean", "m", "mean position over time and trajectories", "axis"),
+        Quantity("variance", "m^2", "variance of the position", "axis"),
+    ),
+    "calibrate": (
+        Quantity("stiffness", "N/m", "stiffness by the power spectrum", "axis"),
+        Quantity("corner_frequency", "Hz", "corner frequency by the power spectrum", "axis"),
+        Quantity("diffusion", "m^2/s", "diffusion by the power spectrum", "axis"),
+    ),
+}
+#: By the name of what is swept, and by their own; energies are in k_B T
+QUANTITIES = {
+    of: {each.name: each.in_kT for each in every if each.swept} for of, every in _OF.items()
 }
 
 
@@ -183,90 +134,21 @@ class Asked:
 def _of_trap(scene: Scene, asked: Asked) -> Values:
     from tweezer.trap import characterise
 
-    return values_of_trap(characterise(scene, forces=asked.own))
+    found = characterise(scene, forces=asked.own)
+    _ = found.lifetime  # computed where it is asked for
+    return values_of(found, scene.medium.temperature)
 
 
-def values_of_trap(trap: Trap) -> Values:
-    """The values of a trap, with its outcome and caveat."""
-    from tweezer.trap.heights import HELD, LOST, ON_RING, RESTS
-
-    scene, place, error = trap.scene, trap.equilibrium, trap.force_error
-    of_lifetime = trap.lifetime_caveat
-    caveats = [trap.caveat, of_lifetime and f"lifetime: {of_lifetime}"]
-    values: Values = {"force_error": error, "caveat": "; ".join(filter(None, caveats))}
-    thermal = Boltzmann * scene.medium.temperature
-    held = trap.lifetime
-    values |= {
-        "lifetime": math.nan if held is None else held.time,
-        "lifetime_error": math.nan if held is None else held.error,
-    }
-    if (ring := trap.ring) is not None:
-        depth = min(each.energy_kT for each in ring.escapes)
-        softest = float(np.linalg.eigvals(ring.stiffness).real.min())
-        return values | {
-            "outcome": LOST if trap.too_shallow else ON_RING if depth >= STABLE else SHALLOW,
-            "reason": trap.reason if trap.too_shallow else "",
-            "ring_radius": ring.radius,
-            "ring_radius_error": error / softest,
-        }
-    if place is None:
-        return values | {"outcome": RESTS if trap.rests else LOST, "reason": trap.reason}
-    errors = errors_of_trap(dataclasses.asdict(trap), scene)
-    relative = errors["stiffness"] / np.abs(place.stiffness_xyz)
-    depth = min(each.energy_kT for each in trap.escapes)
-    frequencies = {
-        "corner_frequency": (trap.corner_frequencies, 1.0),
-        "resonance_frequency": (trap.resonance_frequencies, 0.5),
-        "quality_factor": (trap.quality_factors, 0.5),
-    }
-    for name, (found, power) in frequencies.items():
-        numbers = np.asarray(found)
-        values |= {
-            name: numbers.tolist(),
-            f"{name}_error": (numbers * power * relative).tolist(),
-        }
-    return values | {
-        "outcome": LOST if trap.too_shallow else HELD if depth >= STABLE else SHALLOW,
-        "reason": trap.reason,
-        "equilibrium": place.position.tolist(),
-        "equilibrium_error": [errors["equilibrium"]] * 3,
-        "stiffness": place.stiffness_xyz.tolist(),
-        "stiffness_error": [errors["stiffness"]] * 3,
-        "escape_force": [each.force for each in trap.escapes],
-        "escape_force_error": errors["escape_force"],
-        "escape_energy": [each.energy_kT for each in trap.escapes],
-        "escape_energy_error": [each / thermal for each in errors["escape_energy"]],
-    }
-
-
-def errors_of_trap(trap: Mapping[str, Any], scene: Scene) -> dict[str, Any]:
-    """Errors of a trap's numbers by that of the force: m, N/m, and N and J of each way out.
-
-    trap: the fields of a `Trap` that holds the bead, as `tweezer trap --out` writes them too.
-    """
-    error, ways = trap["force_error"], trap["escapes"]
-    lengths = [each["range"] or each["wall_at"] or trap["reach"] for each in ways]
-    return {
-        "equilibrium": error / min(trap["equilibrium"]["eigenvalues"]),
-        "stiffness": error * gradient_of_errors(scene),
-        "escape_force": [error] * len(ways),
-        "escape_energy": [
-            each["energy_error"] + error * length
-            for each, length in zip(ways, lengths, strict=True)
-        ],
-    }
-
-
-def gradient_of_errors(scene: Scene) -> float:
-    """Largest gradient of an error of the force that is nowhere larger than 1, 1/m.
-
-    A force of waves of the wavenumber k holds wavenumbers up to 2k, and so does its error: the
-    gradient is at most 2k times the largest value (S. Bernstein's inequality). Rays have no such
-    bound.
-    """
-    if scene.theory == "waves":
-        return 2 * largest_wavenumber(scene.medium, scene.beams)
-    return 1 / (_RAYS * scene.bead.radius)
+def values_of(result: Result, temperature: float) -> Values:
+    """The values of a result with their errors, energies in k_B T, and its outcome in words."""
+    values: Values = {}
+    for each in result.quantities():
+        if each.of.swept:
+            found = each.in_kT(temperature)
+            values[each.of.name] = found.value.tolist()
+            if found.error is not None:
+                values[f"{each.of.name}_error"] = found.errors.tolist()
+    return values | result.words()
 
 
 def _of_run(scene: Scene, asked: Asked) -> Values:

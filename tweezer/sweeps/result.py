@@ -12,8 +12,9 @@ import numpy as np
 
 from tweezer.results.io import load_result
 from tweezer.sweeps.cases import Cases
-from tweezer.sweeps.quantities import DIMENSIONS, FAILED, MISSING, QUANTITIES, Values
+from tweezer.sweeps.quantities import FAILED, MISSING, QUANTITIES, Values
 from tweezer.values.errors import ResultError
+from tweezer.values.measured import DIMENSIONS
 from tweezer.values.saved import kind_of
 from tweezer.values.stores import checksums, seal
 
@@ -48,15 +49,17 @@ def dataset_of(
         about = "whether it has a stable equilibrium at least 1 k_B T deep; false too of a failure"
         variables["trapped"] = names, held, {"long_name": about}
     for name, quantity in QUANTITIES[of].items():
-        over = [quantity.dimension] if quantity.dimension else []
-        for each, about in ((name, quantity.about), (f"{name}_error", f"error of {name}")):
-            if each != name and not quantity.error:
+        over = [quantity.along] if quantity.along else []
+        in_kT = quantity.unit == "kT"
+        unit, suffix = ("1", ", in k_B T") if in_kT else (quantity.unit, "")
+        for each, about in ((name, quantity.about + suffix), (f"{name}_error", f"error of {name}")):
+            if each != name and not quantity.kind:
                 continue
             shape = [len(DIMENSIONS[dimension]) for dimension in over]
             missing = np.full(shape, np.nan)
             values = np.array([row.get(each, missing) for row in rows], np.float64)
-            described = {"units": quantity.unit, "long_name": about}
-            if each == name and quantity.error:
+            described = {"units": unit, "long_name": about}
+            if each == name and quantity.kind:
                 described["ancillary_variables"] = f"{name}_error"
             variables[each] = [*names, *over], values.reshape(*cases.shape, *shape), described
     coordinates: dict[str, Any] = {}
@@ -65,7 +68,7 @@ def dataset_of(
             described = {"units": varied.unit} if varied.unit else {}
             values = np.array(varied.values)
             coordinates[varied.key] = axis.name, values, {**described, "long_name": varied.about}
-    for dimension in dict.fromkeys(each.dimension for each in QUANTITIES[of].values()):
+    for dimension in dict.fromkeys(each.along for each in QUANTITIES[of].values()):
         if not dimension:
             continue
         described = {"long_name": _ALONG[dimension]}

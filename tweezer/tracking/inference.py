@@ -25,9 +25,9 @@ from tweezer.scene import Scene, checked_scene
 from tweezer.tracking.profile import LEVEL
 from tweezer.tracking.scene_misfit import Least, Misfit
 from tweezer.values.errors import ResultError
+from tweezer.values.prefixes import usual_unit
 from tweezer.values.rounding import time_taken, with_uncertainty
 from tweezer.values.shown import Card, Row, Shown
-from tweezer.values.units import usual_unit
 
 #: Information that everything is taken to have, so that its inverse is finite
 _FAINT = 1e-6

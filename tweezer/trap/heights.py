@@ -19,6 +19,7 @@ from tweezer.results.run import variable, with_error
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import numbers_in_si
 from tweezer.scene.bead import bead_properties
+from tweezer.trap.quantities import HELD, LOST, ON_RING, RESTS
 from tweezer.trap.trap import pressed
 from tweezer.values.errors import PhysicsWarning, SceneError
 from tweezer.values.units import WALL, QuantitiesLike
@@ -29,9 +30,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-#: what becomes of a bead at a height
-HELD, RESTS, LOST = "held", "rests on the wall", "not held"
-ON_RING = "held on a ring"
 #: Largest height of the focus, m
 _HIGHEST = WALL[1]
 

@@ -11,9 +11,10 @@ from tweezer.scene.arguments import in_si
 from tweezer.trap.holding import DEEP, LONGEST, Lifetime, adds_nothing
 from tweezer.trap.trap import Trap, characterise
 from tweezer.values.errors import SceneError, warn
+from tweezer.values.prefixes import usual_unit
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Card, Row, Shown
-from tweezer.values.units import QuantityLike, usual_unit
+from tweezer.values.units import QuantityLike
 
 #: Powers between which the least one is sought, W
 _LEAST, _MOST = 1e-9, 100.0

@@ -7,6 +7,7 @@ import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,10 +32,13 @@ from tweezer.optics import (
 from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
 from tweezer.scene import Scene, SceneLike
+from tweezer.trap import quantities
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.errors import ResultError, TweezerError
-from tweezer.values.rounding import micrometres, three
-from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.measured import Measured, Result, told
+from tweezer.values.prefixes import per
+from tweezer.values.rounding import micrometres
+from tweezer.values.shown import Card, Row, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
@@ -57,13 +61,15 @@ class Efficiency:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Trap(Comparable, Shown):
+class Trap(Comparable, Result):
     """A characterised trap, SI. Without a stable equilibrium there are no escapes.
 
     If no position holds the bead, `equilibrium` is empty (None). The bead may be held by a `ring`
     instead, and `reason` contains the searched range. `stiffness` and `stiffness_xyz` then raise an
     error with this reason.
     """
+
+    QUANTITIES: ClassVar = quantities.QUANTITIES
 
     scene: Scene = field(compare=False)
     """the scene that it is the trap of"""
@@ -181,8 +187,8 @@ class Trap(Comparable, Shown):
     def reason(self) -> str:
         """Why no place holds the bead; empty if one does."""
         if self.equilibrium is not None:
-            told = self.too_shallow
-            return told and f"the equilibrium at {_where(self.equilibrium)} {told}"
+            shallow = self.too_shallow
+            return shallow and f"the equilibrium at {_where(self.equilibrium)} {shallow}"
         if self.ring is not None:
             radius = f"{micrometres(self.ring.radius)} um"
             if self.too_shallow:
@@ -237,13 +243,21 @@ class Trap(Comparable, Shown):
                 "of your own; take that of characterise(scene) without forces"
             )
 
+    def quantities(self) -> Iterator[Measured]:
+        """Its numbers; the lifetime is among them once it was asked for."""
+        return quantities.quantities_of(self)
+
+    def words(self) -> dict[str, str]:
+        """What becomes of the bead, why none is held, and what speaks against the numbers."""
+        return quantities.outcome_of(self)
+
     def card(self) -> Card:
         """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
 
         The lifetime is among it once it was asked for: it takes a while to compute.
         """
         share = self.fraction_through_pupil
-        power = f"{1e3 * self.power_through_pupil:.4g} mW"
+        power = told(self.power_through_pupil, "mW")
         power += "" if share is None else f", {100 * share:.4g} % of the beam"
         own = [Row("forces of your own", str(self.other_forces))] if self.other_forces else []
         return Card(
@@ -251,7 +265,7 @@ class Trap(Comparable, Shown):
             (
                 Row("power through the pupil", power), *self._efficiencies(), *self._held(),
                 *self._others(), *own,
-                Row("error of the force", f"{1e12 * self.force_error:.1g} pN"),
+                Row("error of the force", told(self.force_error, "pN", 1), of="force_error"),
                 Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
             ),
             (self._escapes(),) if self._ways_out else (),
@@ -264,8 +278,8 @@ class Trap(Comparable, Shown):
             ("backward Q, largest", self.backward_efficiency),
             ("lateral Q, largest", self.lateral_efficiency),
         ):
-            told = "none" if found is None else f"{found.Q:.4g}, at {micrometres(found.at)} um"
-            yield Row(name, told, detail=True)
+            words = "none" if found is None else f"{found.Q:.4g}, at {micrometres(found.at)} um"
+            yield Row(name, words, detail=True)
 
     def _held(self) -> Iterator[Row]:
         """Rows of the equilibrium."""
@@ -281,45 +295,42 @@ class Trap(Comparable, Shown):
         doubt = ", ".join(filter(None, (doubt, self.too_shallow)))
         if self.scene.plain:
             on_axis = "" if doubt or place.position[:2].any() else ", on the axis"
-            yield Row("stable equilibrium", f"{_where(place)}{on_axis}", doubt)
+            yield Row("stable equilibrium", f"{_where(place)}{on_axis}", doubt, of="equilibrium")
         else:
-            yield Row("stable equilibrium", _where(place), doubt)
+            yield Row("stable equilibrium", _where(place), doubt, of="equilibrium")
         if worth and worth.equilibrium_shift:
-            low, high = (f"{1e6 * shift:+.2g}" for shift in worth.equilibrium_shift)
+            low, high = (f"{per('um') * shift:+.2g}" for shift in worth.equilibrium_shift)
             yield Row("  by wave optics", f"{low} to {high} um from there", detail=True)
-        yield Row("stiffness (x, y, z)", f"{three(1e6 * kx, 1e6 * ky, 1e6 * kz)} pN/um", doubt)
+        stiffness = told((kx, ky, kz), "pN/um")
+        yield Row("stiffness (x, y, z)", stiffness, doubt, of="stiffness")
         if abs(kxy + kyx) > _NEGLIGIBLE * kx:
-            told = f"{1e6 * (kxy + kyx) / 2:.4g} pN/um"
-            yield Row("stiffness, xy", told, doubt, detail=True)
+            yield Row("stiffness, xy", told((kxy + kyx) / 2, "pN/um"), doubt, detail=True)
         if abs(place.turn) > _NEGLIGIBLE * kx:
-            turn = f"{1e6 * place.turn:.4g} pN/um, (dFy/dx - dFx/dy)/2"
+            turn = f"{told(place.turn, 'pN/um')}, (dFy/dx - dFx/dy)/2"
             yield Row("push round the axis", turn, detail=True)
         if worth and worth.stiffness_across:
             across, along_z = between(worth.stiffness_across), between(worth.stiffness_along)
             yield Row("  by wave optics", f"{across} times that, z {along_z} times")
         if self.gap is not None and self.drag is not None:
             yield Row("gap to the wall there", f"{micrometres(self.gap)} um")
-            drag = three(*(1e9 * each for each in self.drag))
-            yield Row("drag there (x, y, z)", f"{drag} nN s/m", detail=True)
+            yield Row("drag there (x, y, z)", told(self.drag, "nN s/m"), detail=True)
         yield from self._frequencies(doubt)
         yield from self._lifetime(doubt)
         if self.absorbed_power is not None and self.torque is not None:
-            yield Row("absorbed power", f"{1e3 * self.absorbed_power:.4g} mW", detail=True)
-            torque = three(*(1e18 * each for each in self.torque))
-            yield Row("torque about the bead's centre", f"{torque} pN um", detail=True)
+            yield Row("absorbed power", told(self.absorbed_power, "mW"), detail=True)
+            yield Row("torque about the bead's centre", told(self.torque, "pN um"), detail=True)
 
     def _on_ring(self, ring: Ring) -> Iterator[Row]:
         """Rows of the ring that holds the bead."""
         radius, height = micrometres(ring.radius), micrometres(ring.height)
         name = "ring" if self.too_shallow else "held on a ring"
-        told = f"of radius {radius} um about the axis, at z = {height} um"
-        yield Row(name, told, self.too_shallow)
-        across, along = (f"{1e6 * each:.4g}" for each in ring.stiffness_across)
-        yield Row("stiffness (radial, z)", f"{across}, {along} pN/um")
+        words = f"of radius {radius} um about the axis, at z = {height} um"
+        yield Row(name, words, self.too_shallow)
+        yield Row("stiffness (radial, z)", told(ring.stiffness_across, "pN/um"))
         if abs(ring.azimuthal_force) > self.force_error:
-            yield Row("force round the axis", f"{1e12 * ring.azimuthal_force:.4g} pN")
-            told = f"{1e6 * ring.speed:.4g} um/s, {ring.rate:.4g} turns/s"
-            yield Row("driven round it at", told)
+            yield Row("force round the axis", told(ring.azimuthal_force, "pN"))
+            words = f"{told(ring.speed, 'um/s')}, {ring.rate:.4g} turns/s"
+            yield Row("driven round it at", words)
         others = self.rings[1:]
         if others:
             radii = ", ".join(micrometres(each.radius) for each in others)
@@ -333,26 +344,26 @@ class Trap(Comparable, Shown):
             return
         if not (self.lifetime or self.lifetime_caveat):
             return
-        told = self.lifetime.words if self.lifetime else ""
-        speaks = ", ".join(filter(None, (doubt if told else "", self.lifetime_caveat)))
-        yield Row("held for", told, speaks)
+        words = self.lifetime.words if self.lifetime else ""
+        speaks = ", ".join(filter(None, (doubt if words else "", self.lifetime_caveat)))
+        yield Row("held for", words, speaks)
         if self.lifetime and (without := self.lifetime_without_light):
             yield Row("  without light", without.words, adds_nothing(self.lifetime, without))
 
     def _frequencies(self, doubt: str) -> Iterator[Row]:
         """Rows of how the bead returns: it creeps back, or swings."""
         found = (
-            ("corner frequencies", self.corner_frequencies, " Hz"),
-            ("resonance frequencies", self.resonance_frequencies, " Hz"),
-            ("quality factors", self.quality_factors, ""),
+            ("corner frequencies", self.corner_frequencies, " Hz", quantities.CORNER),
+            ("resonance frequencies", self.resonance_frequencies, " Hz", quantities.RESONANCE),
+            ("quality factors", self.quality_factors, "", quantities.QUALITY),
         )
-        for name, values, unit in found:
+        for name, values, unit, quantity in found:
             if values is None or np.isnan(values).all():
                 continue
             known = ~np.isnan(values)
             of = "" if known.all() else f" ({', '.join(np.array(list('xyz'))[known])})"
             numbers = ", ".join(f"{value:.4g}" for value in values[known])
-            yield Row(name + of, numbers + unit, doubt)
+            yield Row(name + of, numbers + unit, doubt, of=quantity.name)
 
     def _others(self) -> Iterator[Row]:
         """Rows of the other equilibria."""
@@ -369,19 +380,19 @@ class Trap(Comparable, Shown):
                 yield Row(name, f"z = {', '.join(heights)} um", detail=True)
 
     def _escapes(self) -> Table:
-        worth = self.ray_optics
+        worth, um = self.ray_optics, per("um")
         headings = ["escape", "force, pN", "at, um", "energy, kT", "5 % range, um"]
         rows = []
         for each in self._ways_out:
-            end = f"over {1e6 * self.reach:.4g}"
+            end = f"over {um * self.reach:.4g}"
             if each.faint_at is not None:
-                end = f"{1e6 * each.faint_at:.4g}"
+                end = f"{um * each.faint_at:.4g}"
             elif each.wall_at is not None:
                 end = f"wall at {micrometres(each.wall_at)}"
             elif each.range is not None:
-                end = f"{1e6 * each.range:.4g}"
+                end = f"{um * each.range:.4g}"
             cells = [
-                each.direction, f"{1e12 * each.force:.4g}", f"{1e6 * each.force_at:.4g}",
+                each.direction, f"{per('pN') * each.force:.4g}", f"{um * each.force_at:.4g}",
                 f"{each.energy_kT:.4g}", end,
             ]  # fmt: skip
             if worth and not worth.trusted:
@@ -538,9 +549,9 @@ def _found(
     is in the focus: light that holds a bead there has its maximum on the axis.
     """
     search = problem.search
-    near = f"on the axis within {1e6 * search.reach:.4g} um of the focus"
+    near = f"on the axis within {told(search.reach, 'um')} of the focus"
     if search.farthest > search.reach and problem.scene.lit:
-        near += f" (where light just carries the weight, {1e6 * search.farthest:.4g} um)"
+        near += f" (where light just carries the weight, {told(search.farthest, 'um')})"
     places = problem.equilibria(net_force)
     rings: tuple[Ring, ...] = ()
     if not problem.about_axis:

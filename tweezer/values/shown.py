@@ -35,6 +35,8 @@ class Row(NamedTuple):
     """why it is not to be trusted; "" if nothing is known against it"""
     detail: bool = False
     """whether it is left out of the short text"""
+    of: str = ""
+    """name of the quantity that it tells; "" if it tells no quantity that the result lists"""
 
     @property
     def told(self) -> str:

@@ -18,6 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Union, get_args
 from pydantic import BeforeValidator, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import PydanticCustomError, core_schema
 
+from tweezer.values.prefixes import FREQUENT
+
 if TYPE_CHECKING:
     import numpy as np
     import pint
@@ -50,22 +52,6 @@ _PRODUCT = rf"(?:1\s*/\s*)?{_FACTORS}(?:\s*/\s*\({_FACTORS}\))?"
 _UNIT = re.compile(rf"{_PRODUCT}|degC|degF|°[CF]|celsius|fahrenheit|dBm")
 #: of a frequency alone
 _HERTZ = re.compile(r"[mkM]?Hz|1/s")
-#: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
-FREQUENT = {
-    "m": {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "m": 1.0},
-    "s": {"us": 1e-6, "ms": 1e-3, "s": 1.0},
-    "W": {"uW": 1e-6, "mW": 1e-3, "W": 1.0},
-    "K": {"K": 1.0},
-    "Pa s": {"mPa s": 1e-3, "Pa s": 1.0},
-    "kg/m^3": {"kg/m^3": 1.0},
-    "m/s": {"um/s": 1e-6, "mm/s": 1e-3, "m/s": 1.0},
-    "m/s^2": {"m/s^2": 1.0},
-    "1/s": {"Hz": 1.0, "kHz": 1e3},
-    "N": {"fN": 1e-15, "pN": 1e-12, "N": 1.0},
-    "N/m": {"fN/um": 1e-9, "pN/um": 1e-6, "N/m": 1.0},
-    "J": {"J": 1.0, "aJ": 1e-18, "zJ": 1e-21},
-    "V": {"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6, "nV": 1e-9},
-}
 #: K at 0 degC
 _ZERO_CELSIUS = 273.15
 #: how each SI unit is usually written, the likeliest first
@@ -280,14 +266,6 @@ def _number_and_unit(text: str, unit: str) -> tuple[float, str]:
     if not match["unit"]:
         raise ValueError(f"has no unit; write a bare number in {unit}, or {_example(unit)}")
     return float(match["number"]), match["unit"]
-
-
-def usual_unit(size: float, unit: str) -> tuple[float, str]:
-    """Factor to SI and name of the unit in which a size of the SI unit `unit` is 1 to 1000."""
-    units = FREQUENT.get(unit, {unit: 1.0})
-    below = {name: factor for name, factor in units.items() if factor <= abs(size) * (1 + 1e-9)}
-    name = max(below, key=below.__getitem__) if below else min(units, key=units.__getitem__)
-    return units[name], name
 
 
 def _by_pint(number: float, text: str, unit: str) -> float:

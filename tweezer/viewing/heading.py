@@ -9,7 +9,7 @@ import numpy as np
 
 from tweezer.scene import Scene, described_at
 from tweezer.values.errors import SceneError
-from tweezer.values.units import usual_unit
+from tweezer.values.prefixes import usual_unit
 
 #: Number of changes that a heading names
 _NAMED = 3

@@ -8,18 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.results.io import scene_of
-from tweezer.sweeps.quantities import (
-    DIMENSIONS,
-    FAILED,
-    MISSING,
-    SHOWN,
-    STABLE,
-    quantities_of,
-)
+from tweezer.sweeps.quantities import FAILED, MISSING, quantities_of
+from tweezer.trap.quantities import STABLE
+from tweezer.values.measured import DIMENSIONS
+from tweezer.values.prefixes import in_tables, typeset
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, named, of_changes
-from tweezer.viewing.rows import about_and_unit, computed_by
+from tweezer.viewing.rows import computed_by
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,9 +43,8 @@ def content(dataset: xr.Dataset) -> Content:
     arrays = {name: numbers for name, (_, numbers) in words.items()}
     quantities = []
     for name, quantity in quantities_of(of).items():
-        about, unit = about_and_unit(quantity)
-        scale, unit = _unit(unit, apart=name in _IN_SI)
-        along = DIMENSIONS[quantity.dimension] if quantity.dimension else []
+        scale, unit = _unit(quantity.unit, apart=name in _IN_SI)
+        along = DIMENSIONS[quantity.along] if quantity.along else []
         for each in (name, f"{name}_error"):
             if each in dataset:
                 values = dataset[each].transpose(*over, ...).values * scale
@@ -58,8 +53,8 @@ def content(dataset: xr.Dataset) -> Content:
                 if np.isinf(values).any():
                     arrays[f"{each}_endless"] = float32(np.isinf(values), "1")
         quantities.append({
-            "name": name, "about": about, "unit": unit, "along": along,
-            "least": quantity.dimension == "direction",
+            "name": name, "about": quantity.about, "unit": unit, "along": along,
+            "least": quantity.along == "direction",
             "log": name in _BY_RATIO, "error": f"{name}_error" in dataset,
         })  # fmt: skip
     outcomes, numbers = np.unique(dataset["outcome"].values, return_counts=True)
@@ -86,8 +81,8 @@ def content(dataset: xr.Dataset) -> Content:
 
 def _unit(unit: str, *, apart: bool = False) -> tuple[float, str]:
     """Scale and name of the unit in which a quantity is shown; apart: in SI."""
-    plain = 1.0, "" if unit == "1" else unit
-    return plain if apart else SHOWN.get(unit, plain)
+    scale, name = (1.0, unit) if apart else in_tables(unit)
+    return scale, typeset(name)
 
 
 def _words(values: NDArray[Any]) -> tuple[list[str], Packed]:

@@ -14,13 +14,13 @@ from scipy.ndimage import map_coordinates, maximum_filter, spline_filter1d
 from tweezer.dynamics import Problem, bound_once
 from tweezer.optics import Beams
 from tweezer.optics.light import LightForce
-from tweezer.sweeps.quantities import QUANTITIES, values_of_trap
 from tweezer.trap import Escape, Trap
+from tweezer.trap.quantities import LIFETIME, POWER
 from tweezer.values.constants import Boltzmann
 from tweezer.viewing.arrays import float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes
-from tweezer.viewing.rows import about_and_unit, of_number, si
+from tweezer.viewing.rows import of_number, si
 from tweezer.viewing.setting import of_the_picture, scene_facts
 
 Array = NDArray[np.float64]
@@ -320,23 +320,25 @@ def _compared(
 def _summary(trap: Trap) -> list[Row]:
     """What is known of the trap, each with its error."""
     sound = trap.ray_optics is None or trap.ray_optics.trusted
-    values = values_of_trap(trap)
-    rows = [Row("outcome", values["outcome"])]
-    for name, quantity in QUANTITIES["trap"].items():
-        if name not in values or name == "lifetime":
-            continue
-        about, unit = about_and_unit(quantity)
-        found = np.atleast_1d(values[name])
-        errors = np.broadcast_to(values.get(f"{name}_error", math.nan), found.shape)
-        for at, value, error in zip(quantity.along, found, errors, strict=True):
-            words = f"{about}, {at}" if at else about
-            known = float(error) if quantity.error else None
-            rows.append(of_number(words, float(value), known, unit, in_tables=True, trusted=sound))
-    told = {"error of the force", "stable equilibrium", "stiffness (x, y, z)", "corner frequencies"}
+    _ = trap.lifetime  # computed where it is asked for
+    rows = [Row("outcome", trap.words()["outcome"])]
+    in_words = {LIFETIME.name, POWER.name}  # their rows of the card say more
+    listed = [each for each in trap.quantities() if each.of.name not in in_words]
+    for measured in listed:
+        each = measured.in_kT(trap.scene.medium.temperature)
+        for at, value, error in zip(
+            each.of.entries, each.value.flat, each.errors.flat, strict=True
+        ):
+            words = f"{each.of.about}, {at}" if at else each.of.about
+            known = None if each.error is None else float(error)
+            rows.append(
+                of_number(words, float(value), known, each.of.unit, in_tables=True, trusted=sound)
+            )
+    told = {each.of.name for each in listed}
     rows += [
         Row(row.name.strip(), row.told, "", not row.caveat)
         for row in trap.card().rows
-        if row.name not in told
+        if row.of not in told
     ]
     return rows
 

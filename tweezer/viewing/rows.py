@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from tweezer.sweeps.quantities import SHOWN, Quantity
+from tweezer.values import prefixes
 from tweezer.values.rounding import rounded
 from tweezer.viewing.content import Row
 
@@ -27,7 +27,8 @@ def of_number(
         return Row(name, NOT_KNOWN, "", trusted=False)
     known = error is not None and 0 < error < math.inf
     size = value if value or not known or error is None else error
-    factor, shown = _in_tables(unit) if in_tables else _prefix(size, unit)
+    factor, shown = prefixes.in_tables(unit) if in_tables else prefixes.prefixed(size, unit)
+    shown = prefixes.typeset(shown)
     if error is None or not known:
         told = "" if error is None or error == 0 else NOT_KNOWN
         return Row(name, f"{factor * value:.4g} {shown}".rstrip(), told, trusted)
@@ -37,33 +38,12 @@ def of_number(
     return Row(name, f"{number} {shown}".rstrip(), f"± {uncertainty} {shown}".rstrip(), trusted)
 
 
-#: Powers of ten and their prefixes, from the largest
-_PREFIXES = {0: "", -3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -21: "z"}
-
-
-def _prefix(value: float, unit: str) -> tuple[float, str]:
-    if not unit or value == 0:
-        return 1.0, unit
-    power = next((each for each in _PREFIXES if abs(value) >= 10.0**each), -21)
-    return 10.0**-power, _PREFIXES[power] + unit
-
-
-def _in_tables(unit: str) -> tuple[float, str]:
-    return SHOWN.get(unit, (1.0, "" if unit == "1" else unit))
-
-
 def si(value: float, unit: str, digits: int = 3) -> str:
     """A number in the prefix that suits it; one that is not finite is not known."""
     if not math.isfinite(value):
         return NOT_KNOWN
-    factor, prefixed = _prefix(value, unit)
-    return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixed}"  # 300, not 3e+02
-
-
-def about_and_unit(quantity: Quantity) -> tuple[str, str]:
-    """Words on a quantity of a case, and its unit: of an energy in k_B T the words say that."""
-    about, energy, _ = quantity.about.partition(", in k_B T")
-    return about, "kT" if energy else quantity.unit
+    factor, name = prefixes.prefixed(value, unit)
+    return f"{float(f'{factor * value:.{digits}g}'):.6g} {prefixes.typeset(name)}"  # 300, not 3e+02
 
 
 def computed_by(attributes: Mapping[str, Any]) -> str:

@@ -1,0 +1,133 @@
+"""A result's numbers, each listed once; cards, commands, pages, sweeps and comparisons read them.
+
+A kind of result is a `Result`. It names its numbers in `QUANTITIES`, which says what a file of
+cases has even where a case failed, and yields those that it has in `quantities`::
+
+    STIFFNESS = Quantity("stiffness", "N/m", "stiffness at the equilibrium", along="axis")
+
+    @dataclass(frozen=True, repr=False)
+    class Found(Result):
+        QUANTITIES: ClassVar = (STIFFNESS,)
+
+        def quantities(self) -> Iterator[Measured]:
+            yield STIFFNESS(self.stiffness, self.stiffness_error)
+
+        def card(self) -> Card:
+            return Card("Found", self.name, tuple(each.row() for each in self.quantities()))
+
+A card whose rows say more than a number makes them with `told`, which finds the factor, and marks
+each with the name of its quantity: `Row("stiffness (x, y, z)", told(k, "pN/um"), of="stiffness")`.
+Values are in SI units; factors to those of a card are in `tweezer.values.prefixes` alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tweezer.values.constants import Boltzmann
+from tweezer.values.prefixes import in_tables, per
+from tweezer.values.rounding import with_uncertainty
+from tweezer.values.shown import Row, Shown
+
+#: Names along the dimensions of quantities
+DIMENSIONS = {"axis": ["x", "y", "z"], "direction": ["+x", "-x", "+y", "-y", "+z", "-z"]}
+#: Kinds of errors: a bound of the deviation, or a standard error
+BOUND, STANDARD = "bound", "standard"
+
+
+class Quantity(NamedTuple):
+    """What is known of a number before it is measured."""
+
+    name: str
+    unit: str
+    """SI; "1" of a number without one"""
+    about: str
+    """in words, with what it depends on"""
+    along: str = ""
+    """dimension of its entries: "axis" or "direction"; "" for one number"""
+    kind: str = BOUND
+    """kind of its error; "" without one"""
+    swept: bool = True
+    """whether it is a variable of sweeps"""
+    compared: bool = False
+    """whether `tweezer compare` compares it"""
+
+    @property
+    def entries(self) -> list[str]:
+        """Names of its numbers; of one number alone an empty one."""
+        return DIMENSIONS[self.along] if self.along else [""]
+
+    @property
+    def in_kT(self) -> Quantity:
+        """The same in k_B T where it is an energy."""
+        return self._replace(unit="kT") if self.unit == "J" else self
+
+    def __call__(
+        self, value: ArrayLike | None, error: ArrayLike | None = None, *findings: str
+    ) -> Measured:
+        """Return this quantity with its value, NaN for None, its error and its findings."""
+        number = np.asarray(np.nan if value is None else value, np.float64)
+        known = np.asarray(np.nan if error is None else error, np.float64)
+        return Measured(self, number, known if self.kind else None, findings)
+
+
+class Measured(NamedTuple):
+    """A number of a result, or several along a dimension."""
+
+    of: Quantity
+    value: NDArray[np.float64]
+    error: NDArray[np.float64] | None
+    """of each entry; or one number, of the length of a vector; NaN if it is not known, and None
+    for a quantity without one"""
+    findings: tuple[str, ...] = ()
+    """what speaks against it"""
+
+    @property
+    def errors(self) -> NDArray[np.float64]:
+        """The error of each entry."""
+        known = np.nan if self.error is None else self.error
+        return np.broadcast_to(known, self.value.shape)
+
+    def in_kT(self, temperature: float) -> Measured:
+        """The same in k_B T at that temperature, K, where it is an energy."""
+        if self.of.unit != "J" or self.error is None:
+            return self
+        thermal = Boltzmann * temperature
+        return self._replace(
+            of=self.of.in_kT, value=self.value / thermal, error=self.error / thermal
+        )
+
+    def row(self, name: str = "", *, detail: bool = False) -> Row:
+        """The row of a card: numbers with as many digits as their errors leave, and findings."""
+        factor, unit = in_tables(self.of.unit)
+        numbers = (
+            with_uncertainty(factor * float(value), factor * float(error))
+            for value, error in zip(self.value.flat, self.errors.flat, strict=True)
+        )
+        words = f"{', '.join(numbers)} {unit}".rstrip()
+        return Row(name or self.of.about, words, ", ".join(self.findings), detail, self.of.name)
+
+
+class Result(Shown):
+    """A result that lists its numbers: see the head of this module."""
+
+    QUANTITIES: ClassVar[tuple[Quantity, ...]] = ()
+    """every quantity that a result of this kind can have"""
+
+    def quantities(self) -> Iterator[Measured]:
+        """The numbers that this result has, in the order of `QUANTITIES`."""
+        raise NotImplementedError
+
+    def words(self) -> dict[str, str]:
+        """What is said in words: its outcome, the reason, what speaks against its numbers."""
+        return {}
+
+
+def told(values: ArrayLike, unit: str, digits: int = 4) -> str:
+    """Return SI numbers in a unit with prefixes: "12.3, 12.3, 4.1 pN/um" in "pN/um"."""
+    numbers = (f"{per(unit) * each:.{digits}g}" for each in np.ravel(np.asarray(values, float)))
+    return f"{', '.join(numbers)} {unit}"

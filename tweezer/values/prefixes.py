@@ -1,0 +1,96 @@
+"""The one table of units in which numbers are shown, each with its factor, found from its name."""
+
+from __future__ import annotations
+
+import functools
+import re
+
+#: Powers of ten of prefixes
+_POWERS = {"k": 3, "m": -3, "u": -6, "µ": -6, "n": -9, "p": -12, "f": -15, "a": -18, "z": -21}
+_FACTOR = re.compile(
+    r"(?P<prefix>[kmuµnpfaz]?)(?:m|s|W|N|J|K|V|Pa|Hz)(?:\^(?P<power>\d))?|kg|rad|px|kT|1"
+)
+#: Of each SI unit those in which its numbers are usually written; tables and figures have the first
+_UNITS = {
+    "m": ("um", "nm", "mm", "m"),
+    "s": ("ms", "us", "s"),
+    "W": ("mW", "uW", "W"),
+    "K": ("K",),
+    "Pa s": ("mPa s", "Pa s"),
+    "kg/m^3": ("kg/m^3",),
+    "m/s": ("m/s", "um/s", "mm/s"),
+    "m/s^2": ("m/s^2",),
+    "1/s": ("Hz", "kHz"),
+    "N": ("pN", "fN", "N"),
+    "N/m": ("pN/um", "fN/um", "N/m"),
+    "J": ("J", "aJ", "zJ"),
+    "V": ("V", "mV", "uV", "µV", "nV"),
+    "m^2": ("nm^2",),
+    "m^2/s": ("um^2/s",),
+    "kg/s": ("nN s/m",),
+    "N m": ("pN um",),
+}
+#: Those of which the prefix does not follow the size of a number
+_ONE_ALONE = ("m^2", "m^2/s", "kg/s", "N m")
+
+
+@functools.cache
+def factor(unit: str) -> float:
+    """Return the factor of a unit to its SI unit by its prefixes: 1e-6 of "pN/um"."""
+    above, _, below = unit.partition("/")
+    return float(f"1e{_power(above) - _power(below.strip('()'))}")
+
+
+def _power(product: str) -> int:
+    """Return the power of ten of a product of units, such as "nN s"."""
+    power = 0
+    for each in product.split():
+        if (match := _FACTOR.fullmatch(each)) is None:
+            raise ValueError(f"{each!r}: not a unit whose factor is known")
+        power += _POWERS.get(match["prefix"] or "", 0) * int(match["power"] or 1)
+    return power
+
+
+#: Factors of frequent units to the SI unit, as Pint has them, which takes half a second to import
+FREQUENT = {
+    unit: {name: factor(name) for name in names}
+    for unit, names in _UNITS.items()
+    if unit not in _ONE_ALONE
+}
+
+
+@functools.cache
+def per(unit: str) -> float:
+    """Return the factor from the SI unit to this one: 1e6 to "pN/um"."""
+    return float(f"{1 / factor(unit):.12g}")
+
+
+def in_tables(unit: str) -> tuple[float, str]:
+    """Return the factor from the SI unit to that of tables and figures, and its name.
+
+    A unit without an entry in the table stays as it is; "1" has no name.
+    """
+    name = _UNITS[unit][0] if unit in _UNITS else unit
+    return per(name) if name != unit else 1.0, "" if name == "1" else name
+
+
+def typeset(unit: str) -> str:
+    """Return the name of a unit with the signs that pages and figures have: "µm²" of "um^2"."""
+    return re.sub(r"\bu(?=[msWV])", "µ", re.sub(r"(?<=[unp]m)\^2", "²", unit))
+
+
+def usual_unit(size: float, unit: str) -> tuple[float, str]:
+    """Factor to SI and name of the unit in which a size of the SI unit `unit` is 1 to 1000."""
+    units = FREQUENT.get(unit, {unit: 1.0})
+    below = {name: each for name, each in units.items() if each <= abs(size) * (1 + 1e-9)}
+    name = max(below, key=below.__getitem__) if below else min(units, key=units.__getitem__)
+    return units[name], name
+
+
+def prefixed(size: float, unit: str) -> tuple[float, str]:
+    """Return the factor and the unit with the prefix with which `size` is 1 to 1000."""
+    if not unit or size == 0:
+        return 1.0, unit
+    signs = {0: "", **{power: each for each, power in _POWERS.items() if power < 0}}
+    power = next((each for each in signs if abs(size) >= 10.0**each), -21)
+    return 10.0**-power, signs[power] + unit
