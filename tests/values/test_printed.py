@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from tweezer.values.printed import _FACTORS, in_unit, pair, printed, signal_unit, with_error
+from tweezer.values.prefixes import per
+from tweezer.values.printed import in_unit, pair, printed, signal_unit, with_error
 from tweezer.values.units import to_si
 
 
@@ -13,7 +14,7 @@ from tweezer.values.units import to_si
     ("nN s/m", "kg/s"), ("mPa s", "Pa s"), ("zJ", "J"), ("um^2/s", "m^2/s"), ("mV", "V"),
 ])  # fmt: skip
 def test_factor_is_that_of_the_units_that_users_write(unit, si):
-    assert _FACTORS[unit] * to_si(f"1 {unit}", si) == pytest.approx(1, rel=1e-12)
+    assert per(unit) * to_si(f"1 {unit}", si) == pytest.approx(1, rel=1e-12)
 
 
 def test_number_has_its_unit_and_as_many_digits_as_its_error():

@@ -35,8 +35,9 @@ from tweezer.scene import Scene, SceneLike
 from tweezer.trap import quantities
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.errors import ResultError, TweezerError
-from tweezer.values.measured import Measured, Result, told
+from tweezer.values.measured import Measured, Result
 from tweezer.values.prefixes import per
+from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
@@ -257,7 +258,7 @@ class Trap(Comparable, Result):
         The lifetime is among it once it was asked for: it takes a while to compute.
         """
         share = self.fraction_through_pupil
-        power = told(self.power_through_pupil, "mW")
+        power = printed(self.power_through_pupil, "mW")
         power += "" if share is None else f", {100 * share:.4g} % of the beam"
         own = [Row("forces of your own", str(self.other_forces))] if self.other_forces else []
         return Card(
@@ -265,7 +266,7 @@ class Trap(Comparable, Result):
             (
                 Row("power through the pupil", power), *self._efficiencies(), *self._held(),
                 *self._others(), *own,
-                Row("error of the force", told(self.force_error, "pN", 1), of="force_error"),
+                Row("error of the force", printed(self.force_error, "pN", 1), of="force_error"),
                 Row("force by", self.evaluator, detail=True), rows_of_light(self.scene)[0],
             ),
             (self._escapes(),) if self._ways_out else (),
@@ -301,24 +302,24 @@ class Trap(Comparable, Result):
         if worth and worth.equilibrium_shift:
             low, high = (f"{per('um') * shift:+.2g}" for shift in worth.equilibrium_shift)
             yield Row("  by wave optics", f"{low} to {high} um from there", detail=True)
-        stiffness = told((kx, ky, kz), "pN/um")
+        stiffness = printed((kx, ky, kz), "pN/um")
         yield Row("stiffness (x, y, z)", stiffness, doubt, of="stiffness")
         if abs(kxy + kyx) > _NEGLIGIBLE * kx:
-            yield Row("stiffness, xy", told((kxy + kyx) / 2, "pN/um"), doubt, detail=True)
+            yield Row("stiffness, xy", printed((kxy + kyx) / 2, "pN/um"), doubt, detail=True)
         if abs(place.turn) > _NEGLIGIBLE * kx:
-            turn = f"{told(place.turn, 'pN/um')}, (dFy/dx - dFx/dy)/2"
+            turn = f"{printed(place.turn, 'pN/um')}, (dFy/dx - dFx/dy)/2"
             yield Row("push round the axis", turn, detail=True)
         if worth and worth.stiffness_across:
             across, along_z = between(worth.stiffness_across), between(worth.stiffness_along)
             yield Row("  by wave optics", f"{across} times that, z {along_z} times")
         if self.gap is not None and self.drag is not None:
             yield Row("gap to the wall there", f"{micrometres(self.gap)} um")
-            yield Row("drag there (x, y, z)", told(self.drag, "nN s/m"), detail=True)
+            yield Row("drag there (x, y, z)", printed(self.drag, "nN s/m"), detail=True)
         yield from self._frequencies(doubt)
         yield from self._lifetime(doubt)
         if self.absorbed_power is not None and self.torque is not None:
-            yield Row("absorbed power", told(self.absorbed_power, "mW"), detail=True)
-            yield Row("torque about the bead's centre", told(self.torque, "pN um"), detail=True)
+            yield Row("absorbed power", printed(self.absorbed_power, "mW"), detail=True)
+            yield Row("torque about the bead's centre", printed(self.torque, "pN um"), detail=True)
 
     def _on_ring(self, ring: Ring) -> Iterator[Row]:
         """Rows of the ring that holds the bead."""
@@ -326,10 +327,10 @@ class Trap(Comparable, Result):
         name = "ring" if self.too_shallow else "held on a ring"
         words = f"of radius {radius} um about the axis, at z = {height} um"
         yield Row(name, words, self.too_shallow)
-        yield Row("stiffness (radial, z)", told(ring.stiffness_across, "pN/um"))
+        yield Row("stiffness (radial, z)", printed(ring.stiffness_across, "pN/um"))
         if abs(ring.azimuthal_force) > self.force_error:
-            yield Row("force round the axis", told(ring.azimuthal_force, "pN"))
-            words = f"{told(ring.speed, 'um/s')}, {ring.rate:.4g} turns/s"
+            yield Row("force round the axis", printed(ring.azimuthal_force, "pN"))
+            words = f"{printed(ring.speed, 'um/s')}, {ring.rate:.4g} turns/s"
             yield Row("driven round it at", words)
         others = self.rings[1:]
         if others:
@@ -549,9 +550,9 @@ def _found(
     is in the focus: light that holds a bead there has its maximum on the axis.
     """
     search = problem.search
-    near = f"on the axis within {told(search.reach, 'um')} of the focus"
+    near = f"on the axis within {printed(search.reach, 'um')} of the focus"
     if search.farthest > search.reach and problem.scene.lit:
-        near += f" (where light just carries the weight, {told(search.farthest, 'um')})"
+        near += f" (where light just carries the weight, {printed(search.farthest, 'um')})"
     places = problem.equilibria(net_force)
     rings: tuple[Ring, ...] = ()
     if not problem.about_axis:

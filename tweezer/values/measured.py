@@ -15,9 +15,10 @@ cases has even where a case failed, and yields those that it has in `quantities`
         def card(self) -> Card:
             return Card("Found", self.name, tuple(each.row() for each in self.quantities()))
 
-A card whose rows say more than a number makes them with `told`, which finds the factor, and marks
-each with the name of its quantity: `Row("stiffness (x, y, z)", told(k, "pN/um"), of="stiffness")`.
-Values are in SI units; factors to those of a card are in `tweezer.values.prefixes` alone.
+A card whose rows say more than a number makes them with `printed`, which finds the factor, and
+marks each with its quantity, `Row("stiffness (x, y, z)", printed(k, "pN/um"), of="stiffness")`: a
+page that has listed the quantity leaves out that row. Values are in SI units; factors to those of a
+card are in `tweezer.values.prefixes` alone.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.values.constants import Boltzmann
-from tweezer.values.prefixes import in_tables, per
+from tweezer.values.prefixes import in_tables
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Row, Shown
 
@@ -125,9 +126,3 @@ class Result(Shown):
     def words(self) -> dict[str, str]:
         """What is said in words: its outcome, the reason, what speaks against its numbers."""
         return {}
-
-
-def told(values: ArrayLike, unit: str, digits: int = 4) -> str:
-    """Return SI numbers in a unit with prefixes: "12.3, 12.3, 4.1 pN/um" in "pN/um"."""
-    numbers = (f"{per(unit) * each:.{digits}g}" for each in np.ravel(np.asarray(values, float)))
-    return f"{', '.join(numbers)} {unit}"

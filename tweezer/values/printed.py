@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 
-from tweezer.values.rounding import rounded, with_uncertainty
+import numpy as np
+from numpy.typing import ArrayLike
 
-#: Factors from SI to the printed units
-_FACTORS = {
-    "um": 1e6, "nm": 1e9, "s": 1.0, "ms": 1e3, "us": 1e6, "Hz": 1.0, "kHz": 1e-3, "pN/um": 1e6,
-    "nN s/m": 1e9, "mPa s": 1e3, "zJ": 1e21, "um^2/s": 1e12, "V^2/s": 1.0, "10^-12 V^2/s": 1e12,
-    "mV": 1e3, "um/V": 1e6, "pN/V": 1e12, "10^-23 J/K": 1e23, "m": 1.0, "W": 1.0, "": 1.0,
-}  # fmt: skip
+from tweezer.values.prefixes import per
+from tweezer.values.rounding import rounded, with_uncertainty
 
 
 def scaled(value: float, unit: str) -> float:
     """Return a number in SI in the printed unit."""
-    return _FACTORS[unit] * value
+    return per(unit) * value
 
 
 def in_unit(value: float, unit: str, digits: int = 4) -> str:
@@ -24,9 +21,10 @@ def in_unit(value: float, unit: str, digits: int = 4) -> str:
     return f"{scaled(value, unit):.{digits}g}"
 
 
-def printed(value: float, unit: str, digits: int = 4) -> str:
-    """Return the text of a number with its unit."""
-    return f"{in_unit(value, unit, digits)} {unit}".rstrip()
+def printed(values: ArrayLike, unit: str, digits: int = 4) -> str:
+    """Return the text of a number, or of several, with its unit: "12.3, 12.3, 4.1 pN/um"."""
+    numbers = (in_unit(each, unit, digits) for each in np.ravel(np.asarray(values, float)))
+    return f"{', '.join(numbers)} {unit}".rstrip()
 
 
 def pair(value: float, error: float, unit: str) -> tuple[str, str]:
