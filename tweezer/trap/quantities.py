@@ -1,18 +1,14 @@
-"""Numbers of a trap, with the errors that follow from that of the force."""
+"""What a trap has numbers of, and the words for what becomes of its bead."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from tweezer.scene.theory import largest_wavenumber
-from tweezer.values.measured import Measured, Quantity
+from tweezer.values.measured import Quantity
 
 if TYPE_CHECKING:
     from tweezer.scene import Scene
-    from tweezer.trap.trap import Trap
 
 #: What becomes of a bead
 HELD, RESTS, LOST = "held", "rests on the wall", "not held"
@@ -50,56 +46,6 @@ QUANTITIES = (
     EQUILIBRIUM, STIFFNESS, CORNER, RESONANCE, QUALITY, RING, ESCAPE_FORCE, ESCAPE_ENERGY,
     LIFETIME, FORCE_ERROR, POWER,
 )  # fmt: skip
-
-
-def quantities_of(trap: Trap) -> Iterator[Measured]:
-    """Numbers of a trap; see `Trap.quantities`."""
-    place, ring, error = trap.equilibrium, trap.ring, trap.force_error
-    if place is not None:
-        of_stiffness = error * gradient_of_errors(trap.scene)
-        yield EQUILIBRIUM(place.position, error / min(place.eigenvalues))
-        yield STIFFNESS(place.stiffness_xyz, np.full(3, of_stiffness))
-        relative = of_stiffness / np.abs(place.stiffness_xyz)
-        for quantity, numbers, power in (
-            (CORNER, trap.corner_frequencies, 1.0),
-            (RESONANCE, trap.resonance_frequencies, 0.5),
-            (QUALITY, trap.quality_factors, 0.5),
-        ):
-            if numbers is not None:
-                yield quantity(numbers, numbers * power * relative)
-    if ring is not None:
-        yield RING(ring.radius, error / float(np.linalg.eigvals(ring.stiffness).real.min()))
-    if place is not None:
-        ways = trap.escapes
-        lengths = np.array([each.range or each.wall_at or trap.reach for each in ways])
-        yield ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
-        yield ESCAPE_ENERGY(
-            [each.energy for each in ways],
-            [each.energy_error for each in ways] + error * lengths,
-        )
-    if "lifetime" in vars(trap) or trap.other_forces:
-        held = trap.lifetime
-        yield LIFETIME(held.time, held.error) if held else LIFETIME(None)
-    yield FORCE_ERROR(error)
-    yield POWER(trap.power_through_pupil, 0.0)
-
-
-def outcome_of(trap: Trap) -> dict[str, str]:
-    """What becomes of the bead in a word, why none is held, and what speaks against the numbers."""
-    place, lifetime = trap.equilibrium, trap.lifetime_caveat
-    caveats = [trap.caveat, lifetime and f"lifetime: {lifetime}"]
-    ways = trap.ring.escapes if trap.ring else trap.escapes
-    deep = min((each.energy_kT for each in ways), default=0.0) >= STABLE
-    reason = trap.reason
-    if trap.ring is not None:
-        outcome, reason = ON_RING, trap.reason if trap.too_shallow else ""
-    elif place is None:
-        outcome = RESTS if trap.rests else LOST
-    else:
-        outcome = HELD
-    if (trap.ring or place) and (trap.too_shallow or not deep):
-        outcome = LOST if trap.too_shallow else SHALLOW
-    return {"outcome": outcome, "reason": reason, "caveat": "; ".join(filter(None, caveats))}
 
 
 def gradient_of_errors(scene: Scene) -> float:

@@ -32,7 +32,7 @@ from tweezer.optics import (
 from tweezer.optics.light import SPEED_OF_LIGHT, LightForce
 from tweezer.optics.worth import between
 from tweezer.scene import Scene, SceneLike
-from tweezer.trap import quantities
+from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.errors import ResultError, TweezerError
 from tweezer.values.measured import Measured, Result
@@ -70,7 +70,7 @@ class Trap(Comparable, Result):
     error with this reason.
     """
 
-    QUANTITIES: ClassVar = quantities.QUANTITIES
+    QUANTITIES: ClassVar = known.QUANTITIES
 
     scene: Scene = field(compare=False)
     """the scene that it is the trap of"""
@@ -246,11 +246,52 @@ class Trap(Comparable, Result):
 
     def quantities(self) -> Iterator[Measured]:
         """Its numbers; the lifetime is among them once it was asked for."""
-        return quantities.quantities_of(self)
+        place, ring, error = self.equilibrium, self.ring, self.force_error
+        if place is not None:
+            of_stiffness = error * known.gradient_of_errors(self.scene)
+            yield known.EQUILIBRIUM(place.position, error / min(place.eigenvalues))
+            yield known.STIFFNESS(place.stiffness_xyz, np.full(3, of_stiffness))
+            relative = of_stiffness / np.abs(place.stiffness_xyz)
+            for quantity, numbers, power in (
+                (known.CORNER, self.corner_frequencies, 1.0),
+                (known.RESONANCE, self.resonance_frequencies, 0.5),
+                (known.QUALITY, self.quality_factors, 0.5),
+            ):
+                if numbers is not None:
+                    yield quantity(numbers, numbers * power * relative)
+        if ring is not None:
+            softest = float(np.linalg.eigvals(ring.stiffness).real.min())
+            yield known.RING(ring.radius, error / softest)
+        if place is not None:
+            ways = self.escapes
+            lengths = np.array([each.range or each.wall_at or self.reach for each in ways])
+            yield known.ESCAPE_FORCE([each.force for each in ways], np.full(len(ways), error))
+            yield known.ESCAPE_ENERGY(
+                [each.energy for each in ways],
+                [each.energy_error for each in ways] + error * lengths,
+            )
+        if "lifetime" in vars(self) or self.other_forces:
+            held = self.lifetime
+            yield known.LIFETIME(held.time, held.error) if held else known.LIFETIME(None)
+        yield known.FORCE_ERROR(error)
+        yield known.POWER(self.power_through_pupil, 0.0)
 
     def words(self) -> dict[str, str]:
         """What becomes of the bead, why none is held, and what speaks against the numbers."""
-        return quantities.outcome_of(self)
+        place, lifetime = self.equilibrium, self.lifetime_caveat
+        caveats = [self.caveat, lifetime and f"lifetime: {lifetime}"]
+        ways = self.ring.escapes if self.ring else self.escapes
+        deep = min((each.energy_kT for each in ways), default=0.0) >= known.STABLE
+        reason = self.reason
+        if self.ring is not None:
+            outcome, reason = known.ON_RING, self.reason if self.too_shallow else ""
+        elif place is None:
+            outcome = known.RESTS if self.rests else known.LOST
+        else:
+            outcome = known.HELD
+        if (self.ring or place) and (self.too_shallow or not deep):
+            outcome = known.LOST if self.too_shallow else known.SHALLOW
+        return {"outcome": outcome, "reason": reason, "caveat": "; ".join(filter(None, caveats))}
 
     def card(self) -> Card:
         """Equilibrium, stiffness, how long it holds, efficiencies; and the escapes.
@@ -354,16 +395,16 @@ class Trap(Comparable, Result):
     def _frequencies(self, doubt: str) -> Iterator[Row]:
         """Rows of how the bead returns: it creeps back, or swings."""
         found = (
-            ("corner frequencies", self.corner_frequencies, " Hz", quantities.CORNER),
-            ("resonance frequencies", self.resonance_frequencies, " Hz", quantities.RESONANCE),
-            ("quality factors", self.quality_factors, "", quantities.QUALITY),
+            ("corner frequencies", self.corner_frequencies, " Hz", known.CORNER),
+            ("resonance frequencies", self.resonance_frequencies, " Hz", known.RESONANCE),
+            ("quality factors", self.quality_factors, "", known.QUALITY),
         )
         for name, values, unit, quantity in found:
             if values is None or np.isnan(values).all():
                 continue
-            known = ~np.isnan(values)
-            of = "" if known.all() else f" ({', '.join(np.array(list('xyz'))[known])})"
-            numbers = ", ".join(f"{value:.4g}" for value in values[known])
+            have = ~np.isnan(values)
+            of = "" if have.all() else f" ({', '.join(np.array(list('xyz'))[have])})"
+            numbers = ", ".join(f"{value:.4g}" for value in values[have])
             yield Row(name + of, numbers + unit, doubt, of=quantity.name)
 
     def _others(self) -> Iterator[Row]:
