@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
+from tweezer.dynamics.brownian.propagator import stationary_root
+from tweezer.dynamics.layout import TRANSLATION
+from tweezer.dynamics.needs import rates_of
 from tweezer.dynamics.problem import Problem
-from tweezer.fluid import BesideWall
+from tweezer.fluid import Walls
 from tweezer.forces.wall import Dlvo
 from tweezer.values.constants import Boltzmann
 
@@ -42,31 +46,30 @@ def without_walls(problem: Problem) -> Problem:
     return dataclasses.replace(problem, walls=())
 
 
-def towards(problem: Problem) -> Towards:
+def towards(problem: Problem, walls: Walls) -> Towards:
     """How fast a bead moves towards the wall where it is found: about its trap, or from its start.
 
     On a line across the wall, by the density of Boltzmann as far as no barrier is; of a trap, up to
     where it ends, and without one at the start too.
     """
-    drag, scene = problem.drag, problem.scene
-    assert isinstance(drag, BesideWall)
+    scene = problem.scene
     trap = problem.equilibrium
     middle = np.array(scene.start_position if trap is None else trap.position)
-    radius, kT = drag.radius, Boltzmann * scene.medium.temperature
-    position, normal = drag.planes[0]
+    radius, kT = walls.radius, Boltzmann * scene.medium.temperature
+    position, normal = walls.planes[0]
     at = normal * (middle[2] - position) / radius - 1
     most = at + _AROUND if trap is not None else 2 * at + _AROUND
-    if len(drag.planes) > 1:
-        most = min(most, abs(drag.planes[1][0] - position) / radius - 2)
+    if len(walls.planes) > 1:
+        most = min(most, abs(walls.planes[1][0] - position) / radius - 2)
     about = np.linspace(max(at - _ABOUT, 0.0), min(at + _ABOUT, most), _POINTS)
     root = np.unique(np.sqrt(np.concatenate([np.linspace(0, most**0.5, _POINTS) ** 2, about])))
     root = root[(root > 0) & (root**2 < most)]
     gap = root**2
     places = np.tile(middle, (len(gap), 1))
     places[:, 2] = position + normal * radius * (1 + gap)
-    found = drag.mobilities(places, gradient=True)
-    mu = found.value[:, 1] * drag.stokes.translation
-    slope = found.gradient[:, 1, 2] * drag.stokes.translation * normal * radius
+    found = problem.drag.mobilities(places, gradient=True)
+    mu = found.value[:, 1] * walls.stokes.translation
+    slope = found.gradient[:, 1, 2] * walls.stokes.translation * normal * radius
     scale = np.sqrt(2 * mu)
     by_root = 2 * root / scale
     r = by_root[0] * root[0] + np.concatenate(
@@ -83,7 +86,7 @@ def towards(problem: Problem) -> Towards:
         energy[: here + 1] = np.maximum.accumulate(energy[here::-1])[::-1]
     density = np.exp(energy[reached].min() - np.where(reached, energy, np.inf)) * np.gradient(gap)
     density /= density.sum()
-    rate = kT / drag.stokes.translation / radius**2
+    rate = kT / walls.stokes.translation / radius**2
     drift = 0.5 * (force * scale + slope / scale - 1 / r)
     change = -rate * np.gradient(drift, r)
     order = np.argsort(np.abs(change))
@@ -109,11 +112,37 @@ def rate_of_sticking(problem: Problem) -> float:
 
     In the plane, where the bead is at the gap 0 in the middle: D/r^2 times F r/(2 kT).
     """
-    drag = problem.drag
-    if not isinstance(drag, BesideWall):
+    walls = problem.drag.walls
+    if walls is None:
         return 0.0
     pulls = [each.attraction for each in problem.walls if isinstance(each, Dlvo)]
-    return max(pulls, default=0.0) / (2 * drag.radius * drag.stokes.translation)
+    return max(pulls, default=0.0) / (2 * walls.radius * walls.stokes.translation)
+
+
+def held(problem: Problem, walls: Walls, kT: float, normal: Array) -> Array:
+    """Places from the trap, (n, 3) m, of beads that it holds beside a wall.
+
+    Gaussian as far as its spring goes, and cut at contact. normal: the numbers (n, 3).
+    """
+    trap = problem.equilibrium
+    assert trap is not None
+    mobility = problem.mobilities(np.array([trap.position]))[0, TRANSLATION]
+    root = stationary_root(np.zeros(3), rates_of(trap, mobility), kT * mobility)
+    covariance = root @ root.T
+    spread = math.sqrt(covariance[2, 2])
+    ends = np.array([-math.inf, math.inf])
+    for position, direction in walls.planes:
+        room = direction * (trap.position[2] - position) - walls.radius
+        ends[int(direction < 0)] = -direction * room / spread
+    z = cut(normal[:, 2], *ends.tolist())
+    with_z = covariance[:2, 2] / spread
+    beside = np.linalg.cholesky(covariance[:2, :2] - np.outer(with_z, with_z))
+    x, y = normal[:, 0], normal[:, 1]
+    return np.column_stack([
+        with_z[0] * z + beside[0, 0] * x,
+        with_z[1] * z + beside[1, 0] * x + beside[1, 1] * y,
+        spread * z,
+    ])  # fmt: skip
 
 
 def cut(normal: Array, low: float, high: float) -> Array:

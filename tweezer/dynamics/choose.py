@@ -7,11 +7,10 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion, bind
+from tweezer.dynamics.needs import with_inertia_of_the_fluid, without_memory
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import enough_poles, left_out_of_walls
 from tweezer.scene import FREE, Scene
-from tweezer.scene.choices import METHODS
-from tweezer.values.errors import SceneError
 
 Array = NDArray[np.float64]
 
@@ -49,7 +48,7 @@ def decided(problem: Problem) -> tuple[Problem, str]:
         problem = problem.decided(simulation={"model": model})
         reasons.append(reason)
     if problem.scene.medium.inertia in (None, "memory"):
-        problem, reason = _inertia(problem)
+        problem, reason = with_inertia_of_the_fluid(problem, _memory)
         reasons.append(reason)
     if problem.scene.simulation.method == "auto":
         method, reason = method_for(bind(problem))
@@ -58,26 +57,13 @@ def decided(problem: Problem) -> tuple[Problem, str]:
     return problem, "; ".join(reasons)
 
 
-def _inertia(problem: Problem) -> tuple[Problem, str]:
-    """A problem of a model with a memory, or without the fluid's inertia, and why."""
+def _memory(problem: Problem) -> tuple[int, str]:
+    """Poles of the memory of the fluid whose error is within the tolerance, and the reason."""
     scene = problem.scene
-    medium, simulation = scene.medium, scene.simulation
-    missing = _without_memory(problem)
-    if medium.inertia is None and simulation.model != "full":
-        missing = f"with the model {simulation.model} only where it is named"
-    if missing and medium.inertia == "memory":
-        raise SceneError(without_memory(missing))
-    if missing:
-        if medium.poles is not None:
-            raise SceneError(poles_without_memory(medium.poles, missing))
-        return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
     way = scene.lag * problem.fastest
-    poles = medium.poles or enough_poles(way, simulation.position_tolerance)
-    return (
-        problem.remembering(poles),
-        f"memory of {poles} poles: without it the bead would be off by up to {way:.1g} m"
-        + _without_wall(scene),
-    )
+    poles = scene.medium.poles or enough_poles(way, scene.simulation.position_tolerance)
+    without = f"without it the bead would be off by up to {way:.1g} m"
+    return poles, f"memory of {poles} poles: {without}{_without_wall(scene)}"
 
 
 def _without_wall(scene: Scene) -> str:
@@ -91,38 +77,6 @@ def _without_wall(scene: Scene) -> str:
     )
 
 
-def without_memory(missing: str) -> str:
-    """Return the message for a scene that names a memory that it cannot have."""
-    return (
-        f"medium.inertia = 'memory': {missing}; must be none or added-mass; set medium.inertia to "
-        "none"
-    )
-
-
-def poles_without_memory(poles: int, missing: str) -> str:
-    """Return the message for a number of poles of a fluid that has no memory."""
-    return (
-        f"medium.poles = {poles}: requires the memory of the fluid, but {missing}; remove "
-        "medium.poles"
-    )
-
-
-def _without_memory(problem: Problem) -> str:
-    """Why the motion cannot have a memory; empty if it can."""
-    method = problem.scene.simulation.method
-    if method != "auto" and not METHODS[method].memory:
-        return f"the method {method} cannot follow it"
-    if not problem.drag.uniform:
-        return "the drag depends on the position, as it does beside a wall"
-    model = problem.scene.simulation.model or "full"
-    if not bind(problem.changed(model=model)).takes_drag_exactly:
-        return (
-            "it requires a sphere, a drag that is the same everywhere, and forces that do not "
-            "depend on the orientation"
-        )
-    return ""
-
-
 def _model(problem: Problem) -> tuple[str, str]:
     scene, tau = problem.scene, problem.relaxation_time
     simulation, inertia = scene.simulation, scene.medium.inertia
@@ -133,7 +87,7 @@ def _model(problem: Problem) -> tuple[str, str]:
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     if inertia in ("added-mass", "memory"):
         return "full", f"full: has the inertia of the fluid, {inertia}"
-    if inertia is None and not _without_memory(problem):
+    if inertia is None and not without_memory(problem):
         off += scene.lag * problem.fastest
     allowed = simulation.position_tolerance
     exactly = simulation.method == "exponential"

@@ -11,36 +11,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.compiled import address
-from tweezer.dynamics.beside_wall import (
-    Towards,
-    cut,
-    rate_of_sticking,
-    towards,
-    without_walls,
-)
-from tweezer.dynamics.brownian import crossing, march, memory, noise, plane, propagator
+from tweezer.dynamics.beside_wall import held
+from tweezer.dynamics.brownian import crossing, march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
 from tweezer.dynamics.brownian.crossing import Boundary, share
 from tweezer.dynamics.brownian.exposure import HELD
 from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.dynamics.brownian.rotation import LONGEST, LONGEST_WITH_INERTIA
-from tweezer.dynamics.camera import Exposure, Frames, at_short_times, longest_step
-from tweezer.dynamics.choose import poles_without_memory, rates_of_force, without_memory
+from tweezer.dynamics.camera import Exposure, Frames, at_short_times
 from tweezer.dynamics.continuing import Continued, End
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.models import Motion
+from tweezer.dynamics.needs import Facts, is_diagonal, rates_of
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.dynamics.step_bias import energy_loss, one_call_bias
-from tweezer.fluid import DRAG_KERNEL, BesideWall, Modes
+from tweezer.dynamics.step_bias import energy_loss
+from tweezer.dynamics.thermal import Linearised, decide, steps_of
+from tweezer.fluid import DRAG_KERNEL
 from tweezer.forces.data import Part
 from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.force import bound
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene import Scene
 from tweezer.scene.arguments import check_thermal
-from tweezer.scene.choices import METHODS, MODELS, POLES, at, methods
-from tweezer.scene.sections import MOST_SAMPLES, Simulation
-from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import IntegrationError, SceneError, warn
 
 Array = NDArray[np.float64]
@@ -48,40 +39,13 @@ Integers = NDArray[np.int64]
 
 #: Difference of what hidden variables are that rounding may make, as a part of it
 _SAME = 1e-6
-#: Step over the fastest time scale of the force
-_PART = 0.2
-#: Step over the time of a swing, sqrt(m/k), where that is longer: 63 steps a period
-_PART_OF_SWING = 0.1
-#: Largest error of the variance by the step, where the step follows it; and where it is warned of
-_BIAS, _WARNED = 0.005, 0.01
-#: Smallest error of the variance that is reported
-_TOLD = 1e-5
+#: Error of the variance by the step that is warned of, and the smallest that is reported
+_WARNED, _TOLD = 0.01, 1e-5
 #: Lateness of losses by one call of the force, over the step in relaxation times of the trap and
 #: its depth in k_B T, as measured on springs; and the smallest that is reported
 _LATE, _TOLD_LATE = 0.25, 1e-3
 #: Number of swings in the relaxation time above which the energy that steps take is measured
 _MANY_SWINGS = 100.0
-#: Step over the relaxation time, for methods that must resolve it
-_PART_OF_TAU = 0.2
-#: Quantile of |dF/dx| b around the trap that sets the time scale
-_MOST = 0.9
-#: Step over the time scale of the motion towards a wall with inertia; and where a bead flies freely
-#: for more than the last part of that time
-_PART_WITH_INERTIA, _PART_OF_FLIGHT, _FLIES = 0.1, 0.025, 1e-3
-#: Step over the shortest time in which a force changes, as a jump is smeared over a step
-_PART_OF_CHANGE = 0.05
-#: Diffusion in a step over the length in which the drag changes
-_PART_OF_LENGTH = 0.05
-#: Diffusion in a step over the distance at which a bead is lost
-_PART_OF_LOSS = 0.25
-#: Standard deviations from the trap that a bead does not reach
-_FARTHEST = 8.0
-#: Number of points on each line from the trap at which the drag is evaluated
-_ON_A_LINE = 65
-#: Part of the largest stiffness below which an entry of it is rounding
-_ROUNDING = 1e-9
-#: Upper bound on the steps of a sample interval
-_MOST_PER_SAMPLE = 10**6
 #: Normal numbers of a start that are not of the memory; those of the memory follow
 _DRAWN = Layout({"position": 3, "velocity": 3, "angular_velocity": 3})
 #: Steps of all beads between two looks of a camera
@@ -130,7 +94,7 @@ class Walk:
     @property
     def scheme(self) -> Scheme:
         """Scheme of its steps."""
-        return _scheme(self.problem)
+        return Facts(self.problem).scheme
 
     @property
     def loss_caveat(self) -> str:
@@ -196,11 +160,11 @@ class Walk:
             x += place
             v = _summed(self.weights.memory[:, None, memory.SEEN], z)[:, 0].T
             parts["memory"] = z.reshape(-1, n).T
-        elif thermal and self.equilibrium is not None and self._beside_wall:
-            x += self._held(drawn)
+        elif thermal and self.equilibrium is not None and self.problem.drag.walls is not None:
+            x += held(self.problem, self.problem.drag.walls, plan.kT, drawn)
         elif thermal and self.equilibrium is not None:
             tau = plan.tau[TRANSLATION] if "velocity" in self.layout else np.zeros(3)
-            rates = _rates(self.equilibrium, plan.mobility)
+            rates = rates_of(self.equilibrium, plan.mobility)
             root = propagator.stationary_root(tau, rates, plan.diffusion[TRANSLATION])
             apart = drawn[:, : len(root)] @ root.T
             x += apart[:, _DRAWN.at("position")]
@@ -216,37 +180,6 @@ class Walk:
                 turning = drawn[:, _DRAWN.at("angular_velocity")]
                 parts["angular_velocity"] = turning * speed[ROTATION]
         return np.ascontiguousarray(np.hstack([parts[name] for name in self.layout.blocks]))
-
-    @property
-    def _beside_wall(self) -> bool:
-        return isinstance(self.problem.drag, BesideWall)
-
-    def _held(self, drawn: Array) -> Array:
-        """Places from the trap, (n, 3), of beads that it holds beside a wall.
-
-        drawn: the numbers (n, 3 or more). Gaussian as far as its spring goes, and cut at contact.
-        """
-        equilibrium, drag = self.equilibrium, self.problem.drag
-        assert equilibrium is not None
-        assert isinstance(drag, BesideWall)
-        mobility = self.problem.mobilities(np.array([equilibrium.position]))[0]
-        rates = _rates(equilibrium, mobility)
-        root = propagator.stationary_root(np.zeros(3), rates, self.plan.kT * mobility[TRANSLATION])
-        covariance = root @ root.T
-        spread = math.sqrt(covariance[2, 2])
-        ends = np.array([-math.inf, math.inf])
-        for position, normal in drag.planes:
-            room = normal * (equilibrium.position[2] - position) - drag.radius
-            ends[int(normal < 0)] = -normal * room / spread
-        z = cut(drawn[:, 2], *ends.tolist())
-        with_z = covariance[:2, 2] / spread
-        beside = np.linalg.cholesky(covariance[:2, :2] - np.outer(with_z, with_z))
-        x, y = drawn[:, 0], drawn[:, 1]
-        return np.column_stack([
-            with_z[0] * z + beside[0, 0] * x,
-            with_z[1] * z + beside[1, 0] * x + beside[1, 1] * y,
-            spread * z,
-        ])  # fmt: skip
 
     def _memory(self, drawn: Array, v: Array, *, thermal: bool) -> tuple[Array, Array]:
         """Places from where beads start, (n, 3), and z (3, k, n): a fluid of the temperature.
@@ -265,8 +198,8 @@ class Walk:
             return np.zeros((n, 3)), z + share[..., None] * short
         if self.equilibrium is None:
             return np.zeros((n, 3)), z
-        rates = _rates(self.equilibrium, self.plan.mobility)
-        if self.weights.kappa.any() and not _diagonal(rates):
+        rates = rates_of(self.equilibrium, self.plan.mobility)
+        if self.weights.kappa.any() and not is_diagonal(rates):
             root = propagator.stationary_root_with_memory(self.weights, rates)
             both = _summed(root[None], np.hstack([place, hidden]).T[None])[0]
             apart, z = np.split(both, [POSITION.stop])
@@ -452,241 +385,108 @@ def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
     """
     problem = bound_once(scene)
     check_thermal(problem.scene, seed)
-    reasons = []
-    simulation = problem.scene.simulation
-    uniform, wall = problem.drag.uniform, problem.drag
-    beside_wall = isinstance(wall, BesideWall)
-    follows = [name for name, each in MODELS.items() if not (each.inertia or each.scheme)]
-    if beside_wall:
-        follows = list(METHODS["heun"].beside_wall)
-    if not uniform and simulation.model not in (None, *follows):
-        where = "beside a wall" if beside_wall else "under a drag that depends on the position"
-        raise SceneError(
-            f"simulation.model = {simulation.model!r}: cannot follow thermal motion {where}; must "
-            f"be {' or '.join(follows)}; set simulation.model to {follows[0]}"
-        )
-    if simulation.model is None:
-        problem = problem.decided(simulation={"model": "full" if uniform else "overdamped"})
-        about = "inertia is exact at any step" if uniform else "the drag depends on the place"
-        reasons.append(f"{problem.scene.simulation.model}: {about}")
-    if simulation.method == "auto":
-        method, about = "heun", "exact drag and noise, weak order 2"
-        if beside_wall:
-            about = "the gap as the radius of a motion in a plane, weak order 2"
-        elif not uniform:
-            method, about = "euler-maruyama", "the drag depends on the place"
-        problem = problem.decided(simulation={"method": method})
-        reasons.append(f"{method}: {about}")
-    problem, about = _with_inertia_of_the_fluid(problem)
-    if about:
-        reasons.append(about)
-    scene, bead = problem.scene, problem.bead
-    simulation = scene.simulation
-    model = MODELS[str(simulation.model)]
-    inertial = model.inertia
-    dims = 6 if problem.rotates else 3
-    tau, mobility = np.zeros(dims), problem.mobility[:dims]
-    if isinstance(wall, BesideWall):
-        free = wall.stokes
-        mobility = np.repeat([1 / free.translation, 1 / free.rotation], 3)[:dims]
-    if inertial:
-        inertias = np.repeat([problem.effective_mass, bead.moments_of_inertia[0]], 3)[:dims]
-        tau = inertias * mobility
-        if simulation.model == "scaled" and simulation.scaling_factor:
-            tau = tau / simulation.scaling_factor
-    how = METHODS[simulation.method]
-    _check_goes_together(problem)
-    equilibrium = problem.equilibrium
-    rates = np.zeros((3, 3))
-    if equilibrium is not None:
-        there = problem.mobilities(np.array([equilibrium.position]))[0]
-        rates = _rates(equilibrium, there if beside_wall else mobility)
-    if equilibrium is None:
-        for key, value, needing, instead in (
-            ("simulation.method", simulation.method, METHODS[simulation.method].spring_only,
-             "heun"),
-            ("start.drawn", scene.start.drawn, scene.start.drawn in ("equilibrium", "boltzmann"),
-             "no"),
-        ):  # fmt: skip
-            if needing:
-                raise SceneError(
-                    f"{key} = {value!r}: requires a stable equilibrium, and the scene has none; "
-                    f"set {key} to {instead}"
-                )
-    kappa, centre = np.zeros(dims), np.zeros(dims)
-    if equilibrium is not None:
-        kappa[TRANSLATION] = np.diag(rates)
-        centre[TRANSLATION] = equilibrium.position
-    diffusion = Boltzmann * scene.medium.temperature * mobility
-    beside = towards(problem) if beside_wall else None
-    if beside is not None:
-        kappa[2] = beside.spring
-    times = np.linspace(0.0, simulation.duration, simulation.samples)
-    interval = simulation.duration / (simulation.samples - 1)
-    kT = Boltzmann * scene.medium.temperature
-    bias = 0.0
-    if not (how.displacements or how.spring_only or beside_wall):
-        bias = one_call_bias(problem, mobility[TRANSLATION], kT)
-    of_velocity = None
-    if inertial:
-        remembers = scene.medium.inertia == "memory"
-        of_velocity = problem.modes if remembers else Modes(tau[:1], np.ones(1))
-    longest, reason = _longest_step(problem, tau, kappa, diffusion, beside, bias, of_velocity)
-    per_sample = max(fewest, math.ceil(interval / longest * (1 - 1e-12)))
-    if per_sample > _MOST_PER_SAMPLE:
-        raise SceneError(_too_many_steps(simulation, longest))
-    step = interval / per_sample
-    reasons.append(f"steps of {step:.3g} s: {reason}")
-    # rotational diffusion without inertia is drawn by itself
-    drawn_apart = (tau == 0) & (np.arange(dims) >= 3) & (not beside_wall)
-    shaken = np.where(drawn_apart, 0.0, diffusion)
-    if isinstance(wall, BesideWall):
-        shaken[2] /= 2 * wall.radius**2  # in the plane
-    linear = Linear(tau, kappa, shaken, problem.relaxation_time, rates)
-    if scene.medium.inertia == "memory" and len(problem.modes.times) > 1:
-        linear = linear._replace(times=problem.modes.times, parts=problem.modes.weights)
-    weights = _scheme(problem).weights(step, linear)
-    if not inertial:
-        tau = np.full(dims, problem.relaxation_time)
-    load = np.zeros(dims)
-    load[TRANSLATION] = bead.weight
-    lens = -math.inf
-    if scene.lens.focal_length is not None:
-        lens = scene.bead.radius - scene.lens.focal_length
-    kernel, data = problem.drag.compiled()
-    resisting = Part(address(kernel, DRAG_KERNEL), data)
-    if isinstance(wall, BesideWall):  # the scheme reads the plane's data, and calls no kernel
-        resisting = Part(0, plane.data_of(wall, kT))
-    plan = Plan(
-        seed, step, per_sample, tau, mobility, load, diffusion, centre, kT,
-        uniform or beside_wall, resisting,
-    )  # fmt: skip
-    softest = float(mobility[TRANSLATION].max())
-    margin = crossing.way(step, kT, softest, of_velocity, _drift(problem))
-    edge = Boundary(
-        simulation.loss_distance, lens,
-        margin + step * float(np.linalg.norm(scene.start.velocity)),
-        2 * kT * step * (share(step, of_velocity) if of_velocity else 1.0), softest, uniform,
-        Part(address(kernel, DRAG_KERNEL), data), 0,
-    )  # fmt: skip
-    exposure = None
-    if (frames := Frames.of(scene)) is not None:
-        short = diffusion[TRANSLATION]
-        if of_velocity is not None:
-            short = at_short_times(step, short, of_velocity)
-        spring = centre[TRANSLATION] if how.spring_only else None
-        exposure = Exposure(
-            frames, problem, step, short, mobility[TRANSLATION], np.diag(rates).copy(), spring
-        )
+    problem, reasons = decide(problem)
+    linear = Linearised.of(problem)
+    step, per_sample, reason = steps_of(problem, linear, fewest)
+    simulation, scheme = problem.scene.simulation, Facts(problem).scheme
+    taken = _taken_exactly(problem, linear)
+    weights = scheme.weights(step, taken)
     late = 0.0
-    if not how.displacements:
-        late = _LATE * step * float(np.linalg.eigvals(rates).real.max())
-    forget_faults(problem.force)  # where equilibria were sought
-    layout = Layout.of_samples(inertial=inertial, rotates=problem.rotates).followed_by(
+    if not linear.method.displacements:
+        late = _LATE * step * float(np.linalg.eigvals(linear.rates).real.max())
+    bias = linear.bias * step
+    exposure = _exposure(problem, linear, step)
+    layout = Layout.of_samples(inertial=linear.inertial, rotates=problem.rotates).followed_by(
         exposure=HELD if exposure else 0, memory=3 * weights.memory.shape[2], lost_time=1
     )
     found = Walk(
-        problem, seed, "; ".join(reasons), step, per_sample, times, layout, plan, weights, edge,
-        exposure, late, bias * step if bias * step > _TOLD else None,
+        problem, seed, "; ".join([*reasons, reason]), step, per_sample,
+        np.linspace(0.0, simulation.duration, simulation.samples), layout,
+        _plan(problem, linear, scheme, seed, step, per_sample), weights,
+        _boundary(problem, linear, step), exposure, late, bias if bias > _TOLD else None,
     )  # fmt: skip
-    swings = 0.0
-    if inertial and not beside_wall:
-        swings = math.sqrt(float(tau[0] * kappa[TRANSLATION].max()))
-    if swings > _MANY_SWINGS and simulation.method == "heun" and problem.force.steady:
-        found = dataclasses.replace(found, variance_bias=-energy_loss(found, linear))
+    forget_faults(problem.force)  # where equilibria were sought
+    if _loses_energy(problem, linear):
+        found = dataclasses.replace(found, variance_bias=-energy_loss(found, taken))
     return found
 
 
-def _check_goes_together(problem: Problem) -> None:
-    """Raise `SceneError` for a model, a method and a body that do not go together.
-
-    Each message ends with one change that mends what it names.
-    """
-    simulation, wall = problem.scene.simulation, isinstance(problem.drag, BesideWall)
-    model, how = MODELS[str(simulation.model)], METHODS[simulation.method]
-    by_method = f"simulation.method = {how.name!r}: "
-    by_model = f"simulation.model = {model.name!r}: "
-    if how.spring_only and not problem.force.steady:
-        raise SceneError(
-            f"{by_method}follows a trap at rest, but a force or a beam changes in time; set "
-            "simulation.method to heun"
-        )
-    if wall and model.name not in how.beside_wall:
-        allowed = [each.name for each in methods(thermal=True) if model.name in each.beside_wall]
-        raise SceneError(
-            f"{by_method}cannot keep a bead on its side of a wall in the model {model.name}; must "
-            f"be {' or '.join(allowed)}; set simulation.method to {allowed[0]}"
-        )
-    if wall and model.inertia and problem.rotates:
-        raise SceneError(
-            f"{by_model}cannot follow thermal rotation beside a wall; set simulation.model to "
-            "overdamped"
-        )
-    if not (problem.drag.uniform or wall) and how.uniform_drag:
-        allowed = [each.name for each in methods(thermal=True) if not each.uniform_drag]
-        raise SceneError(
-            f"{by_method}requires a drag that is the same everywhere; must be "
-            f"{' or '.join(allowed)}; set simulation.method to {allowed[0]}"
-        )
-    if not (problem.drag.uniform or wall) and problem.rotates:
-        raise SceneError(
-            "forces.brownian = True: thermal rotation requires a drag that is the same everywhere; "
-            "set forces.brownian to false"
-        )
-    if problem.force.oriented and how.spring_only:
-        raise SceneError(
-            f"{by_method}follows no force that turns the bead; set simulation.method to heun"
-        )
-    if problem.force.oriented and model.scheme:
-        raise SceneError(
-            f"{by_model}follows no force that turns the bead; set simulation.model to full"
-        )
-
-
-def _too_many_steps(simulation: Simulation, longest: float) -> str:
-    """Return the message for a run of too many steps from sample to sample."""
-    interval = simulation.duration / (simulation.samples - 1)
-    told = (
-        f"simulation.samples = {simulation.samples}: is {interval / longest:.2g} steps of "
-        f"{longest:.2g} s from sample to sample; must be at most {_MOST_PER_SAMPLE:.0g}; set "
+def _taken_exactly(problem: Problem, linear: Linearised) -> Linear:
+    """Return the linear part of the equations, which a scheme may take exactly."""
+    shaken = linear.diffusion.copy()
+    if problem.drag.walls is not None:
+        shaken[2] /= 2 * problem.drag.walls.radius**2  # in the plane
+    elif not linear.inertial:
+        shaken[ROTATION] = 0.0  # rotational diffusion without inertia is drawn by itself
+    times = parts = np.zeros(0)
+    if linear.modes is not None and len(linear.modes.times) > 1:
+        times, parts = linear.modes
+    return Linear(
+        linear.tau, linear.kappa, shaken, problem.relaxation_time, linear.rates, times, parts
     )
-    needed = math.ceil(1.01 * simulation.duration / (longest * _MOST_PER_SAMPLE)) + 1
-    if needed <= MOST_SAMPLES:
-        return f"{told}simulation.samples to {needed}"
-    short = 0.99 * (simulation.samples - 1) * longest * _MOST_PER_SAMPLE
-    return f"{told}simulation.duration to {short:.2g}"
 
 
-def _with_inertia_of_the_fluid(problem: Problem) -> tuple[Problem, str]:
-    """A problem of a decided model and method with what it has of the fluid's inertia, and why.
+def _plan(
+    problem: Problem, linear: Linearised, scheme: Scheme, seed: int, step: float, per_sample: int
+) -> Plan:
+    """Return how beads walk."""
+    dims, walls = len(linear.tau), problem.drag.walls
+    tau = linear.tau if linear.inertial else np.full(dims, problem.relaxation_time)
+    load = np.zeros(dims)
+    load[TRANSLATION] = problem.bead.weight
+    resisting = _drag(problem)
+    if walls is not None and scheme.data is not None:  # its step reads them, and calls no kernel
+        resisting = Part(0, scheme.data(walls, linear.kT))
+    return Plan(
+        seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
+        linear.kT, problem.drag.uniform or walls is not None, resisting,
+    )  # fmt: skip
 
-    Raises `SceneError` if the scene names a memory that cannot be followed.
-    """
-    medium, simulation = problem.scene.medium, problem.scene.simulation
-    if medium.inertia in ("none", "added-mass"):
-        return problem, ""
-    missing = ""
-    if not _scheme(problem).memory or not MODELS[str(simulation.model)].inertia:
-        missing = f"the model {simulation.model} by {simulation.method} cannot follow it"
-    elif not (problem.drag.uniform and np.ptp(problem.mobility[TRANSLATION]) == 0):
-        missing = "the drag depends on the position or the direction"
-    elif (
-        METHODS[simulation.method].spring_only
-        and problem.equilibrium is not None
-        and not _diagonal(_rates(problem.equilibrium, problem.mobility))
-    ):
-        missing = f"{simulation.method} cannot follow it in a trap that couples the axes"
-    if medium.inertia == "memory":
-        if missing:
-            raise SceneError(without_memory(missing))
-    elif simulation.model != "full":
-        missing = missing or f"with the model {simulation.model} only where it is named"
-    if missing:
-        if medium.poles is not None:
-            raise SceneError(poles_without_memory(medium.poles, missing))
-        return problem.decided(medium={"inertia": "none"}), f"no inertia of the fluid: {missing}"
-    problem = problem.remembering(medium.poles or POLES)
-    return problem, f"the fluid remembers, by {problem.scene.medium.poles} poles"
+
+def _drag(problem: Problem) -> Part:
+    """Return the kernel and the data of the drag."""
+    kernel, data = problem.drag.compiled()
+    return Part(address(kernel, DRAG_KERNEL), data)
+
+
+def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:
+    """Return where a bead is lost."""
+    scene, modes = problem.scene, linear.modes
+    lens = -math.inf
+    if scene.lens.focal_length is not None:
+        lens = scene.bead.radius - scene.lens.focal_length
+    softest = float(linear.mobility[TRANSLATION].max())
+    pushed = scene.lit or any(problem.bead.weight) or problem.beside_the_light
+    drift = problem.fastest if pushed else 0.0
+    margin = crossing.way(step, linear.kT, softest, modes, drift)
+    return Boundary(
+        scene.simulation.loss_distance, lens,
+        margin + step * float(np.linalg.norm(scene.start.velocity)),
+        2 * linear.kT * step * (share(step, modes) if modes else 1.0), softest,
+        problem.drag.uniform, _drag(problem), 0,
+    )  # fmt: skip
+
+
+def _exposure(problem: Problem, linear: Linearised, step: float) -> Exposure | None:
+    """Return the exposure of the scene's camera; None without one."""
+    if (frames := Frames.of(problem.scene)) is None:
+        return None
+    short = linear.diffusion[TRANSLATION]
+    if linear.modes is not None:
+        short = at_short_times(step, short, linear.modes)
+    spring = linear.centre[TRANSLATION] if linear.method.spring_only else None
+    return Exposure(
+        frames, problem, step, short, linear.mobility[TRANSLATION], np.diag(linear.rates).copy(),
+        spring,
+    )  # fmt: skip
+
+
+def _loses_energy(problem: Problem, linear: Linearised) -> bool:
+    """Return whether a bead swings so often that its steps may lose energy to speak of."""
+    if not linear.inertial or linear.towards is not None:
+        return False
+    swings = math.sqrt(float(linear.tau[0] * linear.kappa[TRANSLATION].max()))
+    return swings > _MANY_SWINGS and linear.method.name == "heun" and problem.force.steady
 
 
 def _summed(matrices: Array, columns: Array) -> Array:
@@ -695,118 +495,6 @@ def _summed(matrices: Array, columns: Array) -> Array:
     for j in range(columns.shape[1]):
         made += matrices[:, :, j, None] * columns[:, None, j]
     return made
-
-
-def _diagonal(rates: Array) -> bool:
-    return np.array_equal(rates, np.diag(np.diag(rates)))
-
-
-def _rates(equilibrium: Equilibrium, mobility: Array) -> Array:
-    """Mobility times stiffness, (3, 3) 1/s; entries that are rounding are zero."""
-    stiffness = np.array(equilibrium.stiffness)
-    stiffness[np.abs(stiffness) < _ROUNDING * np.abs(stiffness).max()] = 0.0
-    return mobility[TRANSLATION, None] * stiffness
-
-
-def _scheme(problem: Problem) -> Scheme:
-    simulation = problem.scene.simulation
-    model, method = MODELS[str(simulation.model)], METHODS[simulation.method]
-    place = model.scheme or method.place
-    if isinstance(problem.drag, BesideWall):
-        place = method.beside_wall.get(model.name, place)
-    scheme: Scheme = at(place)
-    return scheme
-
-
-def _longest_step(
-    problem: Problem, tau: Array, kappa: Array, diffusion: Array, beside: Towards | None,
-    bias: float, of_velocity: Modes | None,
-) -> tuple[float, str]:  # fmt: skip
-    """Return the longest step that suits the scene, s, and what limits it.
-
-    bias: of the variance over the step, 1/s. of_velocity: modes of a bead with inertia.
-    """
-    simulation = problem.scene.simulation
-    limits = [(math.inf, "from sample to sample")]
-    if len(tau) == 6:
-        part = LONGEST if tau[0] == 0 and beside is None else LONGEST_WITH_INERTIA
-        limits.append((part / diffusion[3], f"{part:g} of the time of rotational diffusion"))
-    if (camera := problem.scene.camera) is not None:
-        if (rate := float(np.abs(kappa).max())) > 0:
-            limits.append((_PART / rate, f"{_PART:g} of the time of the trap, for the camera"))
-        if of_velocity is not None:
-            limits.append((longest_step(camera, of_velocity, _BIAS), "for inertia in the frames"))
-    fastest = float(diffusion[TRANSLATION].max())
-    way = (_PART_OF_LOSS * simulation.loss_distance) ** 2 / (2 * fastest)
-    limits.append((way, f"diffusion over {_PART_OF_LOSS:g} of simulation.loss_distance"))
-    if METHODS[simulation.method].spring_only and _reaches_loss(problem, kappa, diffusion):
-        some = f"{_PART:g} of the time of the trap, for the times of loss"
-        limits.append((_PART / float(kappa[TRANSLATION].max()), some))
-    if simulation.step is not None:
-        return min(*limits, (simulation.step, "simulation.step"))
-    # not the largest: next to its surface at the focus a bead's force has an infinite derivative
-    about = rates_of_force(problem if beside is None else without_walls(problem))
-    rate = max(float(np.quantile(about, _MOST)), float(np.abs(kappa).max()))
-    if rate > 0 and not METHODS[simulation.method].spring_only:
-        decay = _PART / rate, f"{_PART:g} of the fastest time scale of the force"
-        swing = (
-            _PART_OF_SWING * math.sqrt(tau[0] / rate),
-            f"{_PART_OF_SWING:g} of the time of a swing",
-        )
-        limits.append(max(decay, swing))  # at low damping the force acts as fast as a bead swings
-    if bias > 0:
-        some = f"{100 * _BIAS:g} % of the variance, as the force is not a gradient"
-        limits.append((_BIAS / bias, some))
-    if beside is not None:
-        part = _PART
-        if tau[0] > 0:
-            flies = tau[0] * beside.fastest > _FLIES
-            part = _PART_OF_FLIGHT if flies else _PART_WITH_INERTIA
-        some = f"{part:g} of the time scale of the motion towards the wall"
-        limits.append((part / beside.fastest, some))
-        if not problem.force.steady and (rate := rate_of_sticking(problem)) > 0:
-            limits.append((_PART / rate, f"{_PART:g} of the time scale of a bead that sticks"))
-    elif (rate := _rate_of_drag(problem)) > 0:
-        some = f"diffusion over {_PART_OF_LENGTH:g} of "
-        limits.append((_PART_OF_LENGTH**2 / rate, some + "the length in which the drag changes"))
-    if shortest := problem.force.shortest_time(simulation.duration):
-        limits.append((_PART_OF_CHANGE * shortest, f"{_PART_OF_CHANGE:g} of the time in which the "
-                       "force changes"))  # fmt: skip
-    if tau[0] > 0 and _scheme(problem).resolves_drag:
-        limits.append((_PART_OF_TAU * tau.min(), f"{_PART_OF_TAU:g} of the relaxation time"))
-    return min(limits)
-
-
-def _drift(problem: Problem) -> float:
-    """Return the largest slow velocity at places about the foci and at the start, m/s."""
-    pushed = problem.scene.lit or any(problem.bead.weight) or problem.beside_the_light
-    return problem.fastest if pushed else 0.0
-
-
-def _reaches_loss(problem: Problem, kappa: Array, diffusion: Array) -> bool:
-    """Return whether a bead in the spring of the trap comes to where it is lost."""
-    scene, trap = problem.scene, problem.equilibrium
-    assert trap is not None  # a method that follows the spring alone refuses a scene without one
-    spread = math.sqrt(float((diffusion[TRANSLATION] / kappa[TRANSLATION]).max()))
-    places = np.array([trap.position, scene.start_position])
-    left = scene.simulation.loss_distance - np.linalg.norm(places, axis=1).max()
-    return bool(left < _FARTHEST * spread)
-
-
-def _rate_of_drag(problem: Problem) -> float:
-    """Largest 2 D |grad b|^2/b^2 on lines from the trap to places about it, 1/s; D = kT b."""
-    if problem.drag.uniform:
-        return 0.0
-    middle = problem.scene.start_position
-    if problem.equilibrium is not None:
-        middle = tuple(problem.equilibrium.position.tolist())
-    lines = problem.places_about() - np.array(middle)
-    places = np.array(middle) + np.linspace(0, 1, _ON_A_LINE)[:, None, None] * lines
-    value, gradient = problem.drag.mobilities(places.reshape(-1, 3), gradient=True)
-    b, change = value[:, :2], np.linalg.norm(gradient[:, :2], axis=2)
-    there = (b > 0).all(axis=1)  # behind a wall there is no mobility
-    kT = Boltzmann * problem.scene.medium.temperature
-    return float((2 * kT * change[there] ** 2 / b[there]).max(initial=0.0))
 
 
 def rotation_matrices(e: Array) -> Array:

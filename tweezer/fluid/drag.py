@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numba import typeof, types
@@ -36,6 +36,22 @@ class Mobility(NamedTuple):
     """(n, 5, 3) over the position, each over m; (0, 5, 3) where it is not asked for"""
 
 
+class Walls(Protocol):
+    """Planes across z that a bead may touch. Its mobility towards them vanishes at contact."""
+
+    @property
+    def planes(self) -> tuple[tuple[float, float], ...]:
+        """Position, m, and normal, 1 or -1 towards the bead, of one plane or two."""
+
+    @property
+    def radius(self) -> float:
+        """Distance of the centre from a plane at contact, m."""
+
+    @property
+    def stokes(self) -> Stokes:
+        """Drag far from the planes."""
+
+
 class Drag(ABC):
     """Something that resists the motion of a bead."""
 
@@ -43,6 +59,11 @@ class Drag(ABC):
     def uniform(self) -> bool:
         """Whether it is the same at every place and time and in every direction: nothing rolls."""
         return False
+
+    @property
+    def walls(self) -> Walls | None:
+        """Walls that thermal motion needs a scheme of its own for; None without them."""
+        return None
 
     @abstractmethod
     def compiled(self) -> tuple[Kernel, Data]:

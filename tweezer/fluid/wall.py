@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tweezer.compiled import cache_functions, cached_njit, named_njit
-from tweezer.fluid.drag import Drag, Kernel, Stokes
+from tweezer.fluid.drag import Drag, Kernel, Stokes, Walls
 from tweezer.forces.data import Data, matrix, number, packed
 from tweezer.forces.wall import BORN
 from tweezer.generated import wall
@@ -39,6 +39,11 @@ class BesideWall(Drag):
     """r, m"""
     planes: tuple[tuple[float, float], ...]
     """position, m, and normal, 1 or -1 towards the bead, of one plane or two"""
+
+    @property
+    def walls(self) -> Walls:
+        """See `Drag.walls`."""
+        return self
 
     def compiled(self) -> tuple[Kernel, Data]:
         """See `Drag.compiled`."""

@@ -13,8 +13,8 @@ from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
 from tweezer.dynamics.brownian import memory, propagator
 from tweezer.dynamics.brownian.propagator import Weights
-from tweezer.fluid import Mobility
-from tweezer.forces.data import Part, packed
+from tweezer.fluid import Mobility, Walls
+from tweezer.forces.data import Data, Part, packed
 from tweezer.forces.force import Pose, Wrench, add, clear
 
 Array = NDArray[np.float64]
@@ -230,5 +230,10 @@ class Scheme(NamedTuple):
     """whether a step wants the slow velocity of the one before"""
     resolves_drag: bool = False
     """whether its steps must be shorter than the relaxation times"""
-    beside_wall: bool = False
-    """whether it is one beside a wall: it takes the rotation with it, and one number more"""
+    data: Callable[[Walls, float], Data] | None = None
+    """of a scheme beside a wall: what its step reads, by the walls and kT, J, in place of a drag"""
+
+    @property
+    def beside_wall(self) -> bool:
+        """Whether it is one beside a wall: it takes the rotation with it, and one number more."""
+        return self.data is not None

@@ -47,7 +47,8 @@ from tweezer.compiled.lanes import (
     transposed,
 )
 from tweezer.compiled.stack import on_stack
-from tweezer.fluid.wall import BesideWall, between_walls
+from tweezer.fluid.drag import Walls
+from tweezer.fluid.wall import between_walls
 from tweezer.forces.data import Data, number, packed
 from tweezer.generated import wall
 
@@ -186,18 +187,18 @@ def tables(room: float) -> tuple[float, Array, Array]:
     return between, of_gaps, _polynomials(values[:-2], values[-2, 0], values[-1, 0])
 
 
-def data_of(drag: BesideWall, kT: float) -> Data:
+def data_of(walls: Walls, kT: float) -> Data:
     """What a step beside a wall takes.
 
     kT: J.
     """
-    (position, normal), *others = drag.planes
+    (position, normal), *others = walls.planes
     room = math.inf
     if others:
-        room = abs(others[0][0] - position) / drag.radius - 2.0
+        room = abs(others[0][0] - position) / walls.radius - 2.0
     between, of_gaps, of_squares = tables(room)
-    rate = kT / drag.stokes.translation / drag.radius**2
-    return packed(position, normal, drag.radius, room, between, rate, of_gaps, of_squares)
+    rate = kT / walls.stokes.translation / walls.radius**2
+    return packed(position, normal, walls.radius, room, between, rate, of_gaps, of_squares)
 
 
 # --- what a step reads ---------------------------------------------------------------------------

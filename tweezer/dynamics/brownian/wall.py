@@ -24,7 +24,7 @@ from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, root, store
 from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
-from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, nearest
+from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, data_of, nearest
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.forces.data import number
 
@@ -214,7 +214,5 @@ def one_call_weights(step: float, linear: Linear) -> Weights:
     return linear.exact(step, np.zeros_like(linear.kappa))
 
 
-HEUN = Scheme(heun_step, heun_weights, force_calls=2, beside_wall=True)
-ONE_CALL = Scheme(
-    one_call_step, one_call_weights, force_calls=1, samples_ahead=True, beside_wall=True
-)
+HEUN = Scheme(heun_step, heun_weights, force_calls=2, data=data_of)
+ONE_CALL = Scheme(one_call_step, one_call_weights, force_calls=1, samples_ahead=True, data=data_of)

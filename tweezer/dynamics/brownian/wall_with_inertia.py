@@ -31,7 +31,7 @@ from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
-from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, nearest
+from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, data_of, nearest
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.forces.data import number
 
@@ -180,4 +180,4 @@ def weights(step: float, linear: Linear) -> Weights:
     return linear.exact(step, np.zeros_like(linear.kappa))
 
 
-HEUN = Scheme(step, weights, force_calls=2, beside_wall=True)
+HEUN = Scheme(step, weights, force_calls=2, data=data_of)
