@@ -352,7 +352,8 @@ def _thermal_run(
                 with timed() as stepping:
                     if events:
                         ends, steps = bound.advance_by_steps(state, trajectory, at, piece)
-                        held = int(np.isfinite(steps[0, :, 0]).sum())  # up to where it was lost
+                        finite = np.isfinite(steps[0, :, POSITION.start])
+                        held = int(finite.sum())  # up to where it was lost
                         watch.look(Line(ends[:held], steps[0, :held]))
                     else:
                         seen.append(bound.filmed(state, trajectory, at, piece)[0])
@@ -370,7 +371,7 @@ def _thermal_run(
             status, message = "lost", f"the bead left the trap at {lost:.6g} s"
             if bound.loss_caveat:
                 message += f"; {bound.loss_caveat}"
-            reached = int(np.isfinite(columns[0, :reached, 0]).sum())
+            reached = int(np.isfinite(columns[0, :reached, POSITION.start]).sum())
     samples_seen = columns[0, :reached]
     if watch.last is not None:
         status, message = watch.status, watch.message
