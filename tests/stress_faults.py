@@ -130,7 +130,6 @@ def _work(out: Path, workers: int) -> None:
 
     What is left to do of it is done.
     """
-    job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
     scene = tweezer.load_scene("silica-1um").replace(
         forces={"brownian": True, "optical": False, "gravity": False, "buoyancy": False},
         simulation={"model": "overdamped", "duration": 1e-2, "samples": 101, "loss_distance": 1e-6},
@@ -140,7 +139,8 @@ def _work(out: Path, workers: int) -> None:
         tweezer.sweep(
             scene, over, "ensemble", out, trajectories=64, seed=8, workers=workers, resume=True
         )
-    else:
+    else:  # of an ensemble alone: the processes of a sweep keep the sizes of the package
+        job._WINDOW_NUMBERS, statistics.WINDOW, store._JOINED = 3 * 64 * 16, 16, 2
         tweezer.ensemble(scene, 1000, seed=8, out=out, statistics=out.suffix == ".nc", resume=True)
 
 

@@ -492,6 +492,20 @@ def test_a_far_wall_costs_no_steps():
     assert walk(scene.replace(wall={"position": "-0.6 um"})).step > 0.5 * free.step
 
 
+def test_a_bead_far_from_the_light_has_a_step_too():
+    """The search for equilibria reaches 20 radii; the bead and its wall are beyond."""
+    small = tweezer.load_scene("silica-1um").replace(
+        bead={"radius": 5e-8},
+        wall={"position": "1.47 um", "side": "above"},
+        start={"position": [0.0, 0.0, 1.53e-6], "frame": "focus"},
+        forces={"brownian": True},
+        simulation={"duration": 1e-6, "samples": 2},
+    )
+    assert abs(small.start_position[2]) > bound_once(small).light.search.reach
+    step = walk(small, 1).step
+    assert 0 < step <= 1e-6
+
+
 def test_auto_takes_heun_without_inertia():
     scene = SINKING.replace(medium={"inertia": None}, simulation={"model": None, "method": "auto"})
     one = walk(scene)

@@ -252,6 +252,10 @@ def test_bad_binaries_are_refused(tmp_path):
     assert "has no column t" in refused(x=t)
     with pytest.raises(tweezer.ResultError, match="no such file"):
         tweezer.load_recording(tmp_path / "none.csv")
+    with pytest.raises(tweezer.ResultError, match="xxx: no such file"):
+        tweezer.load_recording("x" * 300)
+    with pytest.raises(tweezer.SceneError, match=r"xxx\.csv"):
+        tweezer.load_scene(f"{'x' * 300}.csv")
     with pytest.raises(tweezer.ResultError, match="is a folder"):
         tweezer.load_recording(tmp_path)
 

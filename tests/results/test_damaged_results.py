@@ -175,6 +175,24 @@ def test_times_that_fall_or_are_not_finite_are_refused():
             tweezer.view(wrong)
 
 
+def test_run_without_its_status_is_refused():
+    run = tweezer.load_run(sound() / "run.nc")
+    del run.attrs["status"]
+    with pytest.raises(tweezer.ResultError, match="not a run: it has no attribute status"):
+        tweezer.summarise(run.isel(time=slice(2, 6)))  # a part, which has no summary of its own
+    run.to_netcdf("wrong.nc", engine="h5netcdf")
+    with pytest.raises(tweezer.ResultError, match=r"wrong\.nc: not a saved run: an attribute or"):
+        tweezer.load_run("wrong.nc")
+
+
+def test_run_with_a_negative_error_is_refused():
+    run = tweezer.load_run(sound() / "run.nc")
+    run["force_error"] = -run["force_error"]
+    tweezer.save_run(run, "wrong.nc")
+    with pytest.raises(tweezer.ResultError, match=r"wrong\.nc: .* its force_error is negative"):
+        tweezer.load_run("wrong.nc")
+
+
 def test_damage_found_late_is_reported_with_the_file_name():
     """A bit of a chunk: its checksum is seen where it is read."""
     path = copied("ensemble.zarr")

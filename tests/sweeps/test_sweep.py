@@ -1,6 +1,7 @@
 """A sweep computes each case as it is alone, in whatever order, and as often as it is stopped."""
 
 import hashlib
+import io
 import json
 import re
 import subprocess
@@ -310,6 +311,14 @@ def test_processes_that_die_are_replaced(monkeypatch, tmp_path):
     assert found["outcome"].values.tolist() == ["held"] * 3 + ["failed"] + ["held"] * 2
     assert found["force_error"].values[[0, 1, 2, 4, 5]].tolist() == [0, 1, 2, 4, 5]
     assert found["reason"][3] == "its process died 3 times, last with exit status 7"
+
+
+def test_process_without_a_parent_ends_silently(monkeypatch, capfd):
+    monkeypatch.setattr(pool.sys, "stdin", io.StringIO())
+    for name in ("signal.signal", "logging.disable", "os.dup2"):
+        monkeypatch.setattr(f"tweezer.sweeps.pool.{name}", lambda *_: None)
+    pool.serve()
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_process_serves(whole):

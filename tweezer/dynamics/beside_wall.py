@@ -75,7 +75,7 @@ def towards(problem: Problem, walls: Walls) -> Towards:
     r = by_root[0] * root[0] + np.concatenate(
         [[0.0], np.cumsum(0.5 * (by_root[1:] + by_root[:-1]) * np.diff(root))]
     )
-    lit = np.abs(places[:, 2]) <= problem.light.search.reach  # the light is not known farther away
+    lit = np.abs(places[:, 2]) <= max(problem.light.search.reach, abs(middle[2]))
     gap, r, scale, slope = gap[lit], r[lit], scale[lit], slope[lit]
     force = normal * problem.net_force(places[lit])[:, 2] * radius / kT
     energy = -np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(gap))])

@@ -123,7 +123,12 @@ def load_run(path: str | Path) -> xr.Dataset:
     damaged: what `save_run` wrote and is not as it was, is never read.
     """
     run = load_result(Path(path))
-    if (kind := kind_of(run)) and kind.name != "run":
+    kind = kind_of(run)
+    if kind is None:
+        raise ResultError(
+            f"{path}: not a saved run: an attribute or a variable of a run is missing"
+        )
+    if kind.name != "run":
         raise ResultError(
             f"{path}: not a saved run: is {kind.told}; `xarray.open_dataset` reads it"
         )

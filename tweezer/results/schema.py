@@ -135,6 +135,8 @@ def _wrong_variable(dataset: xr.Dataset, name: str, expected: Variable) -> Itera
             yield f"its {name} is not text"
     elif there.dtype.kind not in "fiu":
         yield f"its {name} is not a number"
+    elif name.endswith("_error") and (there.values < 0).any():
+        yield f"its {name} is negative"
     elif str(there.attrs.get("units", "")) != expected.unit:
         unit = str(there.attrs.get("units", "no unit"))[:20]
         yield f"its {name} is in {unit!r}, not in {expected.unit!r}"

@@ -304,6 +304,8 @@ def _outcome(
 
     bound: the scene, if it is bound already.
     """
+    if "status" not in run.attributes:
+        raise ResultError("not a run: it has no attribute status")
     status, end = run.attributes["status"], float(times[-1])
     changing = scene.last_change >= end > 0
     if status != "complete" or run.attributes.get("other_forces") or changing:

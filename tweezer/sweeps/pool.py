@@ -215,7 +215,10 @@ def serve() -> None:
     logging.disable(logging.WARNING)  # each process would tell that it compiles
     answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    asked = Asked(**json.loads(sys.stdin.readline()))
+    first = sys.stdin.readline()
+    if not first:  # the process that began this one has ended
+        return
+    asked = Asked(**json.loads(first))
     with contextlib.suppress(BrokenPipeError):
         for line in sys.stdin:
             for case, settings in json.loads(line):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -106,7 +107,8 @@ def kind_of_file(path: Path) -> Kind | None:
     except Exception:  # readers raise of any kind where a file is damaged
         return None
     ending = path.suffix.lower()
-    return next((kind for kind in OTHERS if ending in kind.endings and path.is_file()), None)
+    there = os.path.isfile(path)  # noqa: PTH113 - `Path.is_file` raises for a name that is too long
+    return next((kind for kind in OTHERS if there and ending in kind.endings), None)
 
 
 def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
