@@ -495,9 +495,9 @@ def test_a_far_wall_costs_no_steps():
 def test_a_bead_far_from_the_light_has_a_step_too():
     """The search for equilibria reaches 20 radii; the bead and its wall are beyond."""
     small = tweezer.load_scene("silica-1um").replace(
-        bead={"radius": 5e-8},
-        wall={"position": "1.47 um", "side": "above"},
-        start={"position": [0.0, 0.0, 1.53e-6], "frame": "focus"},
+        bead={"radius": 2e-7},
+        wall={"position": "4.4 um", "side": "above"},
+        start={"position": [0.0, 0.0, 4.7e-6], "frame": "focus"},
         forces={"brownian": True},
         simulation={"duration": 1e-6, "samples": 2},
     )

@@ -315,7 +315,7 @@ def test_processes_that_die_are_replaced(monkeypatch, tmp_path):
 
 def test_process_without_a_parent_ends_silently(monkeypatch, capfd):
     monkeypatch.setattr(pool.sys, "stdin", io.StringIO())
-    for name in ("signal.signal", "logging.disable", "os.dup2"):
+    for name in ("signal.signal", "logging.disable"):
         monkeypatch.setattr(f"tweezer.sweeps.pool.{name}", lambda *_: None)
     pool.serve()
     assert capfd.readouterr() == ("", "")

@@ -213,11 +213,11 @@ def serve() -> None:
     """Compute the tasks that standard input has a line for, each case to a line of output."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that began this one ends it
     logging.disable(logging.WARNING)  # each process would tell that it compiles
-    answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
     first = sys.stdin.readline()
     if not first:  # the process that began this one has ended
         return
+    answers: IO[str] = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
     asked = Asked(**json.loads(first))
     with contextlib.suppress(BrokenPipeError):
         for line in sys.stdin:
