@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
 
 from tweezer.calibration.answers import Answer
 from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.findings import Finding
 from tweezer.calibration.free import Diffusion
 from tweezer.calibration.left_out import NOTHING, LeftOut
+from tweezer.calibration.quantities import QUANTITIES
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import Detected
+from tweezer.values.measured import DIMENSIONS, Measured, Result
 from tweezer.values.printed import pair, printed, with_error
 from tweezer.values.shown import Card, Row, Shown, Table
 
@@ -159,8 +164,10 @@ class AxisCalibration(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class Calibration(Shown):
+class Calibration(Result):
     """Stiffness of a trap from a recording, SI."""
+
+    QUANTITIES: ClassVar = QUANTITIES
 
     name: str
     temperature: float
@@ -206,6 +213,30 @@ class Calibration(Shown):
         return (self.free is None or not self.free.findings) and all(
             any(not each.findings for each in axis.estimates) for axis in trapped
         )
+
+    def quantities(self) -> Iterator[Measured]:
+        """Stiffness, corner frequency and diffusion of each axis; NaN along the others."""
+        names = DIMENSIONS["axis"]
+        numbers = np.full((len(QUANTITIES), 2, len(names)), np.nan)
+        for axis in self.axes:
+            stiffness, fit, free = axis["power spectrum"], axis.fit, axis.free_fit
+            numbers[..., names.index(axis.axis)] = (
+                (stiffness.stiffness, stiffness.uncertainty),
+                (fit.bead.corner_frequency, fit.corner_frequency_uncertainty),
+                (free.bead.diffusion, axis.diffusion_uncertainty),
+            )
+        for quantity, (values, errors) in zip(QUANTITIES, numbers, strict=True):
+            yield quantity(values, errors)
+
+    def words(self) -> dict[str, str]:
+        """Whether the fits of the spectra are to be trusted, and why not."""
+        caveats = [
+            f"{axis.axis}: {caveat}"
+            for axis in self.axes
+            if (caveat := axis["power spectrum"].caveat)
+        ]
+        outcome = "not to be trusted" if caveats else "calibrated"
+        return {"outcome": outcome, "caveat": "; ".join(caveats)}
 
     def card(self) -> Card:
         """For each axis the first stiffness that is trusted; what was given; tables of all."""

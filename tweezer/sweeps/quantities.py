@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from tweezer.calibration import quantities as calibration
 from tweezer.forces.acting import forces_of
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
@@ -19,7 +20,7 @@ from tweezer.scene.arguments import check_ensemble, check_seed, check_thermal, s
 from tweezer.scene.choices import SWEPT
 from tweezer.trap import quantities as trap
 from tweezer.values.errors import ResultError, SceneError, TweezerError
-from tweezer.values.measured import DIMENSIONS, Quantity, Result
+from tweezer.values.measured import Quantity, Result
 
 #: Values of a case by name: numbers, or lists of them along a dimension
 Values = dict[str, Any]
@@ -42,11 +43,7 @@ _OF: dict[str, tuple[Quantity, ...]] = {
         Quantity("mean", "m", "mean position over time and trajectories", "axis"),
         Quantity("variance", "m^2", "variance of the position", "axis"),
     ),
-    "calibrate": (
-        Quantity("stiffness", "N/m", "stiffness by the power spectrum", "axis"),
-        Quantity("corner_frequency", "Hz", "corner frequency by the power spectrum", "axis"),
-        Quantity("diffusion", "m^2/s", "diffusion by the power spectrum", "axis"),
-    ),
+    "calibrate": calibration.QUANTITIES,
 }
 #: By the name of what is swept, and by their own; energies are in k_B T
 QUANTITIES = {
@@ -209,22 +206,7 @@ def _of_calibration(scene: Scene, asked: Asked) -> Values:
     if run.attrs["status"] == "failed":
         raise TweezerError(run.attrs["message"])
     found = calibrate(load_recording(run).since(asked.skip))
-    values = {name: [math.nan] * 3 for each in QUANTITIES["calibrate"]
-              for name in (each, f"{each}_error")}  # fmt: skip
-    caveats = []
-    for axis in found.axes:
-        i = DIMENSIONS["axis"].index(axis.axis)
-        estimate, bead = axis["power spectrum"], axis.fit.bead
-        if estimate.caveat:
-            caveats.append(f"{axis.axis}: {estimate.caveat}")
-        for name, value, error in (
-            ("stiffness", estimate.stiffness, estimate.uncertainty),
-            ("corner_frequency", bead.corner_frequency, axis.fit.corner_frequency_uncertainty),
-            ("diffusion", axis.free_fit.bead.diffusion, axis.diffusion_uncertainty),
-        ):
-            values[name][i], values[f"{name}_error"][i] = value, error
-    outcome = "not to be trusted" if caveats else "calibrated"
-    return {**values, "outcome": outcome, "caveat": "; ".join(caveats)}
+    return values_of(found, scene.medium.temperature)
 
 
 _COMPUTED: dict[str, Callable[[Scene, Asked], Values]] = {
