@@ -38,6 +38,7 @@ from tweezer.cli.console import (
 from tweezer.cli.tables import add_light, add_rows, table_of
 from tweezer.scene.choices import METHODS, MODELS, methods
 from tweezer.values.errors import PhysicsWarning, SceneError
+from tweezer.values.printed import printed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -271,10 +272,10 @@ def _print_summary(scene: Scene, result: Run) -> None:
         of = "thermal motion" if scene.forces.brownian else "noise"
         table.add_row(f"seed of the {of}", f"{attributes['seed']}")
     if scene.camera is not None and "seen" in result:
-        frames = f"{len(result['seen'])} frames, one every {1e3 / scene.camera.rate:.4g} ms"
+        frames = f"{len(result['seen'])} frames, one every {printed(1 / scene.camera.rate, 'ms')}"
         table.add_row("seen by the camera", frames)
     if "continued_from" in attributes:
-        table.add_row("continued from", f"{1e3 * result['time'][0]:.6g} ms after the release")
+        table.add_row("continued from", f"{printed(result['time'][0], 'ms', 6)} after the release")
     table.add_row("model, method", f"{model}; {attributes['method']}")
     table.add_row("inertia of the fluid", attributes["fluid_inertia"])
     table.add_row("force by", attributes["force_evaluator"])
@@ -302,7 +303,7 @@ def _print_errors(scene: Scene, result: Run) -> None:
     table = _table("errors")
     if summary.largest_force > 0:
         largest, error = summary.largest_force, summary.force_error
-        told = f"up to {1e12 * error:.1g} pN{_where(summary)}, "
+        told = f"up to {printed(error, 'pN', 1)}{_where(summary)}, "
         told += f"{100 * error / largest:.1g} % of the largest"
         table.add_row("error of the force", "not known" if math.isnan(error) else told)
     if not scene.forces.brownian and by_model != 0:
@@ -320,7 +321,7 @@ def _table(heading: str) -> Table:
 
 def _up_to(error: float, summary: Summary) -> str:
     """Return a largest error of positions, m, in words."""
-    return "not known" if math.isnan(error) else f"up to {1e6 * error:.1g} um{_where(summary)}"
+    return "not known" if math.isnan(error) else f"up to {printed(error, 'um', 1)}{_where(summary)}"
 
 
 def _where(summary: Summary) -> str:

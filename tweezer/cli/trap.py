@@ -39,6 +39,8 @@ from tweezer.cli.tables import (
     print_table,
 )
 from tweezer.values.errors import PhysicsWarning, SceneError
+from tweezer.values.prefixes import per
+from tweezer.values.printed import in_unit
 from tweezer.values.rounding import micrometres, three
 
 if TYPE_CHECKING:
@@ -204,8 +206,8 @@ def _print_heights(found: xr.Dataset) -> None:
         rows.append([
             first,
             micrometres(z) if x == y == 0 else ", ".join(map(micrometres, (x, y, z))),
-            f"{1e6 * float(at['gap']):.4g}",
-            three(*(1e6 * at["stiffness"].values)),
+            in_unit(float(at["gap"]), "um"),
+            three(*(per("pN/um") * at["stiffness"].values)),
             f"{across:.4g}, {along:.4g}",
             three(*at["corner_frequency"].values),
         ])  # fmt: skip

@@ -7,7 +7,7 @@ import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,11 @@ from tweezer.forces.rings import held_on, ring_near
 from tweezer.results.io import scene_in
 from tweezer.results.run import Run
 from tweezer.results.schema import events_in, of_validation
+from tweezer.runs import quantities as known
 from tweezer.values.errors import ResultError
-from tweezer.values.rounding import located
-from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.measured import Measured, Result
+from tweezer.values.printed import located, printed, scaled
+from tweezer.values.shown import Card, Row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,13 +49,15 @@ _PLACES = 1000
 
 
 @dataclass(frozen=True, repr=False)
-class Summary(Shown):
+class Summary(Result):
     """Outcome of a run.
 
     Without thermal motion the numbers include the motion between the samples, so they do not depend
     on the number of samples. Their errors are those of integration and of locating an event; errors
     of the model and of the force are not included.
     """
+
+    QUANTITIES: ClassVar = known.QUANTITIES
 
     outcome: str
     """"captured", "captured on a ring", "lost", "not captured"; or the status of a run that ended
@@ -100,44 +104,56 @@ class Summary(Shown):
     def untold(self) -> str:
         """Where no equilibrium was found, or why none was sought; empty if the bead is captured."""
         if self.outcome == "not captured" and self.sought_within is not None:
-            within = f"{1e6 * self.sought_within:.3g} um"
+            within = printed(self.sought_within, "um", 3)
             return f"; no stable equilibrium within {within} of its end"
         if self.outcome != "complete":
             return ""
         return "; capture is not told: the light changes until the end, or forces are your own"
 
+    def quantities(self) -> Iterator[Measured]:
+        """Its numbers; the error of the end is that of the run."""
+        for quantity in known.QUANTITIES:
+            error = self.force_error if quantity is known.LARGEST_FORCE else None
+            yield quantity(
+                getattr(self, quantity.name), getattr(self, f"{quantity.name}_error", error)
+            )
+
+    def words(self) -> dict[str, str]:
+        """The outcome, and where no equilibrium was found or sought."""
+        return {"outcome": self.outcome, "reason": self.untold.removeprefix("; ")}
+
     def card(self) -> Card:
         """Outcome, end, approach, force."""
         doubt = "by the samples: what happens between them is not seen" if self.by_samples else ""
-        force = located(self.largest_force, self.force_error, 1e12, "pN")
+        force = located(self.largest_force, self.force_error, "pN")
         largest = "not known" if math.isnan(self.largest_force) else force
         rows = (*self.outcome_rows(doubt), *self.approach_rows(), Row("largest force", largest))
         return Card("Summary", "", rows)
 
     def outcome_rows(self, doubt: str = "") -> Iterator[Row]:
         """What became of the bead, and where it was; `doubt` speaks against it."""
-        when = located(self.outcome_time, self.outcome_time_error, 1e3, "ms")
+        when = located(self.outcome_time, self.outcome_time_error, "ms")
         yield Row("outcome", f"{self.outcome}, {when}{self.untold}", doubt)
-        x, y, z = (round(1e6 * coordinate, 4) + 0.0 for coordinate in self.end)  # no -0.0
+        x, y, z = (round(scaled(coordinate, "um"), 4) + 0.0 for coordinate in self.end)  # no -0.0
         yield Row("end (x, y, z)", f"{x:.4f}, {y:.4f}, {z:.4f} um from the focus")
         if self.smallest_gap is not None:
-            gap = located(self.smallest_gap, self.smallest_gap_error, 1e6, "um")
+            gap = located(self.smallest_gap, self.smallest_gap_error, "um")
             yield Row("smallest gap to the wall", gap)
 
     def approach_rows(self) -> Iterator[Row]:
         """How the bead came to the focus."""
         if not math.isnan(self.overshoot):
-            overshoot = located(self.overshoot, self.overshoot_error, 1e6, "um")
+            overshoot = located(self.overshoot, self.overshoot_error, "um")
             yield Row("overshoot past the axis", overshoot)
         approach = "none"
         if self.closest_approach is not None and self.closest_approach_time is not None:
-            distance = located(self.closest_approach, self.closest_approach_error, 1e6, "um")
-            at = located(self.closest_approach_time, self.closest_approach_time_error, 1e3, "ms")
+            distance = located(self.closest_approach, self.closest_approach_error, "um")
+            at = located(self.closest_approach_time, self.closest_approach_time_error, "ms")
             approach = f"{distance} at {at}"
         yield Row("first closest approach", approach)
         if self.largest_reynolds_number is not None:
             number = self.largest_reynolds_number, self.largest_reynolds_number_error
-            yield Row("largest Reynolds number", located(*number, 1.0, ""))
+            yield Row("largest Reynolds number", located(*number, ""))
 
 
 def summarise(run: xr.Dataset) -> Summary:

@@ -16,7 +16,8 @@ from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.scene import Scene, checked_scene
 from tweezer.values.errors import TweezerError
-from tweezer.values.rounding import located, time_taken
+from tweezer.values.printed import located
+from tweezer.values.rounding import time_taken
 from tweezer.values.shown import Card, Row, Shown, Table
 
 #: Number of a2 per decade, from epsilon to 1, if none are given
@@ -45,7 +46,7 @@ class Tuned:
         """The deviation in words."""
         if self.deviation is None:
             return "failed"
-        return located(self.deviation, self.deviation_error, 1e6, "um")
+        return located(self.deviation, self.deviation_error, "um")
 
 
 @dataclass(frozen=True, repr=False)

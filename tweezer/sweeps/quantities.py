@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import functools
 import json
-import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from tweezer.calibration import quantities as calibration
 from tweezer.forces.acting import forces_of
 from tweezer.forces.force import Force
 from tweezer.forces.named import origins_of
+from tweezer.runs import quantities as run
 from tweezer.scene import Scene, with_settings
 from tweezer.scene.arguments import check_ensemble, check_seed, check_thermal, samples_skipped
 from tweezer.scene.choices import SWEPT
@@ -29,15 +29,7 @@ Values = dict[str, Any]
 FAILED, MISSING = "failed", "not computed"
 _OF: dict[str, tuple[Quantity, ...]] = {
     "trap": trap.QUANTITIES,
-    "run": (
-        Quantity("outcome_time", "s", "time of capture, of loss, or of the end"),
-        Quantity("end", "m", "last position, from the focus", "axis"),
-        Quantity("overshoot", "m", "largest excursion beyond the axis"),
-        Quantity("closest_approach", "m", "first closest approach to the focus"),
-        Quantity("closest_approach_time", "s", "time of the first closest approach"),
-        Quantity("largest_reynolds_number", "1", "largest Reynolds number"),
-        Quantity("largest_force", "N", "largest force of the light on the way"),
-    ),
+    "run": run.QUANTITIES,
     "ensemble": (
         Quantity("lost", "1", "part of the trajectories that was lost"),
         Quantity("mean", "m", "mean position over time and trajectories", "axis"),
@@ -152,27 +144,12 @@ def _of_run(scene: Scene, asked: Asked) -> Values:
     from tweezer.runs import summarise
     from tweezer.runs.simulation import simulate
 
-    run = simulate(scene, seed=asked.seed if scene.forces.brownian else None, forces=asked.own)
-    found = summarise(run)
-    if run.attrs["status"] == "failed":
-        raise TweezerError(run.attrs["message"])
-    end_error = float(run.attrs["integration_error"]) + float(run.attrs["model_error"])
-    single = ("outcome_time", "overshoot", "closest_approach", "closest_approach_time",
-              "largest_reynolds_number")  # fmt: skip
-    names = [name for each in single for name in (each, f"{each}_error")]
-    return {
-        "outcome": found.outcome,
-        "reason": found.untold.removeprefix("; "),
-        **{name: _number(getattr(found, name)) for name in names},
-        "end": list(found.end),
-        "end_error": [end_error] * 3,
-        "largest_force": found.largest_force,
-        "largest_force_error": found.force_error,
-    }
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else value
+    followed = simulate(scene, seed=asked.seed if scene.forces.brownian else None, forces=asked.own)
+    found = summarise(followed)
+    if followed.attrs["status"] == "failed":
+        raise TweezerError(followed.attrs["message"])
+    end_error = float(followed.attrs["integration_error"]) + float(followed.attrs["model_error"])
+    return values_of(found, scene.medium.temperature) | {"end_error": [end_error] * 3}
 
 
 def _of_ensemble(scene: Scene, asked: Asked) -> Values:
@@ -202,10 +179,10 @@ def _of_calibration(scene: Scene, asked: Asked) -> Values:
     from tweezer.reading import load_recording
     from tweezer.runs.simulation import simulate
 
-    run = simulate(scene, seed=asked.seed, forces=asked.own)
-    if run.attrs["status"] == "failed":
-        raise TweezerError(run.attrs["message"])
-    found = calibrate(load_recording(run).since(asked.skip))
+    followed = simulate(scene, seed=asked.seed, forces=asked.own)
+    if followed.attrs["status"] == "failed":
+        raise TweezerError(followed.attrs["message"])
+    found = calibrate(load_recording(followed).since(asked.skip))
     return values_of(found, scene.medium.temperature)
 
 

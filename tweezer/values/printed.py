@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
-from numpy.typing import ArrayLike
+from collections.abc import Iterable
 
 from tweezer.values.prefixes import per
 from tweezer.values.rounding import rounded, with_uncertainty
@@ -21,10 +19,10 @@ def in_unit(value: float, unit: str, digits: int = 4) -> str:
     return f"{scaled(value, unit):.{digits}g}"
 
 
-def printed(values: ArrayLike, unit: str, digits: int = 4) -> str:
+def printed(values: float | Iterable[float], unit: str, digits: int = 4) -> str:
     """Return the text of a number, or of several, with its unit: "12.3, 12.3, 4.1 pN/um"."""
-    numbers = (in_unit(each, unit, digits) for each in np.ravel(np.asarray(values, float)))
-    return f"{', '.join(numbers)} {unit}".rstrip()
+    numbers = values if isinstance(values, Iterable) else (values,)
+    return f"{', '.join(in_unit(each, unit, digits) for each in numbers)} {unit}".rstrip()
 
 
 def pair(value: float, error: float, unit: str) -> tuple[str, str]:
@@ -41,3 +39,15 @@ def with_error(value: float, error: float | None, unit: str, sign: str = "+-") -
 def signal_unit(unit: str) -> str:
     """Return the printed unit of small signals in "m" or "V"."""
     return "mV" if unit == "V" else "nm"
+
+
+def located(value: float, error: float | None, unit: str) -> str:
+    """Return the text of a number of a run, rounded to its error if that is known, and its unit."""
+    scale = per(unit)
+    text = f"{scale * value:.3g}"
+    if error == 0:
+        text = f"{scale * value:.4g}"
+    elif error is not None and math.isfinite(value) and math.isfinite(error):
+        digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
+        text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
+    return f"{text} {unit}".rstrip()

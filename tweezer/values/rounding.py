@@ -55,17 +55,6 @@ def with_uncertainty(value: float, uncertainty: float, sign: str = "+-") -> str:
     return f"{first} {sign} {second}"
 
 
-def located(value: float, error: float | None, scale: float, unit: str) -> str:
-    """A number of a run, rounded to its error if that is known."""
-    text = f"{scale * value:.3g}"
-    if error == 0:
-        text = f"{scale * value:.4g}"
-    elif error is not None and math.isfinite(value) and math.isfinite(error):
-        digits = math.floor(math.log10(max(abs(value), error))) - math.floor(math.log10(error)) + 1
-        text = f"{scale * value:.{digits}g} +- {scale * error:.1g}"
-    return f"{text} {unit}".rstrip()
-
-
 def micrometres(metres: float) -> str:
     """Four digits, without -0 and without rounding errors of zero."""
     return f"{round(1e6 * metres, 9) + 0.0:.4g}"
