@@ -192,7 +192,7 @@ def _lag(equations: EquationsOfMotion, run: Integration) -> float:
     motion, bead = equations.motion(run.times, run.states), equations.bead
     times = run.times
     if equations.scene.wall is not None:
-        height = equations.scene.gap(motion.position[:, 2]) / equations.scene.bead.radius + 1
+        height = equations.scene.gap(motion.position[:, 2]) / equations.scene.body.size + 1
         times = np.minimum(times, height**2 * bead.vorticity_time)
     lags = 2 * np.sqrt(bead.vorticity_time * times / math.pi)
     return float((lags * np.linalg.norm(np.asarray(motion.velocity), axis=1)).max())

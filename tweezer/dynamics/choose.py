@@ -83,7 +83,7 @@ def _model(problem: Problem) -> tuple[str, str]:
     small = tau * float(rates_of_force(problem).max())
     start = np.array([scene.start_position])
     slow = problem.net_force(start)[0] * problem.mobility[TRANSLATION]
-    off = scene.bead.radius * small
+    off = scene.body.size * small
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     if inertia in ("added-mass", "memory"):
         return "full", f"full: has the inertia of the fluid, {inertia}"

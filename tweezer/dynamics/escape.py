@@ -158,7 +158,7 @@ def largest(component: Component, distances: Array, spacing: float) -> tuple[flo
 def _escape(
     scene: Scene, search: Search, net_force: NetForce, origin: Array, direction: str
 ) -> Escape:
-    r = scene.bead.radius
+    r = scene.body.size
     pull = opposite(along(net_force, origin, direction))
     farthest = search.to_the_end(origin, direction)
     wall_at = _to_wall(scene, origin, direction, farthest)
@@ -209,7 +209,7 @@ def _to_wall(scene: Scene, origin: Array, direction: str, reach: float) -> float
     plane = wall.position if side == -wall.normal else wall.opposite
     if plane is None:
         return None
-    distance = side * (plane - origin[2]) - scene.bead.radius
+    distance = side * (plane - origin[2]) - scene.body.support(-side)
     return distance if distance < reach else None
 
 

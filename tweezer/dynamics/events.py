@@ -314,7 +314,7 @@ def lens_touched(scene: Scene) -> Event | None:
     """The bead reaches the lens, a focal length before the focus; None if that is not known."""
     if scene.lens.focal_length is None:
         return None
-    nearest = scene.bead.radius - scene.lens.focal_length
+    nearest = scene.body.support() - scene.lens.focal_length
     return Event(
         "lens", lambda _, y: y[:, 2] - nearest, direction=-1, terminal=True, ends_as="failed"
     )

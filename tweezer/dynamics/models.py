@@ -398,7 +398,7 @@ class EquationsOfMotion(Shown):
         speed = float(np.linalg.norm(velocity))
         if speed == 0.0:
             return dict.fromkeys(("force_curvature", "moment_curvature"), np.zeros((3, 3)))
-        step = 1e-4 * self.scene.bead.radius
+        step = 1e-4 * self.scene.body.size
         ends = position + np.outer([-step, step], velocity / speed)
         self.force_calls += 2
         at = self.force.field(ends, gradient=True, time=time)

@@ -202,7 +202,7 @@ class Problem:
         Of one beam on its axis; of several, and with other forces, near the axis of each.
         """
         search = self.search
-        about = self.scene.bead.radius, search, self.force, net_force, self.spiral_rate
+        about = self.scene.body.size, search, self.force, net_force, self.spiral_rate
         found = equilibria(*about) if self.about_axis else equilibria_about(self.foci(), *about)
         return tuple(each for each in found if self._in_the_fluid(each.position[2]))
 
@@ -235,13 +235,13 @@ class Problem:
             return ()
         assert isinstance(self.light, LightForce)
         motion = self.ring_motion if inertia else self.ring_motion._replace(mass=0.0)
-        about = self.scene.bead.radius, self.light.box, self.force, net_force, motion
+        about = self.scene.body.size, self.light.box, self.force, net_force, motion
         return tuple(each for each in rings(*about) if self._in_the_fluid(each.height))
 
     def off_axis(self, net_force: NetForce) -> tuple[Equilibrium, ...]:
         """Stable equilibria off the axis of the only beam: see `off_axis`."""
         assert isinstance(self.light, LightForce)
-        places = off_axis(self.scene.bead.radius, self.light.box, self.force, net_force)
+        places = off_axis(self.scene.body.size, self.light.box, self.force, net_force)
         every = (
             equilibrium_at(place, self.search, self.force, net_force, self.spiral_rate)
             for place in places if self._in_the_fluid(place[2])
@@ -265,9 +265,9 @@ class Problem:
         """Places on the axis at ever smaller gaps from the walls, z, m from the origin."""
         if self.scene.wall is None:
             return ()
-        radius = self.scene.bead.radius
-        gaps = np.geomspace(0.1 * CLOSEST, radius, _BESIDE_A_WALL)
-        z = [position + normal * (radius + gaps) for position, normal in self.scene.wall.planes]
+        body, planes = self.scene.body, self.scene.wall.planes
+        gaps = np.geomspace(0.1 * CLOSEST, body.size, _BESIDE_A_WALL)
+        z = [position + normal * (body.support(normal) + gaps) for position, normal in planes]
         every = np.concatenate(z)
         return tuple(every[np.abs(every) <= self.light.search.reach].tolist())
 
@@ -280,7 +280,7 @@ class Problem:
         rng = np.random.default_rng(7)
         directions = rng.normal(size=(_PLACES, 3))
         directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-        distances = _AROUND * self.scene.bead.radius * rng.random((_PLACES, 1))
+        distances = _AROUND * self.scene.body.size * rng.random((_PLACES, 1))
         about = [focus + directions * distances for focus in self.foci(time)]
         places = np.vstack([*about, self.scene.start_position])
         return places[[self._in_the_fluid(z) for z in places[:, 2]]]
@@ -351,16 +351,16 @@ def _forces_of_walls(scene: Scene, bead: BeadProperties) -> tuple[Force, ...]:
     Thermal motion needs no force to stay on its side (`tweezer.dynamics.brownian`).
     """
     found: list[Force] = []
-    radius, said = scene.bead.radius, scene.forces.dlvo
+    body, said = scene.body, scene.forces.dlvo
     for position, normal in scene.wall.planes if scene.wall else ():
         pressing = float(np.linalg.norm(bead.weight)) + _momentum_of_light(scene)
         if said is not None:
             constants = said.strength, said.debye_length, said.hamaker_constant
-            found.append(dlvo := Dlvo(radius, position, normal, *constants))
+            found.append(dlvo := Dlvo(scene.bead.radius, position, normal, *constants))
             pressing += dlvo.attraction
         if not scene.forces.brownian:
             largest = _HARDNESS * (pressing or _UNPRESSED)
-            found.append(Contact(radius, position, normal, largest))
+            found.append(Contact(body.support(normal), position, normal, largest))
     return tuple(found)
 
 

@@ -315,19 +315,19 @@ def _places(scene: Scene, positions: QuantitiesLike) -> tuple[Array, tuple[int, 
 
 def _outside_walls(scene: Scene, places: Array) -> None:
     """Refuse places (n, 3) m at which the bead would reach into a wall, or the glass of a cover."""
-    radius, cover = scene.bead.radius, scene.lens.cover
+    body, cover = scene.body, scene.lens.cover
     walls = {z: (normal, "wall") for z, normal in (scene.wall.planes if scene.wall else ())}
     if cover is not None:
         for beam in scene.beams:
             normal = 1.0 if beam.direction == "up" else -1.0
             walls[-normal * cover.depth] = normal, "cover glass"
     for z, (normal, name) in walls.items():
-        inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * radius)
+        inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
         if inside.size:
             place = ", ".join(f"{1e6 * each:.4g}" for each in places[inside[0]])
             raise SceneError(
-                f"positions: at ({place}) um a bead of radius {1e6 * radius:.4g} um reaches into "
-                f"the {name} at z = {1e6 * z:.4g} um, where no force is known"
+                f"positions: at ({place}) um a bead of radius {1e6 * body.size:.4g} um reaches "
+                f"into the {name} at z = {1e6 * z:.4g} um, where no force is known"
             )
 
 

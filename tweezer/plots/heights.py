@@ -71,7 +71,7 @@ def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
     axes.axhline(0, color=style.LIGHT, lw=0.6, ls=":")
     low, high = axes.get_ylim()
     order = np.argsort(height)
-    touching = normal * (scene.bead.radius * MICRO - height[order])
+    touching = normal * (scene.body.support(normal) * MICRO - height[order])
     axes.plot(height[order], touching, color=style.MUTED, lw=1.0, label="bead touches the wall")
     behind = np.minimum(touching, low) if normal > 0 else np.maximum(touching, high)
     axes.fill_between(height[order], touching, behind, **style.SOLID)

@@ -82,7 +82,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     start = position[0, :2]
     direction = start / np.linalg.norm(start) if start.any() else np.array([1.0, 0.0])
     lateral, z = position[:, :2] @ direction, position[:, 2]
-    radius = scene.bead.radius * MICRO
+    radius = scene.body.size * MICRO
     foci = MICRO * np.array([beam.position for beam in scene.beams])
     across = np.abs(np.append(lateral, foci[:, :2] @ direction)).max()
     along = np.abs(np.append(z, foci[:, 2])).max()
@@ -128,7 +128,7 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
     """Where z has the bead touch a wall, if that is about where the axes end."""
     low, high = axes.get_ylim()
     for plane, normal in planes(scene):
-        touching = plane + normal * scene.bead.radius * MICRO
+        touching = plane + normal * scene.body.support(normal) * MICRO
         if abs(touching - (low + high) / 2) < high - low:
             axes.axhline(touching, color=style.AXES["z"].colour, lw=0.8, ls="--", zorder=2)
             axes.annotate(

@@ -38,7 +38,7 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
     for plane, normal in planes(scene):
         if abs(plane) < reach:
             axes.axhspan(plane, -normal * reach, **style.SOLID)
-            touching = plane + normal * scene.bead.radius * MICRO
+            touching = plane + normal * scene.body.support(normal) * MICRO
             axes.axhline(touching, color=style.MUTED, lw=0.8, ls="--", zorder=2)
 
 

@@ -48,7 +48,7 @@ def _centre(trap: Trap) -> np.ndarray:
 
 def _reach(scene: Scene, trap: Trap) -> float:
     """Half the width of the figure, m from the origin."""
-    r = scene.bead.radius
+    r = scene.body.size
     shown = np.vstack([_centre(trap), *(beam.position for beam in scene.beams)])
     farthest = max((escape.force_at for escape in trap.escapes), default=0.0)
     return max(3.5 * r, float(np.abs(shown).max()) + max(2 * r, 1.5 * farthest))
@@ -83,7 +83,7 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     if axis == "z":
         coordinates = _free(scene, coordinates)
         for plane, normal in planes(scene):
-            touching = plane + normal * scene.bead.radius * MICRO
+            touching = plane + normal * scene.body.support(normal) * MICRO
             axes.axvspan(touching, -normal * 3 * MICRO * reach, **style.SOLID)
     points = np.tile(centre, (coordinates.size, 1))
     points[:, along] = coordinates
@@ -134,7 +134,7 @@ def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None
 
 def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
     """Direction and size of the force on a bead by the position of its centre; bead to scale."""
-    centre, r = _centre(trap), scene.bead.radius
+    centre, r = _centre(trap), scene.body.size
     x = z = np.linspace(-1, 1, 201) * _reach(scene, trap)
     points = np.zeros((z.size, x.size, 3))
     points[..., 0], points[..., 2] = np.meshgrid(x, z)

@@ -67,7 +67,7 @@ def derived_quantities(
         if motion.angular_velocity is not None:
             kinetic += 0.5 * motion.angular_velocity**2 @ np.array(bead.moments_of_inertia)
         medium = scene.medium
-        number = 2 * medium.density * scene.bead.radius / medium.viscosity * speed
+        number = 2 * medium.density * scene.body.size / medium.viscosity * speed
         variables |= {
             "speed": _number(speed, "m/s", "speed"),
             "reynolds_number": _number(number, "1", "Reynolds number"),

@@ -219,7 +219,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> S
     assert path is not None
     scene = path.equations.scene
     times, position = run["time"], run["position"]
-    nearby = CAPTURE_RADII * scene.bead.radius
+    nearby = CAPTURE_RADII * scene.body.size
     outcome, outcome_time, rest, off = _outcome(run, times, position, scene, path.equations.problem)
     here, located = passage(path, integrated.events, rest, nearby)
     errors = _errors(here, located, budget, rest, nearby)
@@ -233,7 +233,7 @@ def summary_of_path(run: Run, integrated: Integration, budget: ErrorBudget) -> S
         outcome_time_error = budget.integration_error / abs(float(run["velocity"][-1] @ away))
     elif outcome == "ended":
         outcome_time_error = math.nan
-    number = float(2 * scene.medium.density * scene.bead.radius / scene.medium.viscosity)  # (5.1)
+    number = float(2 * scene.medium.density * scene.body.size / scene.medium.viscosity)  # (5.1)
     places, at = _places(path)
     overshoot = 0.0 if here.overshoot <= errors.overshoot else here.overshoot
     return Summary(
@@ -327,7 +327,7 @@ def _outcome(
     if status != "complete" or run.attributes.get("other_forces") or changing:
         return status, end, position[-1], 0.0
     problem = bound or bound_once(scene)
-    nearby = CAPTURE_RADII * scene.bead.radius
+    nearby = CAPTURE_RADII * scene.body.size
     settled = position[-max(1, len(position) // 10) :] if scene.forces.brownian else position[-1:]
     outcome, found = CAPTURED, _stable_equilibrium(problem, settled, end, _sought(scene))
     if found is None:
@@ -357,7 +357,7 @@ def _too_shallow(problem: Problem, outcome: str, rest: Array) -> bool:
 
 def _sought(scene: Scene) -> float:
     """Distance from the end of a run within which an equilibrium captures the bead, m."""
-    return (1.0 if scene.forces.brownian else CAPTURE_RADII) * scene.bead.radius
+    return (1.0 if scene.forces.brownian else CAPTURE_RADII) * scene.body.size
 
 
 def _stable_equilibrium(
@@ -397,7 +397,7 @@ def _ring(problem: Problem, settled: Array, reach: float) -> tuple[Array, float]
     if start[0] == 0.0:
         return None
     forces = problem.force, problem.net_force, problem.ring_motion
-    place = ring_near(start, problem.scene.bead.radius, *forces, problem.light.search.known)
+    place = ring_near(start, problem.scene.body.size, *forces, problem.light.search.known)
     if place is None or not np.linalg.norm(place - start) < reach:
         return None
     ring = held_on(place, *forces)

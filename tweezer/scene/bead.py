@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from tweezer.scene.load import SceneLike, checked_scene
@@ -63,20 +62,17 @@ class BeadProperties(Shown):
 def bead_properties(scene: SceneLike) -> BeadProperties:
     """Properties of the bead of `scene`."""
     scene = checked_scene(scene)
-    r = scene.bead.radius
-    volume = 4 / 3 * math.pi * r**3
-    mass = scene.bead.density * volume
+    body, r = scene.body, scene.bead.radius  # the drag is a sphere's
     g, forces = scene.forces.gravitational_acceleration, scene.forces
-    sphere = 2 / 5 * mass * r**2
-    lift = scene.medium.density * volume * g if forces.buoyancy else 0.0
-    pull = mass * g if forces.gravity else 0.0
+    lift = scene.medium.density * body.volume * g if forces.buoyancy else 0.0
+    pull = body.mass * g if forces.gravity else 0.0
     viscosity = scene.medium.viscosity
     return BeadProperties(
-        mass=mass,
-        displaced_mass=scene.medium.density * volume,
-        moments_of_inertia=scene.bead.moments_of_inertia or (sphere, sphere, sphere),
+        mass=body.mass,
+        displaced_mass=scene.medium.density * body.volume,
+        moments_of_inertia=body.moments_of_inertia,
         drag=drag_of_translation(viscosity, r),
         rotational_drag=drag_of_rotation(viscosity, r),
         weight=(0.0, 0.0, lift - pull),
-        knudsen=scene.medium.mean_free_path / (2 * r),
+        knudsen=scene.medium.mean_free_path / (2 * body.size),
     )

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
+from tweezer.scene.body import Body
 from tweezer.scene.choices import Evaluator
 from tweezer.scene.courses import Section
 from tweezer.scene.sections import (
@@ -65,6 +66,11 @@ class Description(Section):
         return self.beam, *self.more_beams
 
     @property
+    def body(self) -> Body:
+        """The bead as a rigid body."""
+        return self.bead.body
+
+    @property
     def plain(self) -> bool:
         """Whether there is one beam only, along z through the origin, always the same."""
         beam = self.beam
@@ -98,7 +104,7 @@ class Description(Section):
     @property
     def vorticity_time(self) -> float:
         """r^2 rho_m/mu_m, s: in it the vorticity that the bead sheds gets as far as its radius."""
-        return self.bead.radius**2 * self.medium.density / self.medium.viscosity
+        return self.body.size**2 * self.medium.density / self.medium.viscosity
 
     @property
     def lag(self) -> float:
@@ -116,20 +122,22 @@ class Description(Section):
         """
         if self.wall is None:
             raise SceneError("wall: the scene has none")
-        return self.wall.normal * (z - self.wall.position) - self.bead.radius
+        return self.body.gap((self.wall.position, self.wall.normal), z)
 
     def room(self, z: Any) -> Any:
         """The gap to the wall, or to the opposite one, m, whichever is smaller; see `gap`."""
         gap = self.gap(z)
         if self.wall is None or self.wall.opposite is None:
             return gap
-        middle = abs(self.wall.opposite - self.wall.position) / 2 - self.bead.radius
+        middle = abs(self.wall.opposite - self.wall.position) / 2 - self.body.support(
+            self.wall.normal
+        )
         return middle - abs(gap - middle)
 
     @property
     def free_of_walls(self) -> float:
         """Distance from the focus within which no wall is nearer than 20 radii, m."""
-        return float(self.room(0.0)) - (FREE - 1) * self.bead.radius if self.wall else math.inf
+        return float(self.room(0.0)) - (FREE - 1) * self.body.size if self.wall else math.inf
 
     @property
     def draws(self) -> bool:
@@ -176,13 +184,13 @@ class Description(Section):
     def table_radii(self) -> float:
         """How far the map reaches from the focus, in radii of the bead."""
         reach = self.optics.table_range
-        return to_si(reach, "m") / self.bead.radius if isinstance(reach, str) else reach
+        return to_si(reach, "m") / self.body.size if isinstance(reach, str) else reach
 
     @property
     def table_reach(self) -> float:
         """How far the map reaches from the focus, m."""
         reach = self.optics.table_range
-        return to_si(reach, "m") if isinstance(reach, str) else reach * self.bead.radius
+        return to_si(reach, "m") if isinstance(reach, str) else reach * self.body.size
 
     @property
     def lit(self) -> bool:

@@ -86,7 +86,7 @@ def _foci_at_the_depth(scene: Description) -> None:
 def _start_in_the_medium(scene: Description) -> None:
     """Refuse a start that is not between the lens, or the face of its cover, and loss."""
     x, y, z = scene.start_position
-    ball, radius = scene.start.ball_radius or 0.0, scene.bead.radius
+    ball, radius = scene.start.ball_radius or 0.0, scene.body.support()
     given = f"start.position = {list(scene.start.position)}"
     if scene.lens.focal_length is not None and z - ball <= radius - scene.lens.focal_length:
         raise refusal(f"{given}: the bead must start beyond the lens, by more than its radius")
@@ -108,7 +108,7 @@ def _start_in_the_medium(scene: Description) -> None:
 
 def _beside_the_wall(scene: Description) -> None:
     """Refuse a bead in a wall, a cell that is too thin, and what needs a wall without one."""
-    wall, radius = scene.wall, scene.bead.radius
+    wall, radius = scene.wall, scene.body.size
     if wall is None:
         if scene.forces.dlvo is not None:
             raise refusal("forces.dlvo: needs a [wall]")
@@ -131,7 +131,8 @@ def _beside_the_wall(scene: Description) -> None:
                 f"must be at least {THINNEST:g} radii, {least(THINNEST * radius)} m: nearer "
                 "planes do not add up"
             )
-        room["wall.opposite"] = thickness - 2 * radius - scene.gap(z)
+        across = scene.body.support(wall.normal) + scene.body.support(-wall.normal)
+        room["wall.opposite"] = thickness - across - scene.gap(z)
     for name, gap in room.items():
         if gap - ball <= 0:
             raise refusal(
@@ -224,7 +225,7 @@ def _inertia_of_the_fluid(scene: Description) -> None:
     if inertia != "memory":
         return
     if scene.wall is not None and min(scene.room(scene.start_position[2]), scene.room(0.0)) < (
-        (FREE - 1) * scene.bead.radius
+        (FREE - 1) * scene.body.size
     ):
         raise refusal(
             f"{said}: a wall nearer than {FREE:g} radii to start or focus takes up the "

@@ -279,7 +279,7 @@ def fit_depth(
     parameters = tuple(likelihood.parameters(optimum, profile.spread()))
     # the start is sought in z, and taken from the first frames in x and y
     p_value = p_value_of(path, sized=noise is not None, fitted=3 + len(likelihood.names))
-    doubts = _doubts(scene.bead.radius, likelihood, profile, path, p_value)
+    doubts = _doubts(scene.body.size, likelihood, profile, path, p_value)
     (low, high), *more = intervals
     open_end = low <= at[0] or intervals[-1][1] >= at[-1]
     determined = (
@@ -349,7 +349,7 @@ def _refuse_in_the_wall(scene: Scene, search: tuple[float, float], fit: Sequence
 def _between_walls(scene: Scene, low: float, high: float) -> tuple[float, float]:
     """The part of a search, m, that is not in a wall."""
     for plane, normal in scene.wall.planes if scene.wall else ():
-        nearest = plane + normal * (1 + _LEAST_GAP) * scene.bead.radius
+        nearest = plane + normal * (1 + _LEAST_GAP) * scene.body.support(normal)
         low, high = (max(low, nearest), high) if normal > 0 else (low, min(high, nearest))
     return low, high
 
@@ -374,7 +374,7 @@ class _Likelihood:
     ) -> None:
         if scene.beam.polarisation != "linear" and evaluator(scene.optics.evaluator).mapped:
             reach = light_of_one_beam(scene).search.near
-            radii = round(reach / scene.bead.radius, 9)
+            radii = round(reach / scene.body.size, 9)
             range_ = radii if radii <= TABLE_RADII[1] else f"{reach:.12g} m"
             scene = scene.replace(optics={"evaluator": "map", "table_range": range_})
         if not scene.plain:
@@ -392,7 +392,7 @@ class _Likelihood:
         self._times = track.times - track.times[0]
         self._positions = np.ascontiguousarray(track.positions)
         extent = float(np.ptp(track.positions[np.isfinite(track.positions)]))
-        self._outliers = _OUTLIERS / (extent + 2 * scene.bead.radius)
+        self._outliers = _OUTLIERS / (extent + 2 * scene.body.size)
         both = self._positions[np.isfinite(self._positions).all(axis=1)][:_FIRST]
         least = self._noise or self._guess
         spread = [_GUESS * max(_usual(seen, 1), least) for seen in both.T]

@@ -81,7 +81,7 @@ class FreeKey:
             self._most = 1 / scene.camera.rate
         self.unit = 1.0
         if not self.logarithmic:
-            self.unit = scene.bead.radius if quantity.unit == "m" else abs(self.given) or 1.0
+            self.unit = scene.body.size if quantity.unit == "m" else abs(self.given) or 1.0
 
     def value(self, q: float) -> float:
         """In SI."""
@@ -293,7 +293,7 @@ def _height(scene: Scene, z: float) -> float | None:
     """Distance of a bead's centre from the nearest wall, in radii; None far from walls."""
     if scene.wall is None:
         return None
-    height = 1 + float(scene.room(z)) / scene.bead.radius
+    height = 1 + float(scene.room(z)) / scene.body.size
     return height if height < _FAR else None
 
 

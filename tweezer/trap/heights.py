@@ -119,7 +119,7 @@ def at_height(scene: SceneLike, height: float) -> Scene:
         changes["lens"] = {"cover": {"depth": height}}
         if scene.optics.evaluator == "map":
             changes["optics"] = {"evaluator": "quadrature"}
-    room = max(0.0, 2 * scene.bead.radius - height)  # a start in the fluid
+    room = max(0.0, 2 * scene.body.size - height)  # a start in the fluid
     changes["start"] = {
         "frame": "focus", "position": (0.0, 0.0, normal * room), "drawn": "no", "ball_radius": None,
     }  # fmt: skip

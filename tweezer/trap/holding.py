@@ -207,10 +207,10 @@ def _not_computed(problem: Problem, held: Equilibrium | Ring, reach: float) -> s
 def _region(problem: Problem, radius: float) -> Region:
     """Where the bead is not lost, between the walls of the scene."""
     scene = problem.scene
-    finest = _FINE_RADII * scene.bead.radius + _FINE_SAMPLES * problem.light.search.spacing
+    finest = _FINE_RADII * scene.body.size + _FINE_SAMPLES * problem.light.search.spacing
     low, high = -math.inf, math.inf
     for position, normal in scene.wall.planes if scene.wall else ():
-        touching = position + normal * (1 + _BESIDE_WALL) * scene.bead.radius
+        touching = position + normal * (1 + _BESIDE_WALL) * scene.body.support(normal)
         low, high = (touching, high) if normal > 0 else (low, touching)
     return Region(radius, finest, low, high)
 

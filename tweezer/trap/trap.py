@@ -634,7 +634,7 @@ def pressed(problem: Problem) -> bool:
     """Whether the forces on a bead on the axis that touches a wall press it there."""
     scene = problem.scene
     for plane, normal in scene.wall.planes if scene.wall else ():
-        touching = plane + normal * scene.bead.radius
+        touching = plane + normal * scene.body.support(normal)
         if abs(touching) > problem.light.search.reach:
             continue
         if normal * problem.net_force_apart(np.array([[0.0, 0.0, touching]]))[0, 2] < 0:

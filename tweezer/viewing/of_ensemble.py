@@ -70,7 +70,7 @@ def _of_trajectories(dataset: xr.Dataset, scene: Scene) -> Content:
     kept, beads, taken = _thinned(len(times), len(lost_time))
     place = bound_once(scene).equilibrium if scene.lit else None
     centre = None if place is None else np.array(place.position)
-    course, positions = _read(dataset, computed, kept, taken, centre, scene.bead.radius)
+    course, positions = _read(dataset, computed, kept, taken, centre, scene.body.size)
     lost = lost_time[taken]
     arrays = {name: uint16(positions[:, :, k].T, "m") for k, name in enumerate("xyz")}
     arrays |= _packed(times[kept], course)

@@ -174,7 +174,7 @@ def _escape(escape: Escape) -> dict[str, Any]:
 
 def _box(trap: Trap, problem: Problem) -> _Box:
     """Three radii and a half about every focus, and farther if the trap is wider."""
-    scene, r = trap.scene, trap.scene.bead.radius
+    scene, r = trap.scene, trap.scene.body.size
     foci = problem.foci()
     centre = np.array(trap.equilibrium.position if trap.equilibrium else foci[0])
     shown = np.vstack([foci, centre])
@@ -264,7 +264,10 @@ def _of_walls(problem: Problem, box: _Box) -> tuple[Array, Array]:
     if not every or wall is None:
         return np.zeros(0), np.zeros(0)
     gaps = np.geomspace(_CLOSEST, box.high - box.low, _HEIGHTS)
-    near = [plane + normal * (problem.scene.bead.radius + gaps) for plane, normal in wall.planes]
+    near = [
+        plane + normal * (problem.scene.body.support(normal) + gaps)
+        for plane, normal in wall.planes
+    ]
     heights = np.unique(np.concatenate([np.linspace(box.low, box.high, _HEIGHTS), *near]))
     heights = heights[(heights >= box.low) & (heights <= box.high)]
     places = np.outer(heights, [0.0, 0.0, 1.0])
@@ -297,7 +300,7 @@ def _compared(
     places = rng.uniform(low, high, (_COMPARED, 3))
     foci = problem.foci()
     about = foci[rng.integers(len(foci), size=_COMPARED // 2)]
-    spread = 1.5 * problem.scene.bead.radius
+    spread = 1.5 * problem.scene.body.size
     places[: len(about)] = np.clip(about + rng.normal(0, spread, about.shape), low, high)
     shown, exact = np.zeros_like(places), np.zeros_like(places)
     for each in lights:

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
 from pydantic import Field, StrictInt, ValidationInfo, field_validator, model_validator
 
+from tweezer.scene.body import Body
 from tweezer.scene.choices import INERTIAS, told
 from tweezer.scene.courses import refusal
 from tweezer.scene.materials import materials
 from tweezer.scene.sections.alternatives import WITHIN_LAYERS, Filled, with_half
+from tweezer.scene.sphere import Sphere
 from tweezer.values.units import (
     BEAD_RADIUS,
     BeadRadius,
@@ -138,6 +140,11 @@ class Bead(_Round):
             assert self.refractive_index is not None
             return ((self.radius, _complex(self.refractive_index)),)
         return tuple((each.radius, _complex(each.refractive_index)) for each in self.layers)
+
+    @property
+    def body(self) -> Body:
+        """Mechanics of the bead: size, mass, moments of inertia, gap to a plane."""
+        return Sphere(self.radius, self.density, self.moments_of_inertia)
 
     @property
     def index(self) -> complex:
