@@ -454,7 +454,7 @@ def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:
     scene, modes = problem.scene, linear.modes
     lens = -math.inf
     if scene.lens.focal_length is not None:
-        lens = scene.bead.radius - scene.lens.focal_length
+        lens = scene.body.support() - scene.lens.focal_length
     softest = float(linear.mobility[TRANSLATION].max())
     pushed = scene.lit or any(problem.bead.weight) or problem.beside_the_light
     drift = problem.fastest if pushed else 0.0

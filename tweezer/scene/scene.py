@@ -248,7 +248,7 @@ def validated(data: dict[str, Any], given: Mapping[str, Any]) -> Scene:
         if (more := error.error_count() - len(shown)) > 0 and len(shown) == _MOST_LINES:
             shown.append(f"and {more} more")
         raise SceneError("\n".join(shown)) from None
-    knudsen = scene.medium.mean_free_path / (2 * scene.bead.radius)
+    knudsen = scene.medium.mean_free_path / (2 * scene.body.size)
     if knudsen > KNUDSEN_LIMIT:
         warn(
             f"Knudsen number {knudsen:.2g} is above {KNUDSEN_LIMIT:g}: the medium is not a "

@@ -57,4 +57,4 @@ def gradient_of_errors(scene: Scene) -> float:
     """
     if scene.theory == "waves":
         return 2 * largest_wavenumber(scene.medium, scene.beams)
-    return 1 / (_RAYS * scene.bead.radius)
+    return 1 / (_RAYS * scene.body.size)
