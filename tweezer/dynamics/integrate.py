@@ -141,21 +141,14 @@ def integrate(
     most_held
         Largest number of steps for which the result has a `path`.
     """
-    simulation = equations.scene.simulation
-    method: str = simulation.method
+    method: str = equations.scene.simulation.method
     if method == "auto":
         method, _ = method_for(equations)
     start, close = equations.begin_state, UNTOLD * equations.absolute_tolerance
     events = [event.restarted(start, close) for event in events]
-    sampled: list[Array] = [start[None]]
-    happened: list[Occurrence] = []
-    lengths: list[Array] = [np.zeros(0)]
-    pieces: list[Piece] = []
-    latest_piece: Taken | None = None
+    so_far = _SoFar(equations, times, [start[None]], most_held)
     force = equations.force
     forget_faults(force)
-    reached, step_time = 1, 0.0
-    status, message = "complete", ""
     solver: Stepper | None = None
     try:
         if METHODS[method].solver:
@@ -163,82 +156,126 @@ def integrate(
         else:
             solver = Solver(
                 equations, method, end=float(times[-1]), tightened=tightened,
-                fixed=simulation.step or 0.0, prescribed=prescribed,
+                fixed=equations.scene.simulation.step or 0.0, prescribed=prescribed,
             )  # fmt: skip
         why = integrators.FULL
-        while why == integrators.FULL and status == "complete":
+        while why == integrators.FULL and so_far.status == "complete":
             with timed() as stepping:
                 piece, why = solver.advance()
-            step_time += stepping["wall_time"]
+            so_far.step_time += stepping["wall_time"]
             if piece is not None:
-                end = piece.end
-                seen = equations.released(piece)
-                found = [each for event in events for each in _found(event, seen)]
-                for event, each in sorted(found, key=lambda pair: pair[1].certain):
-                    if each.certain > end:
-                        continue
-                    happened.append(each)
-                    if event.terminal:
-                        end = each.certain
-                        status, message = event.ends_as, ending(event, end)
-                lengths.append(piece.step_lengths(end))
-                if solver.steps <= most_held:
-                    pieces.append(piece)
-                last = int(np.searchsorted(times, end, side="right"))
-                wanted = times[reached:last]
-                latest = wanted[-1] if wanted.size else times[reached - 1]
-                if status != "complete" and latest < end:
-                    wanted = np.append(wanted, end)
-                    times = np.append(times[:last], end)
-                if wanted.size:
-                    states = piece.states(wanted)
-                    # a step may end at numbers so large that those within it overflow
-                    sound = np.asarray(np.isfinite(states).all(axis=1))
-                    failed = np.flatnonzero(~sound | _in_a_wall(equations, states))
-                    kept = int(failed[0]) if len(failed) else len(wanted)
-                    sampled.append(states[:kept])
-                    reached, latest_piece = reached + kept, piece
-                    if kept < len(wanted):
-                        why_not = _IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE]
-                        raise IntegrationError(why_not)
+                end = so_far.take(piece, events, solver.steps)
                 if progress:
                     progress(end)
-            if why in _FAILURES and status == "complete":
+            if why in _FAILURES and so_far.status == "complete":
                 raise IntegrationError(_FAILURES[why])
             # steps that shrink towards a place without a force would go on for ever
             if piece is not None and why == integrators.FULL and fault_of(force, piece.end):
                 raise IntegrationError(_FAILURES[integrators.NOT_FINITE])
     except KeyboardInterrupt:
-        if reached == 1:  # as while it is compiled
+        if so_far.reached == 1:  # as while it is compiled
             raise
-        status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
+        so_far.status, so_far.message = "interrupted", f"interrupted at {so_far.time:.6g} s"
     except (IntegrationError, ArithmeticError, np.linalg.LinAlgError) as error:
-        status = "failed"
-        begin = float(times[reached - 1])
-        message = f"failed after {begin:.6g} s: {fault_of(force, begin) or error}"
-    step_lengths = np.concatenate(lengths)
-    steps = solver.steps if solver else 0
-    path = None
-    if status != "failed" and reached > 1 and steps <= most_held:
-        path = Path(equations, pieces, float(times[reached - 1]))
-    inner = None
-    if status != "failed" and latest_piece is not None:
-        inner = latest_piece.inner(float(times[reached - 1]))
-    return Integration(
-        method,
-        times[:reached],
-        np.concatenate(sampled),
-        len(step_lengths) or steps,
-        solver.rejected if solver else 0,
-        solver.force_calls if solver else 0,
-        status,
-        message,
-        sorted(happened, key=lambda event: event.time),
-        step_time,
-        step_lengths,
-        path,
-        inner,
-    )
+        begin = so_far.time
+        so_far.status = "failed"
+        so_far.message = f"failed after {begin:.6g} s: {fault_of(force, begin) or error}"
+    return so_far.result(method, solver)
+
+
+@dataclass
+class _SoFar:
+    """The part of a run that was integrated so far."""
+
+    equations: EquationsOfMotion
+    times: Array
+    """(n,) s, output times; an event that ends the run replaces the last one"""
+    sampled: list[Array]
+    most_held: int
+    reached: int = 1
+    """number of output times with states"""
+    status: str = "complete"
+    message: str = ""
+    step_time: float = 0.0
+    happened: list[Occurrence] = dataclasses.field(default_factory=list)
+    lengths: list[Array] = dataclasses.field(default_factory=lambda: [np.zeros(0)])
+    pieces: list[Piece] = dataclasses.field(default_factory=list)
+    latest: Taken | None = None
+    """steps that contain the last output time"""
+
+    @property
+    def time(self) -> float:
+        """Last output time that was reached, s."""
+        return float(self.times[self.reached - 1])
+
+    def take(self, piece: Taken, events: Sequence[Event], steps: int) -> float:
+        """Take some steps, of `steps` in all, up to an event that ends the run; return the end, s.
+
+        Raises `IntegrationError` for states that are not finite or in a wall.
+        """
+        end = self._events(piece, events)
+        self.lengths.append(piece.step_lengths(end))
+        if steps <= self.most_held:
+            self.pieces.append(piece)
+        last = int(np.searchsorted(self.times, end, side="right"))
+        wanted = self.times[self.reached : last]
+        latest = wanted[-1] if wanted.size else self.times[self.reached - 1]
+        if self.status != "complete" and latest < end:
+            wanted = np.append(wanted, end)
+            self.times = np.append(self.times[:last], end)
+        if wanted.size:
+            self._sample(piece, wanted)
+        return end
+
+    def _events(self, piece: Taken, events: Sequence[Event]) -> float:
+        """Take the events within some steps; return the end of the steps, or of the run, s."""
+        end, seen = piece.end, self.equations.released(piece)
+        found = [each for event in events for each in _found(event, seen)]
+        for event, each in sorted(found, key=lambda pair: pair[1].certain):
+            if each.certain > end:
+                continue
+            self.happened.append(each)
+            if event.terminal:
+                end = each.certain
+                self.status, self.message = event.ends_as, ending(event, end)
+        return end
+
+    def _sample(self, piece: Taken, wanted: Array) -> None:
+        """Take the states at some output times."""
+        states = piece.states(wanted)
+        # a step may end at numbers so large that those within it overflow
+        sound = np.asarray(np.isfinite(states).all(axis=1))
+        failed = np.flatnonzero(~sound | _in_a_wall(self.equations, states))
+        kept = int(failed[0]) if len(failed) else len(wanted)
+        self.sampled.append(states[:kept])
+        self.reached, self.latest = self.reached + kept, piece
+        if kept < len(wanted):
+            raise IntegrationError(_IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE])
+
+    def result(self, method: str, solver: Stepper | None) -> Integration:
+        """Return the result of a run that ended."""
+        step_lengths = np.concatenate(self.lengths)
+        steps = solver.steps if solver else 0
+        path = inner = None
+        if self.status != "failed" and self.reached > 1 and steps <= self.most_held:
+            path = Path(self.equations, self.pieces, self.time)
+        if self.status != "failed" and self.latest is not None:
+            inner = self.latest.inner(self.time)
+        return Integration(
+            method,
+            self.times[: self.reached],
+            np.concatenate(self.sampled),
+            len(step_lengths) or steps,
+            solver.rejected if solver else 0,
+            solver.force_calls if solver else 0,
+            self.status,
+            self.message,
+            sorted(self.happened, key=lambda event: event.time),
+            self.step_time,
+            step_lengths,
+            path,
+            inner,
+        )
 
 
 def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]:

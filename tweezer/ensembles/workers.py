@@ -10,7 +10,7 @@ import threading
 import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -128,6 +128,76 @@ def _bound(scene: str, seed: int) -> Walk:
     return walk(Scene.model_validate_json(scene), seed)
 
 
+@dataclass
+class _Output:
+    """What a block writes: chunks of arrays with their checksums, and checkpoints."""
+
+    job: Job
+    index: int
+    bound: Walk
+    identity: str
+    arrays: Samples | None
+    sums: dict[str, str]
+    """checksums of the chunks that are written, by their names"""
+    written: int
+    """number of frames of a camera that are written"""
+    frames: list[Array] = field(default_factory=list)
+    """frames that ended since, (trajectories, frames, axes) m each"""
+
+    @functools.cached_property
+    def members(self) -> slice:
+        """Trajectories of the block."""
+        return self.job.members(self.index)
+
+    def _note(self, name: str, *at: int) -> None:
+        if self.job.out is not None and self.arrays is not None:
+            chunk = chunk_of(self.arrays, name, *at)
+            self.sums[chunk] = checksum(self.job.out / chunk)
+
+    def write_frames(self) -> None:
+        """Write the frames that ended."""
+        if not self.frames or self.arrays is None:
+            return
+        seen = np.concatenate(self.frames, axis=1)
+        first, self.written = self.written, self.written + seen.shape[1]
+        self.arrays[SEEN][self.members, first : self.written] = seen
+        self.frames.clear()
+        if self.job.out is not None:
+            _, most, _ = self.arrays[SEEN].shape
+            _, length, _ = self.arrays[SEEN].chunks
+            whole = self.written // length
+            ended = -(-self.written // length) if self.written == most else whole
+            for chunk in range(first // length, ended):
+                self._note(SEEN, self.index, chunk, 0)
+
+    def write_window(self, window: int, samples: Array, lost: Array) -> None:
+        """Write the samples of a window, and after the last one the times of loss (n,), s."""
+        if self.arrays is None:
+            return
+        first, end = self.job.cuts[window : window + 2]
+        layout = self.bound.shown
+        for name in layout.blocks:
+            self.arrays[name][self.members, first:end] = samples[..., layout.at(name)]
+            self._note(name, self.index, window, 0)
+        self.write_frames()
+        if window == len(self.job.cuts) - 2:
+            self.arrays["lost_time"][self.members] = lost
+            self._note("lost_time", self.index)
+
+    def keep(
+        self, window: int, states: Array, samples: Array, statistics: Statistics | None
+    ) -> None:
+        """Write the checkpoint of a block within a window."""
+        if self.job.out is None:
+            return
+        begun = {
+            "identity": self.identity, "block": self.index, "window": window, "states": states,
+            "held": samples,
+        }  # fmt: skip
+        more = statistics.arrays() if statistics else {"sums": json.dumps(self.sums)}
+        keep(self.job.checkpoint(self.index), begun | more)
+
+
 def _block(
     job: Job,
     index: int,
@@ -159,38 +229,8 @@ def _block(
         sums = sums_of(begun)
         if statistics:
             statistics = Statistics.of(statistics.plan, begun)
-
-    frames: list[Array] = []  # that ended since they were last written
     written = bound.frames(max(job.cuts[window] + before.shape[1] - 1, 0))
-
-    def note(name: str, *at: int) -> None:
-        if job.out is not None and arrays is not None:
-            chunk = chunk_of(arrays, name, *at)
-            sums[chunk] = checksum(job.out / chunk)
-
-    def write_frames() -> None:
-        nonlocal written
-        if frames and arrays is not None:
-            seen = np.concatenate(frames, axis=1)
-            first, written = written, written + seen.shape[1]
-            arrays[SEEN][members, first:written] = seen
-            frames.clear()
-            if job.out is not None:
-                _, most, _ = arrays[SEEN].shape
-                _, length, _ = arrays[SEEN].chunks
-                ended = -(-written // length) if written == most else written // length
-                for chunk in range(first // length, ended):
-                    note(SEEN, index, chunk, 0)
-
-    def keep_for_later(window: int, samples: Array) -> None:
-        if job.out is not None:
-            begun = {
-                "identity": identity, "block": index, "window": window, "states": states,
-                "held": samples,
-            }  # fmt: skip
-            more = statistics.arrays() if statistics else {"sums": json.dumps(sums)}
-            keep(job.checkpoint(index), begun | more)
-
+    output = _Output(job, index, bound, identity, arrays, sums, written)
     windows = len(job.cuts) - 1
     for i in range(window, windows):
         first, end = job.cuts[i], job.cuts[i + 1]
@@ -203,7 +243,7 @@ def _block(
             if stopped():
                 return None
             if seen.size:
-                frames.append(seen)
+                output.frames.append(seen)
             reached = at + piece.shape[1]
             samples[:, at - first : reached - first] = piece[..., : layout.width]
             if statistics:
@@ -211,23 +251,16 @@ def _block(
             parts[index] = job.share(index) * reached / job.cuts[-1]
             if len(trajectories) * (reached - last) * bound.per_sample >= _KEPT_STEPS:
                 with telling(job.out):
-                    write_frames()
-                    keep_for_later(i, samples[:, : reached - first])
+                    output.write_frames()
+                    output.keep(i, states, samples[:, : reached - first], statistics)
                 last = reached
         if statistics:
             statistics.add_window(first, samples)
             if i == windows - 1:
                 statistics.close(bound.lost(states))
         with telling(job.out):
-            if arrays is not None:
-                for name in layout.blocks:
-                    arrays[name][members, first:end] = samples[..., layout.at(name)]
-                    note(name, index, i, 0)
-                write_frames()
-                if i == windows - 1:
-                    arrays["lost_time"][members] = bound.lost(states)
-                    note("lost_time", index)
-            keep_for_later(i + 1, before)
+            output.write_window(i, samples, bound.lost(states))
+            output.keep(i + 1, states, before, statistics)
     return statistics.arrays() if statistics else {}
 
 

@@ -7,6 +7,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -52,6 +53,10 @@ from tweezer.values.version import made_by, versions
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from tweezer.dynamics.walk import Walk
+
+Array = NDArray[np.float64]
 
 #: Gap below which a bead is taken to have touched a wall between two samples, m
 _TOUCHING = 5e-9
@@ -213,14 +218,12 @@ def motion_of(
     frames = Frames.of(problem.scene)
     scene, simulation = problem.scene, problem.scene.simulation
     first, begin = (begun.sample, begun.begin) if begun else (0, None)
-    started = begin.time if begin else 0.0
-    times = np.linspace(started, simulation.duration, simulation.samples - first)
+    times = np.linspace(
+        begin.time if begin else 0.0, simulation.duration, simulation.samples - first
+    )
     approach = closest_approach(simulation.position_tolerance)
-    looked_for = [*events, loss(simulation.loss_distance)]
-    if begun is None or not begun.approached:
-        looked_for.append(approach)
-    if (lens := lens_touched(scene)) is not None:
-        looked_for.append(lens)
+    approached = begun is not None and begun.approached
+    looked_for = [*events, *_looked_for(scene, None if approached else approach)]
     with timed() as seconds:
         equations = bind(problem, begin)
         if begun:
@@ -247,7 +250,7 @@ def motion_of(
         "integration_error": budget.integration_error,
         "model_error": math.nan,
         **_end(equations, result, budget),
-        **({"approached": 1} if begun and begun.approached else {}),
+        **({"approached": 1} if approached else {}),
     }
     light = problem.light.field(motion.position, time=result.times)
     run = _run(problem, result.times, motion, light, attributes)
@@ -272,6 +275,12 @@ def motion_of(
             attributes["model_error"] = model_error(equations, result, motion.position)
 
     return run, find_errors
+
+
+def _looked_for(scene: Scene, approach: Event | None) -> list[Event]:
+    """Return the events of every run: loss, the first closest approach if asked, contact."""
+    every = loss(scene.simulation.loss_distance), approach, lens_touched(scene)
+    return [each for each in every if each is not None]
 
 
 def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
@@ -308,6 +317,102 @@ def _check_watched(scene: Scene) -> None:
         )
 
 
+@dataclass
+class _Followed:
+    """Trajectory 0 of a walk, as far as it has been followed."""
+
+    bound: Walk
+    first: int
+    """sample of the whole motion at which the run begins"""
+    state: Array
+    """(1, state), moved along"""
+    columns: Array
+    """(1, samples, columns), filled up to `reached`"""
+    watch: Watch
+    reached: int = 1
+    status: str = "complete"
+    message: str = ""
+    step_time: float = 0.0
+    seen: list[Array] = dataclasses.field(default_factory=list)
+    """what a camera saw, (frames, axes) m each"""
+
+    def __post_init__(self) -> None:
+        self.times = self.bound.times[self.first :]
+        self.end = self.state.copy()
+        self.calls = self.bound.per_sample * self.bound.force_calls
+
+    @classmethod
+    def begin(cls, bound: Walk, begun: Continued | None, events: Sequence[Event]) -> _Followed:
+        """Return the begin of a run, or that of one that goes on."""
+        first = begun.sample if begun else 0
+        state = bound.start(np.zeros(1, np.int64))
+        columns = np.empty((1, len(bound.times) - first, bound.shown.width))
+        columns[:, 0] = bound.seen(state)
+        if begun:
+            bound.go_on(begun, state[0])
+            columns[:, 0] = begun.begin.state
+        return cls(bound, first, state, columns, Watch(events, columns[0, 0]))
+
+    @property
+    def lost(self) -> float:
+        """When the bead was lost, s; infinite before."""
+        return float(self.bound.lost(self.state)[0])
+
+    def follow(self, progress: Callable[[float], None] | None, *, watched: bool) -> None:
+        """Follow the walk to its end, a loss, an event, an interrupt or a failure."""
+        times, samples = self.times, len(self.times)
+        at_once = max(1, _STEPS_AT_ONCE // self.bound.per_sample)
+        affordable = self.bound.scene.simulation.most_force_calls // max(self.calls, 1)
+        try:
+            while self.reached < samples and np.isinf(self.lost) and not self.watch.status:
+                if self.reached > affordable:
+                    raise IntegrationError("simulation.most_force_calls is spent")
+                last = min(self.reached + at_once, samples, affordable + 1)
+                with timed() as stepping:
+                    self._step(last, watched=watched)
+                self.step_time += stepping["wall_time"]
+                self.reached, self.end = last, self.state.copy()
+                if progress:
+                    progress(float(times[last - 1]))
+        except KeyboardInterrupt:
+            if self.reached == 1:  # as while it is compiled
+                raise
+            self.status = "interrupted"
+            self.message = f"interrupted at {times[self.reached - 1]:.6g} s"
+        except IntegrationError as error:
+            self.status = "failed"
+            self.message = f"failed after {times[self.reached - 1]:.6g} s: {error}"
+        if np.isfinite(lost := self.lost):
+            self.status, self.message = "lost", f"the bead left the trap at {lost:.6g} s"
+            if self.bound.loss_caveat:
+                self.message += f"; {self.bound.loss_caveat}"
+            self.reached = int(np.isfinite(self.columns[0, : self.reached, POSITION.start]).sum())
+
+    def _step(self, last: int, *, watched: bool) -> None:
+        """Fill the samples up to `last`."""
+        trajectory, piece = np.zeros(1, np.int64), self.columns[:, self.reached : last]
+        at = self.first + self.reached - 1
+        if not watched:
+            self.seen.append(self.bound.filmed(self.state, trajectory, at, piece)[0])
+            return
+        ends, steps = self.bound.advance_by_steps(self.state, trajectory, at, piece)
+        held = int(np.isfinite(steps[0, :, POSITION.start]).sum())  # up to where it was lost
+        self.watch.look(Line(ends[:held], steps[0, :held]))
+
+    def cut(self) -> tuple[Array, Array]:
+        """Return the times and samples up to an event that ended the run, with this event."""
+        times, samples = self.times, self.columns[0, : self.reached]
+        if self.watch.last is not None:
+            self.status, self.message = self.watch.status, self.watch.message
+            ended, there = self.watch.last
+            self.reached = int(np.searchsorted(times[: self.reached], ended, side="right"))
+            times, samples = times[: self.reached], self.columns[0, : self.reached]
+            if times[-1] < ended:
+                times = np.append(times, ended)
+                samples = np.vstack([samples, there])
+        return times[: len(samples)], samples
+
+
 def _thermal_run(
     problem: Problem,
     seed: int,
@@ -317,7 +422,6 @@ def _thermal_run(
     events: Sequence[Event],
 ) -> tuple[Run, Callable[[], None]]:
     """Trajectory 0 of the ensemble of that seed."""
-    from tweezer.dynamics.beside_wall import rate_of_sticking
     from tweezer.dynamics.walk import walk
 
     with timed() as seconds:
@@ -325,107 +429,61 @@ def _thermal_run(
         bound.warn_of_bias()
         if events:
             _check_watched(bound.scene)
-        first = begun.sample if begun else 0
-        scene, samples = bound.scene, len(bound.times) - first
-        trajectory = np.zeros(1, np.int64)
-        state = bound.start(trajectory)
-        columns = np.empty((1, samples, bound.shown.width))
-        columns[:, 0] = bound.seen(state)
-        if begun:
-            bound.go_on(begun, state[0])
-            columns[:, 0] = begun.begin.state
-        seen: list[NDArray[np.float64]] = []
-        reached, status, message, step_time = 1, "complete", "", 0.0
-        end = state.copy()
-        times = bound.times[first:]
-        watch = Watch(events, columns[0, 0])
-        at_once = max(1, _STEPS_AT_ONCE // bound.per_sample)
-        calls = bound.per_sample * bound.force_calls
-        affordable = scene.simulation.most_force_calls // max(calls, 1)
-        try:
-            while reached < samples and np.isinf(bound.lost(state)[0]) and not watch.status:
-                if reached > affordable:
-                    raise IntegrationError("simulation.most_force_calls is spent")
-                last = min(reached + at_once, samples, affordable + 1)
-                piece = columns[:, reached:last]
-                at = first + reached - 1
-                with timed() as stepping:
-                    if events:
-                        ends, steps = bound.advance_by_steps(state, trajectory, at, piece)
-                        finite = np.isfinite(steps[0, :, POSITION.start])
-                        held = int(finite.sum())  # up to where it was lost
-                        watch.look(Line(ends[:held], steps[0, :held]))
-                    else:
-                        seen.append(bound.filmed(state, trajectory, at, piece)[0])
-                step_time += stepping["wall_time"]
-                reached, end = last, state.copy()
-                if progress:
-                    progress(float(times[reached - 1]))
-        except KeyboardInterrupt:
-            if reached == 1:  # as while it is compiled
-                raise
-            status, message = "interrupted", f"interrupted at {times[reached - 1]:.6g} s"
-        except IntegrationError as error:
-            status, message = "failed", f"failed after {times[reached - 1]:.6g} s: {error}"
-        if np.isfinite(lost := bound.lost(state)[0]):
-            status, message = "lost", f"the bead left the trap at {lost:.6g} s"
-            if bound.loss_caveat:
-                message += f"; {bound.loss_caveat}"
-            reached = int(np.isfinite(columns[0, :reached, POSITION.start]).sum())
-    samples_seen = columns[0, :reached]
-    if watch.last is not None:
-        status, message = watch.status, watch.message
-        ended, there = watch.last
-        reached = int(np.searchsorted(times[:reached], ended, side="right"))
-        samples_seen = columns[0, :reached]
-        times = times[:reached]
-        if times[-1] < ended:
-            times = np.append(times, ended)
-            samples_seen = np.vstack([samples_seen, there])
-    times, motion = times[: len(samples_seen)], bound.motion(samples_seen)
-    if status != "failed" and (fault := fault_at(bound.problem, times, motion)):
-        status, message = "failed", fault
+        run_of = _Followed.begin(bound, begun, events)
+        run_of.follow(progress, watched=bool(events))
+    times, samples = run_of.cut()
+    motion = bound.motion(samples)
+    if run_of.status != "failed" and (fault := fault_at(bound.problem, times, motion)):
+        run_of.status, run_of.message = "failed", fault
+    end = None
+    if run_of.watch.last is None:
+        end = bound.end(float(times[-1]), samples[-1], run_of.end[0])
     attributes = {
         **_about_the_run(bound.problem, bound.why),
         **as_given,
         "emitted_module": "langevin",
-        "method": scene.simulation.method,
+        "method": bound.scene.simulation.method,
         "seed": seed,
         "step": bound.step,
         **({} if bound.variance_bias is None else {"variance_bias": bound.variance_bias}),
         **({"loss_caveat": bound.loss_caveat} if bound.loss_caveat else {}),
-        "status": status,
-        "message": message,
-        "events": _as_text(watch.happened),
+        "status": run_of.status,
+        "message": run_of.message,
+        "events": _as_text(run_of.watch.happened),
         **({"event_resolution": bound.step} if events else {}),
-        "steps": (reached - 1) * bound.per_sample,
+        "steps": (run_of.reached - 1) * bound.per_sample,
         "rejected_steps": 0,
-        "force_calls": (reached - 1) * calls,
+        "force_calls": (run_of.reached - 1) * run_of.calls,
         **seconds,
-        "step_time": step_time,
+        "step_time": run_of.step_time,
         "integration_error": math.nan,
-        "model_error": 0.0 if _has_all_inertia(scene) else math.nan,
-        **as_attribute(
-            bound.end(float(times[-1]), samples_seen[-1], end[0]) if watch.last is None else None
-        ),
+        "model_error": 0.0 if _has_all_inertia(bound.scene) else math.nan,
+        **as_attribute(end),
     }
-    if status == "failed":
-        warn(f"{scene.name}: {message}")
-    rate = rate_of_sticking(bound.problem)
-    if rate * bound.step > 1 and scene.room(motion.position[:, 2]).min() < _TOUCHING:
-        warn(
-            f"{scene.name}: the bead touched the wall, where van der Waals's force wants steps of "
-            f"{1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
-        )
+    if run_of.status == "failed":
+        warn(f"{bound.scene.name}: {run_of.message}")
+    _warn_of_sticking(bound, motion)
     light = bound.problem.light.field(motion.position, time=times)
     run = _run(bound.problem, times, motion, light, attributes)
     run.variables.update(force_errors(bound.problem, times, motion, light))
     if bound.exposure is None:
         return run, lambda: None
     frames = bound.exposure.frames
-    places = np.concatenate([np.empty((0, len(frames.camera.axes))), *seen])
+    places = np.concatenate([np.empty((0, len(frames.camera.axes))), *run_of.seen])
     held = int(np.isfinite(places).all(axis=1).sum())  # up to where the bead was lost
     return _filmed(run, frames, frames.times[:held], places[:held]), lambda: None
+
+
+def _warn_of_sticking(bound: Walk, motion: Motion) -> None:
+    """Warn of steps that are too long for a bead that touched a wall."""
+    from tweezer.dynamics.beside_wall import rate_of_sticking
+
+    rate = rate_of_sticking(bound.problem)
+    if rate * bound.step > 1 and bound.scene.room(motion.position[:, 2]).min() < _TOUCHING:
+        warn(
+            f"{bound.scene.name}: the bead touched the wall, where van der Waals's force wants "
+            f"steps of {1 / rate:.1g} s or less: with {bound.step:.1g} s it may come off again"
+        )
 
 
 def _run(

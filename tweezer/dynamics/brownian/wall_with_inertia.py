@@ -77,6 +77,21 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
+@named_njit(inner=True, error_model="numpy")
+def _look(data, x, kept):  # type: ignore[no-untyped-def]
+    """Fill the rows of the plane, its functions and the mobility along it, at the begin."""
+    width = x.shape[1]
+    for i in range(0, width, LANES):
+        g, away, plane = nearest(data, lanes(x, 2 * width + i))
+        r, of_force, drift, mobilities = by_gap(data, g, away)
+        store(kept, AWAY * width + i, away)
+        store(kept, PLANE * width + i, plane)
+        store(kept, R * width + i, r)
+        store(kept, S * width + i, of_force)
+        store(kept, T * width + i, drift)
+        store(kept, ALONG * width + i, mobilities[0])
+
+
 @cached_njit(error_model="numpy", nogil=True)
 def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: ARG001
     """One step of all beads, two forces."""
@@ -89,15 +104,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]  # noqa: 
     )  # fmt: skip
     kept = np.empty((ROWS, width))
     slow_velocities(force, plan, beads, beads.now[0], x, u)
-    for i in range(0, width, LANES):
-        g, away, plane = nearest(data, lanes(x, 2 * width + i))
-        r, of_force, drift, mobilities = by_gap(data, g, away)
-        store(kept, AWAY * width + i, away)
-        store(kept, PLANE * width + i, plane)
-        store(kept, R * width + i, r)
-        store(kept, S * width + i, of_force)
-        store(kept, T * width + i, drift)
-        store(kept, ALONG * width + i, mobilities[0])
+    _look(data, x, kept)
     for i in range(width):
         along = kept[ALONG, i]
         functions = _of_step(h, free * along)
