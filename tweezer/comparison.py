@@ -29,6 +29,7 @@ from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import DIMENSIONS, Measured, Result
 from tweezer.values.prefixes import usual_unit
+from tweezer.values.printed import printed
 from tweezer.values.saved import COMPARED, kind_of, read_json, refusal
 from tweezer.values.shown import Card, Row, Shown, Table, clipped
 
@@ -572,7 +573,7 @@ def _of_run(name: str, run: xr.Dataset, about: dict[str, Any]) -> Source:
 
 
 def _ms(time: float) -> str:
-    return f"{1e3 * time:.6g} ms"
+    return printed(time, "ms", 6)
 
 
 def _moments_in_time(places: Array, step: float) -> tuple[dict[str, Numbers], float]:

@@ -31,6 +31,8 @@ from tweezer.cli.console import (
 )
 from tweezer.cli.tables import add_light, table_of
 from tweezer.values.errors import PhysicsWarning
+from tweezer.values.prefixes import per
+from tweezer.values.printed import printed
 from tweezer.values.rounding import with_uncertainty
 
 if TYPE_CHECKING:
@@ -118,15 +120,15 @@ def _print_ensemble(scene: Scene, result: xr.Dataset) -> None:
     table.add_row("lost", f"{int(lost)}")
     if int(lost) and "loss_caveat" in attributes:
         table.add_row("", attributes["loss_caveat"])
-    table.add_row("samples", f"{attributes['samples']} in {1e3 * attributes['duration']:.4g} ms")
+    table.add_row("samples", f"{attributes['samples']} in {printed(attributes['duration'], 'ms')}")
     if "stationary_mean" in result:
-        mean, error = (1e6 * result[f"stationary_mean{of}"].values for of in ("", "_error"))
+        mean, error = (per("um") * result[f"stationary_mean{of}"].values for of in ("", "_error"))
         row = map(with_uncertainty, mean, error)
         table.add_row("mean (x, y, z)", ", ".join(row) + " um from the focus")
         variance, error = (result[f"stationary_variance{of}"].values for of in ("", "_error"))
         deviation = variance**0.5
-        error = 1e9 * error / (2 * deviation)
-        row = map(with_uncertainty, 1e9 * deviation, error)
+        error = per("nm") * error / (2 * deviation)
+        row = map(with_uncertainty, per("nm") * deviation, error)
         table.add_row("standard deviation (x, y, z)", ", ".join(row) + " nm")
         table.add_row("windows", f"{int(result['windows'])} of {attributes['samples_per_window']} "
                       f"samples, {int(result['windows_lost'])} not used")  # fmt: skip

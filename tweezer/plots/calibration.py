@@ -18,8 +18,9 @@ from tweezer.calibration import (
     standard_error,
 )
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, MILLI, NANO
 from tweezer.values.constants import Boltzmann
+from tweezer.values.prefixes import per
+from tweezer.values.printed import with_error
 from tweezer.values.rounding import with_uncertainty
 
 if TYPE_CHECKING:
@@ -66,14 +67,14 @@ def draw_calibration(
     figure.align_ylabels([axes["spectrum"], axes["potential"]])
     drag = "drag fitted"
     if calibration.drag is not None:
-        drag = f"drag {calibration.drag * NANO:.3g} nN s/m"
+        drag = f"drag {calibration.drag * per('nN s/m'):.3g} nN s/m"
     if calibration.wall is not None:
         drag += " far away" if calibration.drag is not None else ""
-        drag += f" · {calibration.wall.distance * MICRO:.4g} µm from a wall"
+        drag += f" · {calibration.wall.distance * per('um'):.4g} µm from a wall"
     style.add_title(
         figure, calibration.name,
         f"{calibration.temperature:.5g} K · {drag} · {calibration.samples} samples, one every "
-        f"{calibration.step * MILLI:.3g} ms",
+        f"{calibration.step * per('ms'):.3g} ms",
     )  # fmt: skip
 
 
@@ -81,7 +82,7 @@ def _draw_trajectory(axes: Axes, recording: Recording) -> None:
     """A long record thinned to as many samples as a figure can show."""
     shown = slice(None, None, -(-len(recording.times) // _SHOWN))
     for axis, positions in zip(recording.axes, recording.positions.T, strict=True):
-        about = (positions - positions.mean()) * NANO
+        about = (positions - positions.mean()) * per("nm")
         axes.plot(
             recording.times[shown], about[shown], color=style.AXES[axis].colour, lw=0.4,
             label=axis, rasterized=True, zorder=3 - "xyz".index(axis) / 4,
@@ -97,7 +98,9 @@ def _draw_density(axes: Axes, recording: Recording) -> None:
     if len(recording.axes) < 2:
         axes.set_axis_off()
         return
-    x, y = ((recording.positions[:, i] - recording.positions[:, i].mean()) * NANO for i in (0, 1))
+    x, y = (
+        (recording.positions[:, i] - recording.positions[:, i].mean()) * per("nm") for i in (0, 1)
+    )
     reach = 4 * max(x.std(), y.std()) * np.array([-1, 1])
     _, _, _, shown = axes.hist2d(
         x, y, bins=64, range=[reach, reach], density=True, cmap=style.FROM_ZERO, rasterized=True
@@ -163,13 +166,13 @@ def _draw_displacement(axes: Axes, recording: Recording, calibration: Calibratio
         errors = [standard_error((positions[lag:] - positions[:-lag]) ** 2) for lag in lags]
         mark, estimate = style.AXES[found.axis], found.by("displacement") or found.estimates[0]
         axes.errorbar(
-            lags * step, values * NANO**2, np.array(errors) * NANO**2, elinewidth=0.7, ms=2.5,
-            alpha=0.7, **mark.points,
+            lags * step, values * per("nm^2"), np.array(errors) * per("nm^2"), elinewidth=0.7,
+            ms=2.5, alpha=0.7, **mark.points,
         )  # fmt: skip
         bead = dataclasses.replace(found.fit.bead, stiffness=estimate.stiffness)
         times = np.geomspace(lags[0], lags[-1], 200) * step
         axes.plot(
-            times, bead.mean_squared_displacement(times) * NANO**2, **mark.curve,
+            times, bead.mean_squared_displacement(times) * per("nm^2"), **mark.curve,
             label=f"{found.axis}: {_stiffness(estimate.stiffness, estimate.uncertainty)}"
             f"{_mark(estimate.findings)}",
         )  # fmt: skip
@@ -202,11 +205,11 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
             label = _stiffness(estimate.stiffness, estimate.uncertainty) + _mark(estimate.findings)
             reach = math.sqrt(2 * 4.5 * kT / well.stiffness) * np.linspace(-1, 1, 101)
             axes.plot(
-                (well.minimum - found.centre + reach) * NANO, well.stiffness * reach**2 / 2 / kT,
-                **mark.curve,
+                (well.minimum - found.centre + reach) * per("nm"),
+                well.stiffness * reach**2 / 2 / kT, **mark.curve,
             )  # fmt: skip
         axes.errorbar(
-            (well.coordinates - found.centre) * NANO, well.energy / kT, well.errors / kT,
+            (well.coordinates - found.centre) * per("nm"), well.energy / kT, well.errors / kT,
             elinewidth=0.7, ms=2.5, alpha=0.7, label=f"{found.axis}: {label}", **mark.points,
         )  # fmt: skip
     axes.set(xlabel="from the mean (nm)", ylabel="potential ($k_B T$)")
@@ -217,7 +220,7 @@ def _draw_potential(axes: Axes, recording: Recording, calibration: Calibration) 
 
 
 def _stiffness(k: float, uncertainty: float) -> str:
-    return f"k = {with_uncertainty(k * MICRO, uncertainty * MICRO, '±')} pN/µm"
+    return f"k = {with_error(k, uncertainty, 'pN/µm', '±')}"
 
 
 def _mark(findings: tuple[Finding, ...]) -> str:

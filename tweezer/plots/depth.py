@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, MILLI
 from tweezer.tracking.profile import LEVEL
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,17 +23,17 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
     """Track and fit, whitened residuals, the depth over time, and the misfit over the start."""
     figure = style.new(style.PAGE, 5.0)
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
-    time = (track.times - found.start_time) * MILLI
+    time = (track.times - found.start_time) * per("ms")
     path = found.path
     plane, residuals = panels["plane"], panels["residuals"]
     for k, axis in enumerate("xy"):
         mark = style.AXES[axis]
-        seen = track.positions[:, k] * MICRO
+        seen = track.positions[:, k] * per("um")
         plane.plot(time, seen, ms=2.5, label=axis, **mark.points)
-        plane.plot(time, path.predicted[:, k] * MICRO, lw=1.0, **mark.curve)
+        plane.plot(time, path.predicted[:, k] * per("um"), lw=1.0, **mark.curve)
         residuals.plot(time, path.residuals[:, k], ms=2.5, **mark.points)
         out = path.weights[:, k] < 0.5
-        for axes, values in ((plane, track.positions * MICRO), (residuals, path.residuals)):
+        for axes, values in ((plane, track.positions * per("um")), (residuals, path.residuals)):
             axes.plot(time[out], values[out, k], "x", ms=5, color=style.LIGHT)
     plane.set(xlabel="time (ms)", ylabel="position (µm)")
     plane.set_title("seen, and as predicted; crosses: outliers")
@@ -42,7 +42,7 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
         residuals.axhline(level, color=style.MUTED, lw=0.6, ls="-" if level == 0 else ":")
     residuals.set(xlabel="time (ms)", ylabel="whitened residual", ylim=(-6, 6))
     residuals.set_title(f"independent if the model holds: p = {found.p_value:.2g}")
-    panels["depth"].plot(time, path.predicted[:, 2] * MICRO, **style.AXES["z"].curve)
+    panels["depth"].plot(time, path.predicted[:, 2] * per("um"), **style.AXES["z"].curve)
     panels["depth"].set(xlabel="time (ms)", ylabel="z along the light (µm)")
     panels["depth"].set_title("the coordinate not seen, as the filter has it")
     _draw_profile(panels["profile"], found)
@@ -53,12 +53,12 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
 def _draw_profile(axes: Axes, found: DepthFit) -> None:
     """Misfit as a function of the start, with interval and minima."""
     z, misfit = np.array(found.profile).T
-    axes.plot(z * MICRO, misfit, color=style.PATH)
+    axes.plot(z * per("um"), misfit, color=style.PATH)
     axes.axhline(LEVEL, color=style.MUTED, lw=0.8, ls="--")
     for low, high in found.intervals:
-        axes.axvspan(low * MICRO, high * MICRO, color=style.SHADE, lw=0, zorder=0)
+        axes.axvspan(low * per("um"), high * per("um"), color=style.SHADE, lw=0, zorder=0)
     for each in found.minima:
-        axes.plot(each.z * MICRO, each.misfit, **style.SERIES[0].points)
+        axes.plot(each.z * per("um"), each.misfit, **style.SERIES[0].points)
     axes.set_yscale("symlog", linthresh=10)  # a power of ten: the numbers below would overlap
     axes.set(xlabel="z of the start (µm)", ylabel="misfit above the least", ylim=(-0.5, None))
     axes.set_title("profile likelihood; shaded: 95 % confidence")

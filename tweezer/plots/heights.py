@@ -9,8 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, add_caveat
+from tweezer.plots.scene import add_caveat
 from tweezer.results.io import scene_of
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,9 +29,9 @@ def heights_figure(trap: xr.Dataset) -> Figure:
     panels = figure.subplot_mosaic(
         [["stiffness", "equilibrium"], ["drag", "corner_frequency"]], sharex=True
     )
-    height = trap["height"].values * MICRO
+    height = trap["height"].values * per("um")
     drawn = {
-        "stiffness": (trap["stiffness"] * MICRO, "stiffness (pN/µm)"),
+        "stiffness": (trap["stiffness"] * per("pN/um"), "stiffness (pN/µm)"),
         "drag": (trap["drag"] / trap["free_drag"], "drag over that far away"),
         "corner_frequency": (trap["corner_frequency"], "corner frequency (Hz)"),
     }
@@ -65,13 +66,13 @@ def _draw_equilibria(axes: Axes, trap: xr.Dataset) -> None:
     """Where the bead is held, from the focus; below the line it would be in the wall."""
     scene = scene_of(trap)
     normal = scene.wall.normal if scene.wall else 1.0
-    height = trap["height"].values * MICRO
-    z = trap["equilibrium"].sel(axis="z").values * MICRO
+    height = trap["height"].values * per("um")
+    z = trap["equilibrium"].sel(axis="z").values * per("um")
     axes.plot(height, z, zorder=3, **style.AXES["z"].both)
     axes.axhline(0, color=style.LIGHT, lw=0.6, ls=":")
     low, high = axes.get_ylim()
     order = np.argsort(height)
-    touching = normal * (scene.body.support(normal) * MICRO - height[order])
+    touching = normal * (scene.body.support(normal) * per("um") - height[order])
     axes.plot(height[order], touching, color=style.MUTED, lw=1.0, label="bead touches the wall")
     behind = np.minimum(touching, low) if normal > 0 else np.maximum(touching, high)
     axes.fill_between(height[order], touching, behind, **style.SOLID)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tweezer.values.errors import ResultError
 from tweezer.values.files import replacing
+from tweezer.values.printed import printed, scaled
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.version import __version__
 
@@ -111,7 +112,9 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
 def _verdict(axis: AxisCalibration) -> Verdict:
     for each in axis.estimates:
         if not each.findings:
-            k = with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty, "±")
+            k = with_uncertainty(
+                scaled(each.stiffness, "pN/um"), scaled(each.uncertainty, "pN/um"), "±"
+            )
             return Verdict(f"{axis.axis}: k = {k} pN/µm, by {each.method}", trusted=True)
     reasons = "; ".join(finding.text for finding in axis.findings)
     text = f"{axis.axis}: no stiffness is to be trusted"
@@ -125,7 +128,9 @@ def _table(axis: AxisCalibration, unit: str, numbers: dict[str, int]) -> AxisTab
     for each in axis.estimates:
         names = {finding.name for finding in each.findings}
         against = sorted({numbers[f.text] for f in each.findings if f.text in numbers})
-        k = with_uncertainty(1e6 * each.stiffness, 1e6 * each.uncertainty, "±")
+        k = with_uncertainty(
+            scaled(each.stiffness, "pN/um"), scaled(each.uncertainty, "pN/um"), "±"
+        )
         judgement = f"not trusted: {', '.join(map(str, against))}" if against else ""
         if "undetermined" in names:
             k, judgement = "-", "not determined"
@@ -143,17 +148,17 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
     """What was read and given, by name."""
     samples, step = calibration.samples, calibration.step
     facts = [
-        ("record", f"{samples:,} samples, one every {1e3 * step:.4g} ms: {samples * step:.4g} s"),
+        ("record", f"{samples:,} samples, one every {printed(step, 'ms')}: {samples * step:.4g} s"),
         ("temperature", f"{calibration.temperature:.5g} K"),
     ]
     if recording.scene is not None:
         facts.insert(0, ("run of", recording.scene.title))
     if calibration.radius is not None:
-        facts.append(("radius of the bead", f"{1e6 * calibration.radius:.4g} µm"))
+        facts.append(("radius of the bead", printed(calibration.radius, "µm")))
     if calibration.viscosity is not None:
-        facts.append(("viscosity", f"{1e3 * calibration.viscosity:.4g} mPa s"))
+        facts.append(("viscosity", printed(calibration.viscosity, "mPa s")))
     drag = calibration.drag
-    facts.append(("drag", "fitted" if drag is None else f"{1e9 * drag:.4g} nN s/m"))
+    facts.append(("drag", "fitted" if drag is None else printed(drag, "nN s/m")))
     if calibration.mass is not None:
         facts.append(("mass of the bead", f"{1e15 * calibration.mass:.4g} pg"))
     if calibration.displaced_mass is not None:
@@ -161,7 +166,7 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
             ("mass of the fluid in its place", f"{1e15 * calibration.displaced_mass:.4g} pg")
         )
     exposure = calibration.exposure
-    told = "not known" if exposure is None else f"{1e3 * exposure:.4g} ms"
+    told = "not known" if exposure is None else f"{printed(exposure, 'ms')}"
     if exposure is None and calibration.free is None:
         told += ", taken as none"
     fitted = {each.name for axis in calibration.axes for each in axis.detector}
@@ -180,7 +185,7 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
         each = ", ".join(dict.fromkeys(f"{factor * noise:.3g}" for noise in noises))
         facts.append(("noise of the detector", f"{each} {unit}"))
     if calibration.wall is not None:
-        facts.append(("distance from a wall", f"{1e6 * calibration.wall.distance:.4g} µm"))
+        facts.append(("distance from a wall", printed(calibration.wall.distance, "µm")))
     left_out = calibration.left_out
     facts += [("frequencies left out", _band(*band)) for band in left_out.bands]
     if left_out.drift:

@@ -9,12 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, MILLI, add_caveat, draw_cones, draw_walls, planes
+from tweezer.plots.scene import add_caveat, draw_cones, draw_walls, planes
 from tweezer.results.io import scene_of
 from tweezer.results.run import Run
 from tweezer.runs import summarise
 from tweezer.runs.resolved import resolved
 from tweezer.scene import Scene
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,7 +55,7 @@ def run_figure(run: xr.Dataset) -> Figure:
 
 
 def _milliseconds(run: xr.Dataset) -> np.ndarray:
-    return run["time"].values * MILLI
+    return run["time"].values * per("ms")
 
 
 def _thermal(run: xr.Dataset) -> bool:
@@ -78,12 +79,12 @@ def _look(run: xr.Dataset, mark: style.Mark) -> dict[str, Any]:
 def _draw_path(axes: Axes, run: xr.Dataset) -> None:
     """Distance from the axis, signed by the side of the start, against z; bead to scale."""
     scene = scene_of(run)
-    position = run["position"].values * MICRO
+    position = run["position"].values * per("um")
     start = position[0, :2]
     direction = start / np.linalg.norm(start) if start.any() else np.array([1.0, 0.0])
     lateral, z = position[:, :2] @ direction, position[:, 2]
-    radius = scene.body.size * MICRO
-    foci = MICRO * np.array([beam.position for beam in scene.beams])
+    radius = scene.body.size * per("um")
+    foci = per("um") * np.array([beam.position for beam in scene.beams])
     across = np.abs(np.append(lateral, foci[:, :2] @ direction)).max()
     along = np.abs(np.append(z, foci[:, 2])).max()
     reach = 1.15 * max(across + radius, along + radius, 3 * radius)
@@ -115,7 +116,7 @@ def _draw_path(axes: Axes, run: xr.Dataset) -> None:
 
 def _draw_position(axes: Axes, run: xr.Dataset) -> None:
     for below, (axis, mark) in enumerate(style.AXES.items()):
-        values = run["position"].sel(axis=axis) * MICRO
+        values = run["position"].sel(axis=axis) * per("um")
         axes.plot(_milliseconds(run), values, label=axis, zorder=3 - below / 4, **_look(run, mark))
     axes.axhline(0, color=style.MUTED, lw=0.6)
     _draw_contact(axes, scene_of(run))
@@ -128,7 +129,7 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
     """Where z has the bead touch a wall, if that is about where the axes end."""
     low, high = axes.get_ylim()
     for plane, normal in planes(scene):
-        touching = plane + normal * scene.body.support(normal) * MICRO
+        touching = plane + normal * scene.body.support(normal) * per("um")
         if abs(touching - (low + high) / 2) < high - low:
             axes.axhline(touching, color=style.AXES["z"].colour, lw=0.8, ls="--", zorder=2)
             axes.annotate(
@@ -139,7 +140,7 @@ def _draw_contact(axes: Axes, scene: Scene) -> None:
 
 
 def _draw_distance(axes: Axes, run: xr.Dataset) -> None:
-    axes.plot(_milliseconds(run), run["distance"] * MICRO, **_look(run, style.SERIES[0]))
+    axes.plot(_milliseconds(run), run["distance"] * per("um"), **_look(run, style.SERIES[0]))
     axes.set(xlabel="time (ms)", ylabel="distance to the focus (µm)")
     axes.set_ylim(bottom=0)
 
@@ -175,10 +176,10 @@ def _mark_closest_approach(axes: Axes, run: xr.Dataset, label: str) -> None:
     time = summarise(run).closest_approach_time
     if time is None or _thermal(run):  # thermal motion comes close many times
         return
-    axes.axvline(time * MILLI, color=style.MUTED, lw=0.8, ls=":")
-    late = time * MILLI > _milliseconds(run)[-1] / 2
+    axes.axvline(time * per("ms"), color=style.MUTED, lw=0.8, ls=":")
+    late = time * per("ms") > _milliseconds(run)[-1] / 2
     axes.annotate(
-        label, (time * MILLI, 1), xycoords=("data", "axes fraction"),
+        label, (time * per("ms"), 1), xycoords=("data", "axes fraction"),
         xytext=(-3 if late else 3, -3), textcoords="offset points", va="top",
         ha="right" if late else "left", fontsize=style.SMALL, color=style.NOTE,
     )  # fmt: skip

@@ -11,12 +11,11 @@ from matplotlib.patches import Polygon
 from tweezer.optics import cone_caveat, drawn_half_angle, ray_optics_caveat
 from tweezer.plots import style
 from tweezer.scene import Scene
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-MICRO, MILLI, PICO, NANO = 1e6, 1e3, 1e12, 1e9
 
 
 def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
@@ -30,7 +29,7 @@ def add_caveat(figure: Figure, scene: Scene, *, cones: bool = True) -> None:
 
 def planes(scene: Scene) -> list[tuple[float, float]]:
     """Of each wall its z, um, and the direction along z from it to the bead."""
-    return [(MICRO * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
+    return [(per("um") * z, normal) for z, normal in (scene.wall.planes if scene.wall else ())]
 
 
 def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
@@ -38,7 +37,7 @@ def draw_walls(axes: Axes, scene: Scene, reach: float) -> None:
     for plane, normal in planes(scene):
         if abs(plane) < reach:
             axes.axhspan(plane, -normal * reach, **style.SOLID)
-            touching = plane + normal * scene.body.support(normal) * MICRO
+            touching = plane + normal * scene.body.support(normal) * per("um")
             axes.axhline(touching, color=style.MUTED, lw=0.8, ls="--", zorder=2)
 
 
@@ -51,7 +50,7 @@ def draw_cones(axes: Axes, scene: Scene, reach: float, direction: np.ndarray, **
     length = 3 * reach
     for beam in scene.beams:
         slope = math.tan(drawn_half_angle(scene.with_one_beam(beam)))
-        x, z = MICRO * np.array(beam.position[:2]) @ direction, MICRO * beam.position[2]
+        x, z = per("um") * np.array(beam.position[:2]) @ direction, per("um") * beam.position[2]
         for side in (-1, 1):
             end = z + side * length
             triangle = [(x, z), (x - slope * length, end), (x + slope * length, end)]

@@ -10,8 +10,9 @@ from matplotlib.patches import Circle
 
 from tweezer.dynamics import bound_once
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, MILLI, PICO, add_caveat, draw_cones, planes
+from tweezer.plots.scene import add_caveat, draw_cones, planes
 from tweezer.scene import Scene
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +37,7 @@ def trap_figure(scene: Scene, trap: Trap) -> Figure:
     _draw_curve(axes["lateral"], scene, trap, "x")
     _draw_field(axes["field"], scene, trap)
     figure.align_ylabels([axes["axial"], axes["lateral"]])
-    power = f"{trap.power_through_pupil * MILLI:.3g} mW through the pupil"
+    power = f"{trap.power_through_pupil * per('mW'):.3g} mW through the pupil"
     style.add_title(figure, scene.title, f"{power} · light and weight · {trap.evaluator}")
     add_caveat(figure, scene)
     return figure
@@ -72,7 +73,7 @@ def _largest_shown(scene: Scene, trap: Trap, largest: float) -> float:
     if not scene.forces.dlvo or not trap.escapes:
         return largest
     *_, across, _ = sorted(escape.force for escape in trap.escapes)
-    return min(largest, 2 * across * PICO)
+    return min(largest, 2 * across * per("pN"))
 
 
 def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
@@ -83,18 +84,18 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     if axis == "z":
         coordinates = _free(scene, coordinates)
         for plane, normal in planes(scene):
-            touching = plane + normal * scene.body.support(normal) * MICRO
-            axes.axvspan(touching, -normal * 3 * MICRO * reach, **style.SOLID)
+            touching = plane + normal * scene.body.support(normal) * per("um")
+            axes.axvspan(touching, -normal * 3 * per("um") * reach, **style.SOLID)
     points = np.tile(centre, (coordinates.size, 1))
     points[:, along] = coordinates
-    force = _net_force(scene, points)[:, along] * PICO
+    force = _net_force(scene, points)[:, along] * per("pN")
     colour = style.AXES[axis].colour
     axes.axhline(0, color=style.MUTED, lw=0.6)
     axes.axvline(0, color=style.LIGHT, lw=0.6, ls=":")
-    axes.plot(coordinates * MICRO, force, color=colour, zorder=3)
+    axes.plot(coordinates * per("um"), force, color=colour, zorder=3)
     extent = _largest_shown(scene, trap, np.abs(force).max()) or 1.0
     axes.set(
-        xlim=(-reach * MICRO, reach * MICRO), ylim=(-1.75 * extent, 1.75 * extent),
+        xlim=(-reach * per("um"), reach * per("um")), ylim=(-1.75 * extent, 1.75 * extent),
         xlabel=f"{axis} (µm)", ylabel=f"$F_{axis}$ (pN)",
     )  # fmt: skip
     axes.set_title(
@@ -110,10 +111,10 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
     escapes = [escape for escape in trap.escapes if escape.direction[1] == axis]
     way = 0.8 * min(escape.force_at for escape in escapes) * np.array([-1, 1])
     axes.plot(
-        (centre[along] + way) * MICRO, -stiffness * way * PICO,
-        color=style.MUTED, lw=0.9, ls="--", zorder=2, label=f"{stiffness * MICRO:.3g} pN/µm",
+        (centre[along] + way) * per("um"), -stiffness * way * per("pN"),
+        color=style.MUTED, lw=0.9, ls="--", zorder=2, label=f"{stiffness * per('pN/um'):.3g} pN/µm",
     )  # fmt: skip
-    axes.plot(centre[along] * MICRO, 0, "o", color=style.PATH, ms=4, zorder=4)
+    axes.plot(centre[along] * per("um"), 0, "o", color=style.PATH, ms=4, zorder=4)
     for escape in escapes:
         _mark_escape(axes, escape, float(centre[along]), colour)
     axes.legend(loc="upper right" if axis == "x" else "lower left")
@@ -121,12 +122,12 @@ def _draw_curve(axes: Axes, scene: Scene, trap: Trap, axis: str) -> None:
 
 def _mark_escape(axes: Axes, escape: Escape, centre: float, colour: str) -> None:
     side = 1 if escape.direction[0] == "+" else -1
-    place = ((centre + side * escape.force_at) * MICRO, -side * escape.force * PICO)
+    place = ((centre + side * escape.force_at) * per("um"), -side * escape.force * per("pN"))
     axes.plot(*place, "o", mfc="white", mec=colour, ms=4, zorder=5)
     # on the side away from the trap, unless the axes end there
     outward = side if abs(place[0]) < 0.6 * axes.get_xlim()[1] else -side
     axes.annotate(
-        f"{escape.force * PICO:.3g} pN", place, xytext=(6 * outward, -4 * side),
+        f"{escape.force * per('pN'):.3g} pN", place, xytext=(6 * outward, -4 * side),
         textcoords="offset points", ha="left" if outward > 0 else "right",
         va="top" if side > 0 else "bottom", fontsize=style.SMALL, color=colour,
     )  # fmt: skip
@@ -140,12 +141,12 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
     points[..., 0], points[..., 2] = np.meshgrid(x, z)
     held = z if scene.wall is None else np.clip(z, *_free(scene, z)[[0, -1]])
     points[..., 2] = held[:, None]  # in a wall no force has a meaning
-    force = _net_force(scene, points) * PICO
+    force = _net_force(scene, points) * per("pN")
     size = np.linalg.norm(force, axis=-1)
     if np.ptp(size) > 0:
         most = _largest_shown(scene, trap, size.max())
         shown = axes.pcolormesh(
-            x * MICRO, z * MICRO, size,
+            x * per("um"), z * per("um"), size,
             vmin=0, vmax=most, cmap=style.FROM_ZERO, shading="gouraud", zorder=0, rasterized=True,
         )  # fmt: skip
         axes.figure.colorbar(shown, ax=axes, label="force (pN)", fraction=0.046, pad=0.03)
@@ -153,7 +154,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         strong = size[..., None] > _NO_LINES * size.max()
         lines = np.divide(force, size[..., None], out=np.full_like(force, np.nan), where=strong)
         axes.streamplot(
-            x * MICRO, z * MICRO, lines[..., 0], lines[..., 2],
+            x * per("um"), z * per("um"), lines[..., 0], lines[..., 2],
             density=1.3, color="#444444", linewidth=0.6, arrowsize=0.8, zorder=2,
         )  # fmt: skip
     else:
@@ -161,7 +162,7 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
             0.5, 0.6, "no force of light", transform=axes.transAxes, ha="center", va="center",
             color=style.NOTE,
         )  # fmt: skip
-    reach = _reach(scene, trap) * MICRO
+    reach = _reach(scene, trap) * per("um")
     if scene.lit:
         edge: dict[str, Any] = {
             "ec": style.LIGHT,
@@ -172,15 +173,15 @@ def _draw_field(axes: Axes, scene: Scene, trap: Trap) -> None:
         }
         draw_cones(axes, scene, reach, np.array([1.0, 0.0]), **edge)
     for plane, normal in planes(scene):
-        touching = plane + normal * r * MICRO
+        touching = plane + normal * r * per("um")
         axes.axhspan(touching, -normal * reach, fc="white", lw=0, zorder=2.5)
         axes.axhspan(plane, -normal * reach, **(style.SOLID | {"zorder": 2.6}))
     if trap.equilibrium:
         axes.add_patch(
-            Circle((centre[0] * MICRO, centre[2] * MICRO), r * MICRO, facecolor="none",
+            Circle((centre[0] * per("um"), centre[2] * per("um")), r * per("um"), facecolor="none",
                    edgecolor=style.PATH, lw=1.4, zorder=3)
         )  # fmt: skip
-    foci = MICRO * np.array([beam.position for beam in scene.beams])
+    foci = per("um") * np.array([beam.position for beam in scene.beams])
     axes.plot(foci[:, 0], foci[:, 2], "+", color=style.LIGHT, ms=7, mew=1.2, zorder=4)
     axes.set(
         xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal",

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from tweezer.plots import style
-from tweezer.plots.scene import MICRO, MILLI
+from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
     from tweezer.runs import Tuning
@@ -21,7 +21,7 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     off, work = figure.subplots(2, sharex=True)
     factors = [entry.scaling_factor for entry in tuning.entries]
     deviations, errors = (
-        np.array([getattr(entry, key) for entry in tuning.entries], np.float64) * MICRO
+        np.array([getattr(entry, key) for entry in tuning.entries], np.float64) * per("um")
         for key in ("deviation", "deviation_error")
     )
     scaled, unscaled = style.SERIES[:2]
@@ -38,6 +38,6 @@ def tuning_figure(tuning: Tuning, name: str) -> Figure:
     work.set(xlabel="scaling factor a₂", ylabel="force calls")
     style.legend_above(work, 2)
     figure.align_ylabels([off, work])
-    told = f"{MILLI * tuning.duration:.4g} ms of the scaled model, by {tuning.method}"
+    told = f"{per('ms') * tuning.duration:.4g} ms of the scaled model, by {tuning.method}"
     style.add_title(figure, name, told)
     return figure

@@ -16,7 +16,7 @@ from tweezer.dynamics.models import RATE_TIME
 from tweezer.dynamics.path import largest_distance
 from tweezer.scene import Scene, checked_scene
 from tweezer.values.errors import TweezerError
-from tweezer.values.printed import located
+from tweezer.values.printed import located, printed
 from tweezer.values.rounding import time_taken
 from tweezer.values.shown import Card, Row, Shown, Table
 
@@ -70,7 +70,7 @@ class Tuning(Shown):
         return Card(
             "Tuning", "",
             (
-                Row("compared over", f"{1e3 * self.duration:.4g} ms, by {self.method}"),
+                Row("compared over", f"{printed(self.duration, 'ms')}, by {self.method}"),
                 Row("epsilon", f"{self.epsilon:.3g}"),
                 Row(
                     "scaling factors a2",

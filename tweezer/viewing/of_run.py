@@ -18,6 +18,7 @@ from tweezer.scene import Scene
 from tweezer.scene.bead import bead_properties
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
+from tweezer.values.prefixes import per
 from tweezer.viewing.arrays import Packed, float32
 from tweezer.viewing.content import Content, Row
 from tweezer.viewing.heading import heading, of_changes
@@ -224,7 +225,7 @@ def _rows(run: Run, scene: Scene, summary: Summary) -> list[Row]:
     rows = [
         _row("outcome", f"{summary.outcome}{summary.untold}", trusted=ended and seen),
         _found("at the time", summary.outcome_time, summary.outcome_time_error, "s", seen=seen),
-        _row("end (x, y, z)", ", ".join(f"{1e6 * x:z.4f}" for x in summary.end) + " µm"),
+        _row("end (x, y, z)", ", ".join(f"{per('um') * x:z.4f}" for x in summary.end) + " µm"),
     ]
     if summary.smallest_gap is not None:
         error = summary.smallest_gap_error
