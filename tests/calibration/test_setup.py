@@ -1,4 +1,4 @@
-"""What is given of bead, medium, wall and detector is checked and completed in one place."""
+"""Check and completion of the bead, medium, wall and detector of a calibration."""
 
 import math
 

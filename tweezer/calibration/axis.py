@@ -104,7 +104,7 @@ def along(record: Record) -> AxisCalibration:
 
 
 def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -> list[Finding]:
-    """Return what speaks against the record: its digits, then its motion."""
+    """Return the findings about the record: first its digits, then its motion."""
     detector, recording = record.known.detector, record.recording
     findings = examine(positions, recording.step, fits, detector.exposure_known, resolution)
     if recording.scene is not None:  # its digits are not those of a file
@@ -119,7 +119,7 @@ def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -
 def _numbers(
     record: Record, positions: Array, fits: Fits, slow: list[Finding], resolution: float
 ) -> Iterator[tuple[str, float, float, list[Finding]]]:
-    """Yield each method with its stiffness and uncertainty, N/m, and what speaks against it.
+    """Yield each method with its stiffness, its uncertainty (N/m) and its findings.
 
     `slow` is a drift that is not in the way of the spectral fits.
     """
@@ -235,7 +235,7 @@ _WORDS = {
 
 
 def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
-    """What was fitted of the detector and is not seen in the record."""
+    """Fitted detector parameters that the record does not determine."""
     unseen = [each for each in detector if each.value is None]
     if any(each.name == "diode_frequency" for each in unseen):
         unseen = [each for each in unseen if each.name != "diode_fraction"]

@@ -154,7 +154,7 @@ def calibrate(
 
 
 def calibrated(recording: Recording, setup: Setup) -> Calibration:
-    """Return the calibration of a recording by what is given of bead, medium, wall and detector."""
+    """Return the calibration of a recording, given bead, medium, wall and detector."""
     known = setup.of(recording)
     records = _records(recording, known)
     axes: dict[str, AxisCalibration] = {}
@@ -187,7 +187,7 @@ def calibrated(recording: Recording, setup: Setup) -> Calibration:
 
 
 def _records(recording: Recording, known: Known) -> list[Record]:
-    """Return the record of each axis; the driven axes first, which tell the drag of the others."""
+    """Return the record of each axis; driven axes come first and give the drag of the others."""
     drive = None
     if recording.drive is not None:
         drive = Drive.of(recording.drive, recording.step)

@@ -50,7 +50,7 @@ _BESIDE = 1.499
 
 @dataclass(frozen=True)
 class Record:
-    """A record along one axis, and what is known of it."""
+    """A record along one axis, with the known properties of its bead and detector."""
 
     recording: Recording
     axis: str

@@ -1,4 +1,4 @@
-"""What a calibration has numbers of, along each axis: those by the fit of the power spectrum."""
+"""Quantities of a calibration along each axis, from the fit of the power spectrum."""
 
 from tweezer.values.measured import Quantity
 

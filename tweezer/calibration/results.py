@@ -44,7 +44,7 @@ class Estimate:
 
     @property
     def undetermined(self) -> bool:
-        """Whether the record does not tell the stiffness."""
+        """Whether the record does not determine the stiffness."""
         return any(finding.name == "undetermined" for finding in self.findings)
 
     @property
@@ -56,7 +56,7 @@ class Estimate:
 
     @property
     def doubt(self) -> str:
-        """Why it is not to be trusted; "" if nothing speaks against it."""
+        """Reason not to trust it; "" without a finding."""
         return f"not to be trusted: {self.caveat}" if self.caveat else ""
 
 
@@ -126,7 +126,7 @@ class AxisCalibration(Shown):
 
     @property
     def listed(self) -> list[Finding]:
-        """All that speaks against the record or a number, in the order of the notes' numbers."""
+        """All findings about the record or a number, in the order of their notes."""
         every = [*self.findings, *(f for each in self.estimates for f in each.findings)]
         return [each for each in dict.fromkeys(every) if each.name != "undetermined"]
 
@@ -229,7 +229,7 @@ class Calibration(Result):
             yield quantity(values, errors)
 
     def words(self) -> dict[str, str]:
-        """Whether the fits of the spectra are to be trusted, and why not."""
+        """Whether the fits of the spectra can be trusted, and why not."""
         caveats = [
             f"{axis.axis}: {caveat}"
             for axis in self.axes

@@ -1,4 +1,4 @@
-"""Bead, medium, wall and detector of a calibration: what is given, and what is known with it."""
+"""Bead, medium, wall and detector of a calibration, as given and as completed."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ class Setup:
     fit_range: str | tuple[float, float] | None = None
 
     def of(self, recording: Recording) -> Known:
-        """Return what is known of a recording by this and by the scene of a run.
+        """Return the known quantities of a recording, from this setup and the scene of a run.
 
         Raises `ResultError`, which names the recording, for what is wrong, missing or contradicts.
         """

@@ -286,7 +286,7 @@ def _calibrate_traps(
     plot: Path | None,
     report: Path | None,
 ) -> None:
-    """Print, draw and write calibrations, and what several recordings tell together."""
+    """Print, draw and write calibrations and the mean of several recordings."""
     from tweezer.calibration import Trajectory, find_wall, together
     from tweezer.calibration.calibration import calibrated
 

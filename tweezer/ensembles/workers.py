@@ -130,7 +130,7 @@ def _bound(scene: str, seed: int) -> Walk:
 
 @dataclass
 class _Output:
-    """What a block writes: chunks of arrays with their checksums, and checkpoints."""
+    """Output of a block: chunks of arrays with their checksums, and checkpoints."""
 
     job: Job
     index: int

@@ -1,4 +1,4 @@
-"""What the summary of a run has numbers of."""
+"""Quantities of the summary of a run."""
 
 from tweezer.values.measured import Quantity
 

@@ -343,7 +343,7 @@ class _Followed:
 
     @classmethod
     def begin(cls, bound: Walk, begun: Continued | None, events: Sequence[Event]) -> _Followed:
-        """Return the begin of a run, or that of one that goes on."""
+        """Return the beginning of a run, new or continued."""
         first = begun.sample if begun else 0
         state = bound.start(np.zeros(1, np.int64))
         columns = np.empty((1, len(bound.times) - first, bound.shown.width))

@@ -111,7 +111,7 @@ class Summary(Result):
         return "; capture is not told: the light changes until the end, or forces are your own"
 
     def quantities(self) -> Iterator[Measured]:
-        """Its numbers; the error of the end is that of the run."""
+        """Yield the quantities of the summary; the error of the end is in the run."""
         for quantity in known.QUANTITIES:
             error = self.force_error if quantity is known.LARGEST_FORCE else None
             yield quantity(

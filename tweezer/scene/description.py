@@ -1,4 +1,4 @@
-"""What a scene describes: its keys, and the quantities that follow from them."""
+"""The keys of a scene, and the quantities that follow from them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene fills in before it is checked: values by names, and the place of its wall."""
+"""Values that a scene fills in before it is checked: named values, and the position of its wall."""
 
 from __future__ import annotations
 

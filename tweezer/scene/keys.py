@@ -53,7 +53,7 @@ def section_of(annotation: Any) -> Any:
 
 
 def kind_of(section: str) -> str:
-    """What a section is: beam[2] is a beam."""
+    """Return the kind of a section: beam[2] is a beam."""
     return "beam" if NUMBERED.fullmatch(section) else section
 
 

@@ -1,4 +1,4 @@
-"""What the sections of a scene must fulfil together."""
+"""Rules that relate several sections of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a trap has numbers of, and the words for what becomes of its bead."""
+"""Quantities of a trap, and the words for the outcome of its bead."""
 
 from __future__ import annotations
 

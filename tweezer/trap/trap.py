@@ -245,7 +245,7 @@ class Trap(Comparable, Result):
             )
 
     def quantities(self) -> Iterator[Measured]:
-        """Its numbers; the lifetime is among them once it was asked for."""
+        """Yield the quantities of the trap, with the lifetime if it was computed."""
         place, ring, error = self.equilibrium, self.ring, self.force_error
         if place is not None:
             of_stiffness = error * known.gradient_of_errors(self.scene)
@@ -277,7 +277,7 @@ class Trap(Comparable, Result):
         yield known.POWER(self.power_through_pupil, 0.0)
 
     def words(self) -> dict[str, str]:
-        """What becomes of the bead, why none is held, and what speaks against the numbers."""
+        """Return the outcome of the bead, the reason if it is not held, and the findings."""
         place, lifetime = self.equilibrium, self.lifetime_caveat
         caveats = [self.caveat, lifetime and f"lifetime: {lifetime}"]
         ways = self.ring.escapes if self.ring else self.escapes

@@ -41,7 +41,7 @@ BOUND, STANDARD = "bound", "standard"
 
 
 class Quantity(NamedTuple):
-    """What is known of a number before it is measured."""
+    """Name, unit and meaning of a number of a result."""
 
     name: str
     unit: str
@@ -59,12 +59,12 @@ class Quantity(NamedTuple):
 
     @property
     def entries(self) -> list[str]:
-        """Names of its numbers; of one number alone an empty one."""
+        """Names of its entries; one empty name for a single number."""
         return DIMENSIONS[self.along] if self.along else [""]
 
     @property
     def in_kT(self) -> Quantity:
-        """The same in k_B T where it is an energy."""
+        """This quantity, in k_B T if it is an energy."""
         return self._replace(unit="kT") if self.unit == "J" else self
 
     def __call__(
@@ -85,7 +85,7 @@ class Measured(NamedTuple):
     """of each entry; or one number, of the length of a vector; NaN if it is not known, and None
     for a quantity without one"""
     findings: tuple[str, ...] = ()
-    """what speaks against it"""
+    """findings about the number"""
 
     @property
     def errors(self) -> NDArray[np.float64]:
@@ -94,7 +94,7 @@ class Measured(NamedTuple):
         return np.broadcast_to(known, self.value.shape)
 
     def in_kT(self, temperature: float) -> Measured:
-        """The same in k_B T at that temperature, K, where it is an energy."""
+        """Return this number, in k_B T at a temperature (K) if it is an energy."""
         if self.of.unit != "J" or self.error is None:
             return self
         thermal = Boltzmann * temperature
@@ -124,5 +124,5 @@ class Result(Shown):
         raise NotImplementedError
 
     def words(self) -> dict[str, str]:
-        """What is said in words: its outcome, the reason, what speaks against its numbers."""
+        """Return the texts of the result: its outcome, the reason and the findings."""
         return {}

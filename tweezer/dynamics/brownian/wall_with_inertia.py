@@ -79,7 +79,7 @@ def _kept(kept, first, i):  # type: ignore[no-untyped-def]
 
 @named_njit(inner=True, error_model="numpy")
 def _look(data, x, kept):  # type: ignore[no-untyped-def]
-    """Fill the rows of the plane, its functions and the mobility along it, at the begin."""
+    """Fill the rows of the plane, its functions and the mobility along it, at the beginning."""
     width = x.shape[1]
     for i in range(0, width, LANES):
         g, away, plane = nearest(data, lanes(x, 2 * width + i))
