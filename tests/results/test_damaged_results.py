@@ -18,6 +18,7 @@ from tests import damaged_results
 from tests.damaged_results import PRIVATE, copied, sound
 from tests.foreign_files import foreign_files
 from tweezer.results.io import load_result
+from tweezer.results.schema import checked
 from tweezer.values.saved import kind_of_file, read_json
 
 
@@ -183,6 +184,13 @@ def test_run_without_its_status_is_refused():
     run.to_netcdf("wrong.nc", engine="h5netcdf")
     with pytest.raises(tweezer.ResultError, match=r"wrong\.nc: not a saved run: an attribute or"):
         tweezer.load_run("wrong.nc")
+
+
+def test_dimension_with_a_long_name_is_refused_in_one_short_line():
+    run = tweezer.load_run(sound() / "run.nc").rename(axis="[" * 3000)
+    with pytest.raises(tweezer.ResultError, match=r"its position is over") as it:
+        checked(run, "run.nc")
+    assert len(str(it.value)) < 1500
 
 
 def test_run_with_a_negative_error_is_refused():

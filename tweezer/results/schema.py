@@ -15,6 +15,7 @@ from tweezer.scene import Scene
 from tweezer.scene.choices import MODELS
 from tweezer.values.errors import ResultError
 from tweezer.values.saved import kind_of
+from tweezer.values.shown import clipped
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,7 +103,7 @@ def checked(dataset: xr.Dataset, name: str) -> xr.Dataset:
     if kind is None or schema is None:
         return dataset
     for reason in _wrong(dataset, schema):
-        raise ResultError(f"{name}: not {kind.told} as tweezer saves it: {reason}")
+        raise ResultError(f"{name}: not {kind.told} as tweezer saves it: {clipped(reason)}")
     return dataset
 
 
