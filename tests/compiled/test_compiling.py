@@ -216,7 +216,7 @@ def test_only_what_is_of_tweezer_is_told():
             pass
         with begun(ours), begun(called):
             pass
-    assert told == ["scene.load_scene", "scene.load_scene", "binding.light"]
+    assert told == ["load.load_scene", "load.load_scene", "binding.light"]
     assert compiling.functions == 3
 
 
