@@ -515,7 +515,7 @@ def test_an_interrupt_before_anything_is_reached(
     command_line, monkeypatch, arguments, at, compiled
 ):
     monkeypatch.setattr(at, interrupted)
-    monkeypatch.setattr("tweezer.compiled.cache.kept", lambda: compiled)
+    monkeypatch.setattr("tweezer.compiled.compiling.kept", lambda: compiled)
     outcome = command_line(*arguments)
     assert (outcome.code, outcome.out) == (130, "")
     kept = "; what was compiled so far is kept" if compiled else ""
@@ -525,7 +525,7 @@ def test_an_interrupt_before_anything_is_reached(
 
 def test_an_interrupt_while_the_line_is_read(command_line, monkeypatch):
     monkeypatch.setattr("typer.core.TyperGroup.parse_args", interrupted)
-    monkeypatch.setattr("tweezer.compiled.cache.kept", lambda: False)
+    monkeypatch.setattr("tweezer.compiled.compiling.kept", lambda: False)
     outcome = command_line("scenes")
     assert (outcome.code, outcome.err) == (130, "interrupted: nothing was written\n")
 
@@ -549,7 +549,7 @@ def test_an_interrupt_after_a_file_is_in_its_folder(command_line, monkeypatch, c
     Path("figures").mkdir()
     Path("figures/of-before.png").touch()
     monkeypatch.setattr("tweezer.thesis.reproduce", write_one)
-    monkeypatch.setattr("tweezer.compiled.cache.kept", lambda: compiled)
+    monkeypatch.setattr("tweezer.compiled.compiling.kept", lambda: compiled)
     outcome = command_line("reproduce", "5.1", "--out", "figures")
     assert (outcome.code, outcome.err) == (130, f"interrupted: wrote figures{kept}\n")
 

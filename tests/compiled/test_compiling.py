@@ -27,7 +27,7 @@ import tweezer
 from tweezer import cli
 from tweezer.cli import warmup
 from tweezer.cli.warmup import usual_scenes
-from tweezer.compiled import cache, compilation, fingerprint, named_njit
+from tweezer.compiled import cache, compilation, compiling, fingerprint, named_njit
 from tweezer.dynamics import bind
 from tweezer.dynamics.solution import Solver
 from tweezer.dynamics.walk import Walk
@@ -35,13 +35,19 @@ from tweezer.dynamics.walk import Walk
 ROOT = Path(__file__).parents[2]
 NOTICE = "compiling, once: the next runs load it (`tweezer warmup` does it ahead)"
 #: the command line, which does not wait with its notice
-COMMAND = (
-    "from tweezer import cli; from tweezer.compiled import cache; cache._PATIENCE = 0; cli.main()"
-)
+COMMAND = """
+from tweezer import cli
+from tweezer.compiled import compiling
+compiling._PATIENCE = 0
+cli.main()
+"""
 THEN_WARMUP = """
 import sys
 try:
-    from tweezer import cli; from tweezer.compiled import cache; cache._PATIENCE = 0; cli.main()
+    from tweezer import cli
+    from tweezer.compiled import compiling
+    compiling._PATIENCE = 0
+    cli.main()
 except SystemExit:
     sys.argv[1:] = ["warmup", "mine.toml"]; cli.main()
 """
@@ -312,7 +318,7 @@ print([bool(ways[name]()) for name in ({first!r}, *ways, *ways)])
 def test_time_is_counted_once(monkeypatch):
     """Of a function and of what it calls; and not between two functions."""
     now = 0.0
-    monkeypatch.setattr("tweezer.compiled.cache.time.perf_counter", lambda: now)
+    monkeypatch.setattr("tweezer.compiled.compiling.time.perf_counter", lambda: now)
     with compilation(lambda compiling: None) as compiling:
         with begun(tweezer.load_scene):
             now += 1
@@ -643,7 +649,7 @@ def test_damaged_code_is_compiled_again(function, damaged):
 
 
 def test_without_room_for_it_what_is_compiled_is_not_kept(function):
-    cache._not_kept.cache_clear()
+    compiling.not_kept.cache_clear()
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
 
     def twice_without_room():

@@ -141,8 +141,8 @@ def tell_interrupted() -> None:
     """Say in one line what an interrupted command has written, and what is kept."""
     written = [str(path) for path, before in _awaited.items() if _state(path) != before]
     told = f"wrote {' and '.join(written)}" if written else "nothing was written"
-    cache = sys.modules.get("tweezer.compiled.cache")  # of a command that came so far
-    if cache and cache.kept():
+    compiling = sys.modules.get("tweezer.compiled.compiling")  # of a command that came so far
+    if compiling and compiling.kept():
         told += "; what was compiled so far is kept"
     complain(f"interrupted: {told}")
 

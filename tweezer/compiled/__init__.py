@@ -1,6 +1,7 @@
 """Everything that depends on Numba's internals: the cache of compiled functions, calls by address.
 
 Importing it chooses the folder of the cache: Numba needs one before the first function is defined.
+With TWEEZER_PLAIN_NUMBA=1 it uses `numba.njit` and Numba's own cache: see `plain`.
 """
 
 from tweezer.compiled.address import (
@@ -12,15 +13,13 @@ from tweezer.compiled.address import (
     protected,
     read_only,
 )
-from tweezer.compiled.cache import (
-    Compilation,
-    cache_functions,
-    cached_njit,
-    compilation,
-    found,
-    named_njit,
-)
+from tweezer.compiled.compiling import PLAIN, Compilation, compilation, found
 from tweezer.compiled.fingerprint import fingerprint
+
+if PLAIN:
+    from tweezer.compiled.plain import cache_functions, cached_njit, named_njit
+else:
+    from tweezer.compiled.cache import cache_functions, cached_njit, named_njit
 
 __all__ = [
     "Compilation",

@@ -1,168 +1,39 @@
-"""The cache of compiled functions, and the notice while compiling.
+"""The cache of compiled functions.
 
-Compiled functions are cached beside their sources, in the user's cache folder if the sources'
-folder cannot be written, or in NUMBA_CACHE_DIR. Importing this module chooses that folder, because
-Numba needs it before the first function is defined. The digest in a file detects damage, not
-malice: whoever can write to the folder can run code in the processes that read it.
+The digest in a file detects damage, not malice: whoever can write to the folder of the cache can
+run code in the processes that read it.
 
 Functions of other libraries use Numba's own cache.
 """
 
 from __future__ import annotations
 
-import atexit
 import functools
-import gc
 import hashlib
 import logging
 import pickle
 import secrets
-import shutil
-import tempfile
-import time
-import weakref
 from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import Any
 
 import numba
-from numba.core import caching, event
+from numba.core import caching
 from numba.core.dispatcher import Dispatcher
 from numba.core.runtime.nrt import rtsys
 
 from tweezer.compiled import environments, linked, options, shared
 from tweezer.compiled.callers import Callers
-from tweezer.compiled.fingerprint import fingerprint
-from tweezer.values.errors import warn
+from tweezer.compiled.compiling import not_kept, stored
+from tweezer.compiled.fingerprint import fingerprint, name_by_values
 
 _log = logging.getLogger("tweezer")
 
-#: Compile time before the notice is shown, s
-_PATIENCE = 1.0
 #: Form of what is kept; another number, and what was kept is compiled again
 _FORM = 3
 #: Length of a SHA-256, bytes
 _DIGEST = 32
-
-
-class Compilation(event.Listener):
-    """Count and time of tweezer's functions as they are compiled."""
-
-    def __init__(self, say: Callable[[Compilation], None]) -> None:
-        """say: called with this object when the compilation of a function begins."""
-        self._say = say
-        self._within = 0  # depth of functions compiled because another calls them
-        self._spent = self._began = 0.0
-        self.functions = 0
-        """number of functions begun that the cache stores"""
-        self.latest = ""
-        """name of the function begun last"""
-
-    @property
-    def seconds(self) -> float:
-        """Time spent so far, s."""
-        return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
-
-    def on_start(self, begun: event.Event) -> None:
-        """Event of Numba: a compilation begins."""
-        if not _ours(begun.data["dispatcher"]):
-            return
-        if not self._within:
-            self._began = time.perf_counter()
-        self._within += 1
-        function = begun.data["dispatcher"].py_func
-        self.functions += begun.data["dispatcher"].stats.cache_path is not None
-        self.latest = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
-        self._say(self)
-
-    def on_end(self, ended: event.Event) -> None:
-        """Event of Numba: it has ended, or failed."""
-        if not _ours(ended.data["dispatcher"]):
-            return
-        self._spent, self._began = self.seconds, time.perf_counter()
-        self._within -= 1
-
-
-class _Uncollected(event.Listener):
-    """Pauses garbage collection while Numba compiles.
-
-    A compilation makes many objects in cycles, all of them in use. Collecting takes a quarter of
-    its time. Numba compiles in one thread at a time.
-    """
-
-    def __init__(self) -> None:
-        self._within = 0
-        self._enabled = False
-
-    def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
-        """Event of Numba: a compilation begins."""
-        if not self._within:
-            self._enabled = gc.isenabled()
-            gc.disable()
-        self._within += 1
-
-    def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
-        """Event of Numba: it has ended, or failed."""
-        self._within -= 1
-        if not self._within and self._enabled:
-            gc.enable()
-
-
-def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
-    """Watch compilation within the context; `say` is called when that of a function begins."""
-    installed: AbstractContextManager[Compilation] = event.install_listener(
-        "numba:compile", Compilation(say)
-    )
-    return installed
-
-
-def found() -> int:
-    """Number of tweezer's functions that this process loaded from the cache."""
-    return sum(
-        sum(each.dispatcher.stats.cache_hits.values())
-        for each in _Cache.every
-        if _ours(each.dispatcher)
-    )
-
-
-def kept() -> bool:
-    """Whether this process compiled functions of tweezer's that the next ones load."""
-    return _Cache.kept
-
-
-def _ours(dispatcher: Dispatcher) -> bool:
-    return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
-
-
-def _find_place() -> None:
-    """Give Numba a folder: it refuses to define a cached function without one."""
-    try:
-        numba.njit(cache=True)(_find_place)
-    except RuntimeError:
-        folder = tempfile.mkdtemp(prefix="tweezer-")
-        atexit.register(shutil.rmtree, folder, ignore_errors=True)
-        numba.config.CACHE_DIR = folder
-        _not_kept(
-            "what is compiled is not kept: neither the folder of tweezer nor the user's cache "
-            "folder can be written; set NUMBA_CACHE_DIR to one that can"
-        )
-
-
-@functools.cache
-def _not_kept(why: str) -> None:
-    warn(why, UserWarning)
-
-
-def _tell(compiling: Compilation) -> None:
-    if compiling.seconds > _PATIENCE:  # no notice for a moment's work
-        _tell_once()
-
-
-@functools.cache
-def _tell_once() -> None:
-    _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
 
 
 def _fields(kind: Any) -> Any:
@@ -250,18 +121,13 @@ class _Cache(caching.FunctionCache):
 
     _impl_class = _Contents
 
-    kept = False
-    """whether this process stored a function"""
-    every: ClassVar[weakref.WeakSet[_Cache]] = weakref.WeakSet()
-    """the caches of this process"""
-
     def __init__(self, dispatcher: Dispatcher, callers: Callers) -> None:
         super().__init__(dispatcher.py_func)
         base = Path(self.cache_path, self._impl.filename_base)
         self._cache_file = _File(str(base), dispatcher)
         self._callers = callers
         self.dispatcher = dispatcher
-        self.every.add(self)
+        stored.add(dispatcher)
 
     def _index_key(self, sig: Any, codegen: Any) -> Any:
         """Argument types, processor, and who calls it; the fingerprint covers the rest."""
@@ -290,9 +156,8 @@ class _Cache(caching.FunctionCache):
         """Store what was compiled, unless the folder cannot take it."""
         try:
             super().save_overload(signature, code)
-            _Cache.kept = True
         except OSError as error:
-            _not_kept(f"what is compiled is not kept: {error.strerror}")
+            not_kept(str(error.strerror))
         finally:
             if not self._callers.compiled:
                 shared.release()
@@ -320,16 +185,10 @@ def named_njit(*, inner: bool = False, **options: Any) -> Any:
     """`numba.njit` of a function that cached functions call.
 
     inner: only compiled functions call it. A call from Python raises `TypeError`.
-
-    A closure is named after its values. By default Numba distinguishes the machine code of
-    closures by a counter of the process, so a function cached by one process could call the closure
-    of another (Numba issue 10486).
     """
 
     def compiled(function: Callable[..., Any]) -> Any:
-        if function.__closure__:
-            values = [cell.cell_contents for cell in function.__closure__]
-            function.__qualname__ += f"_{fingerprint(*values)[:16]}"
+        name_by_values(function)
         dispatcher: Any = numba.njit(**options)(function)
         dispatcher.callers = Callers(dispatcher)
 
@@ -352,7 +211,4 @@ def cache_functions(module: ModuleType) -> ModuleType:
     return module
 
 
-_find_place()
 options.compare_by_what_is_set()
-event.register("numba:compile", Compilation(_tell))
-event.register("numba:compile", _Uncollected())

@@ -36,6 +36,17 @@ def fingerprint(*values: Any) -> str:
     return digest.hexdigest()
 
 
+def name_by_values(function: Any) -> None:
+    """Name a closure after its values.
+
+    Numba distinguishes the machine code of closures by a counter of the process, so a function
+    cached by one process could call the closure of another (Numba issue 10486).
+    """
+    if function.__closure__:
+        values = [cell.cell_contents for cell in function.__closure__]
+        function.__qualname__ += f"_{fingerprint(*values)[:16]}"
+
+
 def _parts(value: Any, seen: set[int]) -> Iterator[str]:
     """Description of a value, the same in every process.
 

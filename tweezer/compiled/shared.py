@@ -14,13 +14,15 @@ from typing import Any
 
 from numba.core import event
 
+from tweezer.compiled.compiling import PLAIN
+
 try:
     import fcntl
 except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
-#: Whether this machine has such locks
-POSSIBLE = fcntl is not None
+#: Whether this machine has such locks, and functions are compiled by what asks for them
+POSSIBLE = fcntl is not None and not PLAIN
 
 
 class _Lock:

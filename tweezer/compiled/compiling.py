@@ -1,0 +1,182 @@
+"""The folder of compiled functions, the notice while compiling, and what compiling took.
+
+Compiled functions are kept beside their sources. If the folder of the sources cannot be written,
+they are kept in the user's cache folder; NUMBA_CACHE_DIR names another folder. Importing this
+module chooses the folder, because Numba needs it before the first function is defined. Plain Numba
+(see `plain`) has a folder of its own within that of NUMBA_CACHE_DIR or the user's.
+"""
+
+from __future__ import annotations
+
+import atexit
+import functools
+import gc
+import hashlib
+import importlib
+import logging
+import os
+import shutil
+import tempfile
+import time
+import weakref
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+import numba
+from numba.core import event
+from numba.core.dispatcher import Dispatcher
+
+from tweezer.values.errors import warn
+
+_log = logging.getLogger("tweezer")
+
+#: Whether plain Numba takes the place of tweezer's own compiling
+PLAIN = os.environ.get("TWEEZER_PLAIN_NUMBA", "0") not in ("", "0")
+#: Compile time before the notice is shown, s
+_PATIENCE = 1.0
+#: Functions of this process that a cache stores
+stored: weakref.WeakSet[Dispatcher] = weakref.WeakSet()
+
+
+class Compilation(event.Listener):
+    """Count and time of tweezer's functions as they are compiled."""
+
+    def __init__(self, say: Callable[[Compilation], None]) -> None:
+        """say: called with this object when the compilation of a function begins."""
+        self._say = say
+        self._within = 0  # depth of functions compiled because another calls them
+        self._spent = self._began = 0.0
+        self.functions = self.compiled = 0
+        """number of functions that the cache stores: begun, and compiled"""
+        self.latest = ""
+        """name of the function begun last"""
+
+    @property
+    def seconds(self) -> float:
+        """Time spent so far, s."""
+        return self._spent + (time.perf_counter() - self._began if self._within else 0.0)
+
+    def on_start(self, begun: event.Event) -> None:
+        """Event of Numba: a compilation begins."""
+        dispatcher = begun.data["dispatcher"]
+        if not _ours(dispatcher):
+            return
+        if not self._within:
+            self._began = time.perf_counter()
+        self._within += 1
+        self.functions += _is_stored(dispatcher)
+        function = dispatcher.py_func
+        self.latest = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+        self._say(self)
+
+    def on_end(self, ended: event.Event) -> None:
+        """Event of Numba: a compilation has ended, or failed."""
+        dispatcher = ended.data["dispatcher"]
+        if not _ours(dispatcher):
+            return
+        self._spent, self._began = self.seconds, time.perf_counter()
+        self._within -= 1
+        self.compiled += _is_stored(dispatcher) and not ended.is_failed
+
+
+class _Uncollected(event.Listener):
+    """Pauses garbage collection while Numba compiles.
+
+    A compilation makes many objects in cycles, all of them in use. Collecting takes a quarter of
+    its time. Numba compiles in one thread at a time.
+    """
+
+    def __init__(self) -> None:
+        self._within = 0
+        self._enabled = False
+
+    def on_start(self, begun: event.Event) -> None:  # noqa: ARG002
+        """Event of Numba: a compilation begins."""
+        if not self._within:
+            self._enabled = gc.isenabled()
+            gc.disable()
+        self._within += 1
+
+    def on_end(self, ended: event.Event) -> None:  # noqa: ARG002
+        """Event of Numba: a compilation has ended, or failed."""
+        self._within -= 1
+        if not self._within and self._enabled:
+            gc.enable()
+
+
+def compilation(say: Callable[[Compilation], None]) -> AbstractContextManager[Compilation]:
+    """Watch compilation within the context; `say` is called when that of a function begins."""
+    installed: AbstractContextManager[Compilation] = event.install_listener(
+        "numba:compile", Compilation(say)
+    )
+    return installed
+
+
+def found() -> int:
+    """Number of tweezer's functions that this process loaded from the cache."""
+    return sum(sum(each.stats.cache_hits.values()) for each in stored if _ours(each))
+
+
+def kept() -> bool:
+    """Whether this process compiled functions of tweezer's that the next ones load."""
+    return _notice.compiled > 0 and not not_kept.cache_info().currsize
+
+
+@functools.cache
+def not_kept(why: str) -> None:
+    """Warn, once, that what is compiled is not kept."""
+    warn(f"what is compiled is not kept: {why}", UserWarning)
+
+
+def _ours(dispatcher: Dispatcher) -> bool:
+    return str(dispatcher.py_func.__module__).partition(".")[0] == "tweezer"
+
+
+def _is_stored(dispatcher: Dispatcher) -> bool:
+    return dispatcher.stats.cache_path is not None
+
+
+def _folder_of_these_sources() -> str:
+    """Folder of Numba's own cache for the present state of tweezer's sources."""
+    from platformdirs import user_cache_path
+
+    digest = hashlib.sha256()
+    for package in ("tweezer", "tweezer.generated"):
+        (folder,) = importlib.import_module(package).__path__
+        for path in sorted(Path(folder).rglob("*.py")):
+            digest.update(path.read_bytes())
+    parent = numba.config.CACHE_DIR or user_cache_path("tweezer") / "compiled"
+    return str(Path(parent) / f"plain-{digest.hexdigest()[:16]}")
+
+
+def _find_place() -> None:
+    """Give Numba a folder: it refuses to define a cached function without one."""
+    try:
+        numba.njit(cache=True)(_find_place)
+    except RuntimeError:
+        folder = tempfile.mkdtemp(prefix="tweezer-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        numba.config.CACHE_DIR = folder
+        not_kept(
+            "neither the folder of tweezer nor the user's cache folder can be written; set "
+            "NUMBA_CACHE_DIR to one that can"
+        )
+
+
+def _tell(compiling: Compilation) -> None:
+    if compiling.seconds > _PATIENCE:  # no notice for a moment's work
+        _tell_once()
+
+
+@functools.cache
+def _tell_once() -> None:
+    _log.warning("compiling, once: the next runs load it (`tweezer warmup` does it ahead)")
+
+
+if PLAIN:
+    numba.config.CACHE_DIR = _folder_of_these_sources()
+_find_place()
+_notice = Compilation(_tell)
+event.register("numba:compile", _notice)
+event.register("numba:compile", _Uncollected())

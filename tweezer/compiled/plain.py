@@ -1,0 +1,53 @@
+"""Plain Numba in place of tweezer's own compiling, for a release of Numba with other internals.
+
+With TWEEZER_PLAIN_NUMBA=1 `numba.njit` compiles every function and Numba's own cache stores it.
+Results differ by rounding alone. Compiling takes longer.
+
+Numba notices a change of a function, but not of another function that it calls. The cache therefore
+has a folder for each state of tweezer's sources. It does not notice a change in a second file of a
+user's own force. Numba compiles a function again in each process if its closure contains another
+compiled function.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numba
+from numba.core.dispatcher import Dispatcher
+
+from tweezer.compiled.compiling import stored
+from tweezer.compiled.fingerprint import name_by_values
+
+
+def cached_njit(signature: Any = None, **options: Any) -> Any:
+    """Compile a function with `numba.njit` and keep it in Numba's cache."""
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        name_by_values(function)
+        dispatcher = numba.njit(signature, cache=True, **options)(function)
+        stored.add(dispatcher)
+        return dispatcher
+
+    return compiled
+
+
+def named_njit(*, inner: bool = False, **options: Any) -> Any:  # noqa: ARG001
+    """Compile a function with `numba.njit`. Python may call it, even if it is `inner`."""
+
+    def compiled(function: Callable[..., Any]) -> Any:
+        name_by_values(function)
+        return numba.njit(**options)(function)
+
+    return compiled
+
+
+def cache_functions(module: ModuleType) -> ModuleType:
+    """Let the functions of an emitted module use Numba's cache; returns the module."""
+    for each in vars(module).values():
+        if isinstance(each, Dispatcher):
+            each.enable_caching()
+            stored.add(each)
+    return module
