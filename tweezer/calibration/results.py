@@ -137,7 +137,7 @@ class AxisCalibration(Shown):
         return numbers and f"not trusted: {numbers}"
 
     def table(self, *, in_words: bool = False) -> Table:
-        """A row for each method, with what speaks against it: the numbers of notes, or in words."""
+        """Return a row for each method with its findings, as numbers of notes or as text."""
         rows = []
         for each in self.estimates:
             k, error = pair(each.stiffness, each.uncertainty, "pN/um")
@@ -151,7 +151,7 @@ class AxisCalibration(Shown):
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
 
     def card(self) -> Card:
-        """A row for each method, and numbered notes on what speaks against them."""
+        """Return a row for each method, and numbered notes with the findings."""
         rows = tuple(
             Row(each.method, each.told, self.mark(each.findings)) for each in self.estimates
         )

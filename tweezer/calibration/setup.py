@@ -54,7 +54,7 @@ class Detector(NamedTuple):
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a recording's bead, medium, wall and detector, SI; None: not known."""
+    """Known bead, medium, wall and detector of a recording, in SI units; None if unknown."""
 
     temperature: float
     drag: float | None
@@ -68,7 +68,7 @@ class Known:
     wall: Height | None
     detector: Detector
     left_out: LeftOut
-    """what is left out of the record"""
+    """frequencies excluded from the record"""
     drags: dict[str, float]
     """along each axis, where the bead is; none where it is not known"""
 
@@ -249,9 +249,10 @@ def _refuse_too_low(recording: Recording, height: Height) -> None:
 def _drags(
     recording: Recording, drag: float | None, height: Height | None, *, on_the_way: bool
 ) -> dict[str, float]:
-    """Known drags along the axes, kg/s.
+    """Return the known drags along the axes, kg/s.
 
-    drag: far from walls; on_the_way: whether they are those of a run's scene, where the bead went.
+    `drag` applies far from walls. With `on_the_way`, the drags are averages over the positions of a
+    run, with the drag of its scene.
     """
     if drag is None:
         return {}

@@ -55,36 +55,42 @@ Recordings = Annotated[
     list[str],
     typer.Argument(
         help="NetCDF file of a run; or a table with t, x, y, z: CSV, HDF5, .npy, .mat, TDMS. "
-        "Several of one trap are put together.",
+        "Recordings of one trap are combined.",
         metavar="RECORDING...",
     ),
 ]
 Temperature = Annotated[
-    str | None, typer.Option(help='Of the medium: "20 degC", or kelvins. A run has its own.')
+    str | None,
+    typer.Option(help='Temperature of the medium, e.g. "20 degC". Default for a run: its own.'),
 ]
 Radius = Annotated[
-    str | None, typer.Option(help='Of the bead: "500 nm". The drag is fitted if not given.')
+    str | None,
+    typer.Option(help='Radius of the bead, e.g. "500 nm". Without it the drag is fitted.'),
 ]
 Viscosity = Annotated[
     str | None,
     typer.Option(
-        help='Of the medium: "1 mPa s"; with --radius it is the drag. Of a bead that is not '
-        "trapped either one tells the other."
+        help='Viscosity of the medium, e.g. "1 mPa s". With --radius it gives the drag. For a '
+        "free bead, one of the two determines the other."
     ),
 ]
 Density = Annotated[
     str | None,
-    typer.Option(help='Of the bead: "2000 kg/m^3", to have its inertia; goes with --radius.'),
+    typer.Option(
+        help='Density of the bead, e.g. "2000 kg/m^3", to include its inertia. Requires --radius.'
+    ),
 ]
 FluidDensity = Annotated[
     str | None,
-    typer.Option(help='Of the medium: "998 kg/m^3", to have its inertia; goes with --density.'),
+    typer.Option(
+        help='Density of the medium, e.g. "998 kg/m^3", to include its inertia. Requires --density.'
+    ),
 ]
 Wall = Annotated[
     str | None,
     typer.Option(
-        help='Distance of the centre of the bead from a wall across the light: "1.2 um", or '
-        '"1.2 um +- 50 nm"; goes with --radius.',
+        help='Distance of the bead\'s centre from a wall across the light, e.g. "1.2 um" or '
+        '"1.2 um +- 50 nm". Requires --radius.',
         metavar="HEIGHT",
     ),
 ]

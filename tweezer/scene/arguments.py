@@ -42,7 +42,7 @@ def in_si(
 def numbers_in_si(
     name: str, values: Any, unit: str, error: type[TweezerError] = ResultError
 ) -> NDArray[np.float64]:
-    """The same of an array: see `tweezer.values.units.array_in_si`."""
+    """Return an array argument in SI units; see `tweezer.values.units.array_in_si`."""
     try:
         return array_in_si(values, unit)
     except ValueError as refused:

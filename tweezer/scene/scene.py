@@ -75,7 +75,7 @@ class Scene(Description):
         return Card("Scene", self.name, tuple(rows))
 
     def _changes_in_short(self) -> str:
-        """What differs from the shipped scene of this name; "" if nothing or there is none."""
+        """Return the differences from the shipped scene of this name; "" without any."""
         if self.name not in shipped_scenes():
             return ""
         here = by_key(self.model_dump())
@@ -147,7 +147,7 @@ class Scene(Description):
 
     @property
     def _of_another_temperature(self) -> str:
-        """What of the medium a change of the temperature would change, and nobody did."""
+        """Properties of the medium that depend on temperature and were not changed with it."""
         if "medium.viscosity" in self.changed or "viscosity" in self.medium.filled:
             return ""
         keys = [

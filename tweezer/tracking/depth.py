@@ -216,8 +216,8 @@ def fit_depth(
     place, and no inertia. The force is that of the map, made to 20 radii, or by waves to 5 radii
     and 10 wavelengths in the medium; of the quadrature for linear polarisation.
 
-    The likelihood is that of a Kalman filter (`tweezer.tracking.filter`), for thermal motion adds
-    up: residuals about the motion without it are not independent. The filter takes the force as
+    The likelihood comes from a Kalman filter (`tweezer.tracking.filter`). Thermal motion adds up,
+    so residuals about the motion without it are not independent. The filter takes the force as
     linear over the spread of where the bead may be; once that spread passes about a radius, as it
     can with the inertia of the scaled model, the likelihood means little, and the statement says
     so. x and y of the start are averaged over. A coordinate may be a number from anywhere: to its

@@ -132,7 +132,7 @@ class Camera(Section):
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """What is seen: "x", "y" and perhaps "z"."""
+        """Recorded axes: "x" and "y", with "z" if the depth is recorded."""
         return ("x", "y") if self.noise_along is None else ("x", "y", "z")
 
     @property
