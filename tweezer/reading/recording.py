@@ -29,6 +29,7 @@ from tweezer.scene import Scene
 from tweezer.scene.arguments import in_si, name_last, numbers_in_si
 from tweezer.values.errors import ResultError, TooFewError, warn
 from tweezer.values.hdf5 import check_result
+from tweezer.values.printed import in_unit, printed, signal_unit
 from tweezer.values.saved import kind_of_file
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import QuantityLike
@@ -136,7 +137,7 @@ class Recording(Shown):
 
     def card(self) -> Card:
         """Samples, spread along each axis, exposure, noise."""
-        factor, unit = (1e3, "mV") if self.unit == "V" else (1e9, "nm")
+        unit = signal_unit(self.unit)
         spread = self.positions.std(axis=0)
         rate = 1 / self.step
         rows = [
@@ -144,16 +145,15 @@ class Recording(Shown):
                 "samples", f"{len(self.times)}, {rate:.5g} Hz, {self.step * len(self.times):.4g} s"
             ),
             *(
-                Row(f"{axis}, standard deviation", f"{factor * each:.4g} {unit}")
+                Row(f"{axis}, standard deviation", printed(each, unit))
                 for axis, each in zip(self.axes, spread, strict=True)
             ),
-            Row("exposure", _known(self.exposure, 1e3, "ms")),
+            Row("exposure", _known(self.exposure)),
         ]
         if self.noise is not None:
-            told = ", ".join(f"{factor * each:.3g}" for each in self.noise)
-            rows.append(Row("noise of the detector", f"{told} {unit}"))
+            rows.append(Row("noise of the detector", printed(self.noise, unit, 3)))
         if self.drive is not None:
-            rows.append(Row("stage, standard deviation", f"{1e9 * self.drive.std():.4g} nm"))
+            rows.append(Row("stage, standard deviation", printed(self.drive.std(), "nm")))
         return Card("Recording", self.name, tuple(rows), notes=(self.note,) if self.note else ())
 
     @property
@@ -223,18 +223,19 @@ class Track(Shown):
     def card(self) -> Card:
         """Frames, and what is missing of them."""
         both = int(np.isfinite(self.positions).all(axis=1).sum())
-        extent = 1e6 * np.nanmax(np.abs(self.positions), axis=0)
+        x, y = (printed(each, "um") for each in np.nanmax(np.abs(self.positions), axis=0))
+        first, last = in_unit(self.times[0], "ms"), printed(self.times[-1], "ms")
         rows = (
             Row("frames", f"{len(self.times)}, {both} of them with x and y"),
-            Row("times", f"{1e3 * self.times[0]:.4g} to {1e3 * self.times[-1]:.4g} ms"),
-            Row("farthest from the axis", f"x {extent[0]:.4g} um, y {extent[1]:.4g} um"),
-            Row("exposure", _known(self.exposure, 1e3, "ms")),
+            Row("times", f"{first} to {last}"),
+            Row("farthest from the axis", f"x {x}, y {y}"),
+            Row("exposure", _known(self.exposure)),
         )
         return Card("Track", self.name, rows)
 
 
-def _known(value: float | None, factor: float, unit: str) -> str:
-    return "not known" if value is None else f"{factor * value:.4g} {unit}"
+def _known(exposure: float | None) -> str:
+    return "not known" if exposure is None else printed(exposure, "ms")
 
 
 def _of_shapes(record: Recording | Track, axes: int) -> None:

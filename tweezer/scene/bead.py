@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from tweezer.scene.load import SceneLike, checked_scene
 from tweezer.scene.scene import KNUDSEN_LIMIT
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
+from tweezer.values.printed import printed
 from tweezer.values.shown import Card, Row, Shown
 
 
@@ -34,16 +35,15 @@ class BeadProperties(Shown):
         thin = self.knudsen > KNUDSEN_LIMIT
         doubt = "not to be trusted: the medium is no continuum for this bead" if thin else ""
         rows = (
-            Row("mass", f"{1e15 * self.mass:.4g} pg"),
-            Row("displaced mass", f"{1e15 * self.displaced_mass:.4g} pg"),
-            Row("drag", f"{1e9 * self.drag:.4g} nN s/m", doubt),
-            Row("rotational drag", f"{1e21 * self.rotational_drag:.4g} pN nm s", doubt),
-            Row("weight in the fluid", f"{-1e15 * self.weight[2]:.4g} fN, down"),
-            Row("relaxation time", f"{1e6 * self.relaxation_time:.4g} us"),
-            Row("vorticity time", f"{1e6 * self.vorticity_time:.4g} us"),
+            Row("mass", printed(self.mass, "pg")),
+            Row("displaced mass", printed(self.displaced_mass, "pg")),
+            Row("drag", printed(self.drag, "nN s/m"), doubt),
+            Row("rotational drag", printed(self.rotational_drag, "pN nm s"), doubt),
+            Row("weight in the fluid", f"{printed(-self.weight[2], 'fN')}, down"),
+            Row("relaxation time", printed(self.relaxation_time, "us")),
+            Row("vorticity time", printed(self.vorticity_time, "us")),
             Row("moments of inertia",
-                f"{', '.join(f'{each:.4g}' for each in self.moments_of_inertia)} kg m^2",
-                detail=True),
+                printed(self.moments_of_inertia, "kg m^2"), detail=True),
             Row("Knudsen number", f"{self.knudsen:.2g}", detail=True),
         )  # fmt: skip
         return Card("BeadProperties", "", rows)

@@ -12,6 +12,8 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
+from tweezer.values.printed import scaled
+
 
 class Material(NamedTuple):
     """What a bead is made of."""
@@ -42,7 +44,7 @@ class Material(NamedTuple):
         Raises `ValueError`, saying the range, where it is not known.
         """
         low, high = self.used
-        um = 1e6 * wavelength
+        um = scaled(wavelength, "um")
         if not low * (1 - 1e-9) <= um <= high * (1 + 1e-9):
             raise ValueError(
                 f"the index of {self.name} is known from {low:g} to {high:g} um, not at {um:g} um"

@@ -22,6 +22,8 @@ from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_
 from tweezer.scene.rules import check
 from tweezer.scene.sections import Beam
 from tweezer.values.errors import SceneError, UnitWarning, warn
+from tweezer.values.printed import printed
+from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, as_html, as_text
 
 #: Knudsen number up to which the medium is taken as a continuum (thesis, 2.2.2)
@@ -49,16 +51,16 @@ class Scene(Description):
         """Bead, medium, light, start, forces, and what differs from the shipped scene."""
         bead, medium, motion = self.bead, self.medium, self.simulation
         index = bead.index if bead.index.imag else bead.index.real
-        viscosity = f"{1e3 * medium.viscosity:.4g} mPa s"
+        viscosity = printed(medium.viscosity, "mPa s")
         power = sum(beam.power_through_pupil or beam.power or 0.0 for beam in self.beams)
-        light = f"{1e3 * power:.4g} mW at {1e9 * self.beam.wavelength:.4g} nm"
+        light = f"{printed(power, 'mW')} at {printed(self.beam.wavelength, 'nm')}"
         light += f", {counted(self.beams)}" if self.more_beams else ""
         acting = [name for name, on in self.forces if on is True]
-        start = ", ".join(f"{round(1e6 * each, 9) + 0.0:.4g}" for each in self.start_position)
-        run = f"{1e3 * motion.duration:.4g} ms, {motion.samples} samples"
+        start = ", ".join(map(micrometres, self.start_position))
+        run = f"{printed(motion.duration, 'ms')}, {motion.samples} samples"
         made_of = f" of {bead.material}" if bead.material else ""
         rows = [
-            Row("bead", f"{2e6 * bead.radius:.4g} um{made_of}, index {index:.5g}, "
+            Row("bead", f"{printed(bead.diameter, 'um')}{made_of}, index {index:.5g}, "
                 f"{bead.density:.5g} kg/m^3"),
             Row("medium", f"index {medium.refractive_index:.5g}, {viscosity}, "
                 f"{medium.temperature:.5g} K"),
@@ -69,7 +71,7 @@ class Scene(Description):
             Row("run", run),
         ]  # fmt: skip
         if self.wall is not None:
-            rows.insert(2, Row("wall", f"at {1e6 * self.wall.position:.4g} um"))
+            rows.insert(2, Row("wall", f"at {printed(self.wall.position, 'um')}"))
         if changes := self._changes_in_short():
             rows.append(Row("changed", changes))
         return Card("Scene", self.name, tuple(rows))

@@ -8,7 +8,7 @@ import re
 #: Powers of ten of prefixes
 _POWERS = {"k": 3, "m": -3, "u": -6, "µ": -6, "n": -9, "p": -12, "f": -15, "a": -18, "z": -21}
 _FACTOR = re.compile(
-    r"(?P<prefix>[kmuµnpfaz]?)(?:m|s|W|N|J|K|V|Pa|Hz)(?:\^(?P<power>\d))?|kg|rad|1"
+    r"(?P<prefix>[kmuµnpfaz]?)(?:m|s|W|N|J|K|V|Pa|Hz|(?P<gram>g))(?:\^(?P<power>\d))?|rad|1"
     r"|10\^(?P<ten>-\d+)"
 )
 #: Of each SI unit those in which its numbers are usually written; tables and figures have the first
@@ -49,7 +49,7 @@ def _power(product: str) -> int:
         if (match := _FACTOR.fullmatch(each)) is None:
             raise ValueError(f"{each!r}: not a unit whose factor is known")
         power += _POWERS.get(match["prefix"] or "", 0) * int(match["power"] or 1)
-        power += int(match["ten"] or 0)
+        power += int(match["ten"] or 0) - (3 if match["gram"] else 0)
     return power
 
 
