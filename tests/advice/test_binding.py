@@ -6,6 +6,7 @@ forces come together. Each message ends with one change: `set KEY to VALUE`, or 
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Callable
 from typing import Any
@@ -16,8 +17,9 @@ import pytest
 import tweezer
 from tests.advice import test_scenes
 from tests.advice.test_scenes import put, value_of
-from tweezer.dynamics import bind, bound_once, decided
-from tweezer.dynamics.integrators.exponential import EXPONENTIAL
+from tests.fluid.test_drag import growing
+from tweezer.dynamics import bind, bound_once, decided, integrate
+from tweezer.dynamics.needs import WATCHED, check
 from tweezer.dynamics.problem import Problem
 from tweezer.dynamics.walk import walk
 from tweezer.forces import UserForce, kernel
@@ -60,10 +62,18 @@ def deterministic(problem: Problem) -> None:
     bind(problem)
 
 
-def by_exponential(problem: Problem) -> None:
+def integrated(problem: Problem) -> None:
     problem, _ = decided(problem)
-    if problem.scene.simulation.method == "exponential":
-        EXPONENTIAL.bound(bind(problem))
+    integrate(bind(problem), np.array([0.0, 1e-9]))
+
+
+def watched(problem: Problem) -> None:
+    check(walk(problem, 0).problem, WATCHED)
+
+
+def thermal_by_place(problem: Problem) -> None:
+    moved = thermal if problem.scene.forces.brownian else deterministic
+    moved(dataclasses.replace(problem, drag=growing()))
 
 
 def rates(problem: Problem) -> None:
@@ -111,6 +121,21 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
         thermal, (DARK, {"start": {"drawn": "boltzmann"}}), "start.drawn = 'boltzmann': requires",
         [],
     ),
+    "scheme of a uniform drag by place": (
+        thermal_by_place, (DARK, with_method("heun", model="overdamped")),
+        "requires a drag that is the same everywhere", [],
+    ),
+    "rotation under a drag by place": (
+        thermal_by_place, (DARK, {"simulation": {"model": "overdamped"}}),
+        "thermal rotation requires a drag", [TURNING],
+    ),
+    "events in the frames of a camera": (
+        watched, (DARK, {"camera": {"rate": "1 kHz", "exposure": "0.5 ms"}}),
+        "events: cannot be combined", [],
+    ),
+    "events by distributions": (
+        watched, (THERMAL, with_method("one-call")), "events would be wrong", [],
+    ),
     "too many steps": (
         thermal, (THERMAL, {"simulation": {"duration": 1000.0, "samples": 3}}),
         "from sample to sample", [],
@@ -126,8 +151,8 @@ REFUSED: dict[str, tuple[Callable[[Problem], None], tuple[Data, ...], str, list[
         deterministic, ({"medium": {"poles": 16}}, BODY), "medium.poles = 16: requires", [],
     ),
     "exponential of a body": (
-        by_exponential, (BODY, {"medium": {"inertia": "none"}},
-                        with_method("exponential", model="full")),
+        integrated, (BODY, {"medium": {"inertia": "none"}},
+                     with_method("exponential", model="full")),
         "simulation.method = 'exponential': requires", [],
     ),
     "model of order one, and a wall": (
@@ -147,18 +172,27 @@ def follow(message: str, data: Data) -> None:
         put(data, found[1], value_of(found[2]))
     elif found := re.search(r"; remove (\w+)\.(\w+)$", message):
         del data[found[1]][found[2]]
+    elif message.startswith("events:"):
+        assert message.endswith("; omit one of them")
+        del data["camera"]
     else:
         assert test_scenes.follow(message, data), f"no advice at the end: {message}"
+
+
+def refused(name: str) -> Data:
+    """Return the scene of a name."""
+    data = tweezer.load_scene("silica-1um").model_dump(mode="json", exclude_none=True)
+    for each in REFUSED[name][1]:
+        for section, keys in each.items():
+            data.setdefault(section, {}).update(keys)
+    return data
 
 
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("name", REFUSED)
 def test_advice_at_binding_leads_to_a_bound_scene(name):
-    bound, changes, told, forces = REFUSED[name]
-    data = tweezer.load_scene("silica-1um").model_dump(mode="json", exclude_none=True)
-    for each in changes:
-        for section, keys in each.items():
-            data.setdefault(section, {}).update(keys)
+    bound, _, told, forces = REFUSED[name]
+    data = refused(name)
     seen: list[str] = []
     while len(seen) < _MOST:
         try:

@@ -212,7 +212,7 @@ def unscaled(problem: Problem) -> Problem | None:
         model="full", method="exponential", scaling_factor=None, step=None,
         rotation_state="angular-velocity",
     )  # fmt: skip
-    if not bind(full).takes_drag_exactly:
+    if not full.takes_drag_exactly:
         return None
     if not full.drag.uniform:
         return full

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion, bind
-from tweezer.dynamics.needs import with_inertia_of_the_fluid, without_memory
+from tweezer.dynamics.needs import DETERMINISTIC, Facts, with_inertia_of_the_fluid, without_memory
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import enough_poles, left_out_of_walls
 from tweezer.scene import FREE, Scene
@@ -87,13 +87,13 @@ def _model(problem: Problem) -> tuple[str, str]:
     off += tau * float(np.linalg.norm(np.array(scene.start.velocity) - slow))
     if inertia in ("added-mass", "memory"):
         return "full", f"full: has the inertia of the fluid, {inertia}"
-    if inertia is None and not without_memory(problem):
+    if inertia is None and not without_memory(problem, DETERMINISTIC):
         off += scene.lag * problem.fastest
     allowed = simulation.position_tolerance
-    exactly = simulation.method == "exponential"
+    exactly = Facts(problem).has("exact_drag")
     if off <= allowed and not problem.rotates and not exactly:
         return "overdamped", f"overdamped: inertia moves the bead by about {off:.1g} m"
-    if exactly or bind(problem.changed(model="full")).takes_drag_exactly:
+    if exactly or problem.changed(model="full").takes_drag_exactly:
         return "full", f"full: without inertia the bead would be off by about {off:.1g} m"
     if problem.drag.uniform and off * small <= allowed:
         return "first-order", f"first-order: off by about {off * small:.1g} m"

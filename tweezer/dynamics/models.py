@@ -7,7 +7,6 @@ rotation, which derivatives of the force are needed.
 from __future__ import annotations
 
 import functools
-import importlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import ModuleType
@@ -18,10 +17,12 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import address, cache_functions
 from tweezer.dynamics.continuing import Begin
+from tweezer.dynamics.emitted import module, takes_drag_exactly
 from tweezer.dynamics.events import Piece
 from tweezer.dynamics.integrators.exponential import Relaxation
 from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
+from tweezer.dynamics.needs import OF_EQUATIONS, check
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.fluid import DRAG_KERNEL, Modes, Resisted
 from tweezer.forces.data import Part, packed
@@ -29,7 +30,7 @@ from tweezer.forces.force import Force, bound, numbered
 from tweezer.forces.wall import BORN
 from tweezer.generated import kinematics
 from tweezer.scene import Scene
-from tweezer.scene.choices import MODELS, Model
+from tweezer.scene.choices import MODELS
 from tweezer.values.errors import IntegrationError, SceneError
 from tweezer.values.shown import Card, Row, Shown
 
@@ -81,11 +82,6 @@ class EquationsOfMotion(Shown):
     def __post_init__(self) -> None:
         self.scene, self.bead = self.problem.scene, self.problem.bead
         self.force, self.drag = self.problem.force, self.problem.drag
-        if "beta_v" in self.module.PARAMS and not self.drag.uniform:
-            raise SceneError(
-                f"simulation.model = {self.scene.simulation.model!r}: requires a drag that is "
-                "the same everywhere; set simulation.model to full"
-            )
         simulation = self.scene.simulation
         values = _parameter_values(self.problem, simulation.scaling_factor)
         self.params = np.array([values[name] for name in self.module.PARAMS])
@@ -232,9 +228,7 @@ class EquationsOfMotion(Shown):
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate them."""
-        plain = not self._inertial and "force_gradient" not in self.module.RHS_INPUTS
-        linear = self.module.LINEAR_DRAG or plain
-        return linear and not self.force.oriented
+        return takes_drag_exactly(self.module, self.force)
 
     @property
     def name(self) -> str:
@@ -509,30 +503,17 @@ def bind(scene: Scene | Problem, begin: Begin | None = None) -> EquationsOfMotio
     or begin at the release.
     """
     problem = bound_once(scene)
-    model = MODELS[problem.scene.simulation.model or "full"]
-    return EquationsOfMotion(problem, _module(_name(problem, model)), begin)
+    check(problem, OF_EQUATIONS)
+    return EquationsOfMotion(problem, problem.emitted, begin)
 
 
 def bind_translation(problem: Problem, model: str) -> EquationsOfMotion:
     """The equations of motion of a model without the rotation, whether there is one or not."""
-    return EquationsOfMotion(problem, _module(f"{MODELS[model].modules}_translation"))
+    return EquationsOfMotion(problem, module(f"{MODELS[model].modules}_translation"))
 
 
 def _bound_again(problem: Problem, name: str, begin: Begin | None) -> EquationsOfMotion:
-    return EquationsOfMotion(problem, _module(name), begin)
-
-
-def _module(name: str) -> ModuleType:
-    return cache_functions(importlib.import_module(f"tweezer.generated.{name}"))
-
-
-def _name(problem: Problem, model: Model) -> str:
-    scene = problem.scene
-    if not problem.rotates:
-        return f"{model.modules}_translation"
-    body = "rigid_body" if scene.bead.moments_of_inertia else "sphere"
-    rates = scene.simulation.rotation_state == "euler-rates" and model.inertia
-    return f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}"
+    return EquationsOfMotion(problem, module(name), begin)
 
 
 def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[str, float]:

@@ -1,10 +1,10 @@
 """The needs of models and methods: one table of the facts of a scene against their traits.
 
-A row of `CHOICES` gives what a key is, where a scene with thermal motion leaves it open. A row of
-`NEEDS` gives a fact of the scene that a model or method cannot follow, and the refusal in words. A
-row of `MEMORY` gives why a motion cannot have the memory of the fluid. The scene is refused if it
-names the memory; otherwise its motion has no inertia of the fluid. A scene's own validators refuse
-what needs no bound problem (`tweezer.scene.scene`).
+A row of `CHOICES` gives what a key is, where a scene with thermal motion leaves it open. A `Need`
+gives a fact of the scene that a model or method cannot follow, and the refusal in words. A row of
+`MEMORY` gives why a motion cannot have the memory of the fluid. The scene is refused if it names
+the memory; otherwise its motion has no inertia of the fluid. A scene's own validators refuse what
+needs no bound problem (`tweezer.scene.rules`).
 """
 
 from __future__ import annotations
@@ -12,16 +12,18 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from types import ModuleType
+from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tweezer.dynamics.brownian.batch import Scheme
 from tweezer.dynamics.layout import TRANSLATION
-from tweezer.dynamics.models import bind
-from tweezer.dynamics.problem import Problem
+from tweezer.fluid import Drag
 from tweezer.forces.equilibria import Equilibrium
+from tweezer.forces.force import Force
+from tweezer.scene import Scene
 from tweezer.scene.choices import METHODS, MODELS, Method, Model, at, methods
 from tweezer.values.errors import SceneError
 
@@ -31,11 +33,56 @@ Array = NDArray[np.float64]
 _ROUNDING = 1e-9
 
 
+class Bound(Protocol):
+    """A scene with its forces and drag: a `tweezer.dynamics.problem.Problem`."""
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+
+    @property
+    def drag(self) -> Drag:
+        """Drag of its bead."""
+
+    @property
+    def force(self) -> Force:
+        """All forces but drag, weight and noise."""
+
+    @property
+    def mobility(self) -> Array:
+        """(6,) s/kg and 1/(N m s), at the start."""
+
+    @property
+    def rotates(self) -> bool:
+        """Whether anything turns the bead."""
+
+    @property
+    def equilibrium(self) -> Equilibrium | None:
+        """The stable equilibrium nearest the focus."""
+
+    @property
+    def emitted(self) -> ModuleType:
+        """Emitted module of the equations of motion."""
+
+    @property
+    def takes_drag_exactly(self) -> bool:
+        """Whether the exponential method can integrate the equations of motion."""
+
+    def decided(self, **sections: Any) -> Self:
+        """Return the same with what the scene left open."""
+
+    def remembering(self, poles: int) -> Self:
+        """Return the same in a fluid with memory."""
+
+
+AnyProblem = TypeVar("AnyProblem", bound=Bound)
+
+
 @dataclass(frozen=True)
 class Facts:
     """Facts of a problem, and traits of its model and its method."""
 
-    problem: Problem
+    problem: Bound
 
     @functools.cached_property
     def model(self) -> Model:
@@ -50,11 +97,6 @@ class Facts:
     def has(self, trait: str) -> bool:
         """Return whether a method is decided that has a trait."""
         return bool(getattr(self.method, trait, False))
-
-    @property
-    def thermal(self) -> bool:
-        """Whether the motion is thermal."""
-        return bool(self.problem.scene.forces.brownian)
 
     @property
     def walls(self) -> bool:
@@ -96,9 +138,13 @@ class Facts:
         return trap is not None and not is_diagonal(rates_of(trap, self.problem.mobility))
 
     @property
-    def exact(self) -> bool:
-        """Whether the exponential method takes the drag of the model exactly."""
-        return bind(self.problem.changed(model=self.model.name)).takes_drag_exactly
+    def names_another_model(self) -> bool:
+        """Whether a scene with open inertia of the fluid names another model than `full`.
+
+        Before a model is decided this is no reason against the memory of the fluid.
+        """
+        scene = self.problem.scene
+        return scene.medium.inertia is None and scene.simulation.model not in (None, "full")
 
     def says(self, words: str) -> str:
         """Return words with the names of the model and the method filled in."""
@@ -131,37 +177,44 @@ class Need(NamedTuple):
     """A fact that a model or a method cannot follow."""
 
     key: str
-    """key of the scene that is refused, "section.name" """
+    """what is refused: "section.name" of a key of the scene, or the name of an argument"""
     unmet: Callable[[Facts], bool]
     problem: str
     """in words, with {model} and {where}"""
-    instead: tuple[str, str] = ("", "")
-    """key and value that mend the scene; without a value the first one of `allowed`"""
-    allowed: Callable[[Facts], list[str]] | None = None
-    """values that the message lists"""
+    remedy: Callable[[Facts], str]
+    """in words, one change that mends the scene"""
 
     def refusal(self, its: Facts) -> str:
-        """Return the message, which ends with one change that mends the scene."""
-        section, name = self.key.split(".")
-        value = getattr(getattr(its.problem.scene, section), name)
-        message = f"{self.key} = {value!r}: {its.says(self.problem)}; "
-        key, instead = self.instead
-        if self.allowed is not None:
-            allowed = self.allowed(its)
-            message += f"must be {' or '.join(allowed)}; "
-            key, instead = self.key, allowed[0]
-        return f"{message}set {key} to {instead}"
+        """Return the message."""
+        section, _, name = self.key.partition(".")
+        value = f" = {getattr(getattr(its.problem.scene, section), name)!r}" if name else ""
+        return f"{self.key}{value}: {its.says(self.problem)}; {self.remedy(its)}"
 
 
-_HEUN = "simulation.method", "heun"
+def _set(key: str, value: str) -> Callable[[Facts], str]:
+    return lambda _: f"set {key} to {value}"
+
+
+def _one_of(key: str, allowed: Callable[[Facts], list[str]]) -> Callable[[Facts], str]:
+    return lambda its: f"must be {' or '.join(allowed(its))}; set {key} to {allowed(its)[0]}"
+
+
+def _thermal_methods(suits: Callable[[Method], bool]) -> list[str]:
+    return [each.name for each in methods(thermal=True) if suits(each)]
+
+
+_HEUN = _set("simulation.method", "heun")
+_WHERE_NAMED = "with the model {model} only where it is named"
 _WITHOUT_TRAP = "requires a stable equilibrium, and the scene has none"
+_EVEN_DRAG = "requires a drag that is the same everywhere"
 
-#: Of a model that the scene names
+#: Of a model that the scene names, in thermal motion
 OF_MODEL = (
     Need("simulation.model", lambda its: its.model.name not in its.followed,
-         "cannot follow thermal motion {where}", allowed=lambda its: its.followed),
+         "cannot follow thermal motion {where}",
+         _one_of("simulation.model", lambda its: its.followed)),
 )  # fmt: skip
-#: Of a model and a method that are decided
+#: Of a model and a method that are decided, in thermal motion
 NEEDS = (
     Need("simulation.method",
          lambda its: its.has("spring_only") and not its.problem.force.steady,
@@ -169,69 +222,92 @@ NEEDS = (
     Need("simulation.method",
          lambda its: its.walls and its.model.name not in getattr(its.method, "beside_wall", ()),
          "cannot keep a bead on its side of a wall in the model {model}",
-         allowed=lambda its: [each.name for each in methods(thermal=True)
-                              if its.model.name in each.beside_wall]),
+         _one_of("simulation.method", lambda its: _thermal_methods(
+             lambda each: its.model.name in each.beside_wall))),
     Need("simulation.model",
          lambda its: its.walls and its.model.inertia and its.problem.rotates,
-         "cannot follow thermal rotation beside a wall", ("simulation.model", "overdamped")),
-    Need("simulation.method", lambda its: its.by_place and its.has("uniform_drag"),
-         "requires a drag that is the same everywhere",
-         allowed=lambda _: [each.name for each in methods(thermal=True) if not each.uniform_drag]),
+         "cannot follow thermal rotation beside a wall", _set("simulation.model", "overdamped")),
+    Need("simulation.method", lambda its: its.by_place and its.has("uniform_drag"), _EVEN_DRAG,
+         _one_of("simulation.method", lambda _: _thermal_methods(
+             lambda each: not each.uniform_drag))),
     Need("forces.brownian", lambda its: its.by_place and its.problem.rotates,
-         "thermal rotation requires a drag that is the same everywhere",
-         ("forces.brownian", "false")),
+         f"thermal rotation {_EVEN_DRAG}", _set("forces.brownian", "false")),
     Need("simulation.method", lambda its: its.problem.force.oriented and its.has("spring_only"),
          "follows no force that turns the bead", _HEUN),
     Need("simulation.model", lambda its: its.problem.force.oriented and bool(its.model.scheme),
-         "follows no force that turns the bead", ("simulation.model", "full")),
+         "follows no force that turns the bead", _set("simulation.model", "full")),
     Need("simulation.method",
          lambda its: its.has("spring_only") and its.problem.equilibrium is None,
          _WITHOUT_TRAP, _HEUN),
     Need("start.drawn",
          lambda its: its.problem.scene.start.drawn in ("equilibrium", "boltzmann")
          and its.problem.equilibrium is None,
-         _WITHOUT_TRAP, ("start.drawn", "no")),
+         _WITHOUT_TRAP, _set("start.drawn", "no")),
+)  # fmt: skip
+#: Of thermal motion in which events are looked for
+WATCHED = (
+    Need("events", lambda its: its.problem.scene.camera is not None,
+         "cannot be combined with a camera in thermal motion", lambda _: "omit one of them"),
+    Need("simulation.method", lambda its: not its.has("displacements"),
+         "does not reproduce displacements, so that events would be wrong",
+         lambda _: "with events allowed: "
+         + ", ".join(_thermal_methods(lambda each: each.displacements))),
+)  # fmt: skip
+#: Of the emitted equations of motion of a model
+OF_EQUATIONS = (
+    Need("simulation.model",
+         lambda its: not its.problem.drag.uniform and "beta_v" in its.problem.emitted.PARAMS,
+         _EVEN_DRAG, _set("simulation.model", "full")),
+)  # fmt: skip
+#: Of a method that integrates them
+OF_METHOD = (
+    Need("simulation.method",
+         lambda its: its.has("exact_drag") and not its.problem.takes_drag_exactly,
+         "requires a sphere, forces that do not depend on the orientation, and no first-order "
+         "model", _set("simulation.method", "auto")),
 )  # fmt: skip
 
-_WHERE_NAMED = "with the model {model} only where it is named"
+#: Motions that may have the memory of the fluid; the linear one about an equilibrium is that of
+#: a scene whose model and method are open
+DETERMINISTIC, THERMAL, LINEAR = "deterministic", "thermal", "linear"
 
 
-def _open(its: Facts) -> bool:
-    """Whether the scene leaves the inertia of the fluid open, and its model is another than `full`.
+class Forgotten(NamedTuple):
+    """A fact by which some motions cannot have the memory of the fluid."""
 
-    Before a model is decided this is no reason.
-    """
-    scene = its.problem.scene
-    return scene.medium.inertia is None and scene.simulation.model not in (None, "full")
+    motions: tuple[str, ...]
+    unmet: Callable[[Facts], bool]
+    why: str
 
 
-#: Whether a row is one of thermal motion, the fact, and the reason; the first one counts
-MEMORY: tuple[tuple[bool, Callable[[Facts], bool], str], ...] = (
-    (False, _open, _WHERE_NAMED),
-    (False, lambda its: its.method is not None and not its.method.memory,
-     "the method {method} cannot follow it"),
-    (False, lambda its: not its.problem.drag.uniform,
-     "the drag depends on the position, as it does beside a wall"),
-    (False, lambda its: not its.exact,
-     "it requires a sphere, a drag that is the same everywhere, and forces that do not depend on "
-     "the orientation"),
-    (True, lambda its: not (its.scheme.memory and its.model.inertia),
-     "the model {model} by {method} cannot follow it"),
-    (True, lambda its: not its.even, "the drag depends on the position or the direction"),
-    (True, lambda its: its.has("spring_only") and its.coupled,
-     "{method} cannot follow it in a trap that couples the axes"),
-    (True, _open, _WHERE_NAMED),
+#: For each motion, the first one counts
+MEMORY = (
+    Forgotten((DETERMINISTIC, LINEAR), lambda its: its.names_another_model, _WHERE_NAMED),
+    Forgotten((DETERMINISTIC, LINEAR), lambda its: its.method is not None and not its.has("memory"),
+              "the method {method} cannot follow it"),
+    Forgotten((DETERMINISTIC,), lambda its: not its.problem.drag.uniform,
+              "the drag depends on the position, as it does beside a wall"),
+    Forgotten((DETERMINISTIC,), lambda its: not its.problem.takes_drag_exactly,
+              "it requires a sphere, a drag that is the same everywhere, and forces that do not "
+              "depend on the orientation"),
+    Forgotten((THERMAL,), lambda its: not (its.scheme.memory and its.model.inertia),
+              "the model {model} by {method} cannot follow it"),
+    Forgotten((THERMAL, LINEAR), lambda its: not its.even,
+              "the drag depends on the position or the direction"),
+    Forgotten((THERMAL,), lambda its: its.has("spring_only") and its.coupled,
+              "{method} cannot follow it in a trap that couples the axes"),
+    Forgotten((THERMAL,), lambda its: its.names_another_model, _WHERE_NAMED),
 )  # fmt: skip
 
 
-def choice(problem: Problem, key: str) -> tuple[Problem, str]:
+def choice(problem: AnyProblem, key: str) -> tuple[AnyProblem, str]:
     """Return a problem whose key of `simulation` is decided for thermal motion, and why."""
     its = Facts(problem)
     row = next(each for each in CHOICES if each.key == key and each.where(its))
     return problem.decided(simulation={key: row.value}), f"{row.value}: {row.why}"
 
 
-def check(problem: Problem, needs: tuple[Need, ...]) -> None:
+def check(problem: Bound, needs: tuple[Need, ...]) -> None:
     """Raise `SceneError` for the first of some needs that is not met."""
     its = Facts(problem)
     for need in needs:
@@ -239,23 +315,23 @@ def check(problem: Problem, needs: tuple[Need, ...]) -> None:
             raise SceneError(need.refusal(its))
 
 
-def without_memory(problem: Problem) -> str:
-    """Return why a motion cannot have the memory of the fluid; empty if it can."""
+def without_memory(problem: Bound, motion: str) -> str:
+    """Return why a motion of `MEMORY` cannot have the memory of the fluid; empty if it can."""
     its = Facts(problem)
-    rows = (row for row in MEMORY if row[0] == its.thermal)
-    return next((its.says(why) for _, unmet, why in rows if unmet(its)), "")
+    rows = (row for row in MEMORY if motion in row.motions)
+    return next((its.says(row.why) for row in rows if row.unmet(its)), "")
 
 
 def with_inertia_of_the_fluid(
-    problem: Problem, memory: Callable[[Problem], tuple[int, str]]
-) -> tuple[Problem, str]:
+    problem: AnyProblem, memory: Callable[[AnyProblem], tuple[int, str]]
+) -> tuple[AnyProblem, str]:
     """Return a problem of a decided model with what it has of the fluid's inertia, and why.
 
     `memory` gives the number of poles and the reason of a problem that has the memory. Raises
     `SceneError` if the scene names a memory that cannot be followed.
     """
     medium = problem.scene.medium
-    missing = without_memory(problem)
+    missing = without_memory(problem, THERMAL if problem.scene.forces.brownian else DETERMINISTIC)
     if not missing:
         poles, why = memory(problem)
         return problem.remembering(poles), why

@@ -6,13 +6,16 @@ import dataclasses
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.dynamics.emitted import module_of, takes_drag_exactly
 from tweezer.dynamics.layout import TRANSLATION
 from tweezer.dynamics.linear import LinearMotion
+from tweezer.dynamics.needs import LINEAR, without_memory
 from tweezer.fluid import Drag, Modes, by_axis, drag, modes, single
 from tweezer.forces.acting import forces_of, try_forces
 from tweezer.forces.composed import Sum
@@ -31,7 +34,7 @@ from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.bead import BeadProperties, bead_properties
-from tweezer.scene.choices import METHODS, MODELS, POLES
+from tweezer.scene.choices import MODELS, POLES
 from tweezer.values.constants import speed_of_light
 from tweezer.values.errors import SceneError
 
@@ -93,6 +96,16 @@ class Problem:
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
         return self.scene.rotates or self.force.oriented
+
+    @property
+    def emitted(self) -> ModuleType:
+        """Emitted module of the equations of motion."""
+        return module_of(self.scene, rotates=self.rotates)
+
+    @property
+    def takes_drag_exactly(self) -> bool:
+        """Whether the exponential method can integrate the equations of motion."""
+        return takes_drag_exactly(self.emitted, self.force)
 
     @property
     def symmetric(self) -> bool:
@@ -167,19 +180,13 @@ class Problem:
         if not model.inertia:
             of_order_one = simulation.model == "first-order"
             return LinearMotion(0.0, expansion_time=self.relaxation_time if of_order_one else 0.0)
-        if medium.inertia == "memory" or (medium.inertia is None and self._may_remember):
+        if medium.inertia == "memory" or (
+            medium.inertia is None and not without_memory(self, LINEAR)
+        ):
             displaced = self.bead.displaced_mass
             poles = medium.poles or POLES
             return LinearMotion(self.bead.mass, displaced, poles, self._scale)
         return LinearMotion(self.effective_mass, scale=self._scale)
-
-    @property
-    def _may_remember(self) -> bool:
-        """Whether a run takes the memory of the fluid where the scene leaves it open."""
-        simulation = self.scene.simulation
-        follows = simulation.method == "auto" or METHODS[simulation.method].memory
-        even = self.drag.uniform and np.ptp(self.mobility[TRANSLATION]) == 0
-        return simulation.model in (None, "full") and follows and bool(even)
 
     def spiral_rate(self, place: Array, stiffness: Array) -> float:
         """Return `LinearMotion.spiral_rate` at a position (3,), m."""

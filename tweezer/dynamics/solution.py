@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tweezer.dynamics import integrators
 from tweezer.dynamics.integrators import Bound, Control, Records
+from tweezer.dynamics.needs import OF_METHOD, check
 from tweezer.scene.choices import METHODS
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ class Solver:
         prescribed: Array | None = None,
         tightened: float = 1.0,
     ) -> None:
+        check(equations.problem, OF_METHOD)
         simulation = equations.scene.simulation
         self._equations = equations
         self._bound: Bound = METHODS[method].load().bound(equations)

@@ -36,6 +36,7 @@ from tweezer.dynamics.events import Occurrence
 from tweezer.dynamics.integrate import Integration
 from tweezer.dynamics.layout import POSITION, QUANTITIES
 from tweezer.dynamics.models import EquationsOfMotion
+from tweezer.dynamics.needs import WATCHED, check
 from tweezer.dynamics.timing import timed
 from tweezer.forces.force import Force, Wrench
 from tweezer.forces.named import origins_of
@@ -46,7 +47,6 @@ from tweezer.runs.derived import derived_quantities, fault_at, force_errors
 from tweezer.runs.summary import force_error_along, stored, summary_of_path
 from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.arguments import check_run, in_si
-from tweezer.scene.choices import METHODS, methods
 from tweezer.values.errors import IntegrationError, ResultError, SceneError, warn
 from tweezer.values.units import QuantityLike
 from tweezer.values.version import made_by, versions
@@ -303,20 +303,6 @@ def _as_text(events: Sequence[Occurrence]) -> str:
     )
 
 
-def _check_watched(scene: Scene) -> None:
-    """Raise `SceneError` unless events can be looked for in the thermal motion of a scene."""
-    if scene.camera is not None:
-        raise SceneError(
-            "events: cannot be combined with a camera in thermal motion; omit one of them"
-        )
-    if not METHODS[scene.simulation.method].displacements:
-        able = [each.name for each in methods(thermal=True) if each.displacements]
-        raise SceneError(
-            f"simulation.method = {scene.simulation.method!r}: does not reproduce displacements, "
-            f"so that events would be wrong; with events allowed: {', '.join(able)}"
-        )
-
-
 @dataclass
 class _Followed:
     """Trajectory 0 of a walk, as far as it has been followed."""
@@ -428,7 +414,7 @@ def _thermal_run(
         bound = walk(problem, seed, begun.end.steps if begun else 1)
         bound.warn_of_bias()
         if events:
-            _check_watched(bound.scene)
+            check(bound.problem, WATCHED)
         run_of = _Followed.begin(bound, begun, events)
         run_of.follow(progress, watched=bool(events))
     times, samples = run_of.cut()

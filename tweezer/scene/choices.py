@@ -61,6 +61,8 @@ class Method:
     scheme there"""
     memory: bool = False
     """whether it takes the memory of a fluid with inertia"""
+    exact_drag: bool = False
+    """whether it takes the drag of the model exactly, and follows no model without such a drag"""
     multistep: bool = False
     """whether it carries differences of past states: these cannot be put back on constraints"""
 
@@ -142,7 +144,7 @@ METHODS: dict[str, Method] = _by_name(
     Method("dop853", "for tight tolerances", f"{_METHODS}.dop853:DOP853"),
     Method("exponential", "collocation that takes the drag exactly; what auto takes for spheres",
            f"{_METHODS}.exponential:EXPONENTIAL",
-           memory=True),
+           memory=True, exact_drag=True),
     *(
         Method(f"scipy:{name}", "a solver of scipy.integrate", f"scipy.integrate:{name}",
                fixed_steps=False, implicit=implicit, multistep=multistep)

@@ -66,7 +66,6 @@ from tweezer.fluid import Mobility, Modes
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Pose, Wrench, add, bound, clear
 from tweezer.generated import kinematics
-from tweezer.values.errors import SceneError
 
 #: Smallest and largest factor from one step to the next, and of a step that Newton did not solve
 _SHRINK, _GROWTH, _UNSOLVED = 0.2, 4.0, 0.4
@@ -827,15 +826,7 @@ class Exponential:
     """The method."""
 
     def bound(self, equations: Equations) -> Bound:
-        """The method bound to equations of motion.
-
-        Raises `SceneError` for those whose drag it cannot take exactly.
-        """
-        if not equations.takes_drag_exactly:
-            raise SceneError(
-                "simulation.method = 'exponential': requires a sphere, forces that do not depend "
-                "on the orientation, and no first-order model; set simulation.method to auto"
-            )
+        """The method bound to equations of motion whose drag it takes exactly."""
         relaxation = equations.relaxation._replace(
             turn=address(turn_over, TURN) if "orientation" in equations.layout else 0,
         )

@@ -251,10 +251,6 @@ class Equations(Protocol):
         """Of the model."""
 
     @property
-    def takes_drag_exactly(self) -> bool:
-        """Whether the exponential method may follow them."""
-
-    @property
     def relaxation(self) -> Any:
         """The `exponential.Relaxation`."""
 

@@ -1,0 +1,37 @@
+"""The emitted module of a scene's motion."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+
+from tweezer.compiled import cache_functions
+from tweezer.dynamics.layout import Layout
+from tweezer.forces.force import Force
+from tweezer.scene import Scene
+from tweezer.scene.choices import MODELS
+
+
+def module(name: str) -> ModuleType:
+    """Return an emitted module whose functions are compiled once."""
+    return cache_functions(importlib.import_module(f"tweezer.generated.{name}"))
+
+
+def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
+    """Return the smallest emitted module that is sufficient for a scene.
+
+    A scene without a model gets the unscaled equations.
+    """
+    model = MODELS[scene.simulation.model or "full"]
+    if not rotates:
+        return module(f"{model.modules}_translation")
+    body = "rigid_body" if scene.bead.moments_of_inertia else "sphere"
+    rates = scene.simulation.rotation_state == "euler-rates" and model.inertia
+    return module(f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}")
+
+
+def takes_drag_exactly(equations: ModuleType, force: Force) -> bool:
+    """Return whether the exponential method can integrate emitted equations under a force."""
+    inertial = "velocity" in Layout.of_emitted(equations.STATE)
+    plain = not inertial and "force_gradient" not in equations.RHS_INPUTS
+    return (equations.LINEAR_DRAG or plain) and not force.oriented
