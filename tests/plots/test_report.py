@@ -149,3 +149,24 @@ def test_the_command_writes_one_page_of_one_recording(drifting, command_line, tm
         refused = command_line("calibrate", *arguments)
         assert refused.code == 2
         assert said in refused.err
+
+
+def test_a_calibration_draws_its_recording(drifting):
+    recording, found = drifting
+    figure = found.plot(recording)
+    curves = {line.get_label() for axes in figure.axes for line in axes.lines}
+    for axis in found.axes:
+        assert any(curve.startswith(f"{axis.axis}: $f_c$") for curve in curves)
+
+
+def test_json_is_printed_as_it_is_saved(drifting, command_line, tmp_path):
+    """Nothing else is on standard output, and the next command prints its tables again."""
+    recording, _ = drifting
+    table = np.column_stack([recording.times, recording.positions])
+    np.savetxt(tmp_path / "a.csv", table, delimiter=",", header="t,x,y", comments="")
+    asked = "calibrate", "a.csv", "--temperature", "293.15 K", "--blur", "0", "--json"
+    printed, saved = command_line(*asked, "-"), command_line(*asked, "a.json")
+    assert printed.out == (tmp_path / "a.json").read_text("utf-8")
+    assert printed.code == saved.code == 1  # x drifts
+    assert "y: stiffness by" in saved.out
+    assert not (tmp_path / "-").exists()

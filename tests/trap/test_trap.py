@@ -523,7 +523,7 @@ def test_a_weak_lens_pushes_the_bead_away():
 def test_figure_shows_the_bead_where_it_is_trapped():
     scene = silica(optics=RAYS)
     trap = tweezer.characterise(scene)
-    figure = trap_figure(scene, trap)
+    figure = trap.plot()
     axial, field, lateral, colours = figure.axes
     (bead,) = [patch for patch in field.patches if isinstance(patch, Circle)]
     assert bead.center == pytest.approx((0.0, trap.equilibrium.position[2] * 1e6))

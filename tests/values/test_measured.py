@@ -57,6 +57,14 @@ def test_a_number_that_is_not_known_is_nan():
     assert np.isnan(measured.errors).all()
 
 
+def test_a_table_has_the_same_digits_as_a_card():
+    """A number and its error are apart, without the unit, which the heading has."""
+    error = STIFFNESS(4e-5, 3e-7)
+    assert error.words == "40.00 +- 0.30 pN/um"
+    assert error.cells == ("40.00", "0.30")
+    assert STIFFNESS(4e-5).words == "40 pN/um"
+
+
 def test_units_of_tables_have_the_factors_of_their_names():
     assert in_tables("m^2/s") == (1e12, "um^2/s")
     assert in_tables("1") == (1.0, "")

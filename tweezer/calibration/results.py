@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -17,9 +17,14 @@ from tweezer.calibration.quantities import QUANTITIES
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import Detected
-from tweezer.values.measured import DIMENSIONS, Measured, Result
+from tweezer.values.measured import DIMENSIONS, Measured, Result, figure
 from tweezer.values.printed import pair, printed, with_error
 from tweezer.values.shown import Card, Row, Shown, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from tweezer.reading import Recording
 
 
 @dataclass(frozen=True)
@@ -213,6 +218,10 @@ class Calibration(Result):
         return (self.free is None or not self.free.findings) and all(
             any(not each.findings for each in axis.estimates) for axis in trapped
         )
+
+    def plot(self, recording: Recording) -> Figure:
+        """Draw the recording that was calibrated: `tweezer.plots.calibration_figure`."""
+        return figure("calibration_figure", recording, self)
 
     def quantities(self) -> Iterator[Measured]:
         """Stiffness, corner frequency and diffusion of each axis; NaN along the others."""

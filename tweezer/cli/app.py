@@ -104,7 +104,10 @@ OwnForces = Annotated[
     ),
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Go on with what is there, if anything is.")]
-JsonFile = Annotated[Path | None, typer.Option("--out", "--json", help="JSON file to write.")]
+JsonFile = Annotated[
+    Path | None,
+    typer.Option("--out", "--json", help='JSON file to write; "-" prints it and nothing else.'),
+]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Replace a file that is there, whatever it is.")
 ]

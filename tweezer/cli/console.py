@@ -14,7 +14,7 @@ import typer
 from rich.console import Console
 
 from tweezer.values.errors import ResultError
-from tweezer.values.files import check_regular
+from tweezer.values.files import STANDARD_OUTPUT, check_regular
 from tweezer.values.saved import check_ending
 
 if TYPE_CHECKING:
@@ -55,8 +55,14 @@ def awaited(path: Path) -> Path:
 
 
 def writable(path: Path, formats: tuple[str, ...]) -> Path:
-    """`path`; refused before any computation if it cannot be written."""
+    """`path`; refused before any computation if it cannot be written.
+
+    With `STANDARD_OUTPUT` the command prints only its file.
+    """
     check_ending(path, formats)
+    if path == STANDARD_OUTPUT:
+        OUT.quiet = True
+        return path
     if not path.parent.is_dir():
         raise ResultError(f"{path}: no such folder: {path.parent}")
     if not os.access(path.parent, os.W_OK):
@@ -88,7 +94,7 @@ def writable_result(
     `tweezer bench` and `tweezer reproduce` measure again are replaced.
     """
     path = writable(path, formats)
-    if path.exists() and not overwrite and (reason := obstacle(path)):
+    if path != STANDARD_OUTPUT and path.exists() and not overwrite and (reason := obstacle(path)):
         raise ResultError(f"{path}: {reason}; choose another {option} or pass --overwrite")
     return path
 
@@ -130,6 +136,7 @@ def importing() -> Iterator[None]:
 def telling_interrupt() -> Iterator[None]:
     """Context of a command: an interrupt ends it with what was written and what is kept."""
     _awaited.clear()
+    OUT.quiet = False
     try:
         yield
     except KeyboardInterrupt:

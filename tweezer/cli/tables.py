@@ -61,7 +61,7 @@ def print_rows(rows: list[list[str]]) -> None:
 
     Rows become lists if the terminal is too narrow; a pipe or a file has no width.
     """
-    console = OUT if OUT.is_terminal else Console(width=10_000)
+    console = OUT if OUT.is_terminal else Console(width=10_000, quiet=OUT.quiet)
     columns = list(zip(*rows, strict=True))
     by_cells = [max(map(len, cells)) for cells in columns]
     by_words = [

@@ -66,7 +66,12 @@ def trap(
     set: Changes = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "--json", help="JSON file to write; a NetCDF file with --heights."),
+        typer.Option(
+            "--out",
+            "--json",
+            help='JSON file to write; "-" prints it and nothing else. With --heights, a NetCDF '
+            "file.",
+        ),
     ] = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,

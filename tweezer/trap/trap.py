@@ -7,7 +7,7 @@ import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,12 +35,15 @@ from tweezer.scene import Scene, SceneLike
 from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
 from tweezer.values.errors import ResultError, TweezerError
-from tweezer.values.measured import Measured, Result
+from tweezer.values.measured import Measured, Result, figure
 from tweezer.values.prefixes import per
 from tweezer.values.printed import printed
 from tweezer.values.rounding import micrometres
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.vectors import Comparable, Vector, fixed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -235,6 +238,10 @@ class Trap(Comparable, Result):
         if self.other_forces and self._holds is not None:
             return "not computed with forces beside those of the scene"
         return doubt(self.scene, self._holds, self.reach, self.absorbed_power)
+
+    def plot(self) -> Figure:
+        """Draw the forces of the trap: the figure of `tweezer.plots.trap_figure`."""
+        return figure("trap_figure", self.scene, self)
 
     def check_scene_alone(self, what: str) -> None:
         """Raise `ResultError` for `what` draws the forces of the scene, if there were others."""

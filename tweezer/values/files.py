@@ -11,6 +11,7 @@ import re
 import secrets
 import signal
 import stat
+import sys
 import threading
 import zlib
 from collections.abc import Iterator
@@ -25,6 +26,8 @@ try:
 except ImportError:  # systems other than Unix: unfinished files remain there
     fcntl = None  # type: ignore[assignment]
 
+#: In place of a file that is written: standard output
+STANDARD_OUTPUT = Path("-")
 #: Largest size of a text that is read, bytes
 _MOST_TEXT = 2**26
 #: Name of a file that is being written: eight random digits, and their checksum
@@ -63,10 +66,14 @@ def digest(value: object, beside: str = "") -> str:
 def replacing(path: Path) -> Iterator[BytesIO]:
     """Lend memory to write to; its content takes the place of `path` at the end.
 
-    Raises `ResultError` if it cannot be written; the file at `path` is then as it was.
+    With `STANDARD_OUTPUT` the content is printed. Raises `ResultError` if it cannot be written; the
+    file at `path` is then as it was.
     """
     content = BytesIO()
     yield content
+    if path == STANDARD_OUTPUT:
+        sys.stdout.write(content.getvalue().decode())
+        return
     try:
         remove_left_over(path.parent)
         write_whole(path, content)

@@ -23,16 +23,20 @@ card are in `tweezer.values.prefixes` alone.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
-from typing import ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.values.constants import Boltzmann
 from tweezer.values.prefixes import in_tables
-from tweezer.values.rounding import with_uncertainty
+from tweezer.values.rounding import rounded, with_uncertainty
 from tweezer.values.shown import Row, Shown
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 #: Names along the dimensions of quantities
 DIMENSIONS = {"axis": ["x", "y", "z"], "direction": ["+x", "-x", "+y", "-y", "+z", "-z"]}
@@ -102,15 +106,26 @@ class Measured(NamedTuple):
             of=self.of.in_kT, value=self.value / thermal, error=self.error / thermal
         )
 
-    def row(self, name: str = "", *, detail: bool = False) -> Row:
-        """The row of a card: numbers with as many digits as their errors leave, and findings."""
+    @property
+    def words(self) -> str:
+        """The numbers with as many digits as their errors leave, and their unit."""
         factor, unit = in_tables(self.of.unit)
         numbers = (
             with_uncertainty(factor * float(value), factor * float(error))
             for value, error in zip(self.value.flat, self.errors.flat, strict=True)
         )
-        words = f"{', '.join(numbers)} {unit}".rstrip()
-        return Row(name or self.of.about, words, ", ".join(self.findings), detail, self.of.name)
+        return f"{', '.join(numbers)} {unit}".rstrip()
+
+    @property
+    def cells(self) -> tuple[str, str]:
+        """A single number and its error in a table, whose heading has the unit."""
+        factor, _ = in_tables(self.of.unit)
+        return rounded(factor * float(self.value), factor * float(self.errors))
+
+    def row(self, name: str = "", *, detail: bool = False) -> Row:
+        """The row of a card: numbers and findings."""
+        findings = ", ".join(self.findings)
+        return Row(name or self.of.about, self.words, findings, detail, self.of.name)
 
 
 class Result(Shown):
@@ -126,3 +141,12 @@ class Result(Shown):
     def words(self) -> dict[str, str]:
         """Return the texts of the result: its outcome, the reason and the findings."""
         return {}
+
+
+def figure(name: str, *drawn: object) -> Figure:
+    """Return the figure that a function of `tweezer.plots` draws.
+
+    The function is found by its name, because `tweezer.plots` imports the results that it draws.
+    """
+    drawing: Figure = getattr(importlib.import_module("tweezer.plots"), name)(*drawn)
+    return drawing

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from tweezer.values.errors import ResultError
-from tweezer.values.files import digest, read_text
+from tweezer.values.files import STANDARD_OUTPUT, digest, read_text
 
 #: Key of the digest in a file of JSON
 DIGEST = "sha256"
@@ -142,6 +142,11 @@ def read_json(path: Path) -> Any:
 
 
 def check_ending(path: Path, formats: Iterable[str]) -> None:
-    """Raise `ResultError` unless the name ends in one of the formats, in small letters or large."""
+    """Raise `ResultError` unless the name ends in one of the formats, in small letters or large.
+
+    JSON may also go to standard output.
+    """
+    if path == STANDARD_OUTPUT and "json" in formats:
+        return
     if path.suffix.lstrip(".").lower() not in formats:
         raise ResultError(f"{path}: must end in .{', .'.join(formats)}")
