@@ -14,8 +14,8 @@ import tweezer
 from tests import readable
 from tweezer import cli, thesis
 from tweezer.thesis import figures, lost_bead, verdicts, writing
+from tweezer.thesis.claims import Claim, Evidence
 from tweezer.thesis.runs import closest_approach, crossings
-from tweezer.thesis.verdicts import Claim
 from tweezer.values.errors import ResultError, SceneError
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -37,8 +37,10 @@ def by_waves():
 @pytest.fixture(scope="module")
 def claims(by_bead):
     """All but that of the start in N3, which takes as long as all others."""
-    evidence = verdicts.Evidence(by_bead)
-    return [claim(evidence) for claim in verdicts._CLAIMS if claim is not verdicts._hidden_start]
+    evidence = Evidence(by_bead)
+    return [
+        claim(evidence) for claim in verdicts.criteria() if not claim.text.startswith(HIDDEN_START)
+    ]
 
 
 def swinging(scene, decay, angular_frequency, offset=0.0):
@@ -152,7 +154,7 @@ def test_documented_verdicts_are_those_of_today(claims):
     """claims.json and claims.md, as the documentation shows them."""
     committed = json.loads((COMMITTED / "claims.json").read_text())
     compared = [entry for entry in committed if not entry["text"].startswith(HIDDEN_START)]
-    assert len(committed) == len(verdicts._CLAIMS) == len(compared) + 1
+    assert len(committed) == len(verdicts.criteria()) == len(compared) + 1
     assert [claim.text for claim in claims] == [entry["text"] for entry in compared]
     for claim, entry in zip(claims, compared, strict=True):
         assert claim.verdict == entry["verdict"], claim.text
@@ -176,7 +178,8 @@ def test_documented_verdicts_are_those_of_today(claims):
 def test_documented_start_in_depth_is_that_of_today(by_bead, monkeypatch):
     """Of the smallest bead, whose tracks are the first to be drawn."""
     monkeypatch.setattr(verdicts, "BEADS", ("500nm",))
-    claim = verdicts._hidden_start(verdicts.Evidence(by_bead))
+    (hidden,) = (each for each in verdicts.criteria() if each.text.startswith(HIDDEN_START))
+    claim = hidden(Evidence(by_bead))
     (entry,) = (
         each for each in json.loads((COMMITTED / "claims.json").read_text())
         if each["text"].startswith(HIDDEN_START)
@@ -190,12 +193,12 @@ def test_documented_start_in_depth_is_that_of_today(by_bead, monkeypatch):
 def test_documented_verdicts_by_waves_are_those_of_today(by_waves):
     """All but that of the start in N3, which takes as long as all others."""
     committed = json.loads((COMMITTED / "claims.json").read_text())
-    evidence = verdicts.Evidence(by_waves)
-    for claim, entry in zip(verdicts._CLAIMS, committed, strict=True):
+    evidence = Evidence(by_waves)
+    for claim, entry in zip(verdicts.criteria(), committed, strict=True):
         documented = entry["by_waves"]
-        if reason := verdicts._WITHOUT_WAVES.get(claim):
-            assert documented == reason
-        elif claim is not verdicts._hidden_start:
+        if claim.without_waves:
+            assert documented == claim.without_waves
+        elif not claim.text.startswith(HIDDEN_START):
             found = claim(evidence)
             assert found.verdict == documented["verdict"], found.text
             for name, value in found.numbers.items():

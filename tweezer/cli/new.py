@@ -21,6 +21,8 @@ from tweezer.cli.tables import table_of
 from tweezer.scene.catalogue import GLASS, LASERS, OBJECTIVES, Objective
 from tweezer.scene.materials import Material, materials
 from tweezer.values.errors import SceneError
+from tweezer.values.prefixes import factor, per, usual_unit
+from tweezer.values.printed import in_unit, printed
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -122,7 +124,7 @@ def new(
     of_laser = (each.power for each in LASERS.values() if each.wavelength == wavelength)
     usual = _POWERS.get(material.name) or next(of_laser, "20 mW")
     power_in_watts = _answer("power", power, usual, _power)
-    far = "none" if lens.immersion != "oil" else _length(max(5e-6, 3 * size / 2))
+    far = "none" if lens.immersion != "oil" else _usual(max(5e-6, 3 * size / 2), "m")
     behind = _answer("depth", depth, far, lambda text: _depth(text, lens, size))
     experiment = _Experiment(material, size, lens, wavelength, power_in_watts, behind)
     text = scene_text(experiment)
@@ -235,9 +237,8 @@ def _wavelength(text: str, material: Material) -> float:
         raise SceneError(f"--laser {text!r}: {error}") from None
     low, high = WAVELENGTHS
     if not low <= found <= high:
-        raise SceneError(
-            f"--laser {text!r}: the index of water is known from {1e6 * low:g} to {1e6 * high:g} um"
-        )
+        ends = " to ".join(in_unit(end, "um", 6) for end in WAVELENGTHS)
+        raise SceneError(f"--laser {text!r}: the index of water is known from {ends} um")
     return found
 
 
@@ -263,8 +264,8 @@ def _depth(text: str, objective: Objective, diameter: float) -> float | None:
     depth = quantity_in("--depth", text, PositiveLength)
     if depth <= 1.2 * diameter:  # where the bead starts
         raise SceneError(
-            f"--depth {text!r}: must be more than {_length(1.2 * diameter)}, for a bead of "
-            f"{_length(diameter)} before the focus"
+            f"--depth {text!r}: must be more than {_usual(1.2 * diameter, 'm')}, for a bead of "
+            f"{_usual(diameter, 'm')} before the focus"
         )
     return depth
 
@@ -306,36 +307,31 @@ def _in_toml(index: complex) -> str:
     return _index(index) if index.imag == 0 else f'"{_index(index)}"'
 
 
-def _length(metres: float) -> str:
-    from tweezer.values.prefixes import usual_unit
-
-    factor, unit = usual_unit(metres, "m")
-    return f"{metres / factor:.6g} {unit}"
+def _usual(value: float, unit: str) -> str:
+    """A length or a power in its usual unit."""
+    size, name = usual_unit(value, unit)
+    return f"{value / size:.6g} {name}"
 
 
 def _millimetres(metres: float) -> str:
-    return f"{1e3 * metres:.3g} mm"
-
-
-def _watts(power: float) -> str:
-    from tweezer.values.prefixes import usual_unit
-
-    factor, unit = usual_unit(power, "W")
-    return f"{power / factor:.6g} {unit}"
+    return printed(metres, "mm", 3)
 
 
 def scene_text(of: _Experiment) -> str:
     """The scene file of an experiment, with a comment at each key."""
-    lens, size, light = of.objective, _length(of.diameter), f"{1e9 * of.wavelength:.6g} nm"
+    lens, size, light = of.objective, _usual(of.diameter, "m"), printed(of.wavelength, "nm", 6)
     index, pupil = of.material.refractive_index(of.wavelength), _millimetres(lens.pupil_radius)
-    tube = f"{1e3 * lens.tube_lens:g} mm/{lens.magnification:g}"
+    tube = f"{printed(lens.tube_lens, 'mm', 6)}/{lens.magnification:g}"
     scale = min(max(of.diameter / 2, 0.25e-6), 1e-5)
-    start = ", ".join(f'"{_length(part * scale)}"' for part in (0.6, 0.4)), _length(-0.6 * scale)
-    duration = 1e3 * min(_time_to_settle(of), 10.0)  # ms
+    start = (
+        ", ".join(f'"{_usual(part * scale, "m")}"' for part in (0.6, 0.4)),
+        _usual(-0.6 * scale, "m"),
+    )
+    duration = per("ms") * min(_time_to_settle(of), 10.0)
     digits = 10.0 ** (math.floor(math.log10(duration)) - 1)
     made_of = f"{of.material.cited}), {of.material.density:g} kg/m^3"
     own = f'refractive_index = {_in_toml(index)} and density = "{of.material.density:g} kg/m^3"'
-    bead, power = f"{size} {of.material.name} bead", _watts(of.power)
+    bead, power = f"{size} {of.material.name} bead", _usual(of.power, "W")
     free_path = ""
     if of.diameter < _SMALL:
         free_path = (
@@ -389,7 +385,7 @@ def _time_to_settle(of: _Experiment) -> float:
     rayleigh_range = math.pi * n * waist**2 / of.wavelength
     stiffness = 8 * n * power * a**3 * polarisability / (_C * (waist * rayleigh_range) ** 2)
     small = 7 * 6 * math.pi * _VISCOSITY * a / stiffness
-    large = 2e-3 * (of.diameter / 1e-6) ** 2 * (0.05 / power)
+    large = 2e-3 * (of.diameter / factor("um")) ** 2 * (0.05 / power)
     shift = 0.28 * of.depth if of.depth and of.objective.immersion == "oil" else 0.0
     return (small + large) * (1 + shift**2 / (waist**2 + a**2))
 
@@ -398,15 +394,16 @@ def _behind_glass(of: _Experiment) -> str:
     """The cover glass at that depth, if any: a wall, and for oil a face that light passes."""
     if of.depth is None:
         return ""
+    depth = _usual(of.depth, "m")
     if of.objective.immersion != "oil":
         return f"""
 [wall] # the cover glass: friction is larger beside it
-position = "{_length(-of.depth)}" # z of the glass, from the focus
+position = "-{depth}" # z of the glass, from the focus
 """
     return f"""
 [lens.cover] # light comes through oil and glass into water
 refractive_index = {GLASS} # of immersion oil and cover glass
-depth = "{_length(of.depth)}" # from the glass to the focus that the light would have without water
+depth = "{depth}" # from the glass to the focus that the light would have without water
 
 [wall] # is the face of that glass: friction is larger beside it
 """

@@ -11,6 +11,7 @@ from tweezer.cli.completion import complete_scene, complete_setting
 from tweezer.cli.console import ERR, OUT
 from tweezer.cli.tables import add_light, table_of
 from tweezer.values.errors import SceneError
+from tweezer.values.printed import printed
 
 if TYPE_CHECKING:
     from tweezer.compiled import Compilation
@@ -78,11 +79,11 @@ def warmup(
 
 def _print_map(scene: Scene, made: Map) -> None:
     table = table_of(scene.name, "")
-    table.add_row("largest force", f"{1e12 * made.largest_force:.4g} pN")
+    table.add_row("largest force", printed(made.largest_force, "pN"))
     part = made.certified_error / made.largest_force if made.largest_force else 0.0
-    error = f"{1e12 * made.certified_error:.2g} pN, {part:.2g} of the largest force"
+    error = f"{printed(made.certified_error, 'pN', 2)}, {part:.2g} of the largest force"
     table.add_row("certified error", error)
-    table.add_row("range", f"{1e6 * made.range:.4g} um from the focus")
+    table.add_row("range", f"{printed(made.range, 'um')} from the focus")
     table.add_row("pieces", f"{made.pieces}")
     if made.path:
         table.add_row("size of the file", f"{made.path.stat().st_size / 1e6:.2g} MB")

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from tweezer.forces.equilibria import AstrayError, NetForce
 from tweezer.forces.force import Force
+from tweezer.values.printed import printed
 from tweezer.values.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
@@ -61,7 +62,8 @@ class Box(NamedTuple):
     def words(self) -> str:
         """The region in words."""
         rim = self.width + self.reach * self.spread
-        return f"{1e6 * rim:.3g} um from the axis and {1e6 * self.reach:.3g} um from the focus"
+        reach = printed(self.reach, "um", 3)
+        return f"{printed(rim, 'um', 3)} from the axis and {reach} from the focus"
 
 
 class Motion(NamedTuple):

@@ -21,6 +21,7 @@ from tweezer.scene import Scene, SceneLike, checked_scene
 from tweezer.scene.choices import THEORIES, at, evaluator
 from tweezer.scene.sections import Beam
 from tweezer.values.errors import SceneError, warn
+from tweezer.values.printed import in_unit, printed
 from tweezer.values.units import QuantitiesLike, QuantityLike, array_in_si, to_si
 
 Array = NDArray[np.float64]
@@ -324,10 +325,10 @@ def _outside_walls(scene: Scene, places: Array) -> None:
     for z, (normal, name) in walls.items():
         inside = np.flatnonzero(normal * (places[:, 2] - z) < (1 - _ROUNDED) * body.support(normal))
         if inside.size:
-            place = ", ".join(f"{1e6 * each:.4g}" for each in places[inside[0]])
+            place = ", ".join(in_unit(each, "um") for each in places[inside[0]])
             raise SceneError(
-                f"positions: at ({place}) um a bead of radius {1e6 * body.size:.4g} um reaches "
-                f"into the {name} at z = {1e6 * z:.4g} um, where no force is known"
+                f"positions: at ({place}) um a bead of radius {printed(body.size, 'um')} reaches "
+                f"into the {name} at z = {printed(z, 'um')}, where no force is known"
             )
 
 

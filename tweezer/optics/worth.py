@@ -20,6 +20,7 @@ from tweezer.optics.beam import cone
 from tweezer.optics.light import LENGTHS
 from tweezer.scene import Scene
 from tweezer.scene.theory import FARTHEST_IN_WAVES, LARGEST_IN_WAVES, largest_wavenumber, no_waves
+from tweezer.values.printed import printed
 from tweezer.values.shown import Row
 
 Array = NDArray[np.float64]
@@ -162,7 +163,7 @@ def ray_optics_caveat(scene: Scene) -> str | None:
         return None
     parts = [
         f"the bead is {worth.wavelengths:.2g} wavelengths across in the medium, "
-        f"{worth.focal_spots:.2g} times the focal spot ({1e6 * worth.focal_spot:.2g} um)"
+        f"{worth.focal_spots:.2g} times the focal spot ({printed(worth.focal_spot, 'um', 2)})"
     ]
     if worth.force_inside is None:
         of = "beams that face each other" if _facing(scene) else "beads of this index"

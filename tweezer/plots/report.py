@@ -160,11 +160,9 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
     drag = calibration.drag
     facts.append(("drag", "fitted" if drag is None else printed(drag, "nN s/m")))
     if calibration.mass is not None:
-        facts.append(("mass of the bead", f"{1e15 * calibration.mass:.4g} pg"))
+        facts.append(("mass of the bead", printed(calibration.mass, "pg")))
     if calibration.displaced_mass is not None:
-        facts.append(
-            ("mass of the fluid in its place", f"{1e15 * calibration.displaced_mass:.4g} pg")
-        )
+        facts.append(("mass of the fluid in its place", printed(calibration.displaced_mass, "pg")))
     exposure = calibration.exposure
     told = "not known" if exposure is None else f"{printed(exposure, 'ms')}"
     if exposure is None and calibration.free is None:

@@ -6,11 +6,12 @@ waves; and in a fluid with inertia.
 """
 
 from tweezer.thesis.captures import Capture, captures
+from tweezer.thesis.claims import Claim
 from tweezer.thesis.figures import FIGURES, figure
 from tweezer.thesis.fluid_inertia import Remembered, remembered
 from tweezer.thesis.lost_bead import Study, Variant, study
 from tweezer.thesis.runs import BEADS, THEORIES, Motions, motions
-from tweezer.thesis.verdicts import Claim, claims
+from tweezer.thesis.verdicts import claims
 from tweezer.thesis.writing import reproduce
 
 __all__ = [

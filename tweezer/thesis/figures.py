@@ -21,11 +21,11 @@ from tweezer.thesis.fluid_inertia import READINGS, Remembered
 from tweezer.thesis.lost_bead import Study
 from tweezer.thesis.runs import BEADS, Motions, closest_approach
 from tweezer.values.errors import SceneError
+from tweezer.values.prefixes import factor, per
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_MICRO, _MILLI, _PICO = 1e6, 1e3, 1e12
 _DARK = {"thesis": style.SERIES[0].colour, "unscaled": style.SERIES[1].colour}
 _PALE = {"thesis": "#b6c7e2", "unscaled": "#efc7cd"}
 _TERMINAL, _MUTED = style.SERIES[3], style.MUTED
@@ -62,7 +62,7 @@ def _heading(run: xr.Dataset, side: str) -> str:
 
 
 def _time(run: xr.Dataset) -> np.ndarray:
-    return run["time"].values * _MILLI
+    return run["time"].values * per("ms")
 
 
 def _mark(
@@ -84,8 +84,8 @@ def _mark(
 
 def _coordinate(axis: str, name: str) -> Draw:
     def draw(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
-        noisy = thermal["position"].sel(axis=axis).values * _MICRO
-        path = run["position"].sel(axis=axis).values * _MICRO
+        noisy = thermal["position"].sel(axis=axis).values * per("um")
+        path = run["position"].sel(axis=axis).values * per("um")
         axes.plot(_time(thermal), noisy, color=_PALE[side], lw=0.8)
         axes.plot(_time(run), path, color=_DARK[side], lw=1.3)
         _mark(axes, _time(run), path, run)
@@ -105,10 +105,10 @@ def _reynolds_time(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) 
 
 def _reynolds_speed(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
     axes.plot(
-        thermal["speed"][1:] * _MILLI, thermal["reynolds_number"][1:], ".",
+        thermal["speed"][1:] * per("mm/s"), thermal["reynolds_number"][1:], ".",
         color=_PALE[side], ms=2,
     )  # fmt: skip
-    speed, number = run["speed"].values * _MILLI, run["reynolds_number"].values
+    speed, number = run["speed"].values * per("mm/s"), run["reynolds_number"].values
     axes.plot(speed, number, color=_DARK[side], lw=1.3)
     _mark(axes, speed, number, run)
     axes.set(xlabel="speed (mm/s)", ylabel="Re (5.1)")
@@ -120,9 +120,9 @@ def _force_distance(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str)
     """
     random = _with_random_force(thermal)
     inner = thermal["distance"].values[1:]
-    axes.plot(inner * _MICRO, _signed(random) * _PICO, ".", color=_PALE[side], ms=1.5)
-    force = _signed(run["net_force"].values) * _PICO
-    distance = run["distance"].values * _MICRO
+    axes.plot(inner * per("um"), _signed(random) * per("pN"), ".", color=_PALE[side], ms=1.5)
+    force = _signed(run["net_force"].values) * per("pN")
+    distance = run["distance"].values * per("um")
     axes.plot(distance, force, color=_DARK[side], lw=1.3)
     _mark(axes, distance, force, run)
     axes.axhline(0, color=_MUTED, lw=0.6)
@@ -151,9 +151,9 @@ def _with_random_force(thermal: xr.Dataset) -> np.ndarray:
 
 
 def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
-    axes.plot(_time(thermal)[1:], thermal["speed"][1:] * _MILLI, color=_PALE[side], lw=0.6)
-    actual = run["speed"].values * _MILLI
-    terminal = run["terminal_speed"].values * _MILLI
+    axes.plot(_time(thermal)[1:], thermal["speed"][1:] * per("mm/s"), color=_PALE[side], lw=0.6)
+    actual = run["speed"].values * per("mm/s")
+    terminal = run["terminal_speed"].values * per("mm/s")
     axes.plot(_time(run)[1:], actual[1:], color=_DARK[side], lw=2.6, alpha=0.45, label="actual")
     axes.plot(_time(run), terminal, lw=1.0, label="terminal (5.2)", **_TERMINAL.curve)
     _mark(axes, _time(run), actual, run, of=", actual")
@@ -166,18 +166,18 @@ def _speeds(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None
 
 def _energy(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
     for of, colour, width in ((thermal, _PALE, 0.6), (run, _DARK, 1.5)):
-        energy = of["total_energy"].values * 1e21
+        energy = of["total_energy"].values * per("zJ")
         axes.plot(_time(of), energy - energy[0], color=colour[side], lw=width)
-    energy = (run["total_energy"].values - run["total_energy"].values[0]) * 1e21
+    energy = (run["total_energy"].values - run["total_energy"].values[0]) * per("zJ")
     _mark(axes, _time(run), energy, run)
     axes.set(xlabel="time (ms)", ylabel="change of total energy (zJ)")
 
 
 def _planar(axes: Axes, run: xr.Dataset, thermal: xr.Dataset, side: str) -> None:
     for of, colour, width in ((thermal, _PALE, 0.8), (run, _DARK, 1.5)):
-        q1, q2, _ = of["position"].values.T * _MICRO
+        q1, q2, _ = of["position"].values.T * per("um")
         axes.plot(q1, q2, color=colour[side], lw=width)
-    q1, q2, _ = run["position"].values.T * _MICRO
+    q1, q2, _ = run["position"].values.T * per("um")
     _mark(axes, q1, q2, run)
     axes.plot(0, 0, "+", color=style.LIGHT, ms=7)
     axes.set(xlabel="q1 (µm)", ylabel="q2 (µm)")
@@ -232,12 +232,12 @@ def captures_figure(of_each_theory: Iterable[Mapping[str, Motions]]) -> Figure:
             run = motions.unscaled
             mark = _THEORY_LINES[motions.theory]
             for axes, axis in ((above, "y"), (below, "z")):
-                path = run["position"].sel(axis=axis).values * _MICRO
+                path = run["position"].sel(axis=axis).values * per("um")
                 axes.plot(_time(run), path, label=motions.theory, **mark.curve)
         for axes in (above, below):
             axes.axhline(0, color=_MUTED, lw=0.6)
         slowest = max(by_bead[bead].summary("unscaled").outcome_time for by_bead in by_theory)
-        above.set(title=f"{bead[:-2]} nm", ylabel="q2 (µm)", xlim=(0, 1.3 * slowest * _MILLI))
+        above.set(title=f"{bead[:-2]} nm", ylabel="q2 (µm)", xlim=(0, 1.3 * slowest * per("ms")))
         below.set(xlabel="time (ms)", ylabel="q3, from the focus (µm)")
     panels[0, 0].legend()
     style.add_title(drawn, "The unscaled beads in the thesis's light: rays, and exact")
@@ -261,16 +261,16 @@ def memory_figure(by_bead: Mapping[str, Motions], found: Iterable[Remembered]) -
             (motions.unscaled, style.SERIES[1], "without"),
             (motions.remembering, style.SERIES[0], "with the fluid's inertia"),
         ):
-            away = np.abs(run["position"].sel(axis="y").values) / 1e-9
+            away = np.abs(run["position"].sel(axis="y").values) / factor("nm")
             above.plot(_time(run), away, label=name, **mark.curve)
-        ends = each.within[1] * _MILLI
+        ends = each.within[1] * per("ms")
         above.set(
             title=f"{bead[:-2]} nm", ylabel="|q2| (nm)", yscale="log", ylim=(1e-2, 3e3),
             xlim=(0.8 * ends, 1.35 * ends),
         )  # fmt: skip
         for scaled in each.scaled:
             below.plot(
-                scaled.time * _MILLI, scaled.q2 * _MICRO, color=_DARK["thesis"], lw=1.3,
+                scaled.time * per("ms"), scaled.q2 * per("um"), color=_DARK["thesis"], lw=1.3,
                 ls=_READING_LINES[scaled.reading], label=f"{scaled.reading}: {scaled.outcome}",
             )  # fmt: skip
         below.axhline(0, color=_MUTED, lw=0.6)
@@ -301,7 +301,7 @@ def study_figure(study: Study) -> Figure:
         for variant, mark in zip(shown, itertools.cycle(style.SERIES[:3] + style.SERIES[4:])):
             first = variant.group == "printed"
             axes[panel].plot(
-                variant.time * _MILLI, variant.q2 * _MICRO,
+                variant.time * per("ms"), variant.q2 * per("um"),
                 color="black" if first else mark.colour, lw=1.6 if first else 0.9,
                 marker="" if first else mark.marker, ms=3, markevery=max(len(variant.time) // 9, 1),
                 ls="-" if variant.as_claimed or first else "--",
@@ -325,7 +325,7 @@ def _draw_capture(axes: Axes, study: Study) -> None:
     """Overshoot by a2 and power; a cross marks a bead that does not end in the trap."""
     columns, rows = np.arange(len(study.factors)), np.arange(len(study.powers))
     image = axes.pcolormesh(
-        columns, rows, np.where(study.captured, study.overshoot, np.nan) * _MICRO,
+        columns, rows, np.where(study.captured, study.overshoot, np.nan) * per("um"),
         cmap=style.VALUES,
     )  # fmt: skip
     axes.figure.colorbar(image, ax=axes, label="overshoot of q2 (µm)")

@@ -64,13 +64,11 @@ def remembered(of_each_theory: Iterable[Mapping[str, Motions]]) -> list[Remember
 
 def _remembered(motions: Motions) -> Remembered:
     without, with_memory = motions.unscaled, motions.remembering
-    n = min(without.sizes["time"], with_memory.sizes["time"])
-    apart = without["position"].values[:n] - with_memory["position"].values[:n]
     radius = motions.scene.bead.radius
     return Remembered(
         bead=motions.bead,
         theory=motions.theory,
-        off=float(np.linalg.norm(apart, axis=1).max()),
+        off=motions.shift_by_memory,
         within=(_within(without, radius), _within(with_memory, radius)),
         overshoot=(motions.summary("unscaled").overshoot, motions.summary("remembering").overshoot),
         scaled=tuple(_scaled(motions, reading) for reading in READINGS),

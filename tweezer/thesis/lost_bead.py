@@ -16,6 +16,7 @@ from tweezer.runs.simulation import simulate
 from tweezer.scene import Scene, load_scene
 from tweezer.thesis.runs import INTEGRAL, crossings
 from tweezer.values.errors import PhysicsWarning
+from tweezer.values.prefixes import per
 
 _BEAD = "thesis-500nm"
 _FACTORS = (1e-5, 2e-5, 3e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3, 1e-2)
@@ -136,7 +137,7 @@ def _changes(printed: Scene) -> list[tuple[str, str, Scene]]:
         ("a2", f"a2 = {factor:g}", {"simulation": {"scaling_factor": factor}})
         for factor in (1e-5, 4e-5, 5e-5, 1e-4, 3e-4, 1e-3)
     ]
-    start = [float(q) * 1e6 for q in printed.start_position]
+    start = [float(q) * per("um") for q in printed.start_position]
     table += [
         ("start", f"N3 {shift:+g} µm",
          {"start": {"frame": "focus", "position": [f"{q} um" for q in (*start[:2],

@@ -76,6 +76,11 @@ class Motions:
         """The printed a2."""
         return self.scene.simulation.scaling_factor or 1.0
 
+    @property
+    def shift_by_memory(self) -> float:
+        """Largest distance of the unscaled motions with and without the fluid's inertia, m."""
+        return largest_distance(self.unscaled, self.remembering)
+
     def summary(self, which: str) -> Summary:
         """Summary of the motion of that name."""
         return summarise(getattr(self, which))
@@ -131,6 +136,13 @@ def _densely_sampled(scene: Scene) -> Scene:
     """The scene with samples that resolve the peak of the force, passed within microseconds."""
     samples = _SAMPLES_BETWEEN * (scene.simulation.samples - 1) + 1
     return scene.replace(simulation={"samples": samples})
+
+
+def largest_distance(first: xr.Dataset, second: xr.Dataset) -> float:
+    """Largest distance of the beads of two runs at the samples that both have, m."""
+    n = min(first.sizes["time"], second.sizes["time"])
+    apart = first["position"].values[:n] - second["position"].values[:n]
+    return float(np.linalg.norm(apart, axis=1).max())
 
 
 def closest_approach(run: xr.Dataset) -> int | None:

@@ -16,6 +16,7 @@ from tweezer.plots import style
 from tweezer.results.io import write_json
 from tweezer.scene.arguments import check_seed
 from tweezer.thesis.captures import Capture, captures
+from tweezer.thesis.claims import Claim, number
 from tweezer.thesis.figures import (
     FIGURES,
     captures_figure,
@@ -26,9 +27,10 @@ from tweezer.thesis.figures import (
 from tweezer.thesis.fluid_inertia import READINGS, Remembered, Scaled, remembered
 from tweezer.thesis.lost_bead import Study, study
 from tweezer.thesis.runs import BEADS, Motions, motions
-from tweezer.thesis.verdicts import Claim, claims
+from tweezer.thesis.verdicts import claims
 from tweezer.values.errors import ResultError, SceneError
 from tweezer.values.files import replacing
+from tweezer.values.prefixes import per
 
 #: Names of what `reproduce` can write besides figures
 TABLES = ("claims", "waves", "memory", "study")
@@ -129,8 +131,7 @@ def _save(figure: Figure, path: Path) -> Path:
 
 
 def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
-    as_json = folder / "claims.json"
-    write_json([_entry(claim) for claim in found], as_json)
+    heading = ("where", "claim", "taken as", "computed", "verdict", "by waves")
     rows = [
         (
             claim.where, claim.text, claim.reading, claim.computed, f"**{claim.verdict}**",
@@ -138,8 +139,7 @@ def _write_claims(found: Sequence[Claim], folder: Path) -> list[Path]:
         )
         for claim in found
     ]  # fmt: skip
-    heading = ("where", "claim", "taken as", "computed", "verdict", "by waves")
-    return [as_json, _write_table(heading, rows, folder / "claims.md")]
+    return _write_table("claims", [_entry(claim) for claim in found], heading, rows, folder)
 
 
 def _by_waves(claim: Claim) -> str:
@@ -159,44 +159,41 @@ def _entry(claim: Claim) -> dict[str, Any]:
 
 
 def _write_captures(found: Sequence[Capture], folder: Path) -> list[Path]:
-    as_json = folder / "waves.json"
-    write_json([dataclasses.asdict(each) for each in found], as_json)
     heading = (
         "bead, light", "at rest to 20 nm after", "overshoot", "rests beyond the focus by",
         "stiffness across", "stiffness along",
     )  # fmt: skip
     rows = [
         (
-            f"{each.bead[:-2]} nm, {each.theory}", f"{each.arrival * 1e3:.1f} ms",
-            f"{each.overshoot * 1e6:.2g} µm", f"{each.rest * 1e6:.3f} µm",
-            f"{each.stiffness_across * 1e6:.0f} pN/µm", f"{each.stiffness_along * 1e6:.0f} pN/µm",
+            f"{each.bead[:-2]} nm, {each.theory}", number(each.arrival, "ms", ".1f"),
+            number(each.overshoot, "um", ".2g"), number(each.rest, "um", ".3f"),
+            number(each.stiffness_across, "pN/um", ".0f"),
+            number(each.stiffness_along, "pN/um", ".0f"),
         )
         for each in found
     ]  # fmt: skip
-    return [as_json, _write_table(heading, rows, folder / "waves.md")]
+    return _write_table("waves", list(map(dataclasses.asdict, found)), heading, rows, folder)
 
 
 def _write_remembered(found: Sequence[Remembered], folder: Path) -> list[Path]:
-    as_json = folder / "memory.json"
     entries = [dataclasses.asdict(each) for each in found]
     for entry in entries:
         for scaled in entry["scaled"]:
             del scaled["time"], scaled["q2"]
-    write_json(entries, as_json)
     heading = (
         "bead, light", "off without it by up to", "within a radius after", "overshoot",
         *(f"printed a2, inertia of {reading}" for reading in READINGS),
     )  # fmt: skip
     rows = [
         (
-            f"{each.bead[:-2]} nm, {each.theory}", f"{each.off * 1e6:.2f} µm",
-            " → ".join(f"{time * 1e3:.2f}" for time in each.within) + " ms",
+            f"{each.bead[:-2]} nm, {each.theory}", number(each.off, "um", ".2f"),
+            " → ".join(f"{per('ms') * time:.2f}" for time in each.within) + " ms",
             " → ".join(_nanometres(length) for length in each.overshoot) + " nm",
             *(_fate(scaled) for scaled in each.scaled),
         )
         for each in found
     ]  # fmt: skip
-    return [as_json, _write_table(heading, rows, folder / "memory.md")]
+    return _write_table("memory", entries, heading, rows, folder)
 
 
 def _fate(scaled: Scaled) -> str:
@@ -207,17 +204,26 @@ def _fate(scaled: Scaled) -> str:
 
 def _nanometres(length: float) -> str:
     """In nm, to two digits or whole numbers."""
-    return f"{length * 1e9:.0f}" if length > 1e-8 else f"{length * 1e9:.2g}"
+    return f"{per('nm') * length:{'.0f' if length > 1e-8 else '.2g'}}"
 
 
-def _write_table(heading: Sequence[str], rows: Sequence[Sequence[str]], path: Path) -> Path:
+def _write_table(
+    name: str,
+    entries: Sequence[dict[str, Any]],
+    heading: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    folder: Path,
+) -> list[Path]:
+    """Write the entries as NAME.json and the rows as NAME.md."""
+    as_json, as_table = folder / f"{name}.json", folder / f"{name}.md"
+    write_json(entries, as_json)
     lines = [
         "| " + " | ".join(text.replace("|", "\\|") for text in row) + " |"
         for row in (heading, ["---"] * len(heading), *rows)
     ]
-    with replacing(path) as whole:
+    with replacing(as_table) as whole:
         whole.write(("\n".join(lines) + "\n").encode())
-    return path
+    return [as_json, as_table]
 
 
 def _write_study(found: Study, folder: Path) -> list[Path]:

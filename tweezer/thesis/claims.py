@@ -1,0 +1,229 @@
+"""Claims of the thesis, and the motions from which each is judged."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+import xarray as xr
+
+from tweezer.dynamics import bound_once
+from tweezer.forces.equilibria import Equilibrium
+from tweezer.runs import Summary
+from tweezer.scene import Scene, load_scene
+from tweezer.thesis.runs import BEADS, Motions, closest_approach, in_the_light, unscaled_scene
+from tweezer.values.errors import TweezerError
+from tweezer.values.prefixes import per, typeset
+
+_Value = TypeVar("_Value")
+#: The models of a motion: fields of `Motions`
+MODELS = ("thesis", "unscaled")
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One claim of the thesis."""
+
+    where: str
+    """section, figure or equation"""
+    text: str
+    """the claim in our words"""
+    reading: str
+    """criterion of the verdict"""
+    computed: str
+    """result in words"""
+    thesis: bool | None
+    """whether it holds for the thesis's own model; None if that does not apply"""
+    unscaled: bool | None
+    """whether it holds for the unscaled equations"""
+    numbers: dict[str, float] = field(default_factory=dict)
+    """the numbers in `computed`, in SI or the unit in the name"""
+    by_waves: Claim | str | None = None
+    """the same claim with light as waves, or why it has none; None if not computed"""
+
+    @property
+    def verdict(self) -> str:
+        """The verdict in words."""
+        if self.thesis is None or self.unscaled is None:
+            known = self.unscaled if self.thesis is None else self.thesis
+            return "holds" if known else "does not hold"
+        if self.thesis and self.unscaled:
+            return "holds"
+        if self.thesis:
+            return "holds for the scaled model only"
+        return "holds for the unscaled model only" if self.unscaled else "does not hold"
+
+    @property
+    def verdict_by_waves(self) -> str:
+        """The verdict with light as waves, or why there is none."""
+        return self.by_waves.verdict if isinstance(self.by_waves, Claim) else self.by_waves or ""
+
+
+class Evidence:
+    """Motions of the three beads, and quantities that several claims use."""
+
+    def __init__(self, by_bead: Mapping[str, Motions]) -> None:
+        self.motions = by_bead
+        (self.theory,) = {motions.theory for motions in by_bead.values()}
+        self._equilibria: dict[str, Equilibrium] = {}
+
+    def run(self, which: str, bead: str) -> xr.Dataset:
+        """The run `which`, a field of `Motions`, of a bead."""
+        run: xr.Dataset = getattr(self.motions[bead], which)
+        return run
+
+    def scene(self, bead: str) -> Scene:
+        """Scene of a bead with the thesis's a2, in the light of the motions."""
+        return in_the_light(load_scene(f"thesis-{bead}"), self.theory)
+
+    def unscaled_scene(self, bead: str) -> Scene:
+        """Scene of the unscaled bead."""
+        return unscaled_scene(bead, self.theory)
+
+    def radius(self, bead: str) -> float:
+        """Radius of a bead, m."""
+        return self.motions[bead].scene.bead.radius
+
+    def each(self, which: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
+        """A quantity of the run `which` for each bead."""
+        return {bead: quantity(self.run(which, bead)) for bead in BEADS}
+
+    def of_runs(self, quantity: Callable[[xr.Dataset], float]) -> dict[str, dict[str, float]]:
+        """A quantity of a run for each bead, by model."""
+        return by_model(lambda which: self.each(which, quantity))
+
+    def of_run(self, bead: str, quantity: Callable[[xr.Dataset], float]) -> dict[str, float]:
+        """A quantity of the run of a bead, by model."""
+        return by_model(lambda which: quantity(self.run(which, bead)))
+
+    def of_summary(self, bead: str, quantity: Callable[[Summary], _Value]) -> dict[str, _Value]:
+        """A quantity of the summary of a bead's run, by model."""
+        return by_model(lambda which: quantity(self.motions[bead].summary(which)))
+
+    def overshoot(self, which: str) -> dict[str, float]:
+        """Overshoot of q2 across the axis, m."""
+        return {bead: self.motions[bead].summary(which).overshoot for bead in BEADS}
+
+    def captured(self, which: str, bead: str) -> bool:
+        """Whether the run ends in the trap."""
+        return self.motions[bead].summary(which).outcome == "captured"
+
+    def equilibrium(self, bead: str) -> Equilibrium:
+        """Stable equilibrium of light and weight in the unscaled scene."""
+        if bead not in self._equilibria:
+            found = bound_once(self.unscaled_scene(bead)).equilibrium
+            if found is None:
+                raise TweezerError(f"thesis-{bead}: no stable equilibrium")
+            self._equilibria[bead] = found
+        return self._equilibria[bead]
+
+
+class Judgement(NamedTuple):
+    """What the motions say of a claim."""
+
+    computed: str
+    """result in words"""
+    holds: Mapping[str, bool]
+    """whether the claim holds, by model; without a model to which it does not apply"""
+    numbers: dict[str, float]
+    """finite numbers in `computed`"""
+
+
+def judged(
+    computed: str | Callable[[str], str],
+    holds: Mapping[str, bool] | Callable[[str], bool],
+    /,
+    **by_name: Mapping[str, float] | float,
+) -> Judgement:
+    """Return the judgement of a claim.
+
+    Parameters
+    ----------
+    computed : str or callable
+        Result in words, or the words of each model.
+    holds : mapping or callable
+        Whether the claim holds, by model.
+    **by_name
+        Numbers by quantity; several by bead or model.
+    """
+    if callable(computed):
+        computed = "; unscaled ".join(map(computed, MODELS))
+    numbers: dict[str, float] = {}
+    for name, values in by_name.items():
+        if isinstance(values, Mapping):
+            numbers |= {f"{name} {key}": float(value) for key, value in values.items()}
+        else:
+            numbers[name] = float(values)
+    finite = {name: value for name, value in numbers.items() if math.isfinite(value)}
+    return Judgement(computed, by_model(holds) if callable(holds) else holds, finite)
+
+
+class Criterion(NamedTuple):
+    """A claim of the thesis, and the function that judges it."""
+
+    judge: Callable[[Evidence], Judgement]
+    where: str
+    text: str
+    reading: str
+    without_waves: str = ""
+    """why it has no counterpart in light as waves; "" if it has one"""
+
+    def __call__(self, evidence: Evidence) -> Claim:
+        """Return the claim with its verdict."""
+        computed, holds, numbers = self.judge(evidence)
+        thesis, unscaled = (bool(holds[which]) if which in holds else None for which in MODELS)
+        return Claim(self.where, self.text, self.reading, computed, thesis, unscaled, numbers)
+
+
+def by_model(quantity: Callable[[str], _Value]) -> dict[str, _Value]:
+    """A quantity of each model."""
+    return {which: quantity(which) for which in MODELS}
+
+
+def in_words(values: Mapping[str, float], unit: str = "", digits: int = 2) -> str:
+    """'500 nm: 1.2, 990 nm: 3.4 µm'; "none" for a value that is not finite."""
+    shown = {
+        bead.replace("nm", " nm"): (
+            f"{value * (per(unit) if unit else 1.0):.{digits}g}" if math.isfinite(value) else "none"
+        )
+        for bead, value in values.items()
+    }
+    listed = ", ".join(f"{bead}: {value}" for bead, value in shown.items())
+    return f"{listed} {typeset(unit)}".rstrip()
+
+
+def number(value: float, unit: str, form: str) -> str:
+    """A number in a unit, such as '0.060 µm'."""
+    return f"{value * per(unit):{form}} {typeset(unit)}"
+
+
+def falling(values: Mapping[str, float]) -> bool:
+    """Whether the values fall as the bead grows."""
+    return all(small > large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
+
+
+def rising(values: Mapping[str, float]) -> bool:
+    """Whether the values rise as the bead grows."""
+    return all(small < large for small, large in itertools.pairwise(values[bead] for bead in BEADS))
+
+
+def on_the_way(run: xr.Dataset, name: str) -> np.ndarray:
+    """From the first sample after release to the first closest approach."""
+    approach = closest_approach(run)
+    return run[name].values[1 : None if approach is None else approach + 1]
+
+
+def at_approach(run: xr.Dataset, name: str) -> float:
+    """At the first closest approach; NaN if there is none."""
+    approach = closest_approach(run)
+    return math.nan if approach is None else float(run[name].values[approach])
+
+
+def net_force(run: xr.Dataset) -> np.ndarray:
+    """The sizes of the net motion force at the samples, N."""
+    size: np.ndarray = np.linalg.norm(run["net_force"].values, axis=1)
+    return size
