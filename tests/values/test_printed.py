@@ -10,8 +10,9 @@ from tweezer.values.units import to_si
 
 
 @pytest.mark.parametrize(("unit", "si"), [
-    ("um", "m"), ("nm", "m"), ("ms", "s"), ("us", "s"), ("kHz", "1/s"), ("pN/um", "N/m"), ("pg", "kg"),
-    ("nN s/m", "kg/s"), ("mPa s", "Pa s"), ("zJ", "J"), ("um^2/s", "m^2/s"), ("mV", "V"),
+    ("um", "m"), ("nm", "m"), ("ms", "s"), ("us", "s"), ("kHz", "1/s"), ("pN/um", "N/m"),
+    ("pg", "kg"), ("nN s/m", "kg/s"), ("mPa s", "Pa s"), ("zJ", "J"), ("um^2/s", "m^2/s"),
+    ("mV", "V"),
 ])  # fmt: skip
 def test_factor_is_that_of_the_units_that_users_write(unit, si):
     assert per(unit) * to_si(f"1 {unit}", si) == pytest.approx(1, rel=1e-12)
