@@ -154,6 +154,29 @@ def test_links_lead_somewhere_in_the_repository():
                 assert (page.parent / place.path).exists(), (page.name, address)
 
 
+def _named_files(text):
+    """Files and folders in code spans, but in the items of recipes that are about a new file."""
+    text = re.sub(r"^```.*?^```", "", text, flags=re.DOTALL | re.MULTILINE)
+    text = re.sub(r"^1\. New: .*\n(?: .*\n)*", "", text, flags=re.MULTILINE)
+    spans = re.findall(r"`([^`\s]+)`", text)
+    file = re.compile(r"(?:\.\./)*([\w./-]+(?:/|\.(?:py|js|md|toml|csv)))")
+    return {found[1] for each in spans if (found := file.fullmatch(each))}
+
+
+def test_files_named_in_contributing_exist():
+    tops = "derivation", "docs", "generated", "notebooks", "tests", "tweezer"
+    inside = [each for top in tops for each in (ROOT / top).rglob("*")]
+    paths = {
+        f"/{each.relative_to(ROOT)}{'/' * each.is_dir()}" for each in [*ROOT.iterdir(), *inside]
+    }
+    named = _named_files((ROOT / "CONTRIBUTING.md").read_text())
+    users_own = {"generated.py", "derivation.py"}
+    assert len(named) > 150
+    assert not {
+        name for name in named - users_own if not any(p.endswith(f"/{name}") for p in paths)
+    }
+
+
 def test_rows_of_tables_are_as_long_as_their_headings():
     for page in PAGES:
         text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
