@@ -12,7 +12,6 @@ from tests.reference.trapped_bead import BOLTZMANN
 from tweezer.calibration.answers import Answer
 from tweezer.calibration.driving import Drive, motion
 from tweezer.calibration.following import _Bands, _Nearest
-from tweezer.calibration.wording import axis_in_words
 from tweezer.reading import Recording
 
 T = 293.15
@@ -201,7 +200,7 @@ def test_findings_apply_to_the_drag_and_the_displacement_sensitivity():
     )  # fmt: skip
     assert "line" in [each.name for each in found.axes[0].findings]
     axis = found.axes[0]
-    told = axis_in_words(axis, "V", [each.text for each in axis.listed])
+    told = list(axis.lines("V", axis.notes))
     said = [line for line in told if "um/V" in line or "corner" in line]
     assert len(said) == 2
     assert all("not trusted: 1" in line for line in said)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,6 +80,11 @@ class Finding:
     "noise", "blur", "exposure", "spectrum", "drag"; of a number: "one-call", "few", "apart",
     "undetermined\""""
     text: str
+
+
+def in_words(findings: Iterable[Finding]) -> str:
+    """Return the texts of findings in one line."""
+    return "; ".join(each.text for each in findings)
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,10 @@ whatever blur and error are. Sines diagonalise that covariance, so that the like
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,15 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, fdtr, ndtr
 
 from tweezer.calibration.by_axis import ByAxis
-from tweezer.calibration.findings import IMPROBABLE, REFUTED, Finding
+from tweezer.calibration.findings import IMPROBABLE, REFUTED, Finding, in_words
+from tweezer.calibration.quantities import EXPECTED, FREE_DIFFUSION, INFERRED
 from tweezer.calibration.steps import EXACT, Steps
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
+from tweezer.values.measured import Measured, Result
 from tweezer.values.printed import in_unit, printed
 from tweezer.values.rounding import with_uncertainty
-from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.shown import Card, Row
 
 Array = NDArray[np.float64]
 
@@ -66,14 +68,8 @@ _NO_DIFFUSION = 12.0
 #: Smallest ratio B/A that an exposure leaves: that of an exposure of the whole step.
 _WHOLE_EXPOSURE = 1 / 3
 
-
-#: What is inferred in words, with its unit.
-INFERRED = {
-    "viscosity": ("viscosity", "mPa s"),
-    "radius": ("radius", "nm"),
-    "drag": ("drag", "nN s/m"),
-    "Boltzmann": ("Boltzmann's constant", "10^-23 J/K"),
-}
+#: Verdict on a bead that was tested for a trap
+_NO_TRAP = "no trap is detected; treated as a free bead"
 
 
 @dataclass(frozen=True)
@@ -127,8 +123,10 @@ class Inferred:
 
 
 @dataclass(frozen=True, repr=False)
-class Diffusion(Shown):
+class Diffusion(Result):
     """The diffusion of a free bead, by its motion along one or more axes, SI."""
+
+    QUANTITIES: ClassVar = (FREE_DIFFUSION, *INFERRED.values(), EXPECTED)
 
     name: str
     diffusion: float
@@ -152,24 +150,84 @@ class Diffusion(Shown):
     homogeneity: float | None = None
     """probability of tracks that differ as much or more; None for a single track"""
 
+    def coefficient(self, unit: str = "m") -> Measured:
+        """Return the diffusion coefficient of a recording in "m" or "V"."""
+        of = FREE_DIFFUSION if unit == "m" else FREE_DIFFUSION._replace(unit="V^2/s")
+        return of(self.diffusion, self.uncertainty, *(each.text for each in self.findings))
+
+    def quantities(self) -> Iterator[Measured]:
+        """The diffusion, the quantity that follows from it, and the diffusion by Einstein."""
+        yield self.coefficient()
+        if (found := self.inferred) is not None:
+            yield INFERRED[found.name](
+                found.value, found.value * (self.uncertainty / self.diffusion)
+            )
+        if self.expected is not None:
+            yield EXPECTED(self.expected)
+
+    @property
+    def _metric(self) -> bool:
+        """Whether the diffusion is known to be in m^2/s."""
+        return self.inferred is not None or self.expected is not None
+
     def card(self) -> Card:
         """The diffusion, and what it tells, with what speaks against it."""
-        doubt = "; ".join(each.text for each in self.findings)
         low, high = self.interval
-        metric = self.inferred is not None or self.expected is not None
-        unit = "m^2/s" if metric else "in the square of the record's unit per second"
+        unit = "m^2/s" if self._metric else "in the square of the record's unit per second"
         told = with_uncertainty(self.diffusion, self.uncertainty)
         rows = [
             Row("axes", ", ".join(each.axis for each in self.axes)),
-            Row("diffusion", f"{told} (95 %: {low:.3g} to {high:.3g}) {unit}", doubt),
-        ]
-        if self.inferred is not None:
-            name, unit = INFERRED[self.inferred.name]
-            ends = " to ".join(in_unit(end, unit, 3) for end in self.inferred.interval)
-            rows.append(Row(name, f"{in_unit(self.inferred.value, unit)} (95 %: {ends}) {unit}"))
+            Row("diffusion", f"{told} (95 %: {low:.3g} to {high:.3g}) {unit}",
+                in_words(self.findings), of="diffusion"),
+        ]  # fmt: skip
+        if (found := self.inferred) is not None:
+            factor, unit = (of := INFERRED[found.name]).scale
+            low, high = (factor * end for end in found.interval)
+            told = f"{factor * found.value:.4g} (95 %: {low:.3g} to {high:.3g}) {unit}"
+            rows.append(Row(of.about, told, of=of.name))
         if self.expected is not None:
-            rows.append(Row("by Einstein", f"{self.expected:.4g} m^2/s"))
+            rows.append(Row(EXPECTED.about, f"{self.expected:.4g} m^2/s", of=EXPECTED.name))
         return Card("Diffusion", self.name, tuple(rows), notes=self.remarks)
+
+    def line(self, unit: str, seen: str = _NO_TRAP) -> str:
+        """Return the diffusion of a recording in "m" or "V" in one line.
+
+        `seen` is what the line says of the bead before its diffusion.
+        """
+        axes = ", ".join(each.axis for each in self.axes)
+        found = _with_interval(self.coefficient(unit), self.interval)
+        parts = [f"{axes}: {seen}: diffusion {found}"]
+        if self.inferred is not None and self.interval[0]:
+            of = INFERRED[self.inferred.name]
+            found = _with_interval(self.numbers[of.name], self.inferred.interval)
+            parts.append(f"{of.about} {found}")
+        if self.expected is not None:
+            parts.append(f"by Einstein the diffusion is {EXPECTED(self.expected).words}")
+        return "; ".join(parts)
+
+    def lines(self, unit: str, seen: str = _NO_TRAP) -> Iterator[str]:
+        """Yield that line; below it what was left out, the findings, and how the tracks differ."""
+        yield self.line(unit, seen)
+        for text in (*self.remarks, *(f"not trusted: {each.text}" for each in self.findings)):
+            yield f"   {text}"
+        if self.homogeneity is not None:
+            every = [each.diffusion for each in self.tracks]
+            of = "um^2/s" if self._metric else "10^-12 V^2/s"
+            ends = f"{in_unit(min(every), of, 3)} to {printed(max(every), of, 3)}"
+            yield (
+                f"   diffusion of single tracks: {ends}; p = {self.homogeneity:.2g} for one "
+                "diffusion of all"
+            )
+
+
+def _with_interval(found: Measured, ends: tuple[float, float]) -> str:
+    """Return a number with its 95 % interval, with as many digits as its uncertainty leaves."""
+    low, high = ends
+    if not low or not math.isfinite(high):
+        factor, unit = found.of.scale
+        return f"below {factor * high:.2g} {unit} (95 %)"
+    first, last = (found._replace(value=np.array(end)).cells[0] for end in ends)
+    return f"{found.words} (95 %: {first} to {last})"
 
 
 class Given(NamedTuple):

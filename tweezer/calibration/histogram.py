@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tweezer.calibration.quantities import BOTTOM, MINIMUM
 from tweezer.calibration.spectra import statistical_inefficiency, variance_of_means
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
-from tweezer.values.printed import in_unit, printed, with_error
-from tweezer.values.shown import Card, Row, Shown
+from tweezer.values.measured import Measured, Result
+from tweezer.values.printed import in_unit, printed
+from tweezer.values.shown import Card, Row
 from tweezer.values.units import TEMPERATURE, QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
@@ -43,8 +47,10 @@ _ON_STEP, _STEPPED = 0.05, 0.99
 
 
 @dataclass(frozen=True, repr=False)
-class Potential(Shown):
+class Potential(Result):
     """Potential energy along a line from the histogram of positions."""
+
+    QUANTITIES: ClassVar = (BOTTOM, MINIMUM)
 
     coordinates: Array
     """(bins,) m, centres of the bins with enough samples"""
@@ -60,16 +66,20 @@ class Potential(Shown):
     minimum: float | None
     """bottom of the parabola, m"""
 
+    def quantities(self) -> Iterator[Measured]:
+        """Stiffness and place of the bottom, if there is a parabola."""
+        if self.stiffness is not None:
+            yield BOTTOM(self.stiffness, self.uncertainty)
+            yield MINIMUM(self.minimum)
+
     def card(self) -> Card:
         """Its reach, and the parabola."""
         low, high = self.coordinates[[0, -1]]
-        told = "not determined"
-        if self.stiffness is not None and self.uncertainty is not None:
-            told = with_error(self.stiffness, self.uncertainty, "pN/um")
+        bottom = self.numbers.get(BOTTOM.name)
         rows = (
             Row("bins", f"{len(self.coordinates)}, {in_unit(low, 'nm')} to {printed(high, 'nm')}"),
             Row("highest", printed(self.energy.max(), "zJ", 3)),
-            Row("stiffness of its bottom", told),
+            bottom.row() if bottom else Row(BOTTOM.about, "not determined"),
         )
         return Card("Potential", "", rows)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -10,16 +10,26 @@ import numpy as np
 
 from tweezer.calibration.answers import Answer
 from tweezer.calibration.by_axis import ByAxis
-from tweezer.calibration.findings import Finding
+from tweezer.calibration.findings import Finding, in_words
 from tweezer.calibration.free import Diffusion
 from tweezer.calibration.left_out import NOTHING, LeftOut
-from tweezer.calibration.quantities import QUANTITIES
+from tweezer.calibration.quantities import (
+    CORNER,
+    DETECTOR,
+    DIFFUSION,
+    DRAG,
+    FORCE_SENSITIVITY,
+    QUANTITIES,
+    SENSITIVITY,
+    STIFFNESS,
+    signal,
+)
 from tweezer.calibration.spectra import TrappedBead
-from tweezer.calibration.wall import Height
+from tweezer.calibration.wall import ACROSS, Height
 from tweezer.calibration.whittle import Detected
 from tweezer.values.measured import DIMENSIONS, Measured, Result, figure
-from tweezer.values.printed import pair, printed, with_error
-from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.printed import printed, with_error
+from tweezer.values.shown import Card, Row, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,7 +55,7 @@ class Estimate:
     @property
     def caveat(self) -> str:
         """The findings in words."""
-        return "; ".join(finding.text for finding in self.findings)
+        return in_words(self.findings)
 
     @property
     def undetermined(self) -> bool:
@@ -53,11 +63,14 @@ class Estimate:
         return any(finding.name == "undetermined" for finding in self.findings)
 
     @property
+    def measured(self) -> Measured:
+        """The stiffness with its uncertainty and the findings against it."""
+        return STIFFNESS(self.stiffness, self.uncertainty, *(each.text for each in self.findings))
+
+    @property
     def told(self) -> str:
         """The stiffness with its uncertainty and unit."""
-        if self.undetermined:
-            return "not determined"
-        return with_error(self.stiffness, self.uncertainty, "pN/um")
+        return "not determined" if self.undetermined else self.measured.words
 
     @property
     def doubt(self) -> str:
@@ -88,8 +101,10 @@ class SpectrumFit:
 
 
 @dataclass(frozen=True, repr=False)
-class AxisCalibration(Shown):
+class AxisCalibration(Result):
     """The trap along one axis."""
+
+    QUANTITIES: ClassVar = (*QUANTITIES, DRAG, SENSITIVITY, FORCE_SENSITIVITY)
 
     axis: str
     centre: float
@@ -129,43 +144,95 @@ class AxisCalibration(Shown):
     def __getitem__(self, method: str) -> Estimate:
         return next(estimate for estimate in self.estimates if estimate.method == method)
 
+    def quantities(self) -> Iterator[Measured]:
+        """Stiffness, corner frequency and diffusion by the spectrum, and what was fitted beside."""
+        fit, free = self.fit, self.free_fit
+        yield self["power spectrum"].measured
+        yield CORNER(fit.bead.corner_frequency, fit.corner_frequency_uncertainty)
+        yield DIFFUSION(free.bead.diffusion, self.diffusion_uncertainty)
+        if free.drag_uncertainty is not None:
+            yield DRAG(free.bead.drag, free.drag_uncertainty)
+        if self.sensitivity is not None:
+            yield SENSITIVITY(self.sensitivity, self.sensitivity_uncertainty)
+        if self.force_sensitivity is not None:
+            yield FORCE_SENSITIVITY(self.force_sensitivity, self.force_sensitivity_uncertainty)
+
     @property
     def listed(self) -> list[Finding]:
         """All findings about the record or a number, in the order of their notes."""
         every = [*self.findings, *(f for each in self.estimates for f in each.findings)]
         return [each for each in dict.fromkeys(every) if each.name != "undetermined"]
 
-    def mark(self, against: Iterable[Finding]) -> str:
-        """By which notes something is not trusted; "" if by none."""
-        listed = self.listed
-        numbers = ", ".join(str(listed.index(each) + 1) for each in against if each in listed)
-        return numbers and f"not trusted: {numbers}"
+    @property
+    def notes(self) -> list[str]:
+        """The texts of these findings."""
+        return [each.text for each in self.listed]
 
-    def table(self, *, in_words: bool = False) -> Table:
-        """Return a row for each method with its findings, as numbers of notes or as text."""
+    def table(self, notes: Sequence[str] | None = None) -> Table:
+        """Return a row for each method, with its findings as numbers of notes, or as text."""
         rows = []
         for each in self.estimates:
-            k, error = pair(each.stiffness, each.uncertainty, "pN/um")
-            judgement = self.mark(each.findings)
-            if each.undetermined:
-                k = error = "-"
-                judgement = "; ".join(filter(None, ["not determined", judgement]))
-            if in_words:
-                judgement = each.doubt
+            k, error = ("-", "-") if each.undetermined else each.measured.cells
+            judgement = each.doubt
+            if notes is not None:
+                undetermined = "not determined" if each.undetermined else ""
+                judgement = "; ".join(filter(None, [undetermined, _mark(each.findings, notes)]))
             rows.append((each.method, k, error, judgement))
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
+
+    def lines(self, unit: str, notes: Sequence[str]) -> Iterator[str]:
+        """Yield what was found beside the stiffness: spectrum, detector, drive and remarks.
+
+        `unit` is the unit of the recording; the lines refer to the numbers of `notes`.
+        """
+        numbers, fit = self.numbers, self.free_fit
+        mark = _mark(self.findings, notes)
+        against = [mark] if mark else []
+        parts = [f"corner frequency {_determined(numbers['corner_frequency'])}"]
+        if fit.drag_uncertainty is not None:
+            parts.append(f"diffusion {_determined(numbers['diffusion'])}")
+        yield "; ".join((*parts, f"p = {fit.p_value:.2g}", *against))
+        every = {**DETECTOR, "noise": signal("noise", "noise", unit)}
+        detected = [
+            f"{every[each.name].about} {every[each.name](each.value, each.uncertainty).words}"
+            for each in self.detector
+            if each.value is not None
+        ]
+        if detected:
+            yield "; ".join((*detected, *against))
+        if self.sensitivity is not None:
+            metres = with_error(self.sensitivity, self.sensitivity_uncertainty, "m")
+            parts = [f"recorded metres are {metres}"]
+            if unit == "V" and self.force_sensitivity is not None:
+                parts = [numbers["sensitivity"].words, numbers["force_sensitivity"].words]
+            parts.append(f"drag {DRAG(fit.bead.drag, fit.drag_uncertainty).words}")
+            yield "; ".join((*parts, *against))
+        for each in self.answers:
+            answer = signal("answer", "", unit)(each.signal, each.signal_uncertainty).words
+            yield f"stage {each.frequency:.5g} Hz, {printed(each.stage, 'nm')}: {answer}"
+        yield from (finding.text for finding in self.remarks)
 
     def card(self) -> Card:
         """Return a row for each method, and numbered notes with the findings."""
         rows = tuple(
-            Row(each.method, each.told, self.mark(each.findings)) for each in self.estimates
+            Row(each.method, each.told, _mark(each.findings, self.notes)) for each in self.estimates
         )
-        notes = tuple(f"{i}  {each.text}" for i, each in enumerate(self.listed, start=1))
+        notes = tuple(f"{i}  {each}" for i, each in enumerate(self.notes, start=1))
         return Card("Stiffness", f"the {self.axis} axis", rows, notes=notes)
 
     def by(self, method: str) -> Estimate | None:
         """The estimate by a method, if there is one."""
         return next((each for each in self.estimates if each.method == method), None)
+
+
+def _mark(against: Iterable[Finding], notes: Sequence[str]) -> str:
+    """Return the numbers of the notes that speak against a number; "" if none does."""
+    numbers = sorted({notes.index(each.text) + 1 for each in against if each.text in notes})
+    return f"not trusted: {', '.join(map(str, numbers))}" if numbers else ""
+
+
+def _determined(number: Measured) -> str:
+    return number.words if 0 < number.errors < number.value else "not determined"
 
 
 @dataclass(frozen=True, repr=False)
@@ -211,12 +278,16 @@ class Calibration(Result):
     """of the medium, Pa s; None if not known"""
 
     @property
+    def trapped(self) -> list[AxisCalibration]:
+        """The axes along which a trap is detected."""
+        free = [] if self.free is None else [each.axis for each in self.free.axes]
+        return [axis for axis in self.axes if axis.axis not in free]
+
+    @property
     def determined(self) -> bool:
         """Whether each axis has a stiffness, or a free bead a diffusion, without a finding."""
-        free = [] if self.free is None else [each.axis for each in self.free.axes]
-        trapped = [axis for axis in self.axes if axis.axis not in free]
         return (self.free is None or not self.free.findings) and all(
-            any(not each.findings for each in axis.estimates) for axis in trapped
+            any(not each.findings for each in axis.estimates) for axis in self.trapped
         )
 
     def plot(self, recording: Recording) -> Figure:
@@ -226,15 +297,11 @@ class Calibration(Result):
     def quantities(self) -> Iterator[Measured]:
         """Stiffness, corner frequency and diffusion of each axis; NaN along the others."""
         names = DIMENSIONS["axis"]
-        numbers = np.full((len(QUANTITIES), 2, len(names)), np.nan)
+        found = np.full((len(QUANTITIES), 2, len(names)), np.nan)
         for axis in self.axes:
-            stiffness, fit, free = axis["power spectrum"], axis.fit, axis.free_fit
-            numbers[..., names.index(axis.axis)] = (
-                (stiffness.stiffness, stiffness.uncertainty),
-                (fit.bead.corner_frequency, fit.corner_frequency_uncertainty),
-                (free.bead.diffusion, axis.diffusion_uncertainty),
-            )
-        for quantity, (values, errors) in zip(QUANTITIES, numbers, strict=True):
+            every = (axis.numbers[each.name] for each in QUANTITIES)
+            found[..., names.index(axis.axis)] = [(each.value, each.errors) for each in every]
+        for quantity, (values, errors) in zip(QUANTITIES, found, strict=True):
             yield quantity(values, errors)
 
     def words(self) -> dict[str, str]:
@@ -249,25 +316,46 @@ class Calibration(Result):
 
     def card(self) -> Card:
         """For each axis the first stiffness that is trusted; what was given; tables of all."""
-        free = [] if self.free is None else [each.axis for each in self.free.axes]
-        rows = []
+        trapped, rows = self.trapped, []
         for axis in self.axes:
-            if axis.axis in free:
+            if axis not in trapped:
                 rows.append(Row(f"stiffness, {axis.axis}", "no trap is detected"))
                 continue
             best = min(axis.estimates, key=lambda estimate: bool(estimate.caveat))
             told = f"{best.told}, by {best.method}"
             rows.append(Row(f"stiffness, {axis.axis}", told, best.doubt))
         if self.free is not None:
-            unit = "um^2/s" if self.unit == "m" else "V^2/s"
-            doubt = "; ".join(each.text for each in self.free.findings)
-            told = with_error(self.free.diffusion, self.free.uncertainty, unit)
-            rows.append(Row("diffusion, as of a free bead", told, doubt))
+            found = self.free.coefficient(self.unit).words
+            rows.append(Row("diffusion, as of a free bead", found, in_words(self.free.findings)))
         rows += [
             Row("temperature", f"{self.temperature:.5g} K"),
             Row("drag", "fitted" if self.drag is None else printed(self.drag, "nN s/m")),
             Row("samples", f"{self.samples}, {1 / self.step:.5g} Hz"),
         ]
-        tables = tuple(axis.table(in_words=True) for axis in self.axes if axis.axis not in free)
+        tables = tuple(axis.table() for axis in trapped)
         notes = [self.note] if self.note else []
         return Card("Calibration", self.name, tuple(rows), tables, tuple(notes))
+
+    def printed(self) -> Iterator[Table | str]:
+        """Yield the tables and lines that the command prints, axis by axis."""
+        if self.free is not None:
+            yield from self.free.lines(self.unit)
+        trapped = self.trapped
+        for axis in self.axes:
+            if axis in trapped:
+                notes = axis.notes
+                yield axis.table(notes)
+                yield from (f" {number}  {note}" for number, note in enumerate(notes, 1))
+                yield from axis.lines(self.unit, notes)
+            if self.wall is not None and axis.drag is not None:
+                yield _beside(self.wall, axis.axis, axis.drag)
+
+
+def _beside(wall: Height, axis: str, known: float) -> str:
+    """Return the line with the drag along an axis that the height above a wall gives."""
+    uncertainty = known * wall.relative_uncertainty(axis) or None
+    way = "across" if axis == ACROSS else "along"
+    return (
+        f"{printed(wall.distance, 'um')} from the wall, {way} it: drag "
+        f"{DRAG(known, uncertainty).words}, {1 / wall.mobility(axis):.4g} times that far away"
+    )

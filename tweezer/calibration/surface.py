@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,15 @@ from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from tweezer.calibration.findings import REFUTED, Finding
+from tweezer.calibration.quantities import FAR_DRAG, HEIGHT, SHIFT, WALL
 from tweezer.calibration.results import Calibration
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import inverse
 from tweezer.scene.arguments import in_si, numbers_in_si
 from tweezer.values.errors import ResultError
-from tweezer.values.printed import with_error
-from tweezer.values.shown import Card, Row, Shown, Table
+from tweezer.values.measured import Measured, Result
+from tweezer.values.printed import in_unit
+from tweezer.values.shown import Card, Row, Table
 from tweezer.values.units import QuantitiesLike, QuantityLike
 
 Array = NDArray[np.float64]
@@ -39,8 +41,10 @@ _DIFFERENCE = 1e-5
 
 
 @dataclass(frozen=True, repr=False)
-class Surface(Shown):
+class Surface(Result):
     """A wall, found by the drag beside it."""
+
+    QUANTITIES: ClassVar = (WALL, SHIFT, FAR_DRAG)
 
     position: float
     """that of the focus at which the bead's centre would be in the wall, m"""
@@ -63,24 +67,51 @@ class Surface(Shown):
     findings: tuple[Finding, ...]
     """reasons not to trust it; empty if there are none"""
 
+    def quantities(self) -> Iterator[Measured]:
+        """Place of the wall, focal shift, and drag far from the wall."""
+        yield WALL(self.position, self.uncertainty, *(each.text for each in self.findings))
+        yield SHIFT(self.shift, self.shift_uncertainty)
+        yield FAR_DRAG(self.drag, self.drag_uncertainty)
+
     def card(self) -> Card:
         """Place of the wall, shift, drag, heights."""
-        doubt = "; ".join(each.text for each in self.findings)
-        shift = with_error(self.shift, self.shift_uncertainty, "")
-        drag = with_error(self.drag, self.drag_uncertainty, "nN s/m")
-        rows = [
-            Row("focus, for the bead's centre in the wall",
-                with_error(self.position, self.uncertainty, "um"), doubt),
-            Row("the bead moves by", f"{shift} of that"),
-            Row("drag far from the wall", drag),
-        ]  # fmt: skip
+        wall, shift, drag = self.quantities()
+        rows = [wall.row(), shift.row()._replace(value=f"{shift.words} of that"), drag.row()]
         if self.p_value is not None:
             rows.append(Row("p-value", f"{self.p_value:.2g}"))
         heights = tuple(
-            (f"{i}", with_error(each.distance, each.uncertainty or None, "um"))
+            (f"{i}", HEIGHT(each.distance, each.uncertainty or None).words)
             for i, each in enumerate(self.heights, start=1)
         )
         return Card("Surface", "", tuple(rows), (Table(("recording", "height"), heights),))
+
+    def printed(self, names: Sequence[str], positions: Sequence[float]) -> Iterator[Table | str]:
+        """Yield the table of heights and the place of the wall, as the command prints them.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Names of the recordings.
+        positions : sequence of float
+            Positions of the focus in them, m.
+        """
+        rows = (
+            (
+                name, in_unit(at, "um"),
+                *HEIGHT(height.distance, height.uncertainty).cells,
+                "" if name in self.recordings else "not trusted",
+            )
+            for name, at, height in zip(names, positions, self.heights, strict=True)
+        )  # fmt: skip
+        yield Table(("height by the drag", "focus, um", "height, um", "+-", ""), tuple(rows))
+        wall, shift, _ = self.quantities()
+        line = f"the bead's centre would be in the wall with the focus at {wall.words}"
+        if self.shift_uncertainty is not None:
+            line += f"; it moves by {shift.words} of the focus"
+        if self.p_value is not None:
+            line += f"; p = {self.p_value:.2g}"
+        yield line
+        yield from wall.findings
 
 
 def find_wall(

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import chdtrc
 
 from tweezer.calibration.findings import REFUTED, Finding
-from tweezer.calibration.results import AxisCalibration, Calibration
+from tweezer.calibration.quantities import DRAG, SENSITIVITY, STIFFNESS
+from tweezer.calibration.results import Calibration
+from tweezer.values.measured import Measured
+from tweezer.values.shown import Table
 
 
 @dataclass(frozen=True)
@@ -32,28 +35,19 @@ class Together:
     findings: tuple[Finding, ...]
     """why there is no mean"""
 
+    def measured(self, *, metric: bool) -> Measured:
+        """Return the mean, with the reasons if there is none.
 
-def _stiffness(axis: AxisCalibration) -> tuple[float, float] | None:
-    found = axis["power spectrum"]
-    return found.stiffness, found.uncertainty
-
-
-def _drag(axis: AxisCalibration) -> tuple[float, float] | None:
-    fit = axis.free_fit
-    return None if fit.drag_uncertainty is None else (fit.bead.drag, fit.drag_uncertainty)
-
-
-def _sensitivity(axis: AxisCalibration) -> tuple[float, float] | None:
-    if axis.sensitivity is None or axis.sensitivity_uncertainty is None:
-        return None
-    return axis.sensitivity, axis.sensitivity_uncertainty
+        With `metric`, recordings are in metres, and a sensitivity is a ratio of lengths.
+        """
+        of = next(each for each in _QUANTITIES if each.name == self.quantity)
+        if metric and of == SENSITIVITY:
+            of = of._replace(unit="1")
+        return of(self.mean, self.uncertainty, *(each.text for each in self.findings))
 
 
-QUANTITIES: dict[str, Callable[[AxisCalibration], tuple[float, float] | None]] = {
-    "stiffness": _stiffness,
-    "drag": _drag,
-    "sensitivity": _sensitivity,
-}
+#: Quantities of which several recordings have a mean
+_QUANTITIES = (STIFFNESS, DRAG, SENSITIVITY)
 
 
 def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
@@ -66,8 +60,8 @@ def together(calibrations: Sequence[Calibration]) -> tuple[Together, ...]:
     return tuple(
         found
         for axis in axes
-        for quantity in QUANTITIES
-        if (found := _of_one(calibrations, axis, quantity)) is not None
+        for quantity in _QUANTITIES
+        if (found := _of_one(calibrations, axis, quantity.name)) is not None
     )
 
 
@@ -75,17 +69,15 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
     every = [
         (each.name, axis, found)
         for each in calibrations
-        for axis in each.axes
-        if axis.axis == name
-        and (each.free is None or name not in [free.axis for free in each.free.axes])
-        and (found := QUANTITIES[quantity](axis))
+        for axis in each.trapped
+        if axis.axis == name and (found := axis.numbers.get(quantity))
     ]
     if not every:
         return None
     trusted = [
-        (recording, *found)
+        (recording, float(found.value), float(found.errors))
         for recording, axis, found in every
-        if not axis["power spectrum"].findings and 0 < found[1] < abs(found[0])
+        if not axis["power spectrum"].findings and 0 < found.errors < abs(found.value)
     ]
     if len(trusted) < 2:
         text = f"{name}: {quantity}: fewer than two recordings that nothing speaks against"
@@ -100,3 +92,25 @@ def _of_one(calibrations: Sequence[Calibration], name: str, quantity: str) -> To
         return Together(name, quantity, None, None, recordings, p_value, (finding,))
     error = 1 / math.sqrt(weights.sum())
     return Together(name, quantity, mean, error, recordings, p_value, ())
+
+
+def printed(
+    calibrations: Sequence[Calibration], means: Sequence[Together]
+) -> Iterator[Table | str]:
+    """Yield a table over recordings with their mean, or why there is none, for each quantity."""
+    metric = any(each.unit != "V" for each in calibrations)
+    for each in means:
+        mean = each.measured(metric=metric)
+        rows = [
+            (
+                calibration.name, *found._replace(of=mean.of).cells,
+                "" if calibration.name in each.recordings else "not trusted",
+            )
+            for calibration in calibrations
+            for axis in calibration.axes
+            if axis.axis == each.axis and (found := axis.numbers.get(each.quantity))
+        ]  # fmt: skip
+        if each.mean is not None:
+            rows.append(("together", *mean.cells, f"p = {each.p_value:.2g}"))
+        yield Table((f"{each.axis}: {each.quantity}", mean.of.scale[1], "+-", ""), tuple(rows))
+        yield from mean.findings

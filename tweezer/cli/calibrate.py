@@ -32,24 +32,16 @@ from tweezer.cli.console import (
     write_figure,
     write_result,
 )
-from tweezer.cli.free import print_free, print_tracks
-from tweezer.cli.tables import print_table, table_of
+from tweezer.cli.tables import print_parts
 from tweezer.values.errors import ResultError, SeveralBeadsError, TooFewError
-from tweezer.values.printed import in_unit, pair, printed, with_error
 
 if TYPE_CHECKING:
-    from tweezer.calibration import (
-        AxisCalibration,
-        Calibration,
-        Diffusion,
-        Height,
-        Surface,
-        Together,
-        Trajectory,
-    )
+    from tweezer.calibration import Diffusion, Trajectory
     from tweezer.calibration.setup import Setup
     from tweezer.reading import Recording
 
+#: Smallest number of frames in each track at which trapped beads are calibrated one by one
+_LONG = 100
 
 Recordings = Annotated[
     list[str],
@@ -274,7 +266,7 @@ def _calibrate_tracks(
 ) -> None:
     """Print and write the common diffusion of tracks."""
     common = _diffusion(tracks, setup)
-    print_tracks(common, tracks, few)
+    _print_tracks(common, tracks, few)
     for note in dict.fromkeys(track.note for track in tracks if track.note):
         show_warning(note)
     if out:
@@ -295,6 +287,7 @@ def _calibrate_traps(
     """Print, draw and write calibrations and the mean of several recordings."""
     from tweezer.calibration import Trajectory, find_wall, together
     from tweezer.calibration.calibration import calibrated
+    from tweezer.calibration.together import printed
 
     several, places = len(loaded) > 1, focuses.positions
     calibrations = []
@@ -303,13 +296,15 @@ def _calibrate_traps(
         calibrations.append(calibrated(each, with_drag))
         if several:
             OUT.print(f"{each.name}:", highlight=False, soft_wrap=True)
-        _print_calibration(calibrations[-1])
+        print_parts(calibrations[-1].printed())
+        if calibrations[-1].note:
+            show_warning(calibrations[-1].note)
     put_together = together(calibrations) if several and not places else ()
     free = surface = None
-    if several and not places and all(map(_is_free, calibrations)):
+    if several and not places and not any(each.trapped for each in calibrations):
         tracks = [*map(Trajectory.of, loaded)]
         free = _diffusion(tracks, setup)
-        print_tracks(free, tracks, None)
+        _print_tracks(free, tracks, None)
     if places:
         from tweezer.scene.sphere import drag_of_translation
 
@@ -319,9 +314,8 @@ def _calibrate_traps(
         surface = find_wall(
             calibrations, places, radius=setup.radius, drag=drag, shift=focuses.shift
         )
-        _print_surface(surface, calibrations, places)
-    if put_together:
-        _print_together(calibrations, put_together)
+        print_parts(surface.printed([each.name for each in calibrations], places))
+    print_parts(printed(calibrations, put_together))
     if out:
         written = [dataclasses.asdict(each) for each in calibrations]
         every = [dataclasses.asdict(each) for each in put_together]
@@ -345,12 +339,6 @@ def _calibrate_traps(
         raise typer.Exit(FAILED)
 
 
-def _is_free(calibration: Calibration) -> bool:
-    """Return whether no trap is detected along any axis."""
-    free = calibration.free
-    return free is not None and len(free.axes) == len(calibration.axes)
-
-
 def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
     """Return the common diffusion coefficient of tracks, with the given values of the beads."""
     from tweezer.calibration import diffusion
@@ -360,6 +348,32 @@ def _diffusion(tracks: list[Trajectory], setup: Setup) -> Diffusion:
         tracks, temperature=setup.temperature, radius=setup.radius, viscosity=setup.viscosity,
         exposure=exposure, noise=noise,
     )  # fmt: skip
+
+
+def _print_tracks(free: Diffusion, tracks: list[Trajectory], few: ResultError | None) -> None:
+    """Print the diffusion of one track, or the common diffusion of several.
+
+    `few` is the reason why the last track cannot be calibrated as a trapped bead, if any. Raises
+    `ResultError` for long tracks of trapped beads, which are calibrated one by one.
+    """
+    first = tracks[0]
+    held = any(each.name == "confined" for each in free.findings)
+    held |= not free.interval[0] or free.uncertainty > free.diffusion / 2
+    held &= min(each.frames for each in tracks) >= _LONG
+    if len(tracks) > 1 and held:
+        source, _, label = first.name.rpartition(", bead ")
+        way = f'--bead "{label}"' if source else first.name
+        raise ResultError(
+            f"{source or first.name}: has {len(tracks)} beads that do not diffuse freely as far as "
+            f"is seen; calibrate them one by one, such as {way}"
+        )
+    if held and few is not None:
+        raise few
+    seen = f"{len(tracks)} tracks together, treated as free beads"
+    if len(tracks) == 1:
+        why = "samples are too few" if first.frames < _LONG else "samples have too many gaps"
+        seen = f"{first.frames} {why} to detect a trap; treated as a free bead"
+    print_parts(free.lines(first.unit, seen))
 
 
 def _focuses(focus: str | None, shift: str | None, recordings: int) -> _Focuses:
@@ -404,87 +418,3 @@ def _check_known(loaded: Recording, given: dict[str, float], beside: list[str]) 
         raise ResultError(f"{loaded.name}: --density needs --radius and --viscosity")
     if ("fluid-density" in given) > ("density" in given):
         raise ResultError(f"{loaded.name}: --fluid-density needs --density")
-
-
-def _print_calibration(calibration: Calibration) -> None:
-    free = calibration.free
-    if free is not None:
-        print_free(free, calibration.unit)
-    for axis in calibration.axes:
-        if free is None or axis.axis not in [each.axis for each in free.axes]:
-            _print_trapped(axis, calibration.unit)
-        if calibration.wall is not None and axis.drag is not None:
-            _print_wall(calibration.wall, axis)
-    if calibration.note:
-        show_warning(calibration.note)
-
-
-def _print_wall(wall: Height, axis: AxisCalibration) -> None:
-    """What is known of the drag by the height, and what the record tells."""
-    known = axis.drag
-    assert known is not None
-    ratio = 1 / wall.mobility(axis.axis)
-    error = wall.relative_uncertainty(axis.axis)
-    drag = with_error(known, known * error if error else None, "nN s/m")
-    way = "across" if axis.fit.bead.across else "along"
-    OUT.print(
-        f"{printed(wall.distance, 'um')} from the wall, {way} it: drag {drag}, {ratio:.4g} times "
-        "that far away",
-        highlight=False, soft_wrap=True,
-    )  # fmt: skip
-
-
-def _print_trapped(axis: AxisCalibration, unit: str) -> None:
-    """A table of estimates, and below it numbered notes on what speaks against them."""
-    from tweezer.calibration.wording import axis_in_words
-
-    print_table(axis.table())
-    notes = [finding.text for finding in axis.listed]
-    for number, note in enumerate(notes, 1):
-        OUT.print(f" {number}  {note}", highlight=False, soft_wrap=True)
-    for line in axis_in_words(axis, unit, notes):
-        OUT.print(line, highlight=False, soft_wrap=True)
-
-
-def _print_together(calibrations: list[Calibration], every: tuple[Together, ...]) -> None:
-    """A table over recordings, and their means."""
-    from tweezer.calibration.together import QUANTITIES
-
-    metric = any(each.unit != "V" for each in calibrations)
-    units = {"stiffness": "pN/um", "drag": "nN s/m", "sensitivity": "" if metric else "um/V"}
-    for each in every:
-        unit = units[each.quantity]
-        table = table_of(f"{each.axis}: {each.quantity}", unit, "+-", "")
-        for calibration in calibrations:
-            for axis in calibration.axes:
-                found = QUANTITIES[each.quantity](axis) if axis.axis == each.axis else None
-                if found:
-                    judgement = "" if calibration.name in each.recordings else "not trusted"
-                    numbers = pair(*found, unit)
-                    table.add_row(calibration.name, *numbers, judgement)
-        if each.mean is not None and each.uncertainty is not None:
-            mean = pair(each.mean, each.uncertainty, unit)
-            table.add_row("together", *mean, f"p = {each.p_value:.2g}")
-        OUT.print(table)
-        for finding in each.findings:
-            OUT.print(finding.text, highlight=False, soft_wrap=True)
-
-
-def _print_surface(surface: Surface, calibrations: list[Calibration], places: list[float]) -> None:
-    """A table of heights, and where the wall is."""
-    table = table_of("height by the drag", "focus, um", "height, um", "+-", "")
-    for each, place, height in zip(calibrations, places, surface.heights, strict=True):
-        numbers = pair(height.distance, height.uncertainty, "um")
-        judgement = "" if each.name in surface.recordings else "not trusted"
-        table.add_row(each.name, in_unit(place, "um"), *numbers, judgement)
-    OUT.print(table)
-    wall = with_error(surface.position, surface.uncertainty, "um")
-    line = f"the bead's centre would be in the wall with the focus at {wall}"
-    if surface.shift_uncertainty is not None:
-        shift = with_error(surface.shift, surface.shift_uncertainty, "")
-        line += f"; it moves by {shift} of the focus"
-    if surface.p_value is not None:
-        line += f"; p = {surface.p_value:.2g}"
-    OUT.print(line, highlight=False, soft_wrap=True)
-    for finding in surface.findings:
-        OUT.print(finding.text, highlight=False, soft_wrap=True)

@@ -48,6 +48,15 @@ def print_table(cells: Table) -> None:
     OUT.print(table)
 
 
+def print_parts(parts: Iterable[Table | str]) -> None:
+    """Print tables and lines of a result."""
+    for each in parts:
+        if isinstance(each, str):
+            OUT.print(each, highlight=False, soft_wrap=True)
+        else:
+            print_table(each)
+
+
 def table_of(*headings: str) -> RichTable:
     """An empty table with these headings."""
     from rich import box

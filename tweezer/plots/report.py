@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from tweezer.values.errors import ResultError
 from tweezer.values.files import replacing
-from tweezer.values.printed import printed, scaled
-from tweezer.values.rounding import with_uncertainty
+from tweezer.values.printed import in_unit, printed, signal_unit
 from tweezer.values.version import __version__
 
 if TYPE_CHECKING:
@@ -79,23 +78,18 @@ class Page:
 def page_of(recording: Recording, calibration: Calibration) -> Page:
     """The words of a report on the calibration of a recording."""
     free = calibration.free
-    alone = [] if free is None else [each.axis for each in free.axes]
-    trapped = [axis for axis in calibration.axes if axis.axis not in alone]
+    trapped = calibration.trapped
     verdicts = [_verdict(axis) for axis in trapped]
     against: dict[str, list[str]] = {}
     for axis in trapped:
-        for finding in (*axis.findings, *(f for e in axis.estimates for f in e.findings)):
-            if finding.name != "undetermined":
-                axes = against.setdefault(finding.text, [])
-                axes += [axis.axis] if axis.axis not in axes else []
+        for note in axis.notes:
+            axes = against.setdefault(note, [])
+            axes += [axis.axis] if axis.axis not in axes else []
     if free is not None:
-        from tweezer.calibration.wording import diffusion_in_words
-
-        said = _typeset(diffusion_in_words(free, calibration.unit))
+        said = _typeset(free.line(calibration.unit))
         verdicts.insert(0, Verdict(said, trusted=not free.findings))
         for text in (*(each.text for each in free.findings), *free.remarks):
-            against.setdefault(text, alone)
-    numbers = {text: i for i, text in enumerate(against, start=1)}
+            against.setdefault(text, [each.axis for each in free.axes])
     every = len(calibration.axes)
     return Page(
         f"Calibration of {calibration.name}",
@@ -104,7 +98,7 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
             text if len(axes) == every else f"{', '.join(axes)}: {text}"
             for text, axes in against.items()
         ],
-        [_table(axis, calibration.unit, numbers) for axis in trapped],
+        [_table(axis, calibration.unit, list(against)) for axis in trapped],
         _facts(recording, calibration),
     )
 
@@ -112,31 +106,19 @@ def page_of(recording: Recording, calibration: Calibration) -> Page:
 def _verdict(axis: AxisCalibration) -> Verdict:
     for each in axis.estimates:
         if not each.findings:
-            k = with_uncertainty(
-                scaled(each.stiffness, "pN/um"), scaled(each.uncertainty, "pN/um"), "±"
-            )
-            return Verdict(f"{axis.axis}: k = {k} pN/µm, by {each.method}", trusted=True)
+            text = f"{axis.axis}: k = {each.measured.words}, by {each.method}"
+            return Verdict(_typeset(text), trusted=True)
     reasons = "; ".join(finding.text for finding in axis.findings)
     text = f"{axis.axis}: no stiffness is to be trusted"
     return Verdict(f"{text}: {reasons}" if reasons else text, trusted=False)
 
 
-def _table(axis: AxisCalibration, unit: str, numbers: dict[str, int]) -> AxisTable:
-    from tweezer.calibration.wording import axis_in_words
-
-    rows = []
-    for each in axis.estimates:
-        names = {finding.name for finding in each.findings}
-        against = sorted({numbers[f.text] for f in each.findings if f.text in numbers})
-        k = with_uncertainty(
-            scaled(each.stiffness, "pN/um"), scaled(each.uncertainty, "pN/um"), "±"
-        )
-        judgement = f"not trusted: {', '.join(map(str, against))}" if against else ""
-        if "undetermined" in names:
-            k, judgement = "-", "not determined"
-        rows.append((each.method, k, judgement))
-    lines = [_typeset(line) for line in axis_in_words(axis, unit, list(numbers))]
-    return AxisTable(axis.axis, rows, lines)
+def _table(axis: AxisCalibration, unit: str, notes: list[str]) -> AxisTable:
+    rows = [
+        (method, k if k == "-" else f"{k} ± {error}", judgement.partition("; ")[0])
+        for method, k, error, judgement in axis.table(notes).rows
+    ]
+    return AxisTable(axis.axis, rows, [_typeset(line) for line in axis.lines(unit, notes)])
 
 
 def _typeset(line: str) -> str:
@@ -173,14 +155,13 @@ def _facts(recording: Recording, calibration: Calibration) -> list[tuple[str, st
         facts.append(("diode", "fitted"))
     elif calibration.diode is not None:
         frequency, part = calibration.diode
-        told = f"{1e-3 * frequency:.4g} kHz"
+        told = printed(frequency, "kHz")
         facts.append(("diode", f"{told}, {part:.3g} detected at once" if part else told))
     if "noise" in fitted:
         facts.append(("noise of the detector", "fitted"))
     elif calibration.noise is not None:
-        factor, unit = (1e3, "mV") if calibration.unit == "V" else (1e9, "nm")
-        noises = recording.noise or (calibration.noise,)
-        each = ", ".join(dict.fromkeys(f"{factor * noise:.3g}" for noise in noises))
+        unit, noises = signal_unit(calibration.unit), recording.noise or (calibration.noise,)
+        each = ", ".join(dict.fromkeys(in_unit(noise, unit, 3) for noise in noises))
         facts.append(("noise of the detector", f"{each} {unit}"))
     if calibration.wall is not None:
         facts.append(("distance from a wall", printed(calibration.wall.distance, "µm")))

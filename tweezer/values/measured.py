@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.values.constants import Boltzmann
-from tweezer.values.prefixes import in_tables
+from tweezer.values.prefixes import in_tables, per
 from tweezer.values.rounding import rounded, with_uncertainty
 from tweezer.values.shown import Row, Shown
 
@@ -60,11 +60,18 @@ class Quantity(NamedTuple):
     """whether it is a variable of sweeps"""
     compared: bool = False
     """whether `tweezer compare` compares it"""
+    shown: str = ""
+    """unit of its text; "" for that of tables (`in_tables`)"""
 
     @property
     def entries(self) -> list[str]:
         """Names of its entries; one empty name for a single number."""
         return DIMENSIONS[self.along] if self.along else [""]
+
+    @property
+    def scale(self) -> tuple[float, str]:
+        """The factor from its SI unit to the unit of its text, and that unit."""
+        return (per(self.shown), self.shown) if self.shown else in_tables(self.unit)
 
     @property
     def in_kT(self) -> Quantity:
@@ -109,7 +116,7 @@ class Measured(NamedTuple):
     @property
     def words(self) -> str:
         """The numbers with as many digits as their errors leave, and their unit."""
-        factor, unit = in_tables(self.of.unit)
+        factor, unit = self.of.scale
         numbers = (
             with_uncertainty(factor * float(value), factor * float(error))
             for value, error in zip(self.value.flat, self.errors.flat, strict=True)
@@ -119,12 +126,12 @@ class Measured(NamedTuple):
     @property
     def cells(self) -> tuple[str, str]:
         """A single number and its error in a table, whose heading has the unit."""
-        factor, _ = in_tables(self.of.unit)
+        factor, _ = self.of.scale
         return rounded(factor * float(self.value), factor * float(self.errors))
 
     def row(self, name: str = "", *, detail: bool = False) -> Row:
         """The row of a card: numbers and findings."""
-        findings = ", ".join(self.findings)
+        findings = "; ".join(self.findings)
         return Row(name or self.of.about, self.words, findings, detail, self.of.name)
 
 
@@ -137,6 +144,11 @@ class Result(Shown):
     def quantities(self) -> Iterator[Measured]:
         """The numbers that this result has, in the order of `QUANTITIES`."""
         raise NotImplementedError
+
+    @property
+    def numbers(self) -> dict[str, Measured]:
+        """The numbers of `quantities` by their names."""
+        return {each.of.name: each for each in self.quantities()}
 
     def words(self) -> dict[str, str]:
         """Return the texts of the result: its outcome, the reason and the findings."""

@@ -30,9 +30,11 @@ _UNITS = {
     "m^2/s": ("um^2/s",),
     "kg/s": ("nN s/m",),
     "N m": ("pN um",),
+    "m/V": ("um/V",),
+    "N/V": ("pN/V",),
 }
 #: Those of which the prefix does not follow the size of a number
-_ONE_ALONE = ("m^2", "m^2/s", "kg/s", "N m")
+_ONE_ALONE = ("m^2", "m^2/s", "kg/s", "N m", "m/V", "N/V")
 
 
 @functools.cache
