@@ -15,7 +15,8 @@ from tweezer.compiled import cached_njit
 from tweezer.dynamics import Motion, bind, bound_once, choose, integrate
 from tweezer.dynamics.models import bind_translation
 from tweezer.dynamics.walk import rotation_matrices, walk
-from tweezer.fluid import Drag, stokes
+from tweezer.fluid import BesideWall, Drag, stokes
+from tweezer.forces import UserForce, kernel
 from tweezer.forces.data import number, packed, vector
 from tweezer.runs.derived import derived_quantities
 from tweezer.tracking.filter import kalman_filter
@@ -321,3 +322,113 @@ def test_what_needs_a_uniform_drag_says_so(dark):
         scene = dark.replace(start=start, simulation={"model": "full"})
         problem, _ = choose.decided(problem_of(scene, growing()))
         assert problem.scene.simulation.method == "exponential"
+
+
+def test_mobility_matrix_of_a_sphere_far_from_everything():
+    """1/(6 pi mu r) and 1/(8 pi mu r^3), and nothing that couples them."""
+    found = FREE.mobility_matrices(np.zeros((2, 3)))
+    v, w = 1 / (6 * math.pi * VISCOSITY * RADIUS), 1 / (8 * math.pi * VISCOSITY * RADIUS**3)
+    np.testing.assert_allclose(found, [np.diag([v, v, v, w, w, w])] * 2, rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("normal", [1.0, -1.0])
+def test_mobility_matrix_beside_a_wall(normal):
+    """Faxen's and Goldman's expansions; a bead pulled along a floor rolls as a ball does."""
+    beside = BesideWall(FREE, RADIUS, ((0.0, normal),))
+    height = 10.0
+    matrix = beside.mobility_matrices(np.array([[0.0, 0.0, normal * height * RADIUS]]))[0]
+    rho = 1 / height
+    along = 1 - 9 / 16 * rho + rho**3 / 8
+    across = 1 - 9 / 8 * rho + rho**3 / 2
+    np.testing.assert_allclose(matrix[0, 0] * FREE.translation, along, atol=2 * rho**4)
+    np.testing.assert_allclose(matrix[1, 1] * FREE.translation, along, atol=2 * rho**4)
+    np.testing.assert_allclose(matrix[2, 2] * FREE.translation, across, atol=2 * rho**4)
+    np.testing.assert_allclose(np.diag(matrix)[3:] * FREE.rotation, 1.0, atol=rho**3)
+    rolls = normal * 3 / 32 * rho**4 * (1 - 3 / 8 * rho)
+    velocity = matrix @ [1.0, 0, 0, 0, 0, 0]
+    np.testing.assert_allclose(RADIUS * velocity[4] / velocity[0], rolls, rtol=0.1)
+    velocity = matrix @ [0, 1.0, 0, 0, 0, 0]
+    np.testing.assert_allclose(RADIUS * velocity[3] / velocity[1], -rolls, rtol=0.1)
+
+
+def test_mobility_matrices_are_symmetric_and_positive_definite():
+    """Reciprocity, and drag that takes energy from every motion, down to near contact."""
+    heights = RADIUS * (1 + np.array([1e-4, 1e-2, 0.1, 1.0, 10.0]))
+    places = np.column_stack([np.zeros((5, 2)), heights])
+    found = BesideWall(FREE, RADIUS, ((0.0, 1.0),)).mobility_matrices(places)
+    np.testing.assert_array_equal(found, found.transpose(0, 2, 1))
+    units = np.repeat([1.0, 1 / RADIUS], 3)
+    assert np.linalg.eigvalsh(found / (units[:, None] * units)).min() > 0
+    assert (np.abs(found[:, [0, 1], [4, 3]]) > 0).all()
+
+
+@cached_njit()
+def _edgewise(pose, data, mobility):
+    """Mobilities of a body that falls faster the more upright its axis is."""
+    for at in range(len(pose.position)):
+        e = pose.orientation[at]
+        upright = (e[0] ** 2 - e[1] ** 2 - e[2] ** 2 + e[3] ** 2) ** 2
+        mobility.value[at, :2] = number(data, 0) * (1.0 + upright)
+        mobility.value[at, 2:4] = number(data, 1)
+
+
+@dataclass(frozen=True)
+class Edgewise(Drag):
+    """Drag by the orientation."""
+
+    oriented = True
+
+    def compiled(self):
+        return _edgewise, packed(1 / FREE.translation, 1 / FREE.rotation)
+
+
+LYING = [math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0]
+
+
+def test_drag_that_asks_for_the_orientation_gets_it(dark):
+    """Without one the body is upright; a scene has that of its start, and the run follows it."""
+    drag, places = Edgewise(), np.zeros((2, 3))
+    both = np.array([[1.0, 0, 0, 0], LYING])
+    across = drag.mobility_matrices(places, orientations=both)[:, 2, 2] * FREE.translation
+    np.testing.assert_allclose(across, [2.0, 1.0], rtol=1e-14)
+    np.testing.assert_allclose(drag.mobilities(places).value[:, 1] * FREE.translation, 2.0)
+    scene = dark.replace(start={"orientation": LYING}, simulation={"model": "overdamped"})
+    problem = problem_of(scene, drag)
+    np.testing.assert_allclose(problem.mobility[:3] * FREE.translation, 1.0, rtol=1e-14)
+    np.testing.assert_allclose(problem.mobilities(places)[:, 2] * FREE.translation, 1.0, rtol=1e-14)
+    run = integrate(bind(choose.decided(problem)[0]), np.array([0.0, 1e-3]))
+    assert run.status == "complete"
+    way = 1e-3 * problem.bead.weight[2] / FREE.translation
+    assert run.states[-1, 2] - run.states[0, 2] == pytest.approx(way, rel=1e-9)
+
+
+@kernel
+def _spring_of_a_body(pose, data, wrench):
+    """A spring of 3 along the body's P3, of 1 across it, in uN/m."""
+    for i in range(len(pose.position)):
+        e = pose.orientation[i]
+        axis = (
+            2 * (e[1] * e[3] + e[0] * e[2]),
+            2 * (e[2] * e[3] - e[0] * e[1]),
+            e[0] ** 2 - e[1] ** 2 - e[2] ** 2 + e[3] ** 2,
+        )
+        along = 0.0
+        for k in range(3):
+            along += axis[k] * pose.position[i, k]
+        for k in range(3):
+            wrench.force[i, k] -= 1e-6 * (pose.position[i, k] + 2 * along * axis[k])
+
+
+@pytest.mark.parametrize(("orientation", "stiff"), [([1, 0, 0, 0], 2), (LYING, 0)])
+def test_stiffness_is_that_of_the_orientation_at_the_start(dark, orientation, stiff):
+    scene = dark.replace(
+        forces={"gravity": False, "buoyancy": False}, start={"orientation": orientation}
+    )
+    problem = bound_once(scene, [UserForce(_spring_of_a_body, (), turns=True)])
+    expected = np.ones(3)
+    expected[stiff] = 3.0
+    trap = problem.equilibrium
+    np.testing.assert_allclose(trap.stiffness, 1e-6 * np.diag(expected), atol=1e-11)
+    x = np.array([[1e-8, 2e-8, 3e-8]])
+    for found in (problem.net_force(x), problem.net_force_apart(x)):
+        np.testing.assert_allclose(found, -1e-6 * expected * x, rtol=1e-9)

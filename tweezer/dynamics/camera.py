@@ -173,7 +173,7 @@ class Exposure:
         if self.spring is not None:
             velocity = -self.kappa * (places - self.spring)
         elif self.kappa.any() and there.any():
-            force = self.problem.force.field(places[there], time=times[there]).force
+            force = self.problem.field(places[there], time=times[there]).force
             slow = self.problem.mobilities(places[there], times[there])[:, TRANSLATION]
             velocity[there] = slow * (force + np.array(self.problem.bead.weight))
         by = bend(self.step, self.frames.opens[which], self.frames.closes[which])

@@ -122,11 +122,10 @@ def rates_of_force(problem: Problem) -> Array:
 
     Of forces that change in time: at the time of those looked at when they are the largest.
     """
-    force = problem.force
 
     def sizes(time: float) -> Array:
         places = problem.places_about(time)
-        gradient = force.field(places, gradient=True, time=time).force_gradient
+        gradient = problem.field(places, gradient=True, time=time).force_gradient
         mobility = problem.mobilities(places)[:, TRANSLATION].max(axis=1)
         found: Array = np.linalg.norm(gradient, ord=2, axis=(1, 2)) * mobility
         return found

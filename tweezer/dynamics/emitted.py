@@ -7,6 +7,7 @@ from types import ModuleType
 
 from tweezer.compiled import cache_functions
 from tweezer.dynamics.layout import Layout
+from tweezer.fluid import Drag
 from tweezer.forces.force import Force
 from tweezer.scene import Scene
 from tweezer.scene.choices import MODELS
@@ -30,8 +31,11 @@ def module_of(scene: Scene, *, rotates: bool) -> ModuleType:
     return module(f"{model.modules}_{model.rotating or body}{'_euler_rates' if rates else ''}")
 
 
-def takes_drag_exactly(equations: ModuleType, force: Force) -> bool:
-    """Return whether the exponential method can integrate emitted equations under a force."""
+def takes_drag_exactly(equations: ModuleType, *acting: Force | Drag) -> bool:
+    """Return whether the exponential method can integrate emitted equations under force and drag.
+
+    Neither may depend on the orientation.
+    """
     inertial = "velocity" in Layout.of_emitted(equations.STATE)
     plain = not inertial and "force_gradient" not in equations.RHS_INPUTS
-    return (equations.LINEAR_DRAG or plain) and not force.oriented
+    return (equations.LINEAR_DRAG or plain) and not any(each.oriented for each in acting)

@@ -90,6 +90,7 @@ class EquationsOfMotion(Shown):
         self._rotates = "orientation" in self.layout
         self._constrained = "euler_rates" in self.layout
         self._inertial = "velocity" in self.layout
+        self._asks_orientation = self.force.oriented or self.drag.oriented
         self._rhs_inputs = self._inputs(self.module.RHS_INPUTS)
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
         self.initial_state = self._initial_state()
@@ -228,7 +229,7 @@ class EquationsOfMotion(Shown):
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate them."""
-        return takes_drag_exactly(self.module, self.force)
+        return takes_drag_exactly(self.module, self.force, self.drag)
 
     @property
     def name(self) -> str:
@@ -249,7 +250,7 @@ class EquationsOfMotion(Shown):
             address(self.module.rates, RATES) if rates else 0,
             address(self.module.derivatives, DERIVATIVES) if derivatives else 0,
             self.params,
-            self.layout.first("orientation") if self.force.oriented else -1,
+            self.layout.first("orientation") if self._asks_orientation else -1,
         )
 
     def rhs(self, t: float, y: Array) -> Array:
@@ -358,7 +359,7 @@ class EquationsOfMotion(Shown):
         def evaluate(times: Array, states: Array) -> list[Sequence[Array] | Array]:
             self.force_calls += len(states)
             turned = None
-            if self.force.oriented and self._rotates:
+            if self._asks_orientation and self._rotates:
                 turned = self._part(states, "orientation")
                 turned /= np.linalg.norm(turned, axis=1, keepdims=True)
             places = states[:, POSITION]
@@ -369,7 +370,9 @@ class EquationsOfMotion(Shown):
                     values["mobility"] = [everywhere.value[0]] * len(states)
                     values["mobility_gradient"] = [everywhere.gradient[0]] * len(states)
                 else:
-                    found = self.drag.mobilities(places, gradient=gradient, time=times)
+                    found = self.drag.mobilities(
+                        places, gradient=gradient, time=times, orientations=turned
+                    )
                     values["mobility"], values["mobility_gradient"] = found
             if gradient:
                 values["force_gradient"] = at.force_gradient
@@ -395,7 +398,7 @@ class EquationsOfMotion(Shown):
         step = 1e-4 * self.scene.body.size
         ends = position + np.outer([-step, step], velocity / speed)
         self.force_calls += 2
-        at = self.force.field(ends, gradient=True, time=time)
+        at = self.problem.field(ends, gradient=True, time=time)
         scale = speed / (2 * step)
         return {
             "force_curvature": (at.force_gradient[1] - at.force_gradient[0]) * scale,
@@ -408,17 +411,15 @@ class EquationsOfMotion(Shown):
         position, velocity = np.array(self.scene.start_position), np.array(start.velocity)
         if not self._rotates:
             return {"position": position, "velocity": velocity}
-        orientation = np.array(start.orientation)
-        orientation /= np.linalg.norm(orientation)
         return {
             "position": position,
-            "orientation": orientation,
+            "orientation": self.problem.orientation,
             "velocity": velocity,
             "angular_velocity": np.array(start.angular_velocity),
         }
 
     def _release_inputs(self) -> tuple[Array, ...]:
-        at = self.force.field(np.array([self.scene.start_position]))
+        at = self.problem.field(np.array([self.scene.start_position]))
         fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
         return (np.concatenate([*self._released().values()]), *fields, self.params)
 

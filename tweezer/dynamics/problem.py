@@ -28,7 +28,7 @@ from tweezer.forces.equilibria import (
     equilibrium_at,
     nearest_stable,
 )
-from tweezer.forces.force import Force
+from tweezer.forces.force import Force, Wrench
 from tweezer.forces.rings import Motion, Ring, off_axis, rings
 from tweezer.forces.wall import CLOSEST, Contact, Dlvo
 from tweezer.optics import Beams, LightForce, light
@@ -95,7 +95,7 @@ class Problem:
     @property
     def rotates(self) -> bool:
         """Whether anything turns the bead: if not, no rotation is computed."""
-        return self.scene.rotates or self.force.oriented
+        return self.scene.rotates or self.force.oriented or self.drag.oriented
 
     @property
     def emitted(self) -> ModuleType:
@@ -105,21 +105,43 @@ class Problem:
     @property
     def takes_drag_exactly(self) -> bool:
         """Whether the exponential method can integrate the equations of motion."""
-        return takes_drag_exactly(self.emitted, self.force)
+        return takes_drag_exactly(self.emitted, self.force, self.drag)
 
     @property
     def symmetric(self) -> bool:
         """Whether all forces are the same all around the axis of the only beam."""
         return self.light.symmetric and not self.others
 
+    @functools.cached_property
+    def orientation(self) -> Array:
+        """(4,) Euler parameters at the start, of length 1."""
+        e = np.array(self.scene.start.orientation)
+        return e / np.linalg.norm(e)
+
+    def _oriented(self, acting: Force | Drag, n: int) -> Array | None:
+        """Orientations (n, 4) at the start, of what depends on them."""
+        return np.tile(self.orientation, (n, 1)) if acting.oriented else None
+
+    def field(
+        self, positions: Array, *, gradient: bool = False, time: float | Array = 0.0
+    ) -> Wrench:
+        """All forces but drag, weight and noise on a bead in its orientation at the start.
+
+        positions: (n, 3) m. time: s, one or (n,).
+        """
+        turned = self._oriented(self.force, len(positions))
+        return self.force.field(positions, gradient=gradient, time=time, orientations=turned)
+
     def net_force(self, positions: Array) -> Array:
         """All forces but drag and noise at `positions` (n, 3) m at the time 0, (n, 3) N."""
-        return self.force.field(positions).force + np.array(self.bead.weight)
+        return self.field(positions).force + np.array(self.bead.weight)
 
     def net_force_apart(self, positions: Array) -> Array:
         """The same of a bead that touches no wall: without the force of contact."""
+        turned = self._oriented(self.force, len(positions))
         every = (self.light, *self.beside_the_light_apart)
-        return sum((each.field(positions).force for each in every), np.array(self.bead.weight))
+        fields = (each.field(positions, orientations=turned) for each in every)
+        return sum((each.force for each in fields), np.array(self.bead.weight))
 
     @functools.cached_property
     def mobility(self) -> Array:
@@ -127,7 +149,7 @@ class Problem:
 
         Raises `SceneError` if the drag is not one that takes energy from any motion.
         """
-        value = self.drag.mobilities(np.array([self.scene.start_position])).value
+        value = self._resisted(np.array([self.scene.start_position]))
         parallel, _, turn, _, roll = value[0].tolist()
         if not (np.isfinite(value).all() and value[0, :4].min() > 0 and roll**2 < parallel * turn):
             raise SceneError(
@@ -137,7 +159,12 @@ class Problem:
 
     def mobilities(self, positions: Array, time: float | Array = 0.0) -> Array:
         """The same at `positions` (n, 3) m and a time, s, or (n,), (n, 6)."""
-        return by_axis(self.drag.mobilities(positions, time=time).value)
+        return by_axis(self._resisted(positions, time))
+
+    def _resisted(self, positions: Array, time: float | Array = 0.0) -> Array:
+        """The five mobilities in the orientation at the start, (n, 5)."""
+        turned = self._oriented(self.drag, len(positions))
+        return self.drag.mobilities(positions, time=time, orientations=turned).value
 
     @property
     def effective_mass(self) -> float:
@@ -209,7 +236,7 @@ class Problem:
         Of one beam on its axis; of several, and with other forces, near the axis of each.
         """
         search = self.search
-        about = self.scene.body.size, search, self.force, net_force, self.spiral_rate
+        about = self.scene.body.size, search, self.field, net_force, self.spiral_rate
         found = equilibria(*about) if self.about_axis else equilibria_about(self.foci(), *about)
         return tuple(each for each in found if self._in_the_fluid(each.position[2]))
 
@@ -250,7 +277,7 @@ class Problem:
         assert isinstance(self.light, LightForce)
         places = off_axis(self.scene.body.size, self.light.box, self.force, net_force)
         every = (
-            equilibrium_at(place, self.search, self.force, net_force, self.spiral_rate)
+            equilibrium_at(place, self.search, self.field, net_force, self.spiral_rate)
             for place in places if self._in_the_fluid(place[2])
         )  # fmt: skip
         return tuple(each for each in every if each.stable)
@@ -309,7 +336,7 @@ class Problem:
         """
         found = [float(np.linalg.norm(self.scene.start.velocity))]
         for time in self.times_looked_at():
-            force = self.force.field(self.places_about(time), time=time).force
+            force = self.field(self.places_about(time), time=time).force
             slow = (force + np.array(self.bead.weight)) * self.mobility[TRANSLATION]
             found.append(float(np.linalg.norm(slow, axis=1).max()))
         return max(found) or 1.0

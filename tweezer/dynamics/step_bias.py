@@ -50,7 +50,7 @@ def one_call_bias(problem: Problem, mobility: Array, kT: float) -> float:
     held = (stiffness + stiffness.T) / 2
     apart = _ASIDE * np.sqrt(kT / np.linalg.eigvalsh(held).clip(min=0.1 * held.max()))
     places = np.array(trap.position) + np.vstack([np.zeros(3), np.diag(apart), -np.diag(apart)])
-    gradients = -problem.force.field(places, gradient=True).force_gradient
+    gradients = -problem.field(places, gradient=True).force_gradient
     return max(
         _bias(mobility[:, None] * (held + (each - each.T) / 2), kT * mobility) for each in gradients
     )

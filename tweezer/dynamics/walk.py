@@ -172,8 +172,7 @@ class Walk:
         parts |= {"position": x, "velocity": v, "exposure": np.zeros((n, HELD))}
         parts["lost_time"] = np.full((n, 1), np.inf)
         if "orientation" in self.layout:
-            e = np.array(start.orientation)
-            e /= np.linalg.norm(e)
+            e = self.problem.orientation
             w = rotation_matrices(e[None])[0] @ start.angular_velocity
             parts |= {"orientation": np.tile(e, (n, 1)), "angular_velocity": np.tile(w, (n, 1))}
             if thermal and "angular_velocity" in self.layout:

@@ -3,6 +3,11 @@
 A bead in a fluid that is the same all around N3, as beside a wall across it, has five mobilities
 (`derivation.drag`): those of translation across and along N3, those of rotation across and about
 it, and that of rolling. Far from everything they are Stokes's (2.13-2.15).
+
+These five fill the symmetric 6 x 6 matrix of any body about its centre of mass
+(`Drag.mobility_matrices`). Compiled loops read the five: with the 21 numbers of the matrix the
+product with force and moment takes 1.5 times as long, and the solution for the drag of a given
+motion 5.8 times as long, which a sphere would pay without need.
 """
 
 from __future__ import annotations
@@ -61,6 +66,11 @@ class Drag(ABC):
         return False
 
     @property
+    def oriented(self) -> bool:
+        """Whether it depends on the orientation of the bead."""
+        return False
+
+    @property
     def walls(self) -> Walls | None:
         """Walls that thermal motion needs a scheme of its own for; None without them."""
         return None
@@ -70,21 +80,71 @@ class Drag(ABC):
         """Its kernel `kernel(pose, data, mobility)`, and its data."""
 
     def mobilities(
-        self, positions: Array, *, gradient: bool = False, time: float | Array = 0.0
+        self,
+        positions: Array,
+        *,
+        gradient: bool = False,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
     ) -> Mobility:
         """Mobilities at `positions` (n, 3) m from the focus, and their gradients if asked.
 
-        time: s, or (n,). Raises `SceneError` for positions of another shape.
+        time: s, or (n,). orientations: (n, 4) Euler parameters of length 1, for a drag that depends
+        on them; (1, 0, 0, 0) if not given. Raises `SceneError` for positions of another shape.
         """
         places = np.require(positions, np.float64, ["C", "W"])
         n = len(places)
         if places.shape != (n, 3):
             raise SceneError(f"positions: must be of shape (n, 3), not {places.shape}")
-        pose = Pose(np.full(n, time, np.float64), places, np.zeros((0, 4)))
+        turned = np.zeros((0, 4))
+        if self.oriented:
+            unturned = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+            turned = unturned if orientations is None else orientations
+        pose = Pose(np.full(n, time, np.float64), places, turned)
         found = Mobility(np.zeros((n, 5)), np.zeros((n if gradient else 0, 5, 3)))
         kernel, data = self.compiled()
         kernel(pose, data, found)
         return found
+
+    def mobility_matrices(
+        self,
+        positions: Array,
+        *,
+        time: float | Array = 0.0,
+        orientations: Array | None = None,
+    ) -> Array:
+        """Return the mobility matrices about the centre of mass.
+
+        A matrix multiplied by the force and the moment on the bead gives its velocity and its
+        angular velocity, all along N1, N2 and N3. It is symmetric and positive definite.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, 3)
+            Centre of the bead relative to the focus, m.
+        time : float or ndarray, shape (n,), optional
+            Time, s.
+        orientations : ndarray, shape (n, 4), optional
+            Euler parameters of length 1, for a drag that depends on the orientation; (1, 0, 0, 0)
+            if not given.
+
+        Returns
+        -------
+        ndarray, shape (n, 6, 6)
+            Translation by a force, s/kg; rotation by a moment, 1/(N m s); and the blocks that
+            couple them, 1/(N s).
+
+        Raises
+        ------
+        SceneError
+            If the positions have another shape.
+        """
+        value = self.mobilities(positions, time=time, orientations=orientations).value
+        matrices = by_axis(value)[:, :, None] * np.eye(6)
+        rolling = value[:, 4, None]
+        matrices[:, [0, 4], [4, 0]] = rolling
+        matrices[:, [1, 3], [3, 1]] = -rolling
+        return matrices
 
 
 @cached_njit()

@@ -10,13 +10,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.forces.force import Force
+from tweezer.forces.force import Wrench
 from tweezer.values.bracketing import zero
 from tweezer.values.vectors import Comparable, Vector, fixed
 
 Array = NDArray[np.float64]
 #: force, N, at points (n, 3) m; and its component along a line, N, at distances (n,) m on it
 NetForce = Callable[[Array], Array]
+#: force without drag and weight at points (n, 3) m, with `gradient=True` its gradients too
+Field = Callable[..., Wrench]
 #: function of a position (3,), m, and the stiffness there (3, 3), N/m: the rate at which a bead
 #: spirals out of an equilibrium, 1/s; 0 if it comes to rest
 SpiralRate = Callable[[Array, Array], float]
@@ -139,21 +141,21 @@ def nearest_stable(every: Iterable[Equilibrium]) -> Equilibrium | None:
 
 
 def equilibria(
-    radius: float, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
+    radius: float, search: Search, field: Field, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Iterator[Equilibrium]:
     """Every change of sign of the net force along the axis, within the reach of the search.
 
-    radius: of the bead, m. force: whose gradient is the stiffness.
+    radius: of the bead, m. field: whose gradient is the stiffness.
     """
     for z in _zeros_on_axis(FOCUS, radius, search, net_force):
-        yield equilibrium_at(np.array([0.0, 0.0, z]), search, force, net_force, spiral_rate)
+        yield equilibrium_at(np.array([0.0, 0.0, z]), search, field, net_force, spiral_rate)
 
 
 def equilibria_about(
     foci: Array,
     radius: float,
     search: Search,
-    force: Force,
+    field: Field,
     net_force: NetForce,
     spiral_rate: SpiralRate,
 ) -> Iterator[Equilibrium]:
@@ -168,12 +170,12 @@ def equilibria_about(
     for focus in foci:
         zeros = [0.0, *_zeros_on_axis(focus, radius, search, net_force)]
         for start in focus + np.outer(zeros, [0.0, 0.0, 1.0]):
-            place = _vanishing(start, radius, search, force, net_force)
+            place = _vanishing(start, radius, search, field, net_force)
             if place is not None and all(
                 np.linalg.norm(place - other) > _SAME * search.spacing for other in found
             ):
                 found.append(place)
-                yield equilibrium_at(place, search, force, net_force, spiral_rate)
+                yield equilibrium_at(place, search, field, net_force, spiral_rate)
 
 
 def _zeros_on_axis(
@@ -212,7 +214,7 @@ def _far_changes(axial: Component, search: Search) -> Iterator[tuple[float, floa
 
 
 def _vanishing(
-    start: Array, radius: float, search: Search, force: Force, net_force: NetForce
+    start: Array, radius: float, search: Search, field: Field, net_force: NetForce
 ) -> Array | None:
     """The place near `start` where the net force vanishes; None if there is none."""
     from scipy.optimize import root
@@ -227,7 +229,7 @@ def _vanishing(
         return net_force(radius * place[None])[0] / size
 
     def gradient(place: Array) -> Array:
-        return force.field(radius * place[None], gradient=True).force_gradient[0] * radius / size
+        return field(radius * place[None], gradient=True).force_gradient[0] * radius / size
 
     try:
         found = root(scaled, start / radius, jac=gradient, tol=_ZERO)
@@ -243,7 +245,7 @@ class AstrayError(Exception):
 
 
 def equilibrium_at(
-    place: Array, search: Search, force: Force, net_force: NetForce, spiral_rate: SpiralRate
+    place: Array, search: Search, field: Field, net_force: NetForce, spiral_rate: SpiralRate
 ) -> Equilibrium:
     """Return the equilibrium at a position where the net force vanishes.
 
@@ -253,8 +255,8 @@ def equilibrium_at(
         Position, m.
     search : Search
         Lengths of the search for equilibria.
-    force : Force
-        Force with a gradient.
+    field : Field
+        All forces but drag and weight.
     net_force : NetForce
         Sum of all forces but drag.
     spiral_rate : SpiralRate
@@ -265,7 +267,7 @@ def equilibrium_at(
     Equilibrium
         Position, stiffness and stability.
     """
-    stiffness = -force.field(place[None], gradient=True).force_gradient[0]
+    stiffness = -field(place[None], gradient=True).force_gradient[0]
     eigenvalues = np.sort(np.linalg.eigvals(stiffness).real)
     steps = search.beside * np.array(list(DIRECTIONS.values()))
     pulled_back = eigenvalues[0] > 0 and ((net_force(place + steps) * steps).sum(axis=1) < 0).all()

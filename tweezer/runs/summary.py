@@ -371,7 +371,7 @@ def _stable_equilibrium(
     place = settled.mean(axis=0)
     rest, step = place, np.full(3, math.inf)
     for _ in range(_STEPS):
-        field = problem.force.field(rest[None], gradient=True, time=time)
+        field = problem.field(rest[None], gradient=True, time=time)
         gradient, force = field.force_gradient[0], field.force[0] + problem.bead.weight
         if np.linalg.eigvals(gradient).real.max() >= 0:
             return None
