@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, columns, lanes, store, store_columns
 from tweezer.dynamics.brownian import memory, propagator
+from tweezer.dynamics.brownian.coordinate import led, relaxed
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.fluid import Mobility, Walls
 from tweezer.forces.data import Data, Part, packed
@@ -154,6 +155,23 @@ def without_memory(weights):  # type: ignore[no-untyped-def]
 
 
 @named_njit(inner=True, error_model="numpy", forceinline=True)
+def lead(weights, beads, out):  # type: ignore[no-untyped-def]
+    """Where velocity or memory, u and noise lead, to `out`, which may be x."""
+    dims, width = beads.x.shape
+    x, v, u, normal = beads.x, beads.v, beads.u, beads.normal
+    inertial, first = v.shape[0] > 0, without_memory(weights)
+    if first > 0:
+        memory.lead(weights, beads, out)
+    for k in range(first, dims):
+        by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
+        for i in range(k * width, (k + 1) * width, LANES):
+            there = led(lanes(x, i), lanes(u, i), lanes(normal, i), by_u, spread)
+            if inertial:
+                there = there + by_v * lanes(v, i)
+            store(out, i, there)
+
+
+@named_njit(inner=True, error_model="numpy", forceinline=True)
 def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
     """What drag, u and noise make of the velocities, or of the memory, in place."""
     dims, width = beads.x.shape
@@ -167,7 +185,7 @@ def velocities_after(weights, beads):  # type: ignore[no-untyped-def]
         shared, own = weights.noise_xv[k], weights.noise_v[k]
         for i in range(k * width, (k + 1) * width, LANES):
             drawn = shared * lanes(normal, i) + own * lanes(normal, i + dims * width)
-            store(v, i, decay * lanes(v, i) + by_u * lanes(u, i) + drawn)
+            store(v, i, relaxed(lanes(v, i), lanes(u, i), decay, by_u, drawn))
 
 
 _empty, _row = np.zeros(0), np.zeros((0, 0))

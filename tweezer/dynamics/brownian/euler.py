@@ -18,13 +18,13 @@ from tweezer.compiled import cached_njit, call, named_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.lanes import spread as spread_out
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian import memory, propagator
+from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import (
     Linear,
     Scheme,
+    lead,
     slow_velocities,
     velocities_after,
-    without_memory,
 )
 from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.dynamics.layout import TRANSLATION
@@ -36,7 +36,8 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     force, plan, weights, beads = borrowed((force, plan, weights, beads))
     slow_velocities(force, plan, beads, beads.now[0], beads.x, beads.u)
     if plan.uniform:
-        _move(weights, beads)
+        lead(weights, beads, beads.x)
+        velocities_after(weights, beads)
     else:
         _move_by_place(plan, beads)
 
@@ -68,7 +69,8 @@ def harmonic_step(force, plan, weights, beads):  # type: ignore[no-untyped-def] 
     coupled = weights.coupled.shape[0]
     if coupled > 0:
         _move_coupled(plan, weights, beads)
-    _move(weights, beads)
+    lead(weights, beads, beads.x)
+    velocities_after(weights, beads)
     if coupled > 0:
         for k in range(3):
             beads.x[k] = beads.ahead[k]
@@ -95,22 +97,6 @@ def _move_coupled(plan, weights, beads):  # type: ignore[no-untyped-def]
                 left, spread = weights.coupled[k, j], weights.coupled_noise[k, j]
                 led = led + left * lanes(v, at) + spread * lanes(normal, at + dims * width)
             store(out, (k % 3) * width + i, led)
-
-
-@named_njit(inner=True, error_model="numpy")
-def _move(weights, beads):  # type: ignore[no-untyped-def]
-    dims, width = beads.x.shape
-    x, v, first = beads.x, beads.v, without_memory(weights)
-    if first > 0:
-        memory.lead(weights, beads, x)
-    for k in range(first, dims):
-        by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
-        for i in range(k * width, (k + 1) * width, LANES):
-            led = lanes(x, i) + by_u * lanes(beads.u, i) + spread * lanes(beads.normal, i)
-            if v.shape[0] > 0:
-                led = led + by_v * lanes(v, i)
-            store(x, i, led)
-    velocities_after(weights, beads)
 
 
 def weights(step: float, linear: Linear) -> Weights:

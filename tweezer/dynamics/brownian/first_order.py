@@ -16,6 +16,7 @@ from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.coordinate import beyond_spring, led
 from tweezer.dynamics.brownian.propagator import Weights
 
 
@@ -42,7 +43,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     for k in range(3):
         by_u, spread = weights.by_u[k], weights.noise_x[k]
         for i in range(k * width, (k + 1) * width, LANES):
-            store(ahead, i, lanes(x, i) + by_u * lanes(u, i) + spread * lanes(kick, i))
+            store(ahead, i, led(lanes(x, i), lanes(u, i), lanes(kick, i), by_u, spread))
     slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
     _reduced(part, gradient, u_ahead, u_ahead)
     _reduced(0.5 * part, gradient, beads.normal, kick)
@@ -50,9 +51,10 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
         kappa, by_rise = weights.kappa[k], weights.by_rise[k]
         by_u, spread = weights.by_u[k], weights.noise_x[k]
         for i in range(k * width, (k + 1) * width, LANES):
-            rise = lanes(u_ahead, i) - lanes(u, i) + kappa * (lanes(ahead, i) - lanes(x, i))
-            way = by_u * lanes(u, i) + by_rise * rise + spread * lanes(kick, i)
-            store(x, i, lanes(x, i) + way)
+            begun, pull = lanes(x, i), lanes(u, i)
+            rise = beyond_spring(begun, lanes(ahead, i), pull, lanes(u_ahead, i), kappa)
+            way = by_u * pull + by_rise * rise + spread * lanes(kick, i)
+            store(x, i, begun + way)
 
 
 def weights(step: float, linear: Linear) -> Weights:

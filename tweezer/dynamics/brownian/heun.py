@@ -16,10 +16,12 @@ from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.brownian.batch import (
     Linear,
     Scheme,
+    lead,
     slow_velocities,
     velocities_after,
     without_memory,
 )
+from tweezer.dynamics.brownian.coordinate import beyond_spring
 from tweezer.dynamics.brownian.propagator import Weights
 
 
@@ -31,15 +33,7 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     x, v, u, ahead, u_ahead = beads.x, beads.v, beads.u, beads.ahead, beads.u_ahead
     inertial, first = v.shape[0] > 0, without_memory(weights)
     slow_velocities(force, plan, beads, beads.now[0], x, u)
-    if first > 0:
-        memory.lead(weights, beads, ahead)
-    for k in range(first, dims):
-        by_v, by_u, spread = weights.by_v[k], weights.by_u[k], weights.noise_x[k]
-        for i in range(k * width, (k + 1) * width, LANES):
-            led = lanes(x, i) + by_u * lanes(u, i) + spread * lanes(beads.normal, i)
-            if inertial:
-                led = led + by_v * lanes(v, i)
-            store(ahead, i, led)
+    lead(weights, beads, ahead)
     velocities_after(weights, beads)
     slow_velocities(force, plan, beads, beads.now[0] + plan.step, ahead, u_ahead)
     if first > 0:
@@ -47,9 +41,9 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     for k in range(first, dims):
         kappa, by_rise, v_by_rise = weights.kappa[k], weights.by_rise[k], weights.v_by_rise[k]
         for i in range(k * width, (k + 1) * width, LANES):
-            # of the force beyond the spring
-            rise = lanes(u_ahead, i) - lanes(u, i) + kappa * (lanes(ahead, i) - lanes(x, i))
-            store(x, i, lanes(ahead, i) + by_rise * rise)
+            there = lanes(ahead, i)
+            rise = beyond_spring(lanes(x, i), there, lanes(u, i), lanes(u_ahead, i), kappa)
+            store(x, i, there + by_rise * rise)
             if inertial:
                 store(v, i, lanes(v, i) + v_by_rise * rise)
 

@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from tweezer.compiled import named_njit
 from tweezer.compiled.lanes import LANES, lanes, spread, store
+from tweezer.dynamics.brownian.coordinate import beyond_spring, led
 
 Array = NDArray[np.float64]
 
@@ -191,10 +192,10 @@ def lead(weights, beads, out):  # type: ignore[no-untyped-def]
         by_u, wide = weights.by_u[k], weights.noise_x[k]
         for i in range(0, width, LANES):
             at = k * width + i
-            led = lanes(x, at) + by_u * lanes(u, at) + wide * lanes(normal, at)
+            there = led(lanes(x, at), lanes(u, at), lanes(normal, at), by_u, wide)
             for j in range(n):
-                led = led + memory[k, X_BY, j] * lanes(z, (dims + k * n + j) * width + i)
-            store(out, at, led)
+                there = there + memory[k, X_BY, j] * lanes(z, (dims + k * n + j) * width + i)
+            store(out, at, there)
 
 
 @named_njit(inner=True, error_model="numpy")
@@ -224,9 +225,9 @@ def rise(weights, beads):  # type: ignore[no-untyped-def]
         kappa, by_rise = weights.kappa[k], weights.by_rise[k]
         for i in range(0, width, LANES):
             at = k * width + i
-            rise = lanes(beads.u_ahead, at) - lanes(u, at)
-            rise = rise + kappa * (lanes(ahead, at) - lanes(x, at))
-            store(x, at, lanes(ahead, at) + by_rise * rise)
+            there, u_there = lanes(ahead, at), lanes(beads.u_ahead, at)
+            rise = beyond_spring(lanes(x, at), there, lanes(u, at), u_there, kappa)
+            store(x, at, there + by_rise * rise)
             for j in range(n):
                 here = (dims + k * n + j) * width + i
                 store(z, here, lanes(z, here) + memory[k, BY_RISE, j] * rise)
