@@ -262,3 +262,24 @@ def test_command_continues_a_file(command_line, tmp_path):
     assert "already holds a run from another beginning" in refused.err
     missing = command_line("run", "silica-1um", "--continue-from", "x.nc")
     assert (missing.code, missing.err) == (2, "x.nc: no such file\n")
+
+
+def test_command_continues_the_scene_of_a_file(command_line):
+    """The power that --set changed applies again; scenes of both parts are as given."""
+    settings = "--duration", "0.2 ms", "--set", "simulation.samples=101"
+    begun = command_line("run", "silica-1um", *settings, "--set", "beam.power=10 mW")
+    assert begun.code == 0, begun.err
+    named = "run", "silica-1um", *settings, "--set", "beam.power=10 mW", "--out", "named.nc"
+    onward = "--continue-from", "silica-1um.nc"
+    for done in (command_line("run", *onward), command_line(*named, *onward)):
+        assert done.code == 0, done.err
+    ours, theirs = tweezer.load_run("silica-1um-2.nc"), tweezer.load_run("named.nc")
+    assert ours.attrs["scene_as_given"] == tweezer.load_run("silica-1um.nc").attrs["scene_as_given"]
+    assert ours["time"].values[[0, -1]] == pytest.approx([2e-4, 4e-4])
+    assert ours["position"].values.tolist() == theirs["position"].values.tolist()
+    without = command_line("run")
+    assert (without.code, without.err) == (
+        2, "Missing argument SCENE: required without --continue-from\n"
+    )  # fmt: skip
+    missing = command_line("run", "--continue-from", "x.nc")
+    assert (missing.code, missing.err) == (2, "x.nc: no such file\n")

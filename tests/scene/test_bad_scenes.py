@@ -600,7 +600,7 @@ BAD_USAGE = {
     "no such command": (["fly"], "No such command 'fly'."),
     "no such option": (["run", "silica-1um", "--colour"], "No such option: --colour"),
     "option without value": (["run", "silica-1um", "--out"], "requires an argument"),
-    "run without a scene": (["run"], "Missing argument"),
+    "trap without a scene": (["trap"], "Missing argument"),
     "two scenes": (["run", "silica-1um", "thesis-990nm"], "unexpected extra argument"),
 }
 

@@ -120,11 +120,11 @@ FigureFile = Annotated[
 ]
 
 
-def scene_with(scene: str, settings: dict[str, str]) -> Scene:
-    """The scene of that name or file, with settings (`settings_of`)."""
-    from tweezer.scene import load_scene, with_settings
+def scene_with(scene: str | Scene, settings: dict[str, str]) -> Scene:
+    """Return a scene, or the scene of that name or file, with settings (`settings_of`)."""
+    from tweezer.scene import checked_scene, with_settings
 
-    described = load_scene(scene)
+    described = checked_scene(scene)
     return with_settings(described, settings) if settings else described
 
 
@@ -147,7 +147,7 @@ def settings_of(changes: list[str], **simulation: str | None) -> dict[str, str]:
     return {**settings, **named}
 
 
-def with_thermal_motion(scene: str, settings: dict[str, str]) -> Scene:
+def with_thermal_motion(scene: str | Scene, settings: dict[str, str]) -> Scene:
     """Return a scene with settings and thermal motion, by a map of the force where it can have one.
 
     A map is chosen only where the scene leaves the evaluator open.

@@ -15,7 +15,6 @@ from tweezer.cli.app import (
     FigureFile,
     Overwrite,
     OwnForces,
-    SceneName,
     app,
     bind_light,
     quantity_in,
@@ -23,7 +22,7 @@ from tweezer.cli.app import (
     settings_of,
     with_thermal_motion,
 )
-from tweezer.cli.completion import among
+from tweezer.cli.completion import among, complete_scene
 from tweezer.cli.console import (
     FAILED,
     INTERRUPTED,
@@ -69,7 +68,14 @@ def scenes() -> None:
 
 @app.command()
 def run(
-    scene: SceneName,
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            help="Shipped scene or TOML file. Default with --continue-from: the scene of RUN.",
+            metavar="SCENE",
+            autocompletion=complete_scene,
+        ),
+    ] = None,
     duration: Annotated[
         str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
     ] = None,
@@ -124,7 +130,8 @@ def run(
     from tweezer.scene.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
-    described = (with_thermal_motion if thermal else scene_with)(scene, settings)
+    source = scene or _scene_to_continue(continue_from)
+    described = (with_thermal_motion if thermal else scene_with)(source, settings)
     if rate is not None:
         if continue_from is not None:
             raise SceneError(
@@ -182,6 +189,15 @@ def run(
         complain(f"{described.name}: {message}; what was reached is in {out}")
         failed = status == "failed"
         raise typer.Exit(FAILED if failed else INTERRUPTED)
+
+
+def _scene_to_continue(run: Path | None) -> Scene:
+    """Return the scene of an earlier run as it was given, before anything in it was decided."""
+    if run is None:
+        raise SceneError("Missing argument SCENE: required without --continue-from")
+    from tweezer.results.io import load_run, scene_in
+
+    return scene_in({"scene": load_run(run).attrs.get("scene_as_given")})
 
 
 def _sampled(scene: Scene, rate: str, settings: dict[str, str]) -> Scene:
