@@ -24,7 +24,7 @@ from tweezer.results.run import Run
 from tweezer.results.schema import of_validation, plain
 from tweezer.scene import by_key
 from tweezer.sweeps.quantities import FAILED, MISSING
-from tweezer.trap.saved_trap import load_trap
+from tweezer.trap.saved_trap import trap_in
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import DIMENSIONS, Measured, Result
@@ -492,7 +492,7 @@ def _of_json(path: Path) -> Source:
     if kind is None or not kind.compared:
         raise ResultError(f"{path}: {refusal(kind, 'compare', COMPARED)}")
     if kind.name == "trap":
-        trap, version = load_trap(path)
+        trap, version = trap_in(made, path)
         return _of_trap(path.name, trap, {"tweezer_version": version})
     try:
         found = _SavedCalibration.model_validate(made)

@@ -129,7 +129,19 @@ def test_json_with_another_number_is_refused(name):
             read(path)
     del whole["sha256"]
     path.write_text(json.dumps(whole))
-    assert read_json(path) == whole
+    with pytest.warns(UserWarning, match=f"^{name}: has no digest, so a change"):
+        assert read_json(path) == whole
+
+
+def test_json_without_a_digest_is_read_with_one_warning():
+    path = copied("trap.json")
+    whole = json.loads(path.read_text())
+    del whole["sha256"]
+    path.write_text(json.dumps(whole))
+    for read in (lambda it: tweezer.compare(it, sound() / "trap.json"), tweezer.view):
+        with pytest.warns(UserWarning, match="has no digest") as told:
+            read(path)
+        assert len(told) == 1
 
 
 def test_sweep_that_lacks_files_is_not_resumed_as_complete():

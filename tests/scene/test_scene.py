@@ -8,10 +8,12 @@ import subprocess
 import sys
 import warnings
 
+import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from tweezer.optics import light
 from tweezer.scene import Scene, load_scene, shipped_scenes, value_at, with_settings
 from tweezer.values.errors import PhysicsWarning, SceneError, UnitWarning
 from tweezer.values.prefixes import FREQUENT
@@ -682,6 +684,21 @@ def test_a_scene_is_what_it_says_however_it_was_changed():
     assert there_and_back == scene
     assert hash(there_and_back) == hash(scene)
     assert scene.replace(bead={"diameter": "2 um"}) != scene
+
+
+def test_an_aperture_without_effect_is_warned_of():
+    """The force with the tan map stays the same to the last bit, and with the sine map does not."""
+    tan = load_scene("thesis-990nm")
+    sine = tan.replace(lens={"map": "sine"})
+    place = np.array([[0.0, 0.0, -3e-7]])
+    with pytest.warns(PhysicsWarning, match="numerical_aperture: has no effect") as seen:
+        narrow = tan.replace(lens={"numerical_aperture": 1.1})
+    assert len(seen) == 1
+    assert narrow.replace(beam={"power": "10 mW"}).replace(lens={"map": "sine"}).lens.map == "sine"
+    narrow_sine = sine.replace(lens={"numerical_aperture": 1.1})
+    forces = [light(scene).field(place).force[0, 2] for scene in (tan, narrow, sine, narrow_sine)]
+    assert forces[0] == forces[1]
+    assert forces[2] != forces[3]
 
 
 def test_a_temperature_changed_alone_is_warned_of():

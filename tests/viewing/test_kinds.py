@@ -148,6 +148,7 @@ def test_numbers_of_a_sweep_are_those_of_its_cases(diagram):
     assert (across["log"], down["log"]) == (False, True)
 
 
+@pytest.mark.filterwarnings("ignore:.*has no digest")
 def test_a_saved_trap_is_the_trap(trap, tmp_path):
     trap, path = dataclasses.replace(trap), tmp_path / "trap.json"
     vars(trap)["lifetime"] = Lifetime(3600.0, 30.0, 1e-5)

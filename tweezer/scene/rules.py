@@ -10,6 +10,7 @@ from tweezer.scene.description import FREE, Description
 from tweezer.scene.messages import either
 from tweezer.scene.sections import Beam
 from tweezer.scene.theory import NO_MAP, named_beams
+from tweezer.values.errors import warn
 from tweezer.values.rounding import least
 from tweezer.values.units import TABLE_RADII
 
@@ -58,6 +59,15 @@ def _aperture_in_reach(scene: Description) -> None:
         raise refusal(
             f"lens.numerical_aperture = {lens.numerical_aperture:g}: must be less than "
             f"{key}.refractive_index = {index:.5g} for the sine map; {remedy}"
+        )
+
+
+def warn_of_unused_aperture(scene: Description) -> None:
+    """Warn of a numerical aperture that the map of the lens does not use."""
+    if scene.lens.map == "tan" and scene.lens.numerical_aperture is not None:
+        warn(
+            "lens.numerical_aperture: has no effect with lens.map = 'tan', where lens.radius and "
+            "lens.focal_length give the angles; change these, or set lens.map to sine"
         )
 
 

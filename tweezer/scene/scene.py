@@ -19,7 +19,7 @@ from tweezer.scene.files import read_scene, shipped_scenes
 from tweezer.scene.filling import filled_in
 from tweezer.scene.keys import HALVES, NUMBERED, by_key, changed_section, kind_of
 from tweezer.scene.messages import as_toml, counted, doubts_of, in_short, lines_of, numbered
-from tweezer.scene.rules import check
+from tweezer.scene.rules import check, warn_of_unused_aperture
 from tweezer.scene.sections import Beam
 from tweezer.values.errors import SceneError, UnitWarning, warn
 from tweezer.values.printed import printed
@@ -169,7 +169,7 @@ class Scene(Description):
         The title of the copy names what was changed, unless a new description is among it.
 
         Raises `SceneError`. Warns (`PhysicsWarning`) of a temperature changed without the
-        viscosity.
+        viscosity, and of a numerical aperture that has no effect.
         """
         replaced = self._replaced(sections)
         changed = self._changes(replaced, sections)
@@ -180,6 +180,8 @@ class Scene(Description):
                 f"{copy._of_another_temperature} are still those of "
                 f"{self.medium.temperature:g} K; water's viscosity falls by 2 % a kelvin"
             )
+        if copy.lens.numerical_aperture != self.lens.numerical_aperture:
+            warn_of_unused_aperture(copy)
         return copy.model_copy(update={"changed": {}}) if "description" in sections else copy
 
     def _changes(self, replaced: Scene, sections: Mapping[str, Any]) -> dict[str, str]:

@@ -33,7 +33,11 @@ def load_trap(path: Path) -> tuple[Trap, str]:
 
     Raises `ResultError` if the file contains no trap.
     """
-    saved = read_json(path)
+    return trap_in(read_json(path), path)
+
+
+def trap_in(saved: Any, path: Path) -> tuple[Trap, str]:
+    """Return the trap in the content of a file, and the version that computed it: `load_trap`."""
     if (kind := kind_of(saved)) and kind.name != "trap":
         raise ResultError(f"{path}: no saved trap: is {kind.told}{kind.way(path.name)}")
     try:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from tweezer.values.errors import ResultError
+from tweezer.values.errors import ResultError, warn
 from tweezer.values.files import STANDARD_OUTPUT, digest, read_text
 
 #: Key of the digest in a file of JSON
@@ -95,7 +95,7 @@ def kind_of_file(path: Path) -> Kind | None:
     """
     try:
         if path.suffix == SAVED_TRAP:
-            return kind_of(read_json(path))
+            return kind_of(_content(path)[0])
         if path.suffix == ".zarr":
             from tweezer.values.stores import names_in_store
 
@@ -120,19 +120,31 @@ def refusal(kind: Kind | None, command: str, taken: Iterable[Kind]) -> str:
 def read_json(path: Path) -> Any:
     """Return the content of a file of JSON, without its digest.
 
-    Raises `ResultError` if it cannot be read, or if its digest differs from its content. A file
-    without a digest is read as it is: earlier versions wrote none.
+    Raises `ResultError` if it cannot be read, or if its digest differs from its content. Warns of
+    a result without a digest: earlier versions wrote none.
     """
+    found, sealed = _content(path)
+    if not sealed and kind_of(found):
+        warn(
+            f"{path}: has no digest, so a change of its numbers goes unnoticed; it was changed by "
+            "hand or saved by an earlier version",
+            UserWarning,
+        )
+    return found
+
+
+def _content(path: Path) -> tuple[Any, bool]:
+    """Return the content of a file of JSON without its digest, and whether it has one."""
     try:
         found = json.loads(read_text(path))
         if not isinstance(found, dict) or DIGEST not in found:
-            return found
+            return found, False
         if found.pop(DIGEST) != digest(found):
             raise ResultError(
                 f"{path}: damaged: its content is not what was saved; if you changed it, delete "
                 f'the key "{DIGEST}"'
             )
-        return found
+        return found, True
     except FileNotFoundError:
         raise ResultError(f"{path}: no such file") from None
     except IsADirectoryError:
