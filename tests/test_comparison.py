@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import stats
 
 import tweezer
-from tweezer.results.io import write_json
+from tweezer.results.io import write_result
 
 SCENE = tweezer.load_scene("thesis-990nm").replace(
     start={"frame": "focus", "position": [1e-7, 0, 1e-7]}, beam={"divisions": 20},
@@ -321,10 +321,10 @@ def test_traps_and_calibrations(tmp_path):
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
     told = dataclasses.asdict(trap) | {"scene": None}
     made = {"tweezer_version": "1", "scene": scene, "trap": told}
-    write_json(made, tmp_path / "trap.json")
+    write_result(made, tmp_path / "trap.json")
     assert tweezer.compare(trap, tmp_path / "trap.json").same
     told["escapes"][2]["force"] += 2.1 * trap.force_error
-    write_json(made, tmp_path / "trap.json")
+    write_result(made, tmp_path / "trap.json")
     other = tweezer.compare(trap, tmp_path / "trap.json")
     assert [each.name for each in other.quantities if not each.agrees] == ["escape force"]
     assert "differs on the way to +y" in repr(other)
@@ -337,7 +337,7 @@ def test_traps_and_calibrations(tmp_path):
         )
         for size in (1e-8, 1e-8, 1.3e-8)
     ]
-    (tmp_path / "c.json").write_text(json.dumps(dataclasses.asdict(found[1]), default=str))
+    write_result(dataclasses.asdict(found[1]), tmp_path / "c.json")
     assert tweezer.compare(found[0], found[1]).agrees
     assert not tweezer.compare(found[0], found[2]).agrees
     assert not tweezer.compare(trap, found[0]).agrees
@@ -423,7 +423,7 @@ def test_a_calibration_is_compared_with_the_trap_of_a_scene(command_line, off, a
     calibration = json.loads(Path("k.json").read_text())
     del calibration["sha256"]
     calibration["axes"] = [axis("y", k[1]), axis("z", k[2])]
-    Path("k.json").write_text(json.dumps(calibration))
+    write_result(calibration, Path("k.json"))
     for pair in (("trap.json", "k.json"), ("k.json", "trap.json")):
         found = tweezer.compare(*pair)
         assert [each.name for each in found.quantities] == [
