@@ -316,6 +316,7 @@ def test_statistics_by_the_errors_they_have():
     assert found.p_value == pytest.approx(9 * 0.0045, rel=0.03)
 
 
+@pytest.mark.filterwarnings("ignore:.*has no digest")
 def test_traps_and_calibrations(tmp_path):
     trap = tweezer.characterise(tweezer.load_scene("silica-1um").replace(optics={"theory": "rays"}))
     scene = trap.scene.model_dump(mode="json", exclude_none=True)
