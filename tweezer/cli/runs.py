@@ -130,7 +130,7 @@ def run(
     from tweezer.scene.arguments import check_run
 
     settings = settings_of(set or [], duration=duration, model=model, method=method)
-    source = scene or _scene_to_continue(continue_from)
+    source = _scene_to_continue(continue_from) if scene is None else scene
     described = (with_thermal_motion if thermal else scene_with)(source, settings)
     if rate is not None:
         if continue_from is not None:
