@@ -59,9 +59,10 @@ def test_every_dataset_says_what_it_is(tmp_path):
 def test_a_file_has_what_the_conventions_want(tmp_path):
     """As h5netcdf reads it: a fill value for variables, none for coordinates."""
     from tweezer.results.io import write_run
-    from tweezer.runs.simulation import followed
+    from tweezer.runs.simulation import motion_of
 
-    run = followed(SCENE.replace(simulation={"duration": 1e-5}))
+    run, find_errors = motion_of(SCENE.replace(simulation={"duration": 1e-5}))
+    find_errors()
     write_run(run, tmp_path / "a.nc")
     tweezer.save_run(run.dataset(), tmp_path / "b.nc")
     for name in ("a.nc", "b.nc"):

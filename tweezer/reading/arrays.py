@@ -97,7 +97,7 @@ def _fields(variables: Any, depth: int, before: str = "") -> Iterator[tuple[str,
 def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
     """The columns of arrays: each a column, or rows of several. A number alone may be the rate."""
     columns: list[Column] = []
-    places: list[tuple[str, int]] = []
+    places: list[tuple[NDArray[Any], int]] = []
     scalars = {}
     for label, array in arrays.items():
         if array.dtype.kind not in "fiu":
@@ -107,18 +107,9 @@ def table_of_arrays(name: str, arrays: dict[str, NDArray[Any]]) -> Table:
             continue
         found = columns_of(label, last_part(label), array.shape)
         columns += found
-        places += [(label, number) for number in range(len(found))]
+        places += [(array, number) for number in range(len(found))]
 
     def numbers(chosen: Sequence[int]) -> list[Array]:
-        made = []
-        for index in chosen:
-            label, number = places[index]
-            array = arrays[label]
-            made.append(
-                column_of(
-                    array if array.ndim == 1 or min(array.shape) > 1 else array.ravel(), number
-                )
-            )
-        return made
+        return [column_of(*places[index]) for index in chosen]
 
     return Table(name, columns, numbers, rate_beside=rate_among(scalars))

@@ -87,9 +87,7 @@ def _unit(dataset: h5py.Dataset) -> str | None:
 
 def _column(dataset: h5py.Dataset, number: int) -> Array:
     """Numbers of a column, decoded as NetCDF has them."""
-    values = dataset[()]
-    array = values.ravel() if min(values.shape) == 1 else values
-    column = column_of(array, number)
+    column = column_of(dataset[()], number)
     for name in ("_FillValue", "missing_value"):
         if name in dataset.attrs:
             fill = np.float64(np.ravel(dataset.attrs[name])[0])

@@ -107,11 +107,10 @@ def _quantity(words: list[str]) -> Heading:
     beside = of - {*AXES}
     if not axes:
         for word in words:
-            if (match := _JOINED.fullmatch(word)) and (
-                match["before"] or match["after"]
-            ) in _OF_AXES:
+            match = _JOINED.fullmatch(word)
+            if match and (joined := match["before"] or match["after"]) in _OF_AXES:
                 axes.append(word[0] if match["after"] else word[-1])
-                beside = beside - {word} | {match["before"] or match["after"]}
+                beside = beside - {word} | {joined}
     if len(axes) == 1 and beside <= _OF_AXES:
         return Heading(axes[0], None, beside <= _POSITION, "V" if beside & _ELECTRIC else None)
     return Heading(None)

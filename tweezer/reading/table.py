@@ -89,6 +89,8 @@ def refuse_too_long(file: str, name: str, samples: int) -> None:
 
 def column_of(array: NDArray[Any], column: int) -> Array:
     """A column of an array of rows. Its longer axis is that of the rows."""
+    if min(array.shape) == 1:
+        array = array.ravel()
     if array.ndim == 2 and array.shape[0] < array.shape[1]:
         array = array.T
     return np.asarray(array if array.ndim == 1 else array[:, column], dtype=np.float64)

@@ -11,7 +11,7 @@ from functools import partial
 from io import BytesIO
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from tweezer.reading.columns import short
 from tweezer.reading.headings import AROUND, is_unit, understood
 from tweezer.reading.table import MOST_SAMPLES, Array, Column, Table
 from tweezer.values.errors import ResultError
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Number of lines in which headings and the first numbers are looked for
 _HEAD = 200
@@ -202,8 +205,6 @@ def _numbers(
     head: list[str],
     places: Sequence[int],
 ) -> list[Array]:
-    import pandas as pd
-
     commas = _commas(head, layout, places)
     lines = content.count(b"\n") + (not content.endswith(b"\n"))
     if lines - layout.first > MOST_SAMPLES:
@@ -215,21 +216,12 @@ def _numbers(
     _refuse_surplus(name, content, layout)
     try:
         with warnings.catch_warnings(action="ignore"):  # of cells beyond the last heading
-            table = pd.read_csv(
-                BytesIO(content),
-                sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
-                decimal="," if commas else ".",
-                header=None,
-                names=range(max(places) + 1),
-                index_col=False,
-                usecols=sorted(set(places)),
-                skiprows=layout.first,
+            table = _columns(
+                content, encoding, layout, places,
                 dtype=np.float64,
+                decimal="," if commas else ".",
                 na_values=[*_MISSING, *(f"{each} " for each in _MISSING)],
-                skipinitialspace=True,
-                encoding=encoding,
-                encoding_errors="replace",
-            )
+            )  # fmt: skip
     except (ValueError, OverflowError) as error:
         why = _complaint(content, encoding, layout, commas, places)
         raise ResultError(f"{name}: {why or str(error).splitlines()[0]}") from None
@@ -238,23 +230,29 @@ def _numbers(
 
 def _labels(content: bytes, encoding: str, layout: _Layout, place: int) -> list[str]:
     """Return the cells of a column as they are written; empty ones as nothing."""
+    table = _columns(content, encoding, layout, [place], dtype=str, na_values=_MISSING)
+    return [label.strip() for label in table[place].fillna("")]
+
+
+def _columns(
+    content: bytes, encoding: str, layout: _Layout, places: Sequence[int], **cells: Any
+) -> pd.DataFrame:
+    """Return columns of a text by their numbers. cells: how they are read."""
     import pandas as pd
 
-    table = pd.read_csv(
+    return pd.read_csv(
         BytesIO(content),
         sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
         header=None,
-        names=range(place + 1),
+        names=range(max(places) + 1),
         index_col=False,
-        usecols=[place],
+        usecols=sorted(set(places)),
         skiprows=layout.first,
-        dtype=str,
-        na_values=_MISSING,
         skipinitialspace=True,
         encoding=encoding,
         encoding_errors="replace",
+        **cells,
     )
-    return [label.strip() for label in table[place].fillna("")]
 
 
 def _start(content: bytes, line: int) -> int:

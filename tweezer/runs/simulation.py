@@ -151,9 +151,7 @@ def simulate(
     scene = _adjusted(checked_scene(scene), duration, model, method, tolerance)
     if scene.forces.brownian and tolerance:
         raise SceneError("tolerance: not with forces.brownian = true")
-    if continue_from is None:
-        return followed(scene, seed, forces, events, progress).dataset()
-    going_on = going_on_from(scene, continue_from)
+    going_on = None if continue_from is None else going_on_from(scene, continue_from)
     run, find_errors = motion_of(scene, seed, forces, events, progress, going_on)
     find_errors()
     return run.dataset()
@@ -167,19 +165,6 @@ def going_on_from(scene: Scene, earlier: xr.Dataset | str | Path) -> tuple[Scene
     if "time" not in earlier.variables:
         raise ResultError("continue_from: not a run: it has no time")
     return continued(scene, attributes, earlier["time"].values)
-
-
-def followed(
-    scene: Scene,
-    seed: int | None = None,
-    forces: Sequence[Force | str] = (),
-    events: Sequence[Event] = (),
-    progress: Callable[[float], None] | None = None,
-) -> Run:
-    """The run of `scene`, see `simulate`, before it is a dataset."""
-    run, find_errors = motion_of(scene, seed, forces, events, progress)
-    find_errors()
-    return run
 
 
 def motion_of(
@@ -223,7 +208,8 @@ def motion_of(
     )
     approach = closest_approach(simulation.position_tolerance)
     approached = begun is not None and begun.approached
-    looked_for = [*events, *_looked_for(scene, None if approached else approach)]
+    looked_for = [*events, loss(simulation.loss_distance), *([] if approached else [approach])]
+    looked_for += [contact] if (contact := lens_touched(scene)) else []
     with timed() as seconds:
         equations = bind(problem, begin)
         if begun:
@@ -275,12 +261,6 @@ def motion_of(
             attributes["model_error"] = model_error(equations, result, motion.position)
 
     return run, find_errors
-
-
-def _looked_for(scene: Scene, approach: Event | None) -> list[Event]:
-    """Return the events of every run: loss, the first closest approach if asked, contact."""
-    every = loss(scene.simulation.loss_distance), approach, lens_touched(scene)
-    return [each for each in every if each is not None]
 
 
 def _end(equations: EquationsOfMotion, result: Integration, budget: ErrorBudget) -> dict[str, str]:
@@ -424,6 +404,8 @@ def _thermal_run(
     end = None
     if run_of.watch.last is None:
         end = bound.end(float(times[-1]), samples[-1], run_of.end[0])
+    model, inertia = bound.scene.simulation.model, bound.scene.medium.inertia
+    all_inertia = model == "full" and inertia == "memory" and bound.scene.wall is None
     attributes = {
         **_about_the_run(bound.problem, bound.why),
         **as_given,
@@ -443,7 +425,7 @@ def _thermal_run(
         **seconds,
         "step_time": run_of.step_time,
         "integration_error": math.nan,
-        "model_error": 0.0 if _has_all_inertia(bound.scene) else math.nan,
+        "model_error": 0.0 if all_inertia else math.nan,
         **as_attribute(end),
     }
     if run_of.status == "failed":
@@ -474,7 +456,7 @@ def _warn_of_sticking(bound: Walk, motion: Motion) -> None:
 
 def _run(
     problem: Problem,
-    times: NDArray[np.float64],
+    times: Array,
     motion: Motion,
     light: Wrench,
     attributes: dict[str, Any],
@@ -493,9 +475,7 @@ def _run(
     return Run(coordinates, variables, attributes)
 
 
-def _filmed(
-    run: Run, frames: Frames, times: NDArray[np.float64], places: NDArray[np.float64]
-) -> Run:
+def _filmed(run: Run, frames: Frames, times: Array, places: Array) -> Run:
     """A run with what its camera saw: places (frames, axes) m, in the middle of exposures."""
     coordinates: dict[str, Variable] = {
         "frame_time": variable(
@@ -513,7 +493,8 @@ def _filmed(
 
 def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
     """The attributes that every run has alike."""
-    scene = problem.scene
+    scene, medium = problem.scene, problem.scene.medium
+    remembered = f", {medium.poles} poles" if medium.inertia == "memory" else ""
     others: dict[str, Any] = {}
     if problem.others:
         others = {"other_forces": len(problem.others), "forces_from": origins_of(problem.others)}
@@ -521,7 +502,7 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
         "title": scene.title,
         "scene": scene.model_dump_json(exclude_none=True),
         "model": scene.simulation.model,
-        "fluid_inertia": _inertia_of_the_fluid(scene),
+        "fluid_inertia": f"{medium.inertia or 'none'}{remembered}",
         "force_evaluator": evaluators_of(scene),
         **others,
         **worth_attributes(scene),
@@ -531,19 +512,6 @@ def _about_the_run(problem: Problem, why: str) -> dict[str, Any]:
     }
 
 
-def _has_all_inertia(scene: Scene) -> bool:
-    remembers = scene.simulation.model == "full" and scene.medium.inertia == "memory"
-    return remembers and scene.wall is None
-
-
-def _inertia_of_the_fluid(scene: Scene) -> str:
-    """What of it a run had, of a scene with everything decided."""
-    medium = scene.medium
-    return (
-        f"memory, {medium.poles} poles" if medium.inertia == "memory" else medium.inertia or "none"
-    )
-
-
 def _adjusted(
     scene: Scene,
     duration: QuantityLike | None,
@@ -551,11 +519,8 @@ def _adjusted(
     method: str | None,
     tolerance: float | None,
 ) -> Scene:
-    changes: dict[str, object] = {
-        key: value
-        for key, value in (("duration", duration), ("model", model), ("method", method))
-        if value is not None
-    }
+    given = {"duration": duration, "model": model, "method": method}
+    changes: dict[str, object] = {key: each for key, each in given.items() if each is not None}
     if tolerance is not None:
         simulation = scene.simulation
         ratio = in_si("tolerance", tolerance, "", 1e-13, 0.1) / simulation.relative_tolerance

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -79,16 +79,22 @@ class _Course(Section):
                 raise refusal(f"{key}: missing; kind = {self.kind!r} needs it")
         return self
 
-    def _check_times(self, times: Sequence[float] | None, key: str, others: Any) -> None:
-        if times is None:
-            return
-        if len(times) != len(others):
-            raise refusal(f"{key}: has {len(others)} entries; must have as many as times")
-        if any(b < a for a, b in itertools.pairwise(times)):
-            raise refusal("times: must ascend")
-        period = getattr(self, "period", None)
-        if period is not None and period < times[-1]:
-            raise refusal(f"period = {period:g} s: must be {times[-1]:g} s, the last time, or more")
+    @model_validator(mode="after")
+    def _sound(self) -> Self:
+        key, _ = _COLUMNS[type(self).__name__.lower()]
+        keys = "times", key, "period", "begin", "end"
+        times, values, period, begin, end = (getattr(self, each) for each in keys)
+        if times is not None:
+            if len(times) != len(values):
+                raise refusal(f"{key}: has {len(values)} entries; must have as many as times")
+            if any(b < a for a, b in itertools.pairwise(times)):
+                raise refusal("times: must ascend")
+            if period is not None and period < times[-1]:
+                last = f"{times[-1]:g} s, the last time, or more"
+                raise refusal(f"period = {period:g} s: must be {last}")
+        if end is not None and end <= (begin or 0.0):
+            raise refusal(f"end = {end:g}: must be later than begin")
+        return self
 
 
 #: keys that each kind needs, and that it may have
@@ -136,13 +142,6 @@ class Motion(_Course):
         ways = (self.amplitude, self.velocity, *(self.positions or ()))
         return any(way is not None and way[2] != 0 for way in ways)
 
-    @model_validator(mode="after")
-    def _sound(self) -> Self:
-        self._check_times(self.times, "positions", self.positions)
-        if (self.end is not None) and self.end <= (self.begin or 0.0):
-            raise refusal(f"end = {self.end:g}: must be later than begin")
-        return self
-
 
 class Modulation(_Course):
     """The factor of a beam's power in time."""
@@ -168,13 +167,6 @@ class Modulation(_Course):
         None,
         description="of steps and of a table, which repeat after it; without it they do not repeat",
     )
-
-    @model_validator(mode="after")
-    def _sound(self) -> Self:
-        self._check_times(self.times, "factors", self.factors)
-        if self.end is not None and self.end <= (self.begin or 0.0):
-            raise refusal(f"end = {self.end:g}: must be later than begin")
-        return self
 
 
 #: key of the numbers after the time in a row of a file, and how many they are

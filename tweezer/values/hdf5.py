@@ -46,17 +46,15 @@ def item_of(path: Path, group: h5py.Group, name: str, label: str) -> Any:
     ResultError
         If the item or its data is stored in another file.
     """
-    external = isinstance(group.get(name, getlink=True), h5py.ExternalLink)
-    item = None if external else group.get(name)
-    if external or (item is not None and _lies_elsewhere(item, group.file)):
+    elsewhere = isinstance(group.get(name, getlink=True), h5py.ExternalLink)
+    item = None if elsewhere else group.get(name)
+    if item is not None:
+        elsewhere = item.file != group.file
+        if isinstance(item, h5py.Dataset):
+            elsewhere = elsewhere or bool(item.external) or item.is_virtual
+    if elsewhere:
         raise ResultError(f"{path}: {label}: is stored in another file; must be in this file")
     return item
-
-
-def _lies_elsewhere(item: Any, file: h5py.File) -> bool:
-    if item.file != file:
-        return True
-    return isinstance(item, h5py.Dataset) and (bool(item.external) or item.is_virtual)
 
 
 def check_result(path: Path) -> None:

@@ -327,18 +327,13 @@ class Quantity:
     def __get_pydantic_core_schema__(
         self, source: Any, handler: GetCoreSchemaHandler
     ) -> core_schema.CoreSchema:
-        return core_schema.no_info_before_validator_function(self._read, handler(source))
+        within = functools.partial(to_si, unit=self.unit, low=self.low, high=self.high)
+        return _reading(within).__get_pydantic_core_schema__(source, handler)
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         return {**handler(schema), "minimum": self.low, "maximum": self.high, "unit": self.unit}
-
-    def _read(self, value: Any) -> float:
-        try:
-            return to_si(value, self.unit, self.low, self.high)
-        except ValueError as error:
-            raise PydanticCustomError("quantity", "{reason}", {"reason": str(error)}) from None
 
 
 def quantity_of(*annotations: Any) -> Quantity | None:
@@ -392,23 +387,18 @@ def _reading(read: Callable[[Any], Any]) -> BeforeValidator:
 def _parts(value: Any) -> tuple[Any, Any]:
     """Real and imaginary part of a complex number as a user gives it."""
     value = without_unit(value, "")
-    number = _complex_from_text(value) if isinstance(value, str) else value
-    if isinstance(number, complex):
-        return number.real, number.imag
+    if isinstance(value, str):
+        try:
+            value = complex(value.replace(" ", "") if _COMPLEX.fullmatch(value) else "")
+        except ValueError:
+            raise ValueError('must be a complex number such as "1j" or "1.59+0.01j"') from None
+    if isinstance(value, complex):
+        return value.real, value.imag
     if not isinstance(value, list | tuple):
         return value, 0.0
     if len(value) != 2:
         raise ValueError('must be a number, text such as "1.59+0.01j", or [real, imaginary]')
     return value[0], value[1]
-
-
-def _complex_from_text(text: str) -> complex:
-    try:
-        if not _COMPLEX.fullmatch(text):
-            raise ValueError
-        return complex(text.replace(" ", ""))
-    except ValueError:
-        raise ValueError('must be a complex number such as "1j" or "1.59+0.01j"') from None
 
 
 def _index(value: Any) -> float | tuple[float, float]:
