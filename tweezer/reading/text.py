@@ -56,6 +56,18 @@ class _Layout(NamedTuple):
     """their number"""
 
 
+class _Text(NamedTuple):
+    """A text with a table."""
+
+    name: str
+    """of the file"""
+    content: bytes
+    encoding: str
+    head: list[str]
+    """its first lines"""
+    layout: _Layout
+
+
 def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
     """The table of a text. Lines before its headings are left out.
 
@@ -72,7 +84,11 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
     if b"\r" in content:
         content = content.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
     lines = list(islice(BytesIO(content), _HEAD))
-    encoding = _encoding(b"".join(lines))
+    try:
+        codecs.getincrementaldecoder("utf-8")().decode(b"".join(lines))
+        encoding = "utf-8"
+    except UnicodeDecodeError:
+        encoding = "cp1252"  # what Windows writes in western Europe
     head = [line.decode(encoding, errors="replace").rstrip("\n") for line in lines]
     layout = _layout(head, names)
     headings = layout.headings or [""] * layout.columns
@@ -81,18 +97,9 @@ def open_text(path: Path, names: Callable[[list[str]], bool]) -> Table:
         Column(heading.strip(AROUND), heading.strip(AROUND), unit.strip(AROUND + "()[]") or None)
         for heading, unit in zip(headings, units, strict=True)
     ]
-    numbers = partial(_numbers, str(path), content, encoding, layout, head)
-    labels = partial(_labels, content, encoding, layout)
-    return Table(str(path), columns, numbers, headed=bool(layout.headings), labels=labels)
-
-
-def _encoding(head: bytes) -> str:
-    """UTF-8, or what Windows writes in western Europe."""
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(head)
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8"
+    text = _Text(str(path), content, encoding, head, layout)
+    numbers, labels = partial(_numbers, text), partial(_labels, text)
+    return Table(text.name, columns, numbers, headed=bool(layout.headings), labels=labels)
 
 
 def _cells(line: str, delimiter: str) -> list[str]:
@@ -188,68 +195,56 @@ def _of_numbers(line: str) -> tuple[str, int] | None:
     return None
 
 
-def _commas(head: list[str], layout: _Layout, places: Sequence[int]) -> bool:
-    """Return whether decimals in these columns have a comma."""
-    for line in head[layout.first :]:
-        cells = _cells(line, layout.delimiter)
-        if any(_WITH_COMMA.fullmatch(cells[i].strip(AROUND)) for i in places if i < len(cells)):
-            return True
-    return False
-
-
-def _numbers(
-    name: str,
-    content: bytes,
-    encoding: str,
-    layout: _Layout,
-    head: list[str],
-    places: Sequence[int],
-) -> list[Array]:
-    commas = _commas(head, layout, places)
+def _numbers(text: _Text, places: Sequence[int]) -> list[Array]:
+    content, layout = text.content, text.layout
+    first = [_cells(line, layout.delimiter) for line in text.head[layout.first :]]
+    commas = any(
+        _WITH_COMMA.fullmatch(cells[i].strip(AROUND))
+        for cells in first for i in places if i < len(cells)
+    )  # fmt: skip
     lines = content.count(b"\n") + (not content.endswith(b"\n"))
     if lines - layout.first > MOST_SAMPLES:
         raise ResultError(
-            f"{name}: has {lines - layout.first:,} rows; must have at most {MOST_SAMPLES:,}"
+            f"{text.name}: has {lines - layout.first:,} rows; must have at most {MOST_SAMPLES:,}"
         )
     if layout.first >= lines or not _ANY.search(content, _start(content, layout.first)):
         return [np.empty(0)] * len(places)
-    _refuse_surplus(name, content, layout)
+    _refuse_surplus(text)
     try:
         with warnings.catch_warnings(action="ignore"):  # of cells beyond the last heading
             table = _columns(
-                content, encoding, layout, places,
+                text,
+                places,
                 dtype=np.float64,
                 decimal="," if commas else ".",
                 na_values=[*_MISSING, *(f"{each} " for each in _MISSING)],
-            )  # fmt: skip
+            )
     except (ValueError, OverflowError) as error:
-        why = _complaint(content, encoding, layout, commas, places)
-        raise ResultError(f"{name}: {why or str(error).splitlines()[0]}") from None
+        why = _complaint(text, places, commas=commas)
+        raise ResultError(f"{text.name}: {why or str(error).splitlines()[0]}") from None
     return [table[place].to_numpy(np.float64) for place in places]
 
 
-def _labels(content: bytes, encoding: str, layout: _Layout, place: int) -> list[str]:
+def _labels(text: _Text, place: int) -> list[str]:
     """Return the cells of a column as they are written; empty ones as nothing."""
-    table = _columns(content, encoding, layout, [place], dtype=str, na_values=_MISSING)
+    table = _columns(text, [place], dtype=str, na_values=_MISSING)
     return [label.strip() for label in table[place].fillna("")]
 
 
-def _columns(
-    content: bytes, encoding: str, layout: _Layout, places: Sequence[int], **cells: Any
-) -> pd.DataFrame:
+def _columns(text: _Text, places: Sequence[int], **cells: Any) -> pd.DataFrame:
     """Return columns of a text by their numbers. cells: how they are read."""
     import pandas as pd
 
     return pd.read_csv(
-        BytesIO(content),
-        sep=r"\s+" if layout.delimiter == " " else layout.delimiter,
+        BytesIO(text.content),
+        sep=r"\s+" if text.layout.delimiter == " " else text.layout.delimiter,
         header=None,
         names=range(max(places) + 1),
         index_col=False,
         usecols=sorted(set(places)),
-        skiprows=layout.first,
+        skiprows=text.layout.first,
         skipinitialspace=True,
-        encoding=encoding,
+        encoding=text.encoding,
         encoding_errors="replace",
         **cells,
     )
@@ -263,40 +258,39 @@ def _start(content: bytes, line: int) -> int:
     return at
 
 
-def _refuse_surplus(name: str, content: bytes, layout: _Layout) -> None:
+def _refuse_surplus(text: _Text) -> None:
     """Refuse a row with more cells than headings, unless the rest is empty."""
-    if layout.delimiter == " " or b'"' in content:
+    layout = text.layout
+    if layout.delimiter == " " or b'"' in text.content:
         return
-    text = np.frombuffer(content, np.uint8)[_start(content, layout.first) :]
-    ends = np.flatnonzero(text == ord("\n"))
-    marks = np.flatnonzero(text == ord(layout.delimiter))
+    signs = np.frombuffer(text.content, np.uint8)[_start(text.content, layout.first) :]
+    ends = np.flatnonzero(signs == ord("\n"))
+    marks = np.flatnonzero(signs == ord(layout.delimiter))
     counts = np.diff(np.searchsorted(marks, ends), prepend=0)
     if len(marks) and (not len(ends) or marks[-1] > ends[-1]):
-        ends = np.append(ends, len(text))
+        ends = np.append(ends, len(signs))
         counts = np.append(counts, len(marks) - counts.sum())
     for row in np.flatnonzero(counts >= layout.columns):
         begin = ends[row - 1] + 1 if row else 0
-        cells = bytes(text[begin : ends[row]]).decode("latin-1").split(layout.delimiter)
+        cells = bytes(signs[begin : ends[row]]).decode("latin-1").split(layout.delimiter)
         if any(cell.strip() for cell in cells[layout.columns :]):
             commas = ""
             if layout.delimiter == ",":
                 commas = "; decimals need a point, or ; between the cells"
             raise ResultError(
-                f"{name}: line {layout.first + row + 1}: has {len(cells)} cells for "
+                f"{text.name}: line {layout.first + row + 1}: has {len(cells)} cells for "
                 f"{layout.columns} {'headings' if layout.headings else 'columns'}{commas}"
             )
 
 
-def _complaint(
-    content: bytes, encoding: str, layout: _Layout, commas: bool, places: Sequence[int]
-) -> str | None:
-    """The first line that cannot be read, and why."""
-    lines = islice(BytesIO(content), layout.first, None)
-    for number, line in enumerate(lines, start=layout.first + 1):
-        text = line.decode(encoding, errors="replace")
-        if text.count('"') % 2:
+def _complaint(text: _Text, places: Sequence[int], *, commas: bool) -> str | None:
+    """Return the first line that cannot be read, and why."""
+    first = text.layout.first
+    for number, read in enumerate(islice(BytesIO(text.content), first, None), start=first + 1):
+        line = read.decode(text.encoding, errors="replace")
+        if line.count('"') % 2:
             return f"line {number}: a quote is not closed"
-        cells = _cells(text, layout.delimiter)
+        cells = _cells(line, text.layout.delimiter)
         for place in places:
             cell = cells[place].strip(AROUND) if place < len(cells) else ""
             if cell in _MISSING or (_WITH_COMMA if commas else _NUMBER).fullmatch(cell):

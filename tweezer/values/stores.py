@@ -177,7 +177,10 @@ def open_written(path: Path) -> xr.Dataset:
             )
             for each in store.coords.values():
                 each.load()
-            lazy = {name: _guarded(path, each.variable) for name, each in store.items()}
+            lazy = {}
+            for name, each in store.items():
+                read = indexing.LazilyIndexedArray(_Guarded(path, each.variable))
+                lazy[name] = xr.Variable(each.dims, read, each.attrs, each.encoding)
             return store.assign(lazy)
     except ResultError:
         raise
@@ -394,8 +397,3 @@ class _Guarded(xr.backends.BackendArray):
             return self.variable[key].values
         except Exception as error:  # Zarr raises of any kind where a chunk is damaged
             raise _unreadable(self.path, error) from None
-
-
-def _guarded(path: Path, variable: xr.Variable) -> xr.Variable:
-    lazy = indexing.LazilyIndexedArray(_Guarded(path, variable))
-    return xr.Variable(variable.dims, lazy, variable.attrs, variable.encoding)
