@@ -76,9 +76,9 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
     of_bead = places.pop("bead", None)
     axes = [axis for axis in AXES if axis in places]
     factors = {
-        name: _factor(table, name, place, reading, wanted) for name, place in places.items()
-        if name != "frame"
-    }  # fmt: skip
+        name: (1.0, "") if name == "frame" else _factor(table, name, place, reading, wanted)
+        for name, place in places.items()
+    }
     units = {axis: factors[axis][1] for axis in axes}
     if other := [axis for axis in axes if units[axis] != units[axes[0]]]:
         raise ResultError(
@@ -98,9 +98,7 @@ def read(table: Table, reading: Reading, wanted: Wanted) -> dict[str, Columns]:
             f"{table.name}: has {told}; must have as many of each: name columns of one length by "
             "--columns"
         )
-    values = {
-        name: each if name == "frame" else factors[name][0] * each for name, each in values.items()
-    }
+    values = {name: factors[name][0] * each for name, each in values.items()}
     chosen = [table.columns[place.column] for place in places.values()]
     notes = dict.fromkeys(column.note for column in chosen)
     steps = {column.step for column in chosen if column.step is not None}

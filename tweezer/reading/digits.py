@@ -105,9 +105,10 @@ def measured(times: Array, positions: Array) -> tuple[NDArray[np.int64], Array, 
     if not found.said:
         return every, times, positions, ""
     notes = [each for each in found.said if "the same numbers" in each]
-    lost = found.marks | _long(found.repeated)
-    if _long(found.repeated).any():
-        notes.append(f"{int(_long(found.repeated).sum()):,} samples in stretches without motion")
+    still = _long(found.repeated)
+    lost = found.marks | still
+    if still.any():
+        notes.append(f"{int(still.sum()):,} samples in stretches without motion")
     copies = found.copies & ~lost
     kept = np.flatnonzero(~copies)
     if copies.mean() <= _FEW:
