@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,7 @@ from tweezer.dynamics.events import Event, Occurrence, Piece, ending
 from tweezer.dynamics.layout import POSITION
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.dynamics.path import UNTOLD, Path
-from tweezer.dynamics.solution import BEFORE, Solver
+from tweezer.dynamics.solution import BEFORE, Solver, Steps
 from tweezer.dynamics.timing import timed
 from tweezer.forces.own import fault_of, forget_faults
 from tweezer.scene.choices import METHODS
@@ -81,35 +81,6 @@ class Integration:
         return None if self.inner is None else (self.states[-1], self.inner)
 
 
-class Taken(Piece, Protocol):
-    """Some steps that a solver took."""
-
-    def step_lengths(self, end: float) -> Array:
-        """s, of the steps that begin before `end`; (0,) where they are not kept."""
-
-    def inner(self, time: float) -> Array:
-        """State at a time as the loop of the method has it, (inner,)."""
-
-
-class Stepper(Protocol):
-    """What `integrate` follows."""
-
-    def advance(self) -> tuple[Taken | None, int]:
-        """Some more steps, and whether there are more to come: `integrators.REACHED` and so on."""
-
-    @property
-    def steps(self) -> int:
-        """Steps taken."""
-
-    @property
-    def rejected(self) -> int:
-        """Steps that missed the tolerances; 0 where a solver does not tell."""
-
-    @property
-    def force_calls(self) -> int:
-        """Places at which the force was evaluated."""
-
-
 def integrate(
     equations: EquationsOfMotion,
     times: Array,
@@ -149,7 +120,7 @@ def integrate(
     so_far = _SoFar(equations, times, [start[None]], most_held)
     force = equations.force
     forget_faults(force)
-    solver: Stepper | None = None
+    solver: Solver | SciPySolver | None = None
     try:
         if METHODS[method].solver:
             solver = SciPySolver(equations, method, float(times[-1]), tightened)
@@ -200,7 +171,7 @@ class _SoFar:
     happened: list[Occurrence] = dataclasses.field(default_factory=list)
     lengths: list[Array] = dataclasses.field(default_factory=lambda: [np.zeros(0)])
     pieces: list[Piece] = dataclasses.field(default_factory=list)
-    latest: Taken | None = None
+    latest: Steps | _Step | None = None
     """steps that contain the last output time"""
 
     @property
@@ -208,7 +179,7 @@ class _SoFar:
         """Last output time that was reached, s."""
         return float(self.times[self.reached - 1])
 
-    def take(self, piece: Taken, events: Sequence[Event], steps: int) -> float:
+    def take(self, piece: Steps | _Step, events: Sequence[Event], steps: int) -> float:
         """Take some steps, of `steps` in all, up to an event that ends the run; return the end, s.
 
         Raises `IntegrationError` for states that are not finite or in a wall.
@@ -227,10 +198,10 @@ class _SoFar:
             self._sample(piece, wanted)
         return end
 
-    def _events(self, piece: Taken, events: Sequence[Event]) -> float:
+    def _events(self, piece: Steps | _Step, events: Sequence[Event]) -> float:
         """Take the events within some steps; return the end of the steps, or of the run, s."""
         end, seen = piece.end, self.equations.released(piece)
-        found = [each for event in events for each in _found(event, seen)]
+        found = [(event, each) for event in events for each in event.occurrences(seen)]
         for event, each in sorted(found, key=lambda pair: pair[1].certain):
             if each.certain > end:
                 continue
@@ -240,7 +211,7 @@ class _SoFar:
                 self.status, self.message = event.ends_as, ending(event, end)
         return end
 
-    def _sample(self, piece: Taken, wanted: Array) -> None:
+    def _sample(self, piece: Steps | _Step, wanted: Array) -> None:
         """Take the states at some output times."""
         states = piece.states(wanted)
         # a step may end at numbers so large that those within it overflow
@@ -252,7 +223,7 @@ class _SoFar:
         if kept < len(wanted):
             raise IntegrationError(_IN_A_WALL if sound[kept] else _FAILURES[integrators.NOT_FINITE])
 
-    def result(self, method: str, solver: Stepper | None) -> Integration:
+    def result(self, method: str, solver: Solver | SciPySolver | None) -> Integration:
         """Return the result of a run that ended."""
         step_lengths = np.concatenate(self.lengths)
         steps = solver.steps if solver else 0
@@ -286,10 +257,6 @@ def _in_a_wall(equations: EquationsOfMotion, states: Array) -> NDArray[np.bool_]
     soft = max(SOFT, SOFT_IN_TOLERANCES * scene.simulation.position_tolerance)
     inside: NDArray[np.bool_] = scene.room(states[:, POSITION][:, 2]) < -soft
     return inside
-
-
-def _found(event: Event, piece: Piece) -> list[tuple[Event, Occurrence]]:
-    return [(event, each) for each in event.occurrences(piece)]
 
 
 @dataclass(frozen=True)
@@ -350,7 +317,7 @@ class SciPySolver:
         """Places at which the force was evaluated."""
         return self._equations.force_calls - self._calls_before
 
-    def advance(self) -> tuple[Taken | None, int]:
+    def advance(self) -> tuple[_Step | None, int]:
         """One step, and whether there are more to come, as `Solver.advance`."""
         solver = self._solver
         if self.force_calls > self._most_calls:

@@ -24,7 +24,7 @@ from tweezer.dynamics.integrators.system import DERIVATIVES, RATES, System
 from tweezer.dynamics.layout import POSITION, ROTATION, TRANSLATION, Layout
 from tweezer.dynamics.needs import OF_EQUATIONS, check
 from tweezer.dynamics.problem import Problem, bound_once
-from tweezer.fluid import DRAG_KERNEL, Modes, Resisted
+from tweezer.fluid import Modes, Resisted
 from tweezer.forces.data import Part, packed
 from tweezer.forces.force import Force, bound, numbered
 from tweezer.forces.wall import BORN
@@ -78,6 +78,10 @@ class EquationsOfMotion(Shown):
     """what a run goes on from; None for one from the release"""
     force_calls: int = field(default=0, init=False)
     """positions at which `rhs` and `jacobian` evaluated the light so far"""
+    rotates: bool = field(init=False)
+    """whether the state holds an orientation"""
+    stiff: bool = field(init=False)
+    """whether the state holds velocities, which the drag stops at once"""
 
     def __post_init__(self) -> None:
         self.scene, self.bead = self.problem.scene, self.problem.bead
@@ -87,9 +91,9 @@ class EquationsOfMotion(Shown):
         self.params = np.array([values[name] for name in self.module.PARAMS])
         self.layout = Layout.of_emitted(self.module.STATE)
         self._size = self.layout.size
-        self._rotates = "orientation" in self.layout
+        self.rotates = "orientation" in self.layout
         self._constrained = "euler_rates" in self.layout
-        self._inertial = "velocity" in self.layout
+        self.stiff = "velocity" in self.layout
         self._asks_orientation = self.force.oriented or self.drag.oriented
         self._rhs_inputs = self._inputs(self.module.RHS_INPUTS)
         self._jacobian_inputs = self._inputs(self.module.JACOBIAN_INPUTS)
@@ -119,15 +123,15 @@ class EquationsOfMotion(Shown):
         """
         names, first = self.module.PARAMS, self.layout.first
         rest = np.zeros(self._size)
-        if self._rotates:
+        if self.rotates:
             rest[first("orientation")] = 1.0
         # rates of the velocities or, without inertia, velocities: e' is half the angular velocity
         begins = [first("velocity"), first("angular_velocity")]
-        if not self._inertial:
+        if not self.stiff:
             begins = [first("position"), first("orientation") + 1]
-        where = [begin + i for begin in begins[: 1 + self._rotates] for i in range(3)]
+        where = [begin + i for begin in begins[: 1 + self.rotates] for i in range(3)]
         scale = np.ones(len(where))
-        if not self._inertial:
+        if not self.stiff:
             scale[ROTATION] = 2.0
         none, weightless = np.zeros((3, 3)), self.params.copy()
         weightless[[name.startswith("W") for name in names]] = 0.0
@@ -144,12 +148,12 @@ class EquationsOfMotion(Shown):
 
         many = range(len(where))
         times = np.ones(len(where))
-        if self._inertial:  # without the weight, so that the drag alone keeps its digits
+        if self.stiff:  # without the weight, so that the drag alone keeps its digits
             moving = rest + np.eye(self._size)[where]
             times = np.array([-1.0 / rates(weightless, moving[i])[i] for i in many])
         response = np.array([times[i] * rates(weightless, rest, i)[i] for i in many])
         drift = (times * rates(self.params, rest))[TRANSLATION]
-        if not self._inertial:
+        if not self.stiff:
             times[:] = 0.0
         inertia = np.zeros(0)
         if not self.drag.uniform:  # the weight is part of the force
@@ -202,7 +206,7 @@ class EquationsOfMotion(Shown):
         """s, of the velocities at the start: of translation and, with a rotation, of rotation."""
         bead, mobility = self.bead, self.problem.mobility
         translation = self.problem.effective_mass * mobility[TRANSLATION]
-        if not self._rotates:
+        if not self.rotates:
             return translation
         return np.append(translation, np.array(bead.moments_of_inertia) * mobility[ROTATION])
 
@@ -215,16 +219,6 @@ class EquationsOfMotion(Shown):
     def begin_state(self) -> Array:
         """(state,) at that time."""
         return self.initial_state if self.begin is None else self.begin.state
-
-    @property
-    def rotates(self) -> bool:
-        """Whether the state holds an orientation."""
-        return self._rotates
-
-    @property
-    def stiff(self) -> bool:
-        """Whether the state holds velocities, which the drag stops at once."""
-        return self._inertial
 
     @property
     def takes_drag_exactly(self) -> bool:
@@ -242,10 +236,9 @@ class EquationsOfMotion(Shown):
         `gradient` is whether the force returns its gradients. `rates` and `derivatives` are whether
         the loop calls the emitted rates, and their derivatives.
         """
-        kernel, data = self.drag.compiled()
         return System(
             bound(self.force, gradient=gradient),
-            Part(address(kernel, DRAG_KERNEL), data),
+            self.drag.part,
             self.drag.uniform,
             address(self.module.rates, RATES) if rates else 0,
             address(self.module.derivatives, DERIVATIVES) if derivatives else 0,
@@ -263,7 +256,9 @@ class EquationsOfMotion(Shown):
         inputs = (each[0] for each in self._rhs_inputs(np.array([t]), y[None]))
         rates = np.empty(self._size)
         self.module.rhs(t, y, *inputs, self.params, rates)
-        return _finite(rates)
+        if not np.isfinite(rates).all():
+            raise IntegrationError("the rate of change of the state is not finite")
+        return rates
 
     def _refuse_memory(self) -> None:
         if self.remembers:
@@ -295,7 +290,7 @@ class EquationsOfMotion(Shown):
 
         Takes the place of (A.26). It changes no orientation and no angular velocity.
         """
-        if not self._rotates:
+        if not self.rotates:
             return states
         states, e = np.array(states, order="C"), self.layout.at("orientation")
         if self._constrained:
@@ -316,18 +311,19 @@ class EquationsOfMotion(Shown):
         """
         states = self.on_constraints(states)
         # the slow models have no velocities in their state: they are its rates of change
-        rates = None if self._inertial else self._rates(times, states)
+        rates = None if self.stiff else self._rates(times, states)
         part = self._part
         position = part(states, "position")
         velocity = part(states, "velocity") if rates is None else part(rates, "position")
         orientation = angular_velocity = None
-        if self._rotates:
+        if self.rotates:
             orientation = part(states, "orientation")
             if "angular_velocity" in self.layout:
                 angular_velocity = part(states, "angular_velocity")
             else:
                 edot = part(states, "euler_rates") if rates is None else part(rates, "orientation")
-                angular_velocity = _angular_velocities(orientation, edot)
+                angular_velocity = np.empty((len(times), 3))
+                kinematics.angular_velocity.py_func(orientation.T, edot.T, angular_velocity.T)
         if hasattr(self.module, "initial_layer"):
             self._add_layer(times, position, velocity, orientation, angular_velocity)
         if orientation is not None:
@@ -359,7 +355,7 @@ class EquationsOfMotion(Shown):
         def evaluate(times: Array, states: Array) -> list[Sequence[Array] | Array]:
             self.force_calls += len(states)
             turned = None
-            if self._asks_orientation and self._rotates:
+            if self._asks_orientation and self.rotates:
                 turned = self._part(states, "orientation")
                 turned /= np.linalg.norm(turned, axis=1, keepdims=True)
             places = states[:, POSITION]
@@ -409,7 +405,7 @@ class EquationsOfMotion(Shown):
         """Blocks of the scene's start: q and v, or q, e, v and omega, as emitted functions do."""
         start = self.scene.start
         position, velocity = np.array(self.scene.start_position), np.array(start.velocity)
-        if not self._rotates:
+        if not self.rotates:
             return {"position": position, "velocity": velocity}
         return {
             "position": position,
@@ -420,7 +416,7 @@ class EquationsOfMotion(Shown):
 
     def _release_inputs(self) -> tuple[Array, ...]:
         at = self.problem.field(np.array([self.scene.start_position]))
-        fields = (at.force[0], at.moment[0]) if self._rotates else (at.force[0],)
+        fields = (at.force[0], at.moment[0]) if self.rotates else (at.force[0],)
         return (np.concatenate([*self._released().values()]), *fields, self.params)
 
     def _initial_state(self) -> Array:
@@ -530,15 +526,3 @@ def _parameter_values(problem: Problem, scaling_factor: float | None) -> dict[st
         "beta_v": 1 / mobility[0],
         "beta_w": 1 / mobility[3],
     }
-
-
-def _finite(rates: Array) -> Array:
-    if not np.isfinite(rates).all():
-        raise IntegrationError("the rate of change of the state is not finite")
-    return rates
-
-
-def _angular_velocities(orientation: Array, edot: Array) -> Array:
-    result = np.empty((len(orientation), 3))
-    kinematics.angular_velocity.py_func(orientation.T, edot.T, result.T)
-    return result

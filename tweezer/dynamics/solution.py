@@ -28,10 +28,11 @@ BEFORE = 1 - 1e-14
 
 
 @dataclass(frozen=True)
-class Piece:
+class Steps:
     """Some steps on end."""
 
-    solver: Solver
+    bound: Bound
+    """method that took them"""
     records: Records
     end: float
     """s"""
@@ -54,11 +55,12 @@ class Piece:
 
     def states(self, times: Array) -> Array:
         """States of the emitted module at ascending `times` within the piece, (n, state)."""
-        return self.solver.states(self.records, np.ascontiguousarray(times, dtype=np.float64))
+        return self.bound.states(self.records, np.ascontiguousarray(times, dtype=np.float64))
 
     def inner(self, time: float) -> Array:
         """Return the state at a time as the loop has it, (inner,)."""
-        return self.solver.inner(self.records, np.array([time]))[0]
+        states = self.bound.inner or self.bound.states
+        return states(self.records, np.array([time]))[0]
 
 
 class Solver:
@@ -119,7 +121,7 @@ class Solver:
         """Places at which the force was evaluated so far."""
         return int(self._counts[2])
 
-    def advance(self) -> tuple[Piece | None, int]:
+    def advance(self) -> tuple[Steps | None, int]:
         """Some more steps, if any, and why they ended: `integrators.REACHED` and so on."""
         room, n = self._room, len(self._y)
         shapes = (room,), (room,), (room, n), (room, *self._bound.shape)
@@ -134,12 +136,5 @@ class Solver:
             why = integrators.FULL
         if not written:
             return None, why
-        return Piece(self, Records(*(array[:written] for array in records)), self.time), why
-
-    def states(self, records: Records, times: Array) -> Array:
-        """See `Piece.states`."""
-        return self._bound.states(records, times)
-
-    def inner(self, records: Records, times: Array) -> Array:
-        """States as the loop has them, (n, inner)."""
-        return (self._bound.inner or self._bound.states)(records, times)
+        taken = Records(*(array[:written] for array in records))
+        return Steps(self._bound, taken, self.time), why

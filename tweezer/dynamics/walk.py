@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiled import address
 from tweezer.dynamics.beside_wall import held
 from tweezer.dynamics.brownian import crossing, march, memory, noise, propagator
 from tweezer.dynamics.brownian.batch import Linear, Plan, Scheme
@@ -25,7 +24,6 @@ from tweezer.dynamics.needs import Facts, is_diagonal, rates_of
 from tweezer.dynamics.problem import Problem, bound_once
 from tweezer.dynamics.step_bias import energy_loss
 from tweezer.dynamics.thermal import Linearised, decide, steps_of
-from tweezer.fluid import DRAG_KERNEL
 from tweezer.forces.data import Part
 from tweezer.forces.equilibria import Equilibrium
 from tweezer.forces.force import bound
@@ -319,14 +317,14 @@ class Walk:
     def _advance(
         self, states: Array, trajectories: Integers, sample: int, out: Array, plan: Plan
     ) -> None:
-        force, steps, weights = self._compiled
+        force, steps = self._compiled
         before, edge = states.copy(), self.edge._replace(find=crossing.finder_if_compiled())
         rest = self.layout, trajectories, states, sample, out
-        failed = march.advance(force, steps, plan, weights, edge, *rest)
+        failed = march.advance(force, steps, plan, self.weights, edge, *rest)
         if failed == march.NEAR:
             states[:] = before
             edge = edge._replace(find=crossing.finder())
-            failed = march.advance(force, steps, plan, weights, edge, *rest)
+            failed = march.advance(force, steps, plan, self.weights, edge, *rest)
         if failed >= 0:
             if fault := fault_of(self.problem.force):
                 raise IntegrationError(f"trajectory {trajectories[failed]}: {fault}")
@@ -352,12 +350,11 @@ class Walk:
         return Motion(parts["position"], velocity, orientation, parts.get("angular_velocity"))
 
     @functools.cached_property
-    def _compiled(self) -> tuple[Part, march.Steps, Weights]:
-        """Constant arguments of the compiled loop."""
+    def _compiled(self) -> tuple[Part, march.Steps]:
+        """Force and steps as arguments of the compiled loop."""
         scheme = self.scheme
-        steps = march.steps(scheme, self.layout)
         force = bound(self.problem.force, gradient=scheme.gradient)
-        return force, steps, self.weights
+        return force, march.steps(scheme, self.layout)
 
 
 def walk(scene: Scene | Problem, seed: int = 0, fewest: int = 1) -> Walk:
@@ -433,19 +430,13 @@ def _plan(
     tau = linear.tau if linear.inertial else np.full(dims, problem.relaxation_time)
     load = np.zeros(dims)
     load[TRANSLATION] = problem.bead.weight
-    resisting = _drag(problem)
+    resisting = problem.drag.part
     if walls is not None and scheme.data is not None:  # its step reads them, and calls no kernel
         resisting = Part(0, scheme.data(walls, linear.kT))
     return Plan(
         seed, step, per_sample, tau, linear.mobility, load, linear.diffusion, linear.centre,
         linear.kT, problem.drag.uniform or walls is not None, resisting,
     )  # fmt: skip
-
-
-def _drag(problem: Problem) -> Part:
-    """Return the kernel and the data of the drag."""
-    kernel, data = problem.drag.compiled()
-    return Part(address(kernel, DRAG_KERNEL), data)
 
 
 def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:
@@ -462,7 +453,7 @@ def _boundary(problem: Problem, linear: Linearised, step: float) -> Boundary:
         scene.simulation.loss_distance, lens,
         margin + step * float(np.linalg.norm(scene.start.velocity)),
         2 * linear.kT * step * (share(step, modes) if modes else 1.0), softest,
-        problem.drag.uniform, _drag(problem), 0,
+        problem.drag.uniform, problem.drag.part, 0,
     )  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tweezer.fluid.binding import drag, left_out_of_walls
-from tweezer.fluid.drag import DRAG_KERNEL, Drag, Mobility, Stokes, Walls, by_axis, stokes
+from tweezer.fluid.drag import Drag, Mobility, Stokes, Walls, by_axis, stokes
 from tweezer.fluid.memory import Modes, drag_at, enough_poles, modes, other_poles, single
 from tweezer.fluid.mobilities import wall_mobilities
 from tweezer.fluid.reflection import LOWEST, Memory, memory_beside, memory_far, steady
@@ -11,7 +11,6 @@ from tweezer.fluid.resisted import Resisted
 from tweezer.fluid.wall import BesideWall
 
 __all__ = [
-    "DRAG_KERNEL",
     "LOWEST",
     "BesideWall",
     "Drag",

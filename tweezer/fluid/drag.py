@@ -21,8 +21,8 @@ import numpy as np
 from numba import typeof, types
 from numpy.typing import NDArray
 
-from tweezer.compiled import cached_njit
-from tweezer.forces.data import DATA, Data, number, packed
+from tweezer.compiled import address, cached_njit
+from tweezer.forces.data import DATA, Data, Part, number, packed
 from tweezer.forces.force import POSE, Pose
 from tweezer.scene.sphere import drag_of_rotation, drag_of_translation
 from tweezer.values.errors import SceneError
@@ -78,6 +78,12 @@ class Drag(ABC):
     @abstractmethod
     def compiled(self) -> tuple[Kernel, Data]:
         """Its kernel `kernel(pose, data, mobility)`, and its data."""
+
+    @property
+    def part(self) -> Part:
+        """Address of its kernel, and its data, for compiled loops."""
+        kernel, data = self.compiled()
+        return Part(address(kernel, DRAG_KERNEL), data)
 
     def mobilities(
         self,

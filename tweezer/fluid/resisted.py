@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tweezer.compiled import address, cached_njit, call, named_njit
-from tweezer.fluid.drag import DRAG_KERNEL, Drag, Kernel, Mobility
-from tweezer.forces.data import Data, Part, packed, part, vector
+from tweezer.compiled import cached_njit, call, named_njit
+from tweezer.fluid.drag import Drag, Kernel, Mobility
+from tweezer.forces.data import Data, packed, part, vector
 from tweezer.forces.force import Force, Wrench, add, bound
 
 Array = NDArray[np.float64]
@@ -40,10 +40,8 @@ class Resisted(Force):
 
     def compiled(self, *, gradient: bool) -> tuple[Kernel, Data]:
         """See `Force.compiled`."""
-        kernel, data = self.drag.compiled()
-        drag = Part(address(kernel, DRAG_KERNEL), data)
         return _add_resisted, packed(
-            bound(self.force, gradient=gradient), drag, self.weight, self.reference
+            bound(self.force, gradient=gradient), self.drag.part, self.weight, self.reference
         )
 
 

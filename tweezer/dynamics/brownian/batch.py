@@ -219,12 +219,18 @@ class Linear(NamedTuple):
     parts: Array = _empty
     """(n,) its a_j"""
 
-    def exact(self, step: float, kappa: Array) -> Weights:
-        """Drag, noise and springs of these rates, exactly."""
-        weights = propagator.exact(step, self.tau, kappa, self.diffusion)
-        if not len(self.times):
-            return weights
-        return propagator.with_memory(step, self.times, self.parts, weights, self.diffusion)
+
+def exact(step: float, linear: Linear) -> Weights:
+    """Return the exact weights of drag, springs and noise."""
+    weights = propagator.exact(step, linear.tau, linear.kappa, linear.diffusion)
+    if not len(linear.times):
+        return weights
+    return propagator.with_memory(step, linear.times, linear.parts, weights, linear.diffusion)
+
+
+def exact_without_springs(step: float, linear: Linear) -> Weights:
+    """Return the exact weights of drag and noise."""
+    return exact(step, linear._replace(kappa=np.zeros_like(linear.kappa)))
 
 
 class Scheme(NamedTuple):

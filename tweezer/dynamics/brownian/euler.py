@@ -22,6 +22,7 @@ from tweezer.dynamics.brownian import propagator
 from tweezer.dynamics.brownian.batch import (
     Linear,
     Scheme,
+    exact,
     lead,
     slow_velocities,
     velocities_after,
@@ -122,7 +123,7 @@ def weights(step: float, linear: Linear) -> Weights:
 
 def harmonic_weights(step: float, linear: Linear) -> Weights:
     """Drag, spring and noise, exactly, of a stiffness with whatever entries."""
-    alone = linear.exact(step, linear.kappa)
+    alone = exact(step, linear)
     if np.array_equal(linear.rates, np.diag(np.diag(linear.rates))):
         return alone
     both = propagator.coupled(

@@ -14,15 +14,14 @@ from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.brownian.batch import (
-    Linear,
     Scheme,
+    exact,
     lead,
     slow_velocities,
     velocities_after,
     without_memory,
 )
 from tweezer.dynamics.brownian.coordinate import beyond_spring
-from tweezer.dynamics.brownian.propagator import Weights
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -48,9 +47,4 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
                 store(v, i, lanes(v, i) + v_by_rise * rise)
 
 
-def weights(step: float, linear: Linear) -> Weights:
-    """Drag, spring and noise, exactly."""
-    return linear.exact(step, linear.kappa)
-
-
-HEUN = Scheme(step, weights, force_calls=2, memory=True)
+HEUN = Scheme(step, exact, force_calls=2, memory=True)

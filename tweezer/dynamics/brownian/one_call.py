@@ -8,20 +8,17 @@ is wrong by construction, so its spectra are not the bead's.
 
 from __future__ import annotations
 
-import numpy as np
-
 from tweezer.compiled import cached_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
 from tweezer.dynamics.brownian import memory
 from tweezer.dynamics.brownian.batch import (
-    Linear,
     Scheme,
+    exact_without_springs,
     slow_velocities,
     velocities_after,
     without_memory,
 )
-from tweezer.dynamics.brownian.propagator import Weights
 
 
 @cached_njit(error_model="numpy", nogil=True)
@@ -54,9 +51,4 @@ def step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
     velocities_after(weights, beads)
 
 
-def weights(step: float, linear: Linear) -> Weights:
-    """Drag and noise, exactly."""
-    return linear.exact(step, np.zeros_like(linear.kappa))
-
-
-ONE_CALL = Scheme(step, weights, force_calls=1, samples_ahead=True, memory=True)
+ONE_CALL = Scheme(step, exact_without_springs, force_calls=1, samples_ahead=True, memory=True)

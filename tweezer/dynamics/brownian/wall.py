@@ -23,9 +23,13 @@ import numpy as np
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, root, store
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.batch import (
+    Scheme,
+    exact,
+    exact_without_springs,
+    slow_velocities,
+)
 from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, data_of, nearest
-from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.forces.data import number
 
 #: Torque at unit angular velocity over force at unit velocity, far away, in squared radii
@@ -204,15 +208,7 @@ def one_call_step(force, plan, weights, beads):  # type: ignore[no-untyped-def]
                 store(x, at, lanes(x, at) + way)
 
 
-def heun_weights(step: float, linear: Linear) -> Weights:
-    """Springs and noise, exactly."""
-    return linear.exact(step, linear.kappa)
-
-
-def one_call_weights(step: float, linear: Linear) -> Weights:
-    """Noise, exactly."""
-    return linear.exact(step, np.zeros_like(linear.kappa))
-
-
-HEUN = Scheme(heun_step, heun_weights, force_calls=2, data=data_of)
-ONE_CALL = Scheme(one_call_step, one_call_weights, force_calls=1, samples_ahead=True, data=data_of)
+HEUN = Scheme(heun_step, exact, force_calls=2, data=data_of)
+ONE_CALL = Scheme(
+    one_call_step, exact_without_springs, force_calls=1, samples_ahead=True, data=data_of
+)

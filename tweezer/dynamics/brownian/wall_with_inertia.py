@@ -30,9 +30,8 @@ import numpy as np
 from tweezer.compiled import cached_njit, named_njit
 from tweezer.compiled.lanes import LANES, lanes, store
 from tweezer.compiled.stack import borrowed
-from tweezer.dynamics.brownian.batch import Linear, Scheme, slow_velocities
+from tweezer.dynamics.brownian.batch import Scheme, exact_without_springs, slow_velocities
 from tweezer.dynamics.brownian.plane import RADIUS, RATE, by_gap, by_square, data_of, nearest
-from tweezer.dynamics.brownian.propagator import Weights
 from tweezer.forces.data import number
 
 #: Step over the relaxation time below which its functions are series
@@ -182,9 +181,5 @@ def _noise_of_velocity(diffusion, tau, left, gone, spreading):  # type: ignore[n
     return shared, math.sqrt(max((1.0 - left * left) * diffusion / tau - shared * shared, 0.0))
 
 
-def weights(step: float, linear: Linear) -> Weights:
-    """Those far from the wall. The step reads none of them: its friction is that of the place."""
-    return linear.exact(step, np.zeros_like(linear.kappa))
-
-
-HEUN = Scheme(step, weights, force_calls=2, data=data_of)
+# its weights are those far from the wall, of which the step reads none
+HEUN = Scheme(step, exact_without_springs, force_calls=2, data=data_of)
