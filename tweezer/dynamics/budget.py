@@ -96,7 +96,14 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
         return math.nan
     if len(run.times) < 2:
         return 0.0
-    return _of_model(equations, run, position)
+    full = equations.name.startswith("full")
+    if full and equations.remembers:
+        return _without_wall(equations, run)
+    exact = unscaled(equations.problem)
+    if equations.drag.uniform and exact is not None:
+        return _compared(exact, run, position)[1]
+    off = 0.0 if full else _compared(exact, run, position)[1]
+    return off + _lag(equations, run)
 
 
 def _of_integration(
@@ -157,17 +164,6 @@ def _finer_steps(equations: EquationsOfMotion, run: Integration) -> Array:
             ends = lengths[i] * 0.5 ** np.arange(many + 1, -1, -1)
             finer[i] = np.diff(ends, prepend=0.0)
     return np.concatenate(finer)
-
-
-def _of_model(equations: EquationsOfMotion, run: Integration, position: Array) -> float:
-    if equations.name.startswith("full") and equations.remembers:
-        return _without_wall(equations, run)
-    exact = unscaled(equations.problem)
-    if equations.drag.uniform and exact is not None:
-        return _compared(exact, run, position)[1]
-    if equations.name.startswith("full"):
-        return _lag(equations, run)
-    return _compared(exact, run, position)[1] + _lag(equations, run)
 
 
 def _without_wall(equations: EquationsOfMotion, run: Integration) -> float:

@@ -334,11 +334,6 @@ class Walk:
                 "too long"
             )
 
-    @property
-    def force_calls(self) -> int:
-        """Places at which a step evaluates the light."""
-        return self.scheme.force_calls
-
     def motion(self, samples: Array) -> Motion:
         """Samples (n, len(columns)) as the quantities they are; angular velocity in the body."""
         parts = {name: samples[:, self.shown.at(name)] for name in self.shown.blocks}

@@ -305,7 +305,7 @@ class _Followed:
     def __post_init__(self) -> None:
         self.times = self.bound.times[self.first :]
         self.end = self.state.copy()
-        self.calls = self.bound.per_sample * self.bound.force_calls
+        self.calls = self.bound.per_sample * self.bound.scheme.force_calls
 
     @classmethod
     def begin(cls, bound: Walk, begun: Continued | None, events: Sequence[Event]) -> _Followed:
