@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from tweezer.calibration import digits
@@ -29,10 +27,9 @@ from tweezer.calibration.results import AxisCalibration, Estimate, SpectrumFit
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import MOTION, STIFFNESS, Detected, WhittleFit
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.printed import printed, signal_unit
-
-Array = NDArray[np.float64]
 
 #: Largest relative uncertainty of a stiffness that counts as determined.
 _UNCERTAIN = 0.3

@@ -10,13 +10,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.calibration.findings import IMPROBABLE, Finding
 from tweezer.reading import copied, step_of, unmeasured
+from tweezer.values.arrays import Array
 from tweezer.values.printed import printed, signal_unit
-
-Array = NDArray[np.float64]
 
 #: Physical findings that samples which were not measured also cause
 _CAUSED = {"noise", "blur", "exposure", "spectrum", "drag", "halves", "line", "drift"}

@@ -14,15 +14,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from tweezer.calibration.answers import Answer
 from tweezer.calibration.following import Followed, jumping
 from tweezer.calibration.spectra import power_spectrum
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from tweezer.values.arrays import Array, Complex
 
 #: Largest number of frequencies of a drive
 _MOST_LINES = 8

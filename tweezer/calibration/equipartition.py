@@ -6,15 +6,13 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from tweezer.calibration.findings import Fits, relative_variance_of_variance
 from tweezer.calibration.spectra import TrappedBead
 from tweezer.calibration.whittle import STIFFNESS
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-
-Array = NDArray[np.float64]
 
 #: Distances from a stiffness, in its logarithm, at which another is looked for.
 _REACHES = (0.1, 0.5, 2.0, 8.0, 16.0)

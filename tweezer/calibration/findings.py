@@ -8,7 +8,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc, kolmogorov, ndtr
 
 from tweezer.calibration.left_out import NOTHING, LeftOut
@@ -22,10 +21,9 @@ from tweezer.calibration.whittle import (
     best_start,
     fitted,
 )
+from tweezer.values.arrays import Array
 from tweezer.values.printed import printed
 from tweezer.values.rounding import time_taken
-
-Array = NDArray[np.float64]
 
 #: Probability of such a record from a trapped bead below which a finding is reported.
 IMPROBABLE = 1e-3

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.calibration.answers import Answer, KnownDrag
 from tweezer.calibration.driving import Drive
@@ -27,8 +26,7 @@ from tweezer.calibration.whittle import (
     usable,
 )
 from tweezer.reading.recording import Recording
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: First guesses of what a detector does, for a fit: exposure in steps, frequency of a diode in that
 #: of Nyquist and the part that it detects at once, noise in the density at the highest frequencies.

@@ -20,9 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from tweezer.calibration.answers import Answer
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from tweezer.values.arrays import Array, Complex
 
 #: Part of a record over which both signals fade in and out, so that its ends do not count.
 _FADES = 0.1

@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtrc, fdtr, ndtr
 
@@ -24,14 +23,13 @@ from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.findings import IMPROBABLE, REFUTED, Finding, in_words
 from tweezer.calibration.quantities import EXPECTED, FREE_DIFFUSION, INFERRED
 from tweezer.calibration.steps import EXACT, Steps
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
 from tweezer.values.printed import in_unit, printed
 from tweezer.values.rounding import with_uncertainty
 from tweezer.values.shown import Card, Row
-
-Array = NDArray[np.float64]
 
 #: Rise of twice the negative log-likelihood at the ends of a 95 % interval.
 _LEVEL = 3.841

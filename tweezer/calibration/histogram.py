@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from tweezer.calibration.quantities import BOTTOM, MINIMUM
 from tweezer.calibration.spectra import statistical_inefficiency, variance_of_means
 from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
 from tweezer.values.printed import in_unit, printed
 from tweezer.values.shown import Card, Row
 from tweezer.values.units import TEMPERATURE, QuantitiesLike, QuantityLike
-
-Array = NDArray[np.float64]
 
 #: Half the width of a histogram, in standard deviations.
 _REACH = 4.0

@@ -14,8 +14,7 @@ from scipy.optimize import least_squares
 from tweezer.calibration.left_out import Missing
 from tweezer.calibration.spectra import TrappedBead, autocovariance, mean_squared_displacement
 from tweezer.calibration.whittle import inverse
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Smallest and largest lag of the fits in time, in relaxation times.
 _LAGS = (0.1, 2.0)

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tweezer.calibration.driving import motion, strongest_line
 from tweezer.calibration.spectra import TrappedBead
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.printed import printed, signal_unit
 from tweezer.values.units import QuantityLike, bare, to_si
 
-Array = NDArray[np.float64]
 Band = tuple[float, float]
 
 #: Largest number of frequencies that stand for those that are left out.

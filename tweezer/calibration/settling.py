@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.calibration.spectra import statistical_inefficiency
-
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Standard deviation of a Gaussian over its median absolute deviation
 _DEVIATION_PER_MEDIAN = 1.4826

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tweezer.scene.choices import POLES
+from tweezer.values.arrays import Array, Complex
 from tweezer.values.constants import Boltzmann
 
 if TYPE_CHECKING:
     from tweezer.fluid import Memory
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 #: Amplitudes (m^2) and rates (1/s); complex where a decay rings
 Decays = list[tuple[complex, complex]]
 

@@ -6,11 +6,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import dst
 from scipy.optimize import minimize_scalar
 
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
 
 #: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
 _BLOCKS = 1000

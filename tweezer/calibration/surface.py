@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
@@ -18,13 +17,12 @@ from tweezer.calibration.results import Calibration
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import inverse
 from tweezer.scene.arguments import in_si, numbers_in_si
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.measured import Measured, Result
 from tweezer.values.printed import in_unit
 from tweezer.values.shown import Card, Row, Table
 from tweezer.values.units import QuantitiesLike, QuantityLike
-
-Array = NDArray[np.float64]
 
 #: Smallest gaps, in radii, and focal shifts that a fit is tried from
 _GAPS, _SHIFTS = np.geomspace(1e-2, 30.0, 15), (0.7, 0.85, 1.0)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.calibration import digits
 from tweezer.calibration.free import Diffusion, Given, free_bead
@@ -18,6 +17,7 @@ from tweezer.reading import Columns, Reading, Wanted, measured
 from tweezer.reading.recording import Recording, Run, read_source
 from tweezer.scene.arguments import in_si, name_last
 from tweezer.scene.sphere import drag_of_translation
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.shown import Card, Row, Shown
 from tweezer.values.units import QuantityLike
@@ -25,7 +25,6 @@ from tweezer.values.units import QuantityLike
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: Smallest number of consecutive frames that determine a diffusion coefficient
 LEAST_FRAMES = 4

@@ -15,9 +15,8 @@ from scipy.linalg import eigh
 from scipy.optimize import minimize
 
 from tweezer.calibration.spectra import TrappedBead, power_spectrum, statistical_inefficiency
+from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
-
-Array = NDArray[np.float64]
 
 #: Highest frequency of a fit, in units of the roll-off of the spectrum.
 _RANGE = 20.0

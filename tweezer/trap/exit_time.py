@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tweezer.values.arrays import Array
+
 #: force across and along the axis, N, and mobilities across and along it, s/kg, (n,) each, at
 #: distances from the axis and heights on it, (n,) m
 Field = Callable[[Array, Array], tuple[Array, Array, Array, Array]]

@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.layout import TRANSLATION
@@ -21,6 +20,7 @@ from tweezer.scene.arguments import numbers_in_si
 from tweezer.scene.bead import bead_properties
 from tweezer.trap.quantities import HELD, LOST, ON_RING, RESTS
 from tweezer.trap.trap import pressed
+from tweezer.values.arrays import Array
 from tweezer.values.errors import PhysicsWarning, SceneError
 from tweezer.values.units import WALL, QuantitiesLike
 from tweezer.values.version import made_by, versions
@@ -28,7 +28,6 @@ from tweezer.values.version import made_by, versions
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 
 #: Largest height of the focus, m
 _HIGHEST = WALL[1]

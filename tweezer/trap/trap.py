@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tweezer.dynamics import Problem, bound_once
 from tweezer.dynamics.escape import Escape, escapes, escapes_from_ring, largest, too_shallow
@@ -34,6 +33,7 @@ from tweezer.optics.worth import between
 from tweezer.scene import Scene, SceneLike
 from tweezer.trap import quantities as known
 from tweezer.trap.holding import Lifetime, adds_nothing, doubt, lifetime, time_without_light
+from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError, TweezerError
 from tweezer.values.measured import Measured, Result, figure
 from tweezer.values.prefixes import per
@@ -44,8 +44,6 @@ from tweezer.values.vectors import Comparable, Vector, fixed
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-Array = NDArray[np.float64]
 
 
 #: Part of the stiffness below which one across the axes is not shown
