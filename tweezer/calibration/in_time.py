@@ -56,9 +56,7 @@ def displacement(
     )
     values = mean_squared_displacement(positions, lags)
     start = np.log([bead.stiffness] if drag_known else [bead.stiffness, bead.drag])
-    found, errors = _least_squares(values, covariance, predicted, start)
-    k = math.exp(found[0])
-    return k, k * float(errors[0])
+    return _least_squares(values, covariance, predicted, start)
 
 
 def autocorrelation(
@@ -79,9 +77,7 @@ def autocorrelation(
     covariance = covariance_of_averages(bead, step, len(positions), lags, of_products, missing)
     values = autocovariance(positions, lags)
     start = np.log([bead.stiffness, bead.variance])
-    found, errors = _least_squares(values, covariance, predicted, start)
-    k = math.exp(found[0])
-    return k, k * float(errors[0])
+    return _least_squares(values, covariance, predicted, start)
 
 
 Covariance = Callable[[NDArray[np.int64]], Array]
@@ -127,10 +123,11 @@ def covariance_of_averages(
 
 def _least_squares(
     values: Array, covariance: Array, predicted: Callable[[Array], Array], start: Array
-) -> tuple[Array, Array]:
-    """Best parameters for `values`, and their standard uncertainties.
+) -> tuple[float, float]:
+    """The stiffness that is best for `values`, and its standard uncertainty, N/m.
 
-    The uncertainties use the slopes at the start of the fit, as the covariance does.
+    Its logarithm is the first parameter. The uncertainty uses the slopes at the start of the fit,
+    as the covariance does.
     """
     size = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(size, size) + 1e-10 * np.eye(size.size)
@@ -143,4 +140,5 @@ def _least_squares(
     slopes = np.stack(
         [(residuals(start + d) - residuals(start - d)) / 2e-4 for d in 1e-4 * np.eye(start.size)]
     )
-    return found, np.sqrt(np.diag(inverse(slopes @ slopes.T)))
+    k = math.exp(found[0])
+    return k, k * math.sqrt(inverse(slopes @ slopes.T)[0, 0])

@@ -116,7 +116,9 @@ class Setup:
         Raises `ResultError`, which names the recording, for what is wrong, missing or contradicts.
         """
         name, scene = recording.name, recording.scene
-        given = {key: _in_si(name, key, getattr(self, key), unit) for key, unit in _UNITS.items()}
+        given = {
+            key: given_in_si(name, key, getattr(self, key), unit) for key, unit in _UNITS.items()
+        }
         left_out = LeftOut.of(name, self.leave_out, self.drift, self.fit_range)
         left_out.refuse_too_much(name, len(recording.times), recording.step)
         detector = self._detector(recording)
@@ -158,9 +160,9 @@ class Setup:
         asked = {"exposure": self.exposure, "diode_frequency": self.diode, "noise": self.noise}
         fitted = tuple(name for name, value in asked.items() if value == "fit")
         exposure, diode, noise = (None if value == "fit" else value for value in asked.values())
-        exposed = _in_si(recording.name, "exposure", exposure, "s")  # type: ignore[arg-type]
+        exposed = given_in_si(recording.name, "exposure", exposure, "s")  # type: ignore[arg-type]
         pair = None if diode is None else _diode(recording.name, diode)
-        level = _in_si(recording.name, "noise", noise, recording.unit)  # type: ignore[arg-type]
+        level = given_in_si(recording.name, "noise", noise, recording.unit)  # type: ignore[arg-type]
         noises = dict.fromkeys(recording.axes, level or 0.0)
         if level is None and "noise" not in fitted and recording.noise is not None:
             level = recording.noise[0]
@@ -174,7 +176,7 @@ class Setup:
         return Detector(exposed, pair, level, noises, fitted)
 
 
-def _in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
+def given_in_si(recording: str, name: str, value: QuantityLike | None, unit: str) -> float | None:
     """Return an argument in its SI unit; None if not given."""
     if value is None:
         return None

@@ -85,8 +85,7 @@ class Steps:
 
     def misfit(self, a: float, b: float) -> float:
         """-2 times the log-likelihood with any drifts, of ln A and ln B."""
-        A, B = math.exp(a), math.exp(b)
-        spectrum = A * self._share + B * (1 - self._share)
+        spectrum = math.exp(a) * self._share + math.exp(b) * (1 - self._share)
         per = 1 / spectrum
         of_drift = self._drift @ per
         value = self._counts @ np.log(spectrum) + self._squares @ per

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.special import chdtrc
 
 from tweezer.calibration.findings import REFUTED, Finding
-from tweezer.calibration.quantities import FAR_DRAG, HEIGHT, SHIFT, WALL
+from tweezer.calibration.quantities import DRAG, FAR_DRAG, HEIGHT, SHIFT, WALL
 from tweezer.calibration.results import Calibration
 from tweezer.calibration.wall import Height
 from tweezer.calibration.whittle import inverse
@@ -155,7 +155,7 @@ def find_wall(
             f"{distinct} positions with a drag that nothing speaks against: must be {unknown} or "
             f"more to fit {unknown} unknowns"
         )
-    fit = _Fit(drags, float(places.min()), radius, drag, shift)
+    fit = _Fit(drags, float(places.min()), radius, shift, drag)
     found = fit.best()
     covariance = inverse(fit.information(found))
 
@@ -202,19 +202,12 @@ class _Drags:
     def of(cls, calibrations: Sequence[Calibration], positions: Array) -> _Drags:
         """Those that nothing speaks against, but that they are not those far from a wall."""
         rows = [
-            (
-                position,
-                axis.axis,
-                axis.free_fit.bead.drag,
-                axis.free_fit.drag_uncertainty,
-                each.name,
-            )
+            (position, axis.axis, float(drag.value), float(drag.errors), each.name)
             for each, position in zip(calibrations, positions, strict=True)
             for axis in each.axes
-            if axis.free_fit.drag_uncertainty is not None
-            and 0 < axis.free_fit.drag_uncertainty < axis.free_fit.bead.drag
+            if (drag := axis.numbers.get(DRAG.name)) and 0 < drag.errors < drag.value
             and not {finding.name for finding in axis.findings} - {"drag"}
-        ]
+        ]  # fmt: skip
         if not rows:
             raise ResultError("no recording measures the drag: it is in volts, or not trusted")
         at, axes, drags, errors, names = zip(*rows, strict=True)
@@ -222,16 +215,6 @@ class _Drags:
             np.array(at), axes, np.log(drags), np.array(errors) / np.array(drags),
             tuple(dict.fromkeys(names)),
         )  # fmt: skip
-
-
-class _Parts(NamedTuple):
-    """Unknowns and given numbers of a fit, as logarithms."""
-
-    gap: float
-    """the smallest, in radii"""
-    shift: float
-    drag: float
-    """far from the wall, kg/s"""
 
 
 @dataclass(frozen=True)
@@ -242,14 +225,21 @@ class _Fit:
     nearest: float
     """smallest position, m"""
     radius: float
-    drag: float | None
     shift: float | None
+    drag: float | None
 
-    def parts(self, unknowns: Array) -> _Parts:
-        """All numbers, of which some are unknown."""
-        gap, *rest = unknowns
-        shift = rest.pop(0) if self.shift is None else math.log(self.shift)
-        return _Parts(gap, shift, rest.pop(0) if self.drag is None else math.log(self.drag))
+    @property
+    def given(self) -> Array:
+        """(3,) logarithms of smallest gap (radii), shift and drag (kg/s); NaN where unknown."""
+        return np.array(
+            [math.nan, *(math.log(each) if each else math.nan for each in (self.shift, self.drag))]
+        )
+
+    def parts(self, unknowns: Array) -> Array:
+        """The same with the unknowns."""
+        every = self.given
+        every[np.isnan(every)] = unknowns
+        return every
 
     def heights(self, unknowns: Array, positions: Array) -> Array:
         """Heights of the bead, m."""
@@ -269,7 +259,7 @@ class _Fit:
             Height(h, 0.0, self.radius).mobility(axis)
             for h, axis in zip(heights, drags.axes, strict=True)
         ]
-        expected = self.parts(unknowns).drag - np.log(mobilities)
+        expected = self.parts(unknowns)[2] - np.log(mobilities)
         return np.asarray((drags.logarithms - expected) / drags.errors)
 
     def differences(self, of: Callable[[Array], Array], unknowns: Array) -> Array:
@@ -284,18 +274,14 @@ class _Fit:
 
     def best(self) -> Array:
         """The unknowns that fit best, of those found from several starts."""
-        shifts = _SHIFTS if self.shift is None else (None,)
-        drags = (float(self.drags.logarithms.min()),) if self.drag is None else (None,)
+        unknown = np.isnan(self.given)
+        drag = float(self.drags.logarithms.min())
         starts = [
-            np.array([math.log(gap), *(math.log(s) for s in (shift,) if s), *filter(None, (drag,))])
+            np.array([math.log(gap), math.log(shift), drag])[unknown]
             for gap in _GAPS
-            for shift in shifts
-            for drag in drags
+            for shift in (_SHIFTS if self.shift is None else (1.0,))
         ]
         start = min(starts, key=lambda each: float((self.residuals(each) ** 2).sum()))
-        ends = np.full(len(start), math.inf)
-        low, high = -ends, ends.copy()
-        low[0], high[0] = np.log(_GAP_ENDS)
-        if self.shift is None:
-            low[1], high[1] = np.log(_SHIFT_ENDS)
-        return np.asarray(least_squares(self.residuals, start, bounds=(low, high)).x)
+        anywhere = -math.inf, math.inf
+        ends = np.array([np.log(_GAP_ENDS), np.log(_SHIFT_ENDS), anywhere])[unknown]
+        return np.asarray(least_squares(self.residuals, start, bounds=ends.T).x)

@@ -13,6 +13,7 @@ import numpy as np
 
 from tweezer.calibration import digits
 from tweezer.calibration.free import Diffusion, Given, free_bead
+from tweezer.calibration.setup import given_in_si
 from tweezer.reading import Columns, Reading, Wanted, measured
 from tweezer.reading.recording import Recording, Run, read_source
 from tweezer.scene.arguments import in_si, name_last
@@ -185,14 +186,13 @@ def diffusion(
                 f"{each.name}: has {1 / each.step:.5g} Hz, and {first.name} {1 / first.step:.5g} "
                 "Hz; must be one rate"
             )
-    units = {"temperature": "K", "radius": "m", "viscosity": "Pa s", "exposure": "s"}
-    values = (temperature, radius, viscosity, exposure)
     given = {
-        quantity: None
-        if value is None
-        else in_si(f"{name}: {quantity}", value, unit, error=ResultError)
-        for (quantity, unit), value in zip(units.items(), values, strict=True)
-    }
+        quantity: given_in_si(name, quantity, value, unit)
+        for quantity, value, unit in (
+            ("temperature", temperature, "K"), ("radius", radius, "m"),
+            ("viscosity", viscosity, "Pa s"), ("exposure", exposure, "s"),
+        )
+    }  # fmt: skip
     for quantity, value in given.items():
         if value is not None and (value < 0 or (value == 0 and quantity != "exposure")):
             raise ResultError(f"{name}: {quantity} = {value:g}: must be positive")
@@ -203,10 +203,8 @@ def diffusion(
     drag = None
     if given["radius"] is not None and given["viscosity"] is not None:
         drag = drag_of_translation(given["viscosity"], given["radius"])
-    noises = {}
-    if noise is not None:
-        error = in_si(f"{name}: noise", noise, first.unit, error=ResultError)
-        noises = dict.fromkeys(first.axes, error)
+    error = given_in_si(name, "noise", noise, first.unit)
+    noises = {} if error is None else dict.fromkeys(first.axes, error)
     found = free_bead(
         name, first.axes, [each.positions for each in trajectories], first.step,
         Given(given["temperature"], given["radius"], given["viscosity"], drag, exposed, noises,
