@@ -74,7 +74,8 @@ def along(record: Record) -> AxisCalibration:
     if answers and record.drive is not None:
         findings += _jumping(fits.fit, step, record.drive.jumps)
     estimates = []
-    for method, k, uncertainty, objections in _numbers(record, signal, fits, slow, resolution):
+    for method, found, objections in _numbers(record, signal, fits, slow, resolution):
+        k, uncertainty = map(float, found)
         apart = abs(k - bead.stiffness) / math.hypot(uncertainty, own.stiffness_uncertainty)
         against = [*findings, *objections]
         if not 0 < uncertainty <= _UNCERTAIN * abs(k):
@@ -115,8 +116,8 @@ def _findings(record: Record, positions: Array, fits: Fits, resolution: float) -
 
 def _numbers(
     record: Record, positions: Array, fits: Fits, slow: list[Finding], resolution: float
-) -> Iterator[tuple[str, float, float, list[Finding]]]:
-    """Yield each method with its stiffness, its uncertainty (N/m) and its findings.
+) -> Iterator[tuple[str, tuple[float, float], list[Finding]]]:
+    """Yield each method with its stiffness and its uncertainty (N/m), and its findings.
 
     `slow` is a drift that is not in the way of the spectral fits.
     """
@@ -130,96 +131,87 @@ def _numbers(
         text = f"{method}: fewer than {_FEW:g} relaxation times"
         return [Finding("few", text)] if len(positions) * step / bead.relaxation_time < _FEW else []
 
-    def by(
-        method: str, found: tuple[float, float], against: list[Finding]
-    ) -> tuple[str, float, float, list[Finding]]:
-        return method, float(found[0]), float(found[1]), against
+    def by_spectrum(each: WhittleFit) -> tuple[float, float]:
+        return each.bead.stiffness, each.bead.stiffness * each.uncertainty(1, 0)
 
-    for method, each in (("power spectrum", fit), ("power spectrum, drag fitted", fits.free)):
-        if each is not fit or method == "power spectrum":
-            k = each.bead.stiffness
-            yield by(method, (k, k * each.uncertainty(1, 0)), made_by)
-    yield by("equipartition", equipartition(positions, fits), slow)
+    yield "power spectrum", by_spectrum(fit), made_by
+    if fits.free is not fit:
+        yield "power spectrum, drag fitted", by_spectrum(fits.free), made_by
+    yield "equipartition", equipartition(positions, fits), slow
     if fit.free in (STIFFNESS, MOTION):  # else there is more that is as uncertain
         lags = lags_of(len(positions), step, bead)
         missing = record.known.left_out.missing(bead, len(positions), step)
         found = displacement(positions, step, bead, lags, missing, record.drag_known)
-        yield by("displacement", found, [*slow, *made_by, *too_few("displacement")])
+        yield "displacement", found, [*slow, *made_by, *too_few("displacement")]
         if record.drag_known:
             found = autocorrelation(positions, step, bead, lags, missing)
-            yield by("autocorrelation", found, [*slow, *made_by])
+            yield "autocorrelation", found, [*slow, *made_by]
     well = potential(positions, bead.temperature, resolution)
     if well.stiffness is not None and well.uncertainty is not None:
         found = corrected(well.stiffness, well.uncertainty, fits)
-        yield by("potential", found, [*slow, *too_few("potential")])
+        yield "potential", found, [*slow, *too_few("potential")]
 
 
-def _disagreeing(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+def _disagreeing(
+    fit: WhittleFit, answers: tuple[Answer, ...], response: float
+) -> Iterator[Finding]:
     """Answers at several frequencies that no bead gives together."""
     squares = sum(each.per(response).misfit(fit.bead) ** 2 for each in answers)
-    if len(answers) < 2 or chdtrc(len(answers) - 1, squares) >= IMPROBABLE:
-        return []
-    text = "its answers to the stage at different frequencies contradict each other"
-    return [Finding("drive", text)]
+    if len(answers) > 1 and chdtrc(len(answers) - 1, squares) < IMPROBABLE:
+        text = "its answers to the stage at different frequencies contradict each other"
+        yield Finding("drive", text)
 
 
-def _jumping(fit: WhittleFit, step: float, jumps: float) -> list[Finding]:
+def _jumping(fit: WhittleFit, step: float, jumps: float) -> Iterator[Finding]:
     """Return a stage that jumps between samples, with what the bead moves until the next one.
 
     Whether it jumps just after a sample or just before the next one changes the size of an answer
     by the step over the relaxation time, half of it to either side.
     """
     off = jumps * step / (2 * fit.bead.relaxation_time)
-    if off < HARM * fit.uncertainty(0, 0, 1):
-        return []
-    text = (
-        f"the stage jumps between two samples, which leaves {100 * off:.2g} % open: move it "
-        "steadily, as a triangle or a sine, or sample faster"
-    )
-    return [Finding("drive", text)]
+    if off >= HARM * fit.uncertainty(0, 0, 1):
+        yield Finding(
+            "drive", f"the stage jumps between two samples, which leaves {100 * off:.2g} % open: "
+            "move it steadily, as a triangle or a sine, or sample faster"
+        )  # fmt: skip
 
 
-def _unfollowed(frequencies: tuple[float, ...]) -> list[Finding]:
+def _unfollowed(frequencies: tuple[float, ...]) -> Iterator[Finding]:
     """Frequencies (Hz) at which the column of a stage is the noise of its sensor."""
-    if not frequencies:
-        return []
-    at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
-    more = " and more" if len(frequencies) > _TOLD else ""
-    text = (
-        f"at {at} Hz{more} the bead does not follow the stage: the sensor of the stage has noise "
-        "there, which is left out"
-    )
-    return [Finding("sensor", text)]
+    if frequencies:
+        at = " and ".join(f"{each:.3g}" for each in frequencies[:_TOLD])
+        more = " and more" if len(frequencies) > _TOLD else ""
+        yield Finding(
+            "sensor", f"at {at} Hz{more} the bead does not follow the stage: the sensor of the "
+            "stage has noise there, which is left out"
+        )  # fmt: skip
 
 
-def _roaming(bead: TrappedBead, height: Height | None) -> list[Finding]:
+def _roaming(bead: TrappedBead, height: Height | None) -> Iterator[Finding]:
     """Return a remark if the motion of a bead across a wall changes its height by much."""
     if height is None or not bead.across:
-        return []
+        return
     deviation = math.sqrt(Boltzmann * bead.temperature / bead.stiffness)
     part = deviation / (height.distance - height.radius)
-    if part < _ROAMING:
-        return []
-    text = (
-        f"the bead moves by {printed(deviation, 'nm', 2)} rms across the wall, {part:.2g} of the "
-        "gap: its drag is a mean over heights"
-    )
-    return [Finding("height", text)]
+    if part >= _ROAMING:
+        yield Finding(
+            "height", f"the bead moves by {printed(deviation, 'nm', 2)} rms across the wall, "
+            f"{part:.2g} of the gap: its drag is a mean over heights"
+        )  # fmt: skip
 
 
-def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> list[Finding]:
+def _late(fit: WhittleFit, answers: tuple[Answer, ...], response: float) -> Iterator[Finding]:
     """Answers whose phase is not that of the bead, of which only the size is used."""
     for each in answers:
         late, error = each.per(response).late(fit.bead)
         if abs(late) > max(_LATE[0] * error, _LATE[1]):
             delay = printed(abs(late / (2 * math.pi * each.frequency)), "ms", 2)
-            text = (
-                f"at {each.frequency:.4g} Hz the record is {delay} "
-                f"{'behind' if late > 0 else 'before'} the bead that the stage drives; only the "
-                "size of the answer is used"
-            )
-            return [Finding("late", text)]
-    return []
+            way = "behind" if late > 0 else "before"
+            yield Finding(
+                "late", f"at {each.frequency:.4g} Hz the record is {delay} {way} the bead that the "
+                "stage drives; only the size of the answer is used"
+            )  # fmt: skip
+            return
 
 
 #: Words for what is not determined: the parameter, what bounds it, and its unit.
@@ -231,20 +223,16 @@ _WORDS = {
 }
 
 
-def _undetermined(detector: tuple[Detected, ...], unit: str) -> list[Finding]:
+def _undetermined(detector: tuple[Detected, ...], unit: str) -> Iterator[Finding]:
     """Fitted detector parameters that the record does not determine."""
     unseen = [each for each in detector if each.value is None]
     if any(each.name == "diode_frequency" for each in unseen):
         unseen = [each for each in unseen if each.name != "diode_fraction"]
-    found = []
     for each in unseen:
         what, side, of = _WORDS[each.name]
         of = signal_unit(unit) if each.name == "noise" else of
-        bound = "" if each.limit is None else f": {side} {printed(each.limit, of, 2)}"
-        likely = bound and " (95 %)"
-        text = f"the record does not determine {what}{bound}{likely}"
-        found.append(Finding("undetermined", text))
-    return found
+        bound = "" if each.limit is None else f": {side} {printed(each.limit, of, 2)} (95 %)"
+        yield Finding("undetermined", f"the record does not determine {what}{bound}")
 
 
 def _spectrum_fit(fit: WhittleFit) -> SpectrumFit:

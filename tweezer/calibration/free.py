@@ -331,13 +331,13 @@ def free_bead(
     error = D * math.sqrt(wider / information)
     if all(fit.noisy(best) for fit in every):
         low = 0.0
-    elif len(names) > 1 and 0 < low < high < math.inf:  # each drift takes a step of its track
+    determined = len(names) > 1 and 0 < low < high < math.inf
+    if determined:  # each drift takes a step of its track
         error = D * math.log(high / low) / (2 * math.sqrt(_LEVEL))
     findings = [finding for fit in every for finding in fit.findings(step)]
-    determined = len(names) > 1 and 0 < low < high < math.inf
     if determined and not any(each.name == "confined" for each in findings):
         findings += _held(every, best, 2 * (D / error) ** 2)
-    apart = max(least - sum(fit.least for fit in every), 0.0) / wider
+    apart = max(least - sum(fit.own[2] for fit in every), 0.0) / wider
     unit = "um^2/s" if given.unit == "m" else "10^-12 V^2/s"
     if len(every) > 1 and chdtrc(len(every) - 1, apart) < IMPROBABLE:
         values = " and ".join(in_unit(fit.diffusion(step), unit, 3) for fit in every)
@@ -595,7 +595,7 @@ class _Fit:
         return math.log(max(2 * D * self.steps.step / self.steps.square, _LEAST_START))
 
     @cached_property
-    def _own(self) -> tuple[float, float, float]:
+    def own(self) -> tuple[float, float, float]:
         """ln A and ln B that fit this axis best, and the misfit."""
         a, least = _least(lambda a: self._at(a)[0], self._start)
         return a, self._at(a)[1], least
@@ -603,12 +603,7 @@ class _Fit:
     @property
     def best(self) -> float:
         """a of this axis."""
-        return self._own[0] - self.shift
-
-    @property
-    def least(self) -> float:
-        """The smallest misfit of this axis."""
-        return self._own[2]
+        return self.own[0] - self.shift
 
     def drifts_squared(self, a: float) -> Array:
         """Return the square of each track's drift over its uncertainty, at the common a."""
@@ -621,7 +616,7 @@ class _Fit:
 
     def diffusion(self, step: float) -> float:
         """Along this axis, m^2/s."""
-        return math.exp(self._own[0]) * self.steps.square / (2 * step)
+        return math.exp(self.own[0]) * self.steps.square / (2 * step)
 
     def information(self, a: float) -> float:
         """Fisher's, of a."""
@@ -634,16 +629,12 @@ class _Fit:
         along = np.array([1.0, self._noisy(own)[1]])
         return float(along @ matrix @ along)
 
-    def findings(self, step: float) -> list[Finding]:
+    def findings(self, step: float) -> Iterator[Finding]:
         """What speaks against a free bead with a steady drift."""
-        a, b, _ = self._own
-        ratios, means = self.steps.ratios(a, b)
-        found = []
+        ratios, means = self.steps.ratios(*self.own[:2])
         if self.contradicted:
-            text = (
-                f"{self.axis}: exposure and noise as given contradict the record: both are fitted"
-            )
-            found.append(Finding("noise", text))
+            text = "exposure and noise as given contradict the record: both are fitted"
+            yield Finding("noise", f"{self.axis}: {text}")
         tracks = len(set(self.of_track))
         slow = [tracks * each for each in _SLOW if tracks * each <= len(ratios) // 4]
         slow = slow or [max(len(ratios) // 4, 1)]
@@ -653,27 +644,22 @@ class _Fit:
         duration = self.steps.count * step
         if min(more) < IMPROBABLE / len(slow):
             n = slow[int(np.argmin(more))]
-            text = f"{self.axis}: its drift changes, slower than {n / (2 * duration):.2g} Hz"
-            found.append(Finding("drift", text))
+            text = f"its drift changes, slower than {n / (2 * duration):.2g} Hz"
+            yield Finding("drift", f"{self.axis}: {text}")
         elif min(less) < IMPROBABLE / len(slow):
             n = slow[int(np.argmin(less))]
-            text = (
-                f"{self.axis}: it moves less than a free bead over {2 * duration / n:.2g} s and "
-                "more: is it held?"
-            )
-            found.append(Finding("confined", text))
+            text = f"it moves less than a free bead over {2 * duration / n:.2g} s and more"
+            yield Finding("confined", f"{self.axis}: {text}: is it held?")
         elif self.p_value < REFUTED:
-            text = f"{self.axis}: its steps are not those of a free bead, blurred and with noise"
-            found.append(Finding("spectrum", text))
+            text = "its steps are not those of a free bead, blurred and with noise"
+            yield Finding("spectrum", f"{self.axis}: {text}")
         if 2 * float(ndtr(-abs(self.halves))) < IMPROBABLE / 10:
-            text = f"{self.axis}: its halves differ in how the bead diffuses"
-            found.append(Finding("halves", text))
-        return found
+            yield Finding("halves", f"{self.axis}: its halves differ in how the bead diffuses")
 
     @cached_property
     def p_value(self) -> float:
         """By the mean squares in bands of the spectrum, of which two parameters are fitted."""
-        ratios, means = (np.array_split(each, _BANDS) for each in self.steps.ratios(*self._own[:2]))
+        ratios, means = (np.array_split(each, _BANDS) for each in self.steps.ratios(*self.own[:2]))
         squares = sum(
             float(band.sum() - mean.sum()) ** 2 / (2 * float(mean.sum()))
             for band, mean in zip(ratios, means, strict=True)
@@ -683,23 +669,22 @@ class _Fit:
     @property
     def smoothed(self) -> bool:
         """Whether the bead moves less from sample to sample than an exposure of a step leaves."""
-        a, b, least = self._own
+        a, b, least = self.own
         rise = self.steps.misfit(a, a + math.log(_WHOLE_EXPOSURE)) - least
         return b - a < math.log(_WHOLE_EXPOSURE) and bool(chdtrc(1, max(rise, 0.0)) < IMPROBABLE)
 
     def result(self, step: float, given: Given) -> FreeAxis:
         """This axis, in public."""
-        a, b, least = self._own
-        information = self.information(self.best)
-        wider = 1 + self.tails * information / self.steps.count
+        a, b, least = self.own
+        wider = 1 + self.tails * self.information(self.best) / self.steps.count
         ends = _ends(lambda a: self._at(a)[0], a, least, _LEVEL * wider)
         unit = self.steps.square / (2 * step)
-        noise, limit = (
-            (None, None) if given.exposure is None else self._noise(given.exposure / step)
-        )
+        noise: tuple[float | None, float | None] = (None, None)
+        if given.exposure is not None:
+            noise = self._noise(given.exposure / step)
         return FreeAxis(
             self.axis, unit * math.exp(a), (unit * math.exp(ends[0]), unit * math.exp(ends[1])),
-            *self.by_covariance, *self._drift(a, b), noise, limit, self.p_value, self.jumps,
+            *self.by_covariance, *self._drift(a, b), *noise, self.p_value, self.jumps,
         )  # fmt: skip
 
     def _drift(self, a: float, b: float) -> tuple[float, float]:
@@ -713,10 +698,10 @@ class _Fit:
 
         exposure: over the step.
         """
-        A, B = map(math.exp, self._own[:2])
+        A, B = map(math.exp, self.own[:2])
         slopes = np.array([A * (exposure / 6 - 1 / 4), B / 4])
         square = float(slopes.sum())
-        covariance = np.linalg.pinv(self.steps.information(*self._own[:2]))
+        covariance = np.linalg.pinv(self.steps.information(*self.own[:2]))
         error = math.sqrt(float(slopes @ covariance @ slopes))
         unit = math.sqrt(self.steps.square)
         seen = unit * math.sqrt(square) if square > _SEEN * error else None
