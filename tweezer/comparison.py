@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 from scipy.special import fdtr, fdtrc, ndtr, ndtri, stdtr
 
-from tweezer.calibration.calibration import Calibration
+from tweezer.calibration.results import Calibration
 from tweezer.calibration.spectra import statistical_inefficiency
 from tweezer.results.io import load_result, scene_of
 from tweezer.results.run import Run

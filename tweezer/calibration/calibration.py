@@ -18,7 +18,7 @@ from tweezer.calibration.by_axis import ByAxis
 from tweezer.calibration.driving import Drive
 from tweezer.calibration.fits import Record
 from tweezer.calibration.free import Diffusion, Given, not_trapped
-from tweezer.calibration.results import AxisCalibration, Calibration, Estimate, SpectrumFit
+from tweezer.calibration.results import AxisCalibration, Calibration
 from tweezer.calibration.setup import Known, Setup
 from tweezer.calibration.wall import Height
 from tweezer.reading.recording import Recording, load_recording
@@ -27,16 +27,6 @@ from tweezer.values.units import QuantityLike
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = [
-    "AxisCalibration",
-    "Calibration",
-    "Estimate",
-    "SpectrumFit",
-    "calibrate",
-    "calibrated",
-    "in_metres",
-]
 
 
 def calibrate(

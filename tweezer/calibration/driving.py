@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 
 from tweezer.calibration.answers import Answer
 from tweezer.calibration.following import Followed, jumping
-from tweezer.calibration.spectra import power_spectrum
+from tweezer.calibration.spectra import power_spectrum, within
 from tweezer.values.arrays import Array, Complex
 
 #: Largest number of frequencies of a drive
@@ -84,7 +84,7 @@ def strongest_line(signal: Array, step: float, band: tuple[float, float]) -> flo
     windowed = hann(len(signal), sym=False) * signal
     size = np.abs(rfft(windowed))
     frequencies = np.arange(len(size)) / (len(signal) * step)
-    size[(frequencies < band[0]) | (frequencies > band[1]) | (frequencies == 0)] = 0.0
+    size[~within(frequencies, [band]) | (frequencies == 0)] = 0.0
     peak = int(size.argmax())
     return _refined(windowed, peak, step)[0] if peak else None
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from tweezer.calibration.answers import Answer
+from tweezer.calibration.spectra import within
 from tweezer.values.arrays import Array, Complex
 
 #: Part of a record over which both signals fade in and out, so that its ends do not count.
@@ -124,15 +125,10 @@ class Followed:
         still = still - _motion(stage, step, still, bead, bands.ends[noise])
         answers = []
         for i in np.flatnonzero(followed):
-            amplitude, error = bands.stage[i], bands.stage[i] * bands.uncertainty[i]
+            amplitude, error = float(bands.stage[i]), float(bands.stage[i] * bands.uncertainty[i])
             power = abs(bands.response[i] * amplitude) ** 2 - error**2
-            size = math.sqrt(max(power, error**2))
-            phase = cmath.phase(bands.response[i])
-            answers.append(
-                Answer(
-                    float(bands.frequencies[i]), float(amplitude), 0.0, size, float(error), phase
-                )
-            )
+            seen = math.sqrt(max(power, error**2)), error, cmath.phase(bands.response[i])
+            answers.append(Answer(float(bands.frequencies[i]), amplitude, 0.0, *seen))
         return cls(still, tuple(answers), tuple(bands.frequencies[noise].tolist()))
 
 
@@ -276,9 +272,7 @@ def _motion(stage: Array, step: float, signal: Array, bead: _Nearest, noise: Arr
     power = np.abs(waves) ** 2
     frequencies = np.arange(len(waves)) / (length * step)
     of_sensor = _white(power)
-    moves = _stands_out(power, of_sensor)
-    for first, last in noise:
-        moves &= (frequencies < first) | (frequencies > last)
+    moves = _stands_out(power, of_sensor) & ~within(frequencies, noise)
     waves[~moves] = 0.0
     waves[moves] *= 1 - of_sensor / power[moves]
     waves *= bead.moved(frequencies)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tweezer.calibration.driving import motion, strongest_line
-from tweezer.calibration.spectra import TrappedBead
+from tweezer.calibration.spectra import TrappedBead, within
 from tweezer.values.arrays import Array
 from tweezer.values.errors import ResultError
 from tweezer.values.printed import printed, signal_unit
@@ -79,9 +79,7 @@ class LeftOut:
     def refuse_too_much(self, name: str, samples: int, step: float) -> None:
         """Raise `ResultError` if too few frequencies are left for a fit."""
         frequencies = np.arange(1, (samples + 1) // 2) / (samples * step)
-        kept = np.ones(len(frequencies), bool)
-        for low, high in (*self.of_record(samples, step), *self.of_fit):
-            kept &= (frequencies < low) | (frequencies > high)
+        kept = ~within(frequencies, (*self.of_record(samples, step), *self.of_fit))
         if kept.sum() < min(LEAST_ORDINATES, len(frequencies)):
             raise ResultError(
                 f"{name}: leaves {kept.sum()} of {len(frequencies)} frequencies; must leave "
@@ -118,8 +116,7 @@ class LeftOut:
                     signal = signal - (moving - moving.mean())
             waves = rfft(signal)
             frequencies = np.arange(len(waves)) / (len(signal) * step)
-            for low, high in self.bands:
-                waves[(frequencies >= low) & (frequencies <= high) & (frequencies > 0)] = 0.0
+            waves[within(frequencies, self.bands) & (frequencies > 0)] = 0.0
             signal = irfft(waves, len(signal))
         return signal
 
@@ -129,8 +126,7 @@ class LeftOut:
         taken = self.cosines(samples, step)
         every = [(np.arange(1, taken + 1) / (2 * duration), 1 / (2 * duration))]
         fourier = np.arange(1, (samples + 1) // 2) / duration
-        for low, high in self.bands:
-            every.append((fourier[(fourier >= low) & (fourier <= high)], 1 / duration))
+        every += [(fourier[within(fourier, [band])], 1 / duration) for band in self.bands]
         rows = [
             (float(part.mean()), len(part) * width)
             for frequencies, width in every

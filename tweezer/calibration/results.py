@@ -172,12 +172,12 @@ class AxisCalibration(Result):
         """Return a row for each method, with its findings as numbers of notes, or as text."""
         rows = []
         for each in self.estimates:
-            k, error = ("-", "-") if each.undetermined else each.measured.cells
+            cells = ("-", "-") if each.undetermined else each.measured.cells
             judgement = each.doubt
             if notes is not None:
                 undetermined = "not determined" if each.undetermined else ""
                 judgement = "; ".join(filter(None, [undetermined, _mark(each.findings, notes)]))
-            rows.append((each.method, k, error, judgement))
+            rows.append((each.method, *cells, judgement))
         return Table((f"{self.axis}: stiffness by", "pN/um", "+-", ""), tuple(rows))
 
     def lines(self, unit: str, notes: Sequence[str]) -> Iterator[str]:
@@ -186,8 +186,7 @@ class AxisCalibration(Result):
         `unit` is the unit of the recording; the lines refer to the numbers of `notes`.
         """
         numbers, fit = self.numbers, self.free_fit
-        mark = _mark(self.findings, notes)
-        against = [mark] if mark else []
+        against = list(filter(None, [_mark(self.findings, notes)]))
         parts = [f"corner frequency {_determined(numbers['corner_frequency'])}"]
         if fit.drag_uncertainty is not None:
             parts.append(f"diffusion {_determined(numbers['diffusion'])}")

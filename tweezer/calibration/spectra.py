@@ -63,6 +63,14 @@ def power_spectrum(positions: Array, step: float, segments: int = 1) -> tuple[Ar
     return np.arange(1, mean.size + 1) / (length * step), mean
 
 
+def within(frequencies: Array, bands: Iterable[tuple[float, float]]) -> NDArray[np.bool_]:
+    """Return which frequencies are in one of the bands."""
+    found = np.zeros(frequencies.shape, bool)
+    for low, high in bands:
+        found |= (frequencies >= low) & (frequencies <= high)
+    return found
+
+
 def autocovariance(positions: Array, lags: NDArray[np.int64] | None = None) -> Array:
     """Return the autocovariance of a record about its mean.
 

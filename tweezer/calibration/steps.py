@@ -9,6 +9,7 @@ import numpy as np
 from scipy.fft import dst
 from scipy.optimize import minimize_scalar
 
+from tweezer.calibration.spectra import within
 from tweezer.values.arrays import Array
 
 #: Number of blocks of ordinates, evenly spaced in the logarithm of the frequency.
@@ -61,9 +62,7 @@ class Steps:
             ones = np.sqrt(2 / (n + 1)) / np.tan(angle / 2) * (np.arange(1, n + 1) % 2)
             ordinate = dst(piece, type=1, norm="ortho")
             frequency = angle / (2 * np.pi * step)
-            kept = np.ones(n, bool)
-            for low, high in without:
-                kept &= (frequency < low) | (frequency > high)
+            kept = ~within(frequency, without)
             rows.append(np.stack([angle, ordinate, ones, np.full(n, track)])[:, kept])
         angle, ordinate, ones, of = np.concatenate(rows, axis=1)
         order = np.argsort(angle, kind="stable")

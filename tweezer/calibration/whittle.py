@@ -14,7 +14,12 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import minimize
 
-from tweezer.calibration.spectra import TrappedBead, power_spectrum, statistical_inefficiency
+from tweezer.calibration.spectra import (
+    TrappedBead,
+    power_spectrum,
+    statistical_inefficiency,
+    within,
+)
 from tweezer.values.arrays import Array
 from tweezer.values.constants import Boltzmann
 
@@ -140,7 +145,7 @@ class Periodogram:
         n = frequencies.size
         edges = np.unique(np.geomspace(1, n + 1, min(_BLOCKS, n)).astype(int)) - 1
         starts = np.arange(n) if n <= _BLOCKS else edges[:-1]
-        used = (~_within(frequencies, without)).astype(np.float64)
+        used = (~within(frequencies, without)).astype(np.float64)
         counts = np.add.reduceat(used, starts)
         kept = counts > 0
         f, mean = (
@@ -172,7 +177,7 @@ class Periodogram:
         inside = np.concatenate([np.arange(first, last + 1) for first, last in runs])
         frequencies = inside / duration
         if self.without:
-            kept = ~_within(frequencies, self.without)
+            kept = ~within(frequencies, self.without)
             inside, frequencies = inside[kept], frequencies[kept]
         return frequencies, self.ordinates[inside - 1]
 
@@ -241,13 +246,6 @@ class Periodogram:
             return np.array([one.misfit(each) for one in self.beside])
 
         return self.differences(misfits, bead, free)
-
-
-def _within(frequencies: Array, bands: Sequence[tuple[float, float]]) -> NDArray[np.bool_]:
-    found = np.zeros(frequencies.shape, bool)
-    for low, high in bands:
-        found |= (frequencies >= low) & (frequencies <= high)
-    return found
 
 
 @dataclass(frozen=True)

@@ -167,7 +167,7 @@ def calibrate(
     setup = Setup(
         temperature=given.get("temperature"), wall=units.bare(wall), radius=given.get("radius"),
         viscosity=given.get("viscosity"), exposure=exposed, diode=diode, noise=units.bare(noise),
-        leave_out=leave_out or (), drift=drift, fit_range=fit_range,
+        leave_out=leave_out or (), drift=drift, fit_range=fit_range, **_masses(given),
     )  # fmt: skip
     loaded, tracks, few = _loaded(
         recordings, drive, skipped,
@@ -182,7 +182,7 @@ def calibrate(
         raise ResultError("--wall gives what --focus finds; must be one of them")
     for each in loaded:
         _check_known(each, given, asked)
-    _calibrate_traps(loaded, _with_masses(setup, given), focuses, out, plot, report)
+    _calibrate_traps(loaded, setup, focuses, out, plot, report)
 
 
 class _Focuses(NamedTuple):
@@ -194,13 +194,11 @@ class _Focuses(NamedTuple):
     """by how much the bead moves with it; None if that is fitted"""
 
 
-def _with_masses(setup: Setup, given: dict[str, float]) -> Setup:
-    """Return the setup with the masses of the bead and of the fluid in its place."""
+def _masses(given: dict[str, float]) -> dict[str, float]:
+    """Return the masses of the bead and of the fluid in its place, as far as given."""
     volume = 4 / 3 * math.pi * given.get("radius", 0.0) ** 3
-    bead, fluid = (
-        given[name] * volume if name in given else None for name in ("density", "fluid-density")
-    )
-    return dataclasses.replace(setup, mass=bead, displaced_mass=fluid)
+    names = {"density": "mass", "fluid-density": "displaced_mass"}
+    return {names[name]: given[name] * volume for name in names if name in given}
 
 
 def _loaded(
