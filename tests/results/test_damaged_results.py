@@ -198,6 +198,25 @@ def test_run_without_its_status_is_refused():
         tweezer.load_run("wrong.nc")
 
 
+@pytest.mark.parametrize("name", ["step", "seed"])
+def test_thermal_run_without_its_step_or_seed_is_refused(name):
+    run = tweezer.load_run(sound() / "thermal.nc")
+    del run.attrs[name]
+    run.to_netcdf("wrong.nc", engine="h5netcdf")
+    for read in (tweezer.view, tweezer.load_run):
+        with pytest.raises(tweezer.ResultError, match=f"it has no attribute {name}"):
+            read("wrong.nc")
+
+
+def test_run_with_a_position_beyond_all_reach_is_refused():
+    run = tweezer.load_run(sound() / "thermal.nc")
+    run["position"] = run["position"].copy(data=run["position"].values * 1e160)
+    tweezer.save_run(run, "wrong.nc")
+    for read in (tweezer.view, tweezer.load_run, lambda it: tweezer.compare(it, run)):
+        with pytest.raises(tweezer.ResultError, match="its position exceeds"):
+            read("wrong.nc")
+
+
 def test_dimension_with_a_long_name_is_refused_in_one_short_line():
     run = tweezer.load_run(sound() / "run.nc").rename(axis="[" * 3000)
     with pytest.raises(tweezer.ResultError, match=r"its position is over") as it:

@@ -66,57 +66,64 @@ def scenes() -> None:
     OUT.print(f"files to copy and change: {SHIPPED}", highlight=False, soft_wrap=True)
 
 
+# The options of `tweezer run`
+_OptionalScene = Annotated[
+    str | None,
+    typer.Argument(
+        help="Shipped scene or TOML file. Default with --continue-from: the scene of RUN.",
+        metavar="SCENE",
+        autocompletion=complete_scene,
+    ),
+]
+_Duration = Annotated[str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')]
+_Model = Annotated[
+    str | None,
+    typer.Option(
+        help=f"{', '.join(MODELS)}; by the tolerance if not given.", autocompletion=among(MODELS)
+    ),
+]
+_Method = Annotated[
+    str | None,
+    typer.Option(
+        help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
+        f"motion auto, {', '.join(each.name for each in methods(thermal=True))}.",
+        autocompletion=among(["auto", *METHODS]),
+    ),
+]
+_Thermal = Annotated[
+    bool, typer.Option("--thermal", help="Add thermal motion, and compute forces by a map.")
+]
+_Rate = Annotated[
+    str | None, typer.Option(help='Samples kept per second, e.g. "50 kHz".', metavar="RATE")
+]
+_Seed = Annotated[int | None, typer.Option(help="Seed of the thermal motion. Default: 0.")]
+_ContinueFrom = Annotated[
+    Path | None,
+    typer.Option(
+        help="NetCDF file of an earlier run, which goes on for the duration of SCENE. Its "
+        "model, method and time between samples are kept.",
+        metavar="RUN",
+    ),
+]
+_Out = Annotated[
+    Path | None,
+    typer.Option(help="NetCDF file to write. Default: SCENE.nc, or RUN-2.nc to continue RUN."),
+]
+
+
 @app.command()
 def run(
-    scene: Annotated[
-        str | None,
-        typer.Argument(
-            help="Shipped scene or TOML file. Default with --continue-from: the scene of RUN.",
-            metavar="SCENE",
-            autocompletion=complete_scene,
-        ),
-    ] = None,
-    duration: Annotated[
-        str | None, typer.Option(help='Time simulated: "20 ms", or seconds.')
-    ] = None,
-    model: Annotated[
-        str | None,
-        typer.Option(
-            help=f"{', '.join(MODELS)}; by the tolerance if not given.",
-            autocompletion=among(MODELS),
-        ),
-    ] = None,
-    method: Annotated[
-        str | None,
-        typer.Option(
-            help=f"auto, {', '.join(each.name for each in methods(thermal=False))}; with thermal "
-            f"motion auto, {', '.join(each.name for each in methods(thermal=True))}.",
-            autocompletion=among(["auto", *METHODS]),
-        ),
-    ] = None,
-    thermal: Annotated[
-        bool, typer.Option("--thermal", help="Add thermal motion, and compute forces by a map.")
-    ] = False,
-    rate: Annotated[
-        str | None, typer.Option(help='Samples kept per second, e.g. "50 kHz".', metavar="RATE")
-    ] = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the thermal motion. Default: 0.")
-    ] = None,
-    continue_from: Annotated[
-        Path | None,
-        typer.Option(
-            help="NetCDF file of an earlier run, which goes on for the duration of SCENE. Its "
-            "model, method and time between samples are kept.",
-            metavar="RUN",
-        ),
-    ] = None,
+    scene: _OptionalScene = None,
+    duration: _Duration = None,
+    model: _Model = None,
+    method: _Method = None,
+    thermal: _Thermal = False,
+    rate: _Rate = None,
+    seed: _Seed = None,
+    continue_from: _ContinueFrom = None,
     force: OwnForces = None,
     set: Changes = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="NetCDF file to write. Default: SCENE.nc, or RUN-2.nc to continue RUN."),
-    ] = None,
+    out: _Out = None,
     plot: FigureFile = None,
     overwrite: Overwrite = False,
 ) -> None:

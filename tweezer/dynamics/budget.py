@@ -99,10 +99,10 @@ def model_error(equations: EquationsOfMotion, run: Integration, position: Array)
     full = equations.name.startswith("full")
     if full and equations.remembers:
         return _without_wall(equations, run)
-    exact = unscaled(equations.problem)
-    if equations.drag.uniform and exact is not None:
-        return _compared(exact, run, position)[1]
-    off = 0.0 if full else _compared(exact, run, position)[1]
+    without_scaling = unscaled(equations.problem)
+    if equations.drag.uniform and without_scaling is not None:
+        return _compared(without_scaling, run, position)[1]
+    off = 0.0 if full else _compared(without_scaling, run, position)[1]
     return off + _lag(equations, run)
 
 

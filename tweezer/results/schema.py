@@ -25,6 +25,10 @@ Count = Annotated[int, Field(ge=0)]
 _VECTORS = {"axis": 3, "euler_parameter": 4, "body_axis": 3, "direction": 6}
 
 
+#: Upper bound on the coordinates of a bead, m. Statistics of larger ones overflow.
+_LARGEST_POSITION = 1e9
+
+
 class Event(BaseModel):
     """An event of a run."""
 
@@ -54,7 +58,7 @@ class _OfRun(_Attributes):
     summary: Json[dict[str, Any]] = {}
     other_forces: Count = 0
     seed: int | None = None
-    step: float | None = None
+    step: Annotated[float, Field(gt=0)] | None = None
 
 
 class _OfEnsemble(_Attributes):
@@ -187,6 +191,17 @@ def _of_times(dataset: xr.Dataset, _: Any) -> Iterable[str]:
         yield "it has no sample"
 
 
+def _of_run(dataset: xr.Dataset, about: _OfRun) -> Iterable[str]:
+    yield from _of_times(dataset, about)
+    if (np.abs(dataset["position"].values) > _LARGEST_POSITION).any():
+        yield f"its position exceeds {_LARGEST_POSITION:g} m"
+    scene = Scene.model_validate_json(about.scene)
+    if scene.forces.brownian and about.step is None:
+        yield "it has no attribute step, which a run with thermal motion has"
+    if scene.draws and about.seed is None:
+        yield "it has no attribute seed, which a run with random numbers has"
+
+
 def _of_ensemble(dataset: xr.Dataset, about: _OfEnsemble) -> Iterable[str]:
     yield from _of_times(dataset, about)
     if dataset.sizes["trajectory"] != about.trajectories:
@@ -305,7 +320,7 @@ _STATISTICS = {
 }
 #: By the name of the kind
 SCHEMAS: dict[str, Schema] = {
-    "run": Schema(_OfRun, _RUN, _of_times),
+    "run": Schema(_OfRun, _RUN, _of_run),
     "ensemble": Schema(_OfEnsemble, _ENSEMBLE, _of_ensemble),
     "statistics": Schema(_OfEnsemble, _STATISTICS, _of_statistics),
     "sweep": Schema(_OfSweep, {}, _of_sweep),

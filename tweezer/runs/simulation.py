@@ -202,10 +202,8 @@ def motion_of(
     problem, why = decided(bound_once(scene, forces))
     frames = Frames.of(problem.scene)
     scene, simulation = problem.scene, problem.scene.simulation
-    first, begin = (begun.sample, begun.begin) if begun else (0, None)
-    times = np.linspace(
-        begin.time if begin else 0.0, simulation.duration, simulation.samples - first
-    )
+    first, begin, since = (begun.sample, begun.begin, begun.begin.time) if begun else (0, None, 0.0)
+    times = np.linspace(since, simulation.duration, simulation.samples - first)
     approach = closest_approach(simulation.position_tolerance)
     approached = begun is not None and begun.approached
     looked_for = [*events, loss(simulation.loss_distance), *([] if approached else [approach])]
