@@ -22,7 +22,6 @@ import numpy as np
 
 import tweezer
 from tests.mutations import counted, pick
-from tweezer.cli.trap import _write_trap
 from tweezer.results.io import load_result, write_result
 
 SCENE = tweezer.load_scene("silica-1um").replace(
@@ -50,8 +49,7 @@ def sound() -> Path:
         tweezer.ensemble(THERMAL, 70, out=folder / name, statistics=name[0] == "s")
     tweezer.sweep(SCENE, {"bead.diameter": [0.5e-6, 1e-6]}, out=folder / "sweep.zarr", workers=1)
     trap = tweezer.characterise(SCENE)
-    _ = trap.lifetime
-    _write_trap(trap.scene, trap, folder / "trap.json")
+    tweezer.save(trap, folder / "trap.json")
     rng = np.random.default_rng(1)
     recording = tweezer.Recording(
         np.arange(2000) * 1e-4, rng.normal(size=(2000, 2)) * 1e-8, ("x", "y"), name="drawn"

@@ -13,6 +13,7 @@ from .optics import (
 from .plots.report import write_report
 from .reading import Recording, Track, load_recording, load_track
 from .results.io import load_run, save_run, scene_of
+from .results.saving import load, save
 from .runs import Summary, Tuned, Tuning, summarise, tune
 from .runs.simulation import simulate
 from .scene import Scene, load_scene, shipped_scenes
@@ -73,6 +74,7 @@ __all__ = [
     "fit",
     "fit_depth",
     "least_power",
+    "load",
     "load_recording",
     "load_run",
     "load_scene",
@@ -82,6 +84,7 @@ __all__ = [
     "optical_jacobian",
     "optical_torque",
     "potential",
+    "save",
     "save_run",
     "scene_of",
     "shipped_scenes",

@@ -9,7 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import tweezer
-from tweezer.cli.trap import _write_trap
 from tweezer.plots.scene import add_caveat, draw_cones
 from tweezer.trap.holding import Lifetime
 from tweezer.viewing import of_ensemble, of_sweep, of_trap, saved_trap
@@ -153,7 +152,7 @@ def test_a_saved_trap_is_the_trap(trap, tmp_path):
     trap, path = dataclasses.replace(trap), tmp_path / "trap.json"
     vars(trap)["lifetime"] = Lifetime(3600.0, 30.0, 1e-5)
     vars(trap)["lifetime_without_light"] = Lifetime(9.0, 0.1, 1e-5)
-    _write_trap(trap.scene, trap, path)
+    tweezer.save(trap, path)
     saved, version = saved_trap.load_trap(path)
     # Newton's method asked where the light has no force; the trap's error is of where it has one
     assert 0 < trap.force_error < 1e-6 * max(escape.force for escape in trap.escapes)

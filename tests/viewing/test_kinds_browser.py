@@ -13,7 +13,6 @@ from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 
 import tweezer
-from tweezer.cli.trap import _write_trap
 
 #: Equilibria of a sweep of one key, of which one is far off, m
 FAR_OFF = [[1e-7, 1.2e-7, 3e-4, 0.9e-7]]
@@ -24,7 +23,7 @@ MINUS = "\N{MINUS SIGN}"
 @pytest.fixture(scope="module")
 def pages(cloud, gathered, trap, diagram, tmp_path_factory):
     folder = tmp_path_factory.mktemp("pages")
-    _write_trap(trap.scene, trap, folder / "trap.json")
+    tweezer.save(trap, folder / "trap.json")
     curve = diagram.isel({"bead.diameter": [1]}).copy(deep=True)
     curve["equilibrium"].loc[{"axis": "z"}] = FAR_OFF
     given = {"cloud": cloud, "gathered": gathered, "trap": folder / "trap.json",

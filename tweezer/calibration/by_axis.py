@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, SupportsIndex, TypeVar, overload
+from typing import Any, Protocol, SupportsIndex, TypeVar, get_args, overload
+
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
 
 
 class _OfAxis(Protocol):
@@ -20,6 +23,13 @@ class ByAxis(tuple[T, ...]):
     """Results of several axes: `axes[0]`, or `axes["x"]`."""
 
     __slots__ = ()
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Read a list of results from a file."""
+        entry = handler.generate_schema(get_args(source)[0])
+        entries = core_schema.tuple_variable_schema(entry)
+        return core_schema.no_info_after_validator_function(cls, entries)
 
     @overload
     def __getitem__(self, key: str | SupportsIndex) -> T: ...

@@ -47,7 +47,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from tweezer.scene import Scene
-    from tweezer.trap import Trap
 
 
 @app.command()
@@ -97,7 +96,9 @@ def trap(
     _ = characterised.lifetime  # computed where it is asked for
     print_card(characterised.card())
     if out:
-        _write_trap(described, characterised, out)
+        from tweezer.trap.saved_trap import content_of
+
+        write_result(content_of(characterised), out)
     if plot:
         from tweezer.plots import trap_figure
 
@@ -217,21 +218,3 @@ def _print_heights(found: xr.Dataset) -> None:
             three(*at["corner_frequency"].values),
         ])  # fmt: skip
     print_rows(rows)
-
-
-def _write_trap(scene: Scene, characterised: Trap, path: Path) -> None:
-    from tweezer.values.version import __version__
-
-    trap = dataclasses.asdict(characterised)
-    del trap["scene"]
-    held = characterised.lifetime
-    trap["lifetime"] = held and dataclasses.asdict(held) | {"words": held.words}
-    trap["lifetime_caveat"] = characterised.lifetime_caveat
-    without = characterised.lifetime_without_light
-    trap["lifetime_without_light"] = without and dataclasses.asdict(without)
-    result = {
-        "tweezer_version": __version__,
-        "scene": scene.model_dump(mode="json", exclude_none=True),
-        "trap": trap,
-    }
-    write_result(result, path)

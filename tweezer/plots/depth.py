@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from tweezer.plots import style
 from tweezer.tracking.profile import LEVEL
+from tweezer.values.errors import ResultError
 from tweezer.values.prefixes import per
 
 if TYPE_CHECKING:
@@ -25,6 +26,11 @@ def depth_figure(track: Track, found: DepthFit) -> Figure:
     panels = figure.subplot_mosaic([["plane", "profile"], ["residuals", "depth"]])
     time = (track.times - found.start_time) * per("ms")
     path = found.path
+    if path is None:
+        raise ResultError(
+            "DepthFit: was loaded from a file of `tweezer fit-depth --out`, which has no path to "
+            "draw; use `tweezer.save` to keep it"
+        )
     plane, residuals = panels["plane"], panels["residuals"]
     for k, axis in enumerate("xy"):
         mark = style.AXES[axis]

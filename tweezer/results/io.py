@@ -99,19 +99,22 @@ def write_json(value: object, path: Path) -> None:
         whole.write(_as_json(value))
 
 
-def write_result(result: Mapping[str, Any], path: Path) -> None:
+def write_result(
+    result: Mapping[str, Any], path: Path, not_finite: Literal["null", "strings"] = "null"
+) -> None:
     """Write a result as JSON with a digest, by which `saved.read_json` notices a change.
 
-    See `write_json`.
+    See `write_json`. With `not_finite="strings"`, numbers that are not finite are written as "NaN",
+    "Infinity" and "-Infinity".
     """
     with replacing(path) as whole:
-        plain = json.loads(_as_json(result))
+        plain = json.loads(_as_json(result, not_finite))
         whole.write(_as_json(plain | {DIGEST: digest(plain)}))
 
 
-def _as_json(value: object) -> bytes:
+def _as_json(value: object, not_finite: Literal["null", "strings"] = "null") -> bytes:
     text = pydantic_core.to_json(
-        value, indent=2, inf_nan_mode="null", fallback=lambda array: array.tolist()
+        value, indent=2, inf_nan_mode=not_finite, fallback=lambda array: array.tolist()
     )
     return text + b"\n"
 

@@ -157,8 +157,8 @@ class DepthFit(Shown):
     """how probable residuals are that are as far from white"""
     profile: tuple[tuple[float, float], ...]
     """z, m, and least misfit with the start there; without starts that cannot be followed"""
-    path: Filtered
-    """at the best fit"""
+    path: Filtered | None = None
+    """at the best fit; None if it was loaded from a file of `tweezer fit-depth --out`"""
 
     def card(self) -> Card:
         """Start and interval, other minima, what else was fitted, what the residuals say."""

@@ -45,6 +45,7 @@ from tweezer.dynamics.integrators.system import SYSTEM, act, scratch
 from tweezer.dynamics.layout import POSITION, TRANSLATION
 from tweezer.dynamics.models import EquationsOfMotion
 from tweezer.values.errors import IntegrationError, SceneError
+from tweezer.values.vectors import Vector
 
 Array = NDArray[np.float64]
 
@@ -110,14 +111,14 @@ class Filtered(NamedTuple):
 
     log_likelihood: float
     """of the coordinates seen, in m"""
-    predicted: Array
+    predicted: Vector
     """(n, 3) m, what frames would show of the bead without noise, by the frames before"""
-    deviations: Array
+    deviations: Vector
     """(n, 3) m, standard deviations of that"""
-    residuals: Array
+    residuals: Vector
     """(n, c) what was seen less what was predicted, in its standard deviation: independent of each
     other, of mean 0 and variance 1, if the model holds; NaN for what is missing"""
-    weights: Array
+    weights: Vector
     """(n, c) the probability that it is the bead's; NaN for what is missing"""
 
 

@@ -17,6 +17,7 @@ from tweezer.trap.holding import Lifetime
 from tweezer.trap.trap import Trap
 from tweezer.values.errors import ResultError
 from tweezer.values.saved import kind_of, read_json
+from tweezer.values.version import __version__
 
 #: Entries of the file that are no fields of `Trap`
 _BESIDE = ("lifetime", "lifetime_caveat", "lifetime_without_light")
@@ -26,6 +27,26 @@ _NEWER: dict[str, Any] = {
 }  # fmt: skip
 #: Largest distance from the focus, m: no light holds a bead so far from it
 _FARTHEST = 1.0
+
+
+def content_of(trap: Trap) -> dict[str, Any]:
+    """Return the content of the file of a trap, with its lifetime."""
+    content = dataclasses.asdict(trap)
+    del content["scene"]
+    held, without = trap.lifetime, trap.lifetime_without_light
+    content["lifetime"] = held and dataclasses.asdict(held) | {"words": held.words}
+    content["lifetime_caveat"] = trap.lifetime_caveat
+    content["lifetime_without_light"] = without and dataclasses.asdict(without)
+    return {
+        "tweezer_version": __version__,
+        "scene": trap.scene.model_dump(mode="json", exclude_none=True),
+        "trap": content,
+    }
+
+
+def result_in(saved: Any, path: Path) -> Trap:
+    """Return the trap in the content of a file, as `tweezer.load` does."""
+    return trap_in(saved, path)[0]
 
 
 def load_trap(path: Path) -> tuple[Trap, str]:

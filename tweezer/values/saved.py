@@ -41,6 +41,12 @@ class Kind(NamedTuple):
     """the command that takes it, of what is no result"""
     endings: tuple[str, ...] = ()
     """of the names of files by which it is known, of what is no result"""
+    of: str = ""
+    """"MODULE:CLASS" of a result that is saved as JSON; "" for a dataset"""
+    within: str = ""
+    """key of the result in its file of JSON; "" if the file contains nothing else"""
+    reader: str = ""
+    """module with `content_of` and `result_in`; "" for a result whose fields are all of its file"""
 
     def way(self, name: str) -> str:
         """Return what can be done with the file of that name, to follow words that say its kind."""
@@ -57,14 +63,21 @@ KINDS = (
     Kind("ensemble", "an ensemble", ("scene", "trajectory", "position"), "ensemble", True),
     Kind("heights", "a trap over heights", ("scene", "height", "equilibrium")),
     Kind("run", "a run", ("scene", "status", "time"), "run", True),
-    Kind("trap", "a trap", ("scene", "trap"), "trap", True),
-    Kind("calibration", "a calibration", ("axes", "exposure"), compared=True),
-    Kind("together", "calibrations of several recordings", ("recordings", "together")),
-    Kind("surface", "calibrations that find a wall", ("recordings", "surface")),
-    Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood")),
-    Kind("depth", "a fit of the depth", ("minima", "parameters")),
-    Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon")),
-)
+    Kind("trap", "a trap", ("scene", "trap"), "trap", True,
+         of="tweezer.trap.trap:Trap", reader="tweezer.trap.saved_trap"),
+    Kind("calibration", "a calibration", ("axes", "exposure"), compared=True,
+         of="tweezer.calibration.results:Calibration"),
+    Kind("together", "calibrations of several recordings", ("recordings", "together"),
+         of="tweezer.calibration.together:Together", within="together"),
+    Kind("surface", "calibrations that find a wall", ("recordings", "surface"),
+         of="tweezer.calibration.surface:Surface", within="surface"),
+    Kind("fit", "a fit of keys", ("scene", "keys", "log_likelihood"),
+         of="tweezer.tracking.inference:SceneFit"),
+    Kind("depth", "a fit of the depth", ("minima", "parameters"),
+         of="tweezer.tracking.depth:DepthFit"),
+    Kind("tuning", "scaled runs beside the unscaled one", ("entries", "epsilon"),
+         of="tweezer.runs.tuning:Tuning"),
+)  # fmt: skip
 #: What is no result, and is known by the name of its file
 OTHERS = (
     Kind("recording", "a recording", (), command="calibrate", endings=RECORDINGS),

@@ -1,0 +1,169 @@
+"""Saving and loading of every kind of result of `tweezer.values.saved.KINDS`."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import math
+from pathlib import Path
+from types import NoneType
+from typing import Any, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel, TypeAdapter, ValidationError
+
+from tweezer.results.io import load_result, save_run, write_result
+from tweezer.results.schema import of_validation
+from tweezer.values.errors import ResultError
+from tweezer.values.saved import KINDS, Kind, check_ending, kind_of, read_json
+
+
+def save(result: Any, path: str | Path) -> Path:
+    """Save a result to a file, from which `load` returns it.
+
+    An existing file is replaced once the new one is complete. The file contains a digest, so that
+    `load` refuses a damaged file.
+
+    Parameters
+    ----------
+    result : Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
+        A result of `simulate`, `ensemble`, `sweep`, `trap_over_heights`, `characterise`,
+        `calibrate`, `find_wall`, `fit`, `fit_depth`, `tune` or `calibration.together`.
+    path : str or Path
+        Name of the file. It ends in `.nc` for a dataset and in `.json` for any other result.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    ResultError
+        If the result is of an unknown kind, the name has another ending, or the file cannot be
+        written.
+
+    Notes
+    -----
+    The lifetime of a trap is saved too, and is computed if it is not known yet.
+
+    Examples
+    --------
+    >>> import tweezer
+    >>> trap = tweezer.characterise(tweezer.load_scene("silica-1um"))
+    >>> tweezer.save(trap, "trap.json")
+    >>> tweezer.load("trap.json").reach == trap.reach
+    True
+    """
+    path = Path(path)
+    if hasattr(result, "attrs"):
+        if kind_of(result) is None:
+            raise ResultError(f"{path}: cannot be saved: the dataset is no result of tweezer")
+        return save_run(result, path)
+    first = result[0] if isinstance(result, tuple) and result else result
+    of = f"{type(first).__module__}:{type(first).__qualname__}"
+    kind = next((each for each in KINDS if each.of == of), None)
+    if kind is None:
+        raise ResultError(
+            f"{path}: cannot be saved: {type(first).__name__} is no result with files"
+        )
+    check_ending(path, ("json",))
+    if kind.reader:
+        content = importlib.import_module(kind.reader).content_of(result)
+    else:
+        content = _plain(result)
+    if kind.within:
+        content = dict.fromkeys(kind.marks, ()) | {kind.within: content}
+    write_result(content, path, not_finite="strings")
+    return path
+
+
+def load(path: str | Path) -> Any:
+    """Load a result from a file of `save`, or of `--out` of a command.
+
+    Parameters
+    ----------
+    path : str or Path
+        File (`.nc`, `.json`) or store (`.zarr`) of a result.
+
+    Returns
+    -------
+    Dataset, Trap, Calibration, Surface, SceneFit, DepthFit, Tuning or tuple of Together
+        The result, of the type that the function returned which computed it. A dataset in a store
+        is read when it is used.
+
+    Raises
+    ------
+    ResultError
+        If the file contains no result, is damaged, or lacks a value.
+
+    Notes
+    -----
+    A file of a command contains less than one of `save`:
+
+    * A number that is infinite or not known is null. It is loaded as NaN where a number is needed.
+    * The file of `tweezer fit-depth` lacks the predicted path: `DepthFit.path` is None.
+    * The file of `tweezer calibrate` for several recordings also contains their calibrations. Only
+      their means, or the wall that was found, are loaded.
+
+    Examples
+    --------
+    >>> import tweezer
+    >>> run = tweezer.simulate(tweezer.load_scene("silica-1um"), duration="1 ms")
+    >>> tweezer.save(run, "run.nc")
+    >>> tweezer.load("run.nc").identical(run)
+    True
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".json":
+        return load_result(path)
+    content = read_json(path)
+    kind = kind_of(content)
+    if kind is None or not kind.of:
+        raise ResultError(f"{path}: is no result that is known")
+    if kind.reader:
+        return importlib.import_module(kind.reader).result_in(content, path)
+    return _loaded(kind, content, path)
+
+
+def _plain(value: Any) -> Any:
+    """Return a result as dictionaries and lists, with the keys of a scene that are set."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json", exclude_none=True)
+    if dataclasses.is_dataclass(value):
+        return {each.name: _plain(getattr(value, each.name)) for each in dataclasses.fields(value)}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value
+
+
+def _loaded(kind: Kind, content: dict[str, Any], path: Path) -> Any:
+    """Return the result of a kind in the content of a file of JSON."""
+    module, name = kind.of.split(":")
+    of: Any = getattr(importlib.import_module(module), name)
+    saved = content[kind.within] if kind.within else content
+    if isinstance(saved, list):
+        of = tuple[of, ...]
+    try:
+        return TypeAdapter(of).validate_python(_with_nan(of, saved))
+    except ValidationError as error:
+        raise ResultError(
+            f"{path}: not {kind.told} as tweezer saves it: {of_validation(error)}"
+        ) from None
+
+
+def _with_nan(of: Any, saved: Any) -> Any:
+    """Return `saved` with NaN for null where its type needs a number."""
+    parts = [each for each in get_args(of) if each is not Ellipsis]
+    if NoneType in parts:
+        return None if saved is None else _with_nan(parts[0], saved)
+    if of is float and saved is None:
+        return math.nan
+    if dataclasses.is_dataclass(of) and isinstance(saved, dict):
+        types = get_type_hints(of)
+        return {name: _with_nan(types.get(name), each) for name, each in saved.items()}
+    collection = get_origin(of) or of
+    entries = isinstance(collection, type) and issubclass(collection, list | tuple)
+    if isinstance(saved, list) and entries and parts:
+        every = parts if len(parts) == len(saved) else parts[:1] * len(saved)
+        return [_with_nan(part, each) for part, each in zip(every, saved, strict=True)]
+    return saved
